@@ -7,8 +7,8 @@
 #   make check      everything that finds    make docs     redraw pictures, build the site
 #                   faults without a robot   make clean    remove what was built (not .venv)
 #
-# make check is the sum of: check-format check-lint check-types check-rules check-docs check-site check-subdirectory
-# check-wheel check-tidy check-sanitizers check-fuzz; each can be run alone. make soak adds check-tsan.
+# make check is the sum of: check-format check-lint check-types check-rules check-docs check-site check-proofs
+# check-subdirectory check-wheel check-tidy check-sanitizers check-fuzz; each can be run alone. make soak adds check-tsan.
 
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -33,7 +33,7 @@ CXX_FILES = $$(git ls-files --cached --others --exclude-standard '*.cc' '*.h')
 headline = printf '\n=== %s ===\n' "$(1)"
 
 .PHONY: build build-python setup demo test test-cc test-python check check-format check-lint check-types \
-  check-rules check-docs check-site site check-subdirectory check-wheel check-tidy check-sanitizers check-fuzz check-tsan check-tsan-cc \
+  check-rules check-docs check-site site check-proofs check-subdirectory check-wheel check-tidy check-sanitizers check-fuzz check-tsan check-tsan-cc \
   check-tsan-python wheel bench soak \
   soak-reliability soak-tests soak-debug soak-fuzz clean format docs
 
@@ -78,7 +78,7 @@ test-python: build
 	@scripts/fetch_test_robots
 	@$(PYTHON) -m pytest -n $(JOBS) --dist worksteal
 
-check: check-format check-lint check-rules check-docs check-types check-site check-subdirectory check-wheel check-tidy check-sanitizers check-fuzz
+check: check-format check-lint check-rules check-docs check-types check-site check-proofs check-subdirectory check-wheel check-tidy check-sanitizers check-fuzz
 	@$(call headline,make check: nothing found)
 
 check-format: setup
@@ -103,6 +103,11 @@ check-docs: setup
 check-site: build-python
 	@$(call headline,site and notebooks)
 	@$(build_site)
+
+# What a page promises and `make test` tries in a smaller form.
+check-proofs: build-python
+	@$(call headline,promises of the pages)
+	@$(PYTHON) -m pytest -q -m proof python/tests
 
 # Types come from the extension's stubs, so it is built first.
 check-types: build-python

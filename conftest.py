@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import os
+import shutil
 import signal
 import sys
 from collections.abc import Iterator
@@ -31,6 +32,8 @@ NEEDS = {"stable_baselines3": "test_sb3_learns.py", "torch": "test_torch_steps.p
 collect_ignore = [
     f"python/tests/{test}" for needed, test in NEEDS.items() if not importlib.util.find_spec(needed)
 ]
+if not shutil.which("chromium"):
+    collect_ignore.append("python/tests/test_report_browser.py")
 
 
 @pytest.fixture

@@ -1,6 +1,6 @@
 """What robocell wants to reach: floors that must be met, and aims. Data only.
 
-Rows are called P1 to P14, as in README.md; ratios are to peers of the same run. verdicts.py judges
+Rows are called P1 to P18, as in README.md; ratios are to peers of the same run. verdicts.py judges
 what RESULTS.md has of them.
 """
 
@@ -10,7 +10,7 @@ from dataclasses import replace
 
 from floor import Floor
 from kinematics_floors import KINEMATICS
-from measures import MORE_TIME, RATE, TIMES_AS_LONG
+from measures import MILLISECONDS, MORE_TIME, RATE, TIMES_AS_LONG
 
 TRIALS = 375  # an hour: the most that RoboCasa and MimicGen publish
 
@@ -186,13 +186,30 @@ EPISODES = (
     Floor("P14", "dataset writer, beside LeRobot 0.4.4", floor=8, aim=18),
     Floor("P14", "dataset writer, beside LeRobot's streaming", floor=2, aim=4.5),
 )
+# They join FLOORS with the first record of their section.
+POLICIES = tuple(
+    Floor(
+        "P18",
+        f"round trip to a policy server, {what}",
+        "policy_round_trip",
+        f"policy round trip, {what}, {{robot}}",
+        measure=MILLISECONDS,
+        floor=floor,
+        aim=aim,
+    )
+    for what, floor, aim in (
+        ("state only", 0.3, 0.1),
+        ("state and two 224x224 images", 2.0, 0.7),
+    )
+)
 # The same rows with the kernels of processors without AVX-512.
 NARROWED = tuple(
     replace(floor, section=f"{floor.section}_avx2") for floor in KINEMATICS if floor.section
 )
 FLOORS = tuple(
     sorted(
-        (*KINEMATICS, *NARROWED, *LOOPS, *SCENES, *EPISODES), key=lambda floor: int(floor.row[1:])
+        (*KINEMATICS, *NARROWED, *LOOPS, *SCENES, *EPISODES),
+        key=lambda floor: int(floor.row[1:]),
     )
 )
 

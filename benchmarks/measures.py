@@ -63,6 +63,9 @@ TIMES_AS_FAST = Measure(lambda row: row.speed, _times)
 TIMES_AS_LONG = Measure(_longer, lambda value: f"{value:.5g} times", higher_is_better=False)
 MORE_TIME = Measure(_longer, lambda value: f"{100 * (value - 1):+.1f} %", higher_is_better=False)
 RATE = Measure(lambda row: row.ours, lambda value: f"{value:,.0f}")
+MILLISECONDS = Measure(
+    lambda row: row.ours, lambda value: f"{value:.3g} ms", higher_is_better=False
+)
 SOLVED = Measure(_found(r"solved ([\d.]+)%"), _percent)
 P50 = Measure(_found(r"p50, p99 ([\d.]+),"), lambda value: f"{value:g} µs", higher_is_better=False)
 P99 = Measure(

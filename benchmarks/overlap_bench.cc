@@ -68,7 +68,8 @@ class Making {
           rollout.states.size(), std::vector<uint8_t>(size_t{3} * kWidth * kHeight));
       videos_.insert(videos_.end(), run_.cameras.streams.size(), frames);
     }
-    renderer_ = MakeRenderer({.quality = run_.cameras.renderer.quality});
+    renderer_ = MakeRenderer(
+        {.backend = run_.cameras.renderer.backend, .quality = run_.cameras.renderer.quality});
     Images();
   }
   const RunConfig& run() const { return run_; }

@@ -23,6 +23,7 @@ import env_step
 import episodes
 import ik
 import overlap
+import policy_round_trip
 import read_frames
 import render
 import reset
@@ -49,6 +50,7 @@ BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "render": render.rows,
     "overlap": overlap.rows,
     "episodes": episodes.rows,
+    "policy_round_trip": policy_round_trip.rows,
 }
 
 

@@ -24,8 +24,10 @@ foreach(kernel kinematics/lane_kernel kinematics/link_kernel kinematics/pose_ker
   set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/${kernel}.cc" PROPERTIES
     COMPILE_OPTIONS "-O3" SKIP_UNITY_BUILD_INCLUSION ON)
 endforeach()
-if(ROBOCELL_SANITIZE)  # -O3 takes three times as long to compile the instrumented one, and gains nothing that is asked for
-  set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/kinematics/pose_kernel.cc" PROPERTIES COMPILE_OPTIONS "")
+if(ROBOCELL_SANITIZE)  # -O3 takes many times as long to compile the instrumented ones, and gains nothing that is asked for
+  foreach(kernel lane_kernel pose_kernel)
+    set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/kinematics/${kernel}.cc" PROPERTIES COMPILE_OPTIONS "")
+  endforeach()
 endif()
 set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/media/yuv420.cc" PROPERTIES
   COMPILE_OPTIONS "-O2" SKIP_UNITY_BUILD_INCLUSION ON)
@@ -76,6 +78,18 @@ set_target_properties(robocell PROPERTIES
 set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/base/version.cc" PROPERTIES
   COMPILE_DEFINITIONS "ROBOCELL_VERSION=\"${PROJECT_VERSION}\"")
 
+# What is preloaded into ffmpeg, so that its start is paid once (media/warm_program.h). It lies beside the library, and is
+# code of no sanitizer, since ffmpeg has none.
+add_library(robocell_warm_start MODULE "${PROJECT_SOURCE_DIR}/src/robocell/media/warm_start.c")
+target_link_libraries(robocell_warm_start PRIVATE ${CMAKE_DL_LIBS})
+if(ROBOCELL_SANITIZE)
+  target_compile_options(robocell_warm_start PRIVATE -fno-sanitize=all)
+  target_link_options(robocell_warm_start PRIVATE -fno-sanitize=all)
+endif()
+set_target_properties(robocell_warm_start PROPERTIES PREFIX "" C_VISIBILITY_PRESET hidden
+  LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}")
+add_dependencies(robocell robocell_warm_start)
+
 # The same objects, with robocell::internal shown. Tests, and benchmarks of inner parts, link to it in place of librobocell.
 if(ROBOCELL_TESTS OR ROBOCELL_BENCHMARKS)
   add_library(robocell_for_tests SHARED $<TARGET_OBJECTS:robocell> $<TARGET_OBJECTS:robocell_waiting>)
@@ -85,4 +99,5 @@ if(ROBOCELL_TESTS OR ROBOCELL_BENCHMARKS)
   target_link_options(robocell_for_tests PRIVATE "LINKER:-Bsymbolic-functions")
   set_target_properties(robocell_for_tests PROPERTIES LINKER_LANGUAGE CXX BUILD_RPATH "${MUJOCO_DIR}"
     LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}")
+  add_dependencies(robocell_for_tests robocell_warm_start)
 endif()

@@ -1,4 +1,4 @@
-# One test program per layer, made from every *_test.cc in its folder; new files need no change here.
+# One test program per layer, made from every *_test.cc in its folder and those within it; new files need no change here.
 find_package(GTest REQUIRED)
 
 # What tests share: where the Menagerie is, how a test is skipped. Never part of the library.
@@ -59,7 +59,7 @@ endfunction()
 
 file(GLOB layers RELATIVE "${PROJECT_SOURCE_DIR}/src/robocell" CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/robocell/*")
 foreach(layer ${layers})
-  file(GLOB sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/robocell/${layer}/*_test.cc")
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/src/robocell/${layer}/*_test.cc")
   if(sources)
     robocell_test(${layer}_test ${sources})
   endif()

@@ -1,4 +1,4 @@
-"""Draws docs/sampler.png: starts that PickTaskSampler makes of examples/demo.yaml.
+"""Draws docs/sampler.png: starts that StartSampler makes of examples/demo.yaml.
 
 Left: where the robot's base stands, seen from above, with the target in the middle. Right: the
 distance and height of the base, beside what the run file asks for.
@@ -21,7 +21,7 @@ RUN = DOCS.parent / "examples" / "demo.yaml"
 
 def starts(run: rc.RunConfig) -> tuple[np.ndarray, np.ndarray, int]:
     """Base positions relative to the target (n, 3), their headings (n,), and what was refused."""
-    sampler = rc.tasks.PickTaskSampler(run)
+    sampler = rc.tasks.StartSampler(run)
     places, headings, refused = [], [], 0
     for episode in range(STARTS):
         start = sampler.sample(

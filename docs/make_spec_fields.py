@@ -6,6 +6,7 @@ From the declarations in src/robocell/spec, by way of the docstrings that Python
 from __future__ import annotations
 
 import enum
+import re
 import sys
 from pathlib import Path
 
@@ -73,12 +74,17 @@ def fields(spec: type) -> list[str]:
     ]
 
 
+def meaning(spec: type, name: str) -> str:
+    """The docstring of a field without the array's shape, which the default shows."""
+    text = " ".join(getattr(spec, name).__doc__.split())
+    return re.sub(r" Shape \(\d+,\)\.$", "", text)
+
+
 def table(spec: type) -> str:
     """One spec as a table."""
     empty = spec()
     lines = [
-        f"| `{name}` | {' '.join(getattr(spec, name).__doc__.split())} "
-        f"| {default(getattr(empty, name))} |"
+        f"| `{name}` | {meaning(spec, name)} | {default(getattr(empty, name))} |"
         for name in fields(spec)
     ]
     head = f"### {spec.__name__}\n{(spec.__doc__ or '').strip().splitlines()[0]}\n"

@@ -31,7 +31,7 @@ HEAD = f"""# Robots that pick
 
 {EPISODES} picks with each robot that has a run file in [`examples/`](../examples/), from that file
 without cameras, on {WORKERS} workers and {{cores}} CPU cores. The expert is the same for all.
-The page was written by
+Reproduce it with
 ```
 .venv/bin/python docs/robots_table.py
 ```

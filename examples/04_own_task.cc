@@ -76,7 +76,8 @@ class CubeOnTheFloor : public rc::TaskSampler {
 // Moves the closed gripper over, behind and against the cube, 15 mm per action.
 class Pusher : public rc::Expert {
  public:
-  explicit Pusher(std::string robot) : name_(std::move(robot)) {}
+  Pusher(const rc::RunConfig& run, const rc::EpisodeStart& /*start*/)
+      : name_(run.robot.config.name) {}
 
   void Begin(const rc::Scene& scene, rc::Rng& /*rng*/) override {
     const rc::Robot robot = rc::Robot::Of(scene, name_);
@@ -129,7 +130,10 @@ rc::RgbImage Strip(const rc::Episode& episode, const std::string& name) {
 
 int main(int argc, char** argv) try {
   const fs::path folder = argc > 1 ? argv[1] : fs::temp_directory_path() / "robocell_example_04";
+  rc::RegisterSampler("push", std::make_shared<rc::SamplerKindOf<CubeOnTheFloor>>());
+  rc::RegisterExpert("push", std::make_shared<rc::ExpertKindOf<Pusher>>());
   rc::RunConfig run{.run = "push"};
+  run.sampler = run.expert = "push";
   run.episodes_per_scene = 2;
   run.output = folder / "push";
   fs::remove_all(run.output);
@@ -142,12 +146,7 @@ int main(int argc, char** argv) try {
   run.cameras.resolution = {320, 240};
   run.cameras.streams = {{.name = "side", .camera = "side"}};
   rc::PrepareDataset(run);
-  rc::Runner runner(
-      run, {.sampler = [](const auto& config) { return std::make_shared<CubeOnTheFloor>(config); },
-            .expert =
-                [](const auto& config, const auto& /*start*/) {
-                  return std::make_shared<Pusher>(config.robot.config.name);
-                }});
+  rc::Runner runner(run);
   for (const rc::PlanItem& item : rc::MakePlan(run)) {
     const rc::ItemResult result = runner.Run(item);
     int refused = 0;

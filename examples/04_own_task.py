@@ -40,6 +40,7 @@ class Push(rc.tasks.Task):
         return ["cube"]
 
 
+@rc.register_sampler("push")
 class CubeOnTheFloor(rc.tasks.TaskSampler):
     """The robot, and a cube somewhere before it; what is too near is refused."""
 
@@ -65,6 +66,7 @@ class CubeOnTheFloor(rc.tasks.TaskSampler):
         return rc.tasks.EpisodeStart(scene, Push(), target_object="cube", object_kinds=["box"])
 
 
+@rc.register_expert("push")
 class Pusher(rc.tasks.Expert):
     """Leads the closed gripper over, behind and against the cube, 15 mm an action."""
 
@@ -114,7 +116,9 @@ def strip(episode: rc.data.Episode, camera: str) -> np.ndarray:
 
 def main(folder: Path) -> None:
     """Makes two episodes in `folder`/push, filmed from the side; draws `folder`/picture.png."""
-    run = rc.RunConfig(run="push", episodes_per_scene=2, output=str(folder / "push"))
+    run = rc.RunConfig(
+        run="push", sampler="push", expert="push", episodes_per_scene=2, output=str(folder / "push")
+    )
     shutil.rmtree(run.output, ignore_errors=True)
     run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))
     side = rc.render.CameraSpec(
@@ -125,7 +129,7 @@ def main(folder: Path) -> None:
     run.cameras.resolution = [320, 240]
     run.cameras.streams.append(rc.render.CameraConfig(name="side", camera="side"))
     rc.generate.prepare_dataset(run)
-    runner = rc.generate.Runner(run, sampler=CubeOnTheFloor, expert=Pusher)
+    runner = rc.generate.Runner(run)
     for item in rc.generate.make_plan(run):
         result = runner.run(item)
         print(f"{item.id}: {result.rows} rows, starts refused: {sum(result.refusals.values())}")

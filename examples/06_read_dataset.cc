@@ -50,7 +50,7 @@ double Play(const rc::Episode& episode) {
   const std::vector<double> ctrl = episode.Read<double>("control/ctrl");
   const std::vector<double> time = episode.Read<double>("control/time");
   const size_t nu = ctrl.size() / time.size(), ticks = time.size() / episode.rows();  // per row
-  const int steps = static_cast<int>(std::lround(time[1] / scene.timestep()));  // of the engine
+  const int steps = static_cast<int>(std::lround(time[1] / scene.timestep()));  // engine steps
   for (size_t tick = 0; tick < time.size() - ticks; ++tick) {
     std::copy_n(&ctrl[tick * nu], nu, scene.data()->ctrl);
     Require(scene.StepN(steps).ok(), "diverged");

@@ -37,7 +37,7 @@ rc::Scene Build() {
                             .mass = .1,
                             .friction = rc::Vec3{.8, .02, .001},
                             .pos = rc::Vec3{.5, .12 * i - .18, .03},
-                            .parked = true});  // of the pool, and outside after a reset
+                            .parked = true});  // in the pool, and outside the scene after a reset
   }
   spec.cameras.push_back({.name = "front",
                           .pos = rc::Vec3{1.3, .75, .85},

@@ -49,7 +49,7 @@ rc::Scene Build() {
   rc::SceneSpec spec{.name = "pour", .timestep = 0.002, .add_floor = true, .add_skybox = true};
   rc::RobotConfig config = rc::RobotConfig::Load(rc::assets::BuiltinRobotFile("rc7"));
   config.base = {};                                        // it needs no pedestal
-  config.home["arm"] = {0, .755, 0, 1.892, 0, -1.076, 0};  // with the hand level
+  config.home["arm"] = {0, .755, 0, 1.892, 0, -1.076, 0};  // keeps the hand level
   spec.robots.push_back({.name = "rc7", .config = config, .pos = {-.45, 0, .7}});
   spec.objects.push_back({.name = "table", .mjcf_path = "table", .pos = rc::Vec3{0, 0, .7}});
   spec.objects.push_back({.name = "bottle",

@@ -4,7 +4,11 @@ Reads the ``#include`` lines of src/robocell and python/bindings and prints ever
 ``file:line: reason``. Exit code 1 when there is any. It does not parse C++; an include inside
 ``#if 0`` counts too.
 
-Installed are the headers that robocell.h reaches (cmake/RobocellHeaders.cmake). They define nothing
+A function is defined in the layer that declares it, but for those of DEFINED_ABOVE.
+
+Installed are the headers that robocell.h reaches (cmake/RobocellHeaders.cmake). It includes none
+that only the bindings use: the documentation, an example or another public header names what each
+of them declares. They define nothing
 in ``robocell::internal``, whose names librobocell does not export: a class of it may be declared
 and then named. All other headers declare their names in ``robocell::internal``, except those that
 the bindings or only tests use.
@@ -44,6 +48,13 @@ TABLE: dict[str, str] = {
     "viewer": "+rollout",
 }
 
+# Functions that a layer declares and one above it defines, since reading a configuration needs the
+# kinds that only higher layers know: file of the declaration -> name. No other may be so.
+DEFINED_ABOVE = {
+    "src/robocell/spec/task_spec.h": "TaskKindRegistry",
+    "src/robocell/spec/scene_source_spec.h": "SceneSourceRegistry",
+}
+
 # Headers that cost seconds to parse or bind users to a library: in .cc files only.
 HEAVY = re.compile(
     r"Eigen/(Dense|Eigenvalues|SVD|QR|LU|Cholesky|Sparse)|yaml-cpp/|nlohmann/(?!json_fwd)|kdl/|hdf5|H5|spdlog/"
@@ -55,23 +66,39 @@ INTERNAL = (
     "robocell/spec/yaml_reader.h",
     "robocell/spec/yaml_writer.h",
 )
-# These headers know no concrete task or expert: `rollout`, the layers above it and the bindings
-# know them by their registries only.
+# These headers know no concrete task or expert: `rollout`, the layers above it, `env` and the
+# bindings know them by their registries only.
 BY_REGISTRY = {
     "task": {
         "task",
         "task_kind",
         "task_features",
+        "task_calls",
         "task_judge",
+        "task_sampler",
         "sampler_kind",
         "refusal",
+        "start_contents",
+        "start_sampler",
+        "start_turn",
         "base_placement",
     },
-    "expert": {"expert_kind"},
+    "expert": {"expert", "expert_kind"},
 }
-KNOW_NO_TASK = ("rollout", "diagnose", "viewer", "bindings")
+# Of data/, the layers between it and `rollout` know the types of the schema: a task knows nothing
+# of files.
+SCHEMA_TYPES = {"column", "episode_schema", "feature_schema"}
+KNOW_NO_FILES = ("features", "task", "expert", "env")
+KNOW_NO_TASK = ("env", "rollout", "diagnose", "viewer", "bindings")
 # The bindings of the concrete tasks and experts themselves.
-BIND_THEM = ("python/bindings/pick.cc",)
+BIND_THEM = ("python/bindings/pick.cc", "python/bindings/pick_fields.cc")
+# Layers below task/ cannot include a task; they may not name one either.
+NAME_NO_TASK = ("spec", "scene", "robot", "motion", "scenes", "features", *KNOW_NO_TASK)
+# A struct with the fields of a kind, and the kind.
+KIND_STRUCT = re.compile(
+    r'^struct (\w+) \{(?:(?!^\};).)*?\bkKind = "(\w+)";', re.DOTALL | re.MULTILINE
+)
+COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 KDL_LAYERS = ("kinematics", "bindings")
 # Headers that these reach are installed.
 ROOTS = ("robocell/robocell.h", "robocell/kinematics/kdl_bridge.h")
@@ -82,6 +109,7 @@ NO_CODE = re.compile(
     re.DOTALL | re.MULTILINE,
 )
 NAMESPACE = re.compile(r"(?:inline\s+)?namespace\s*([\w:]*)$")
+ANONYMOUS = "(anonymous)"
 FORWARD = re.compile(r"(?:class|struct|enum(?: class| struct)?) (\w+)(?: : [\w:]+)?")
 # A class within another, which has to be where the other one is.
 OF_A_CLASS = re.compile(r"(?:class|struct|enum(?: class| struct)?) \w+(?:::\w+)+\b")
@@ -148,6 +176,12 @@ def reason_against(path: Path, header: str) -> str | None:
                 f'{layer}/ may not include "{header}": it knows tasks and experts by their '
                 f"registries only ({', '.join(sorted(known))})"
             )
+    knows_schema = target == "data" and layer in KNOW_NO_FILES and not is_test
+    if knows_schema and Path(header).stem not in SCHEMA_TYPES:
+        return (
+            f'{layer}/ may not include "{header}": of data/ it knows the schema only '
+            f"({', '.join(sorted(SCHEMA_TYPES))})"
+        )
     if layer in ("bindings", "umbrella", "testing") or target in allowed(layer):
         return None
     may = ", ".join(sorted(allowed(layer) - {layer})) or "nothing of ours"
@@ -198,7 +232,7 @@ def declarations(text: str) -> Iterator[Declaration]:
                     names = [name for name in scopes if name]
                     yield Declaration(line, "::".join(names), head, is_forward)
                 if letter == "{":
-                    scopes.append(space.group(1) if space else None)
+                    scopes.append((space.group(1) or ANONYMOUS) if space else None)
                 elif letter == "}" and scopes:
                     scopes.pop()
             elif letter == "{":
@@ -243,14 +277,79 @@ def check_hidden(text: str) -> Iterator[tuple[int, str]]:
             yield declaration.line, f"'{declaration.text}': {reason}"
 
 
+def concrete_tasks(root: Path) -> dict[str, str]:
+    """The structs of fields in task/, and the C++ texts of their kinds; each with what it is."""
+    found = dict[str, str]()
+    for file in sorted((root / "src/robocell/task").glob("*.h")):
+        for struct, kind in KIND_STRUCT.findall(file.read_text()):
+            found[struct] = f"the fields of task '{kind}'"
+            found[f'"{kind}"'] = "the name of a task"
+    return found
+
+
+def check_tasks(root: Path, path: Path, tasks: dict[str, str]) -> Iterator[Finding]:
+    """Lines of a file that name a concrete task, in a layer that knows none."""
+    is_test = path.stem.endswith("_test") or "testing" in path.parts
+    if is_test or layer_of(path) not in NAME_NO_TASK or path.as_posix() in BIND_THEM:
+        return
+    code = COMMENT.sub(lambda match: "\n" * match.group().count("\n"), (root / path).read_text())
+    for number, line in enumerate(code.splitlines(), start=1):
+        for word in re.findall(r'"\w+"|\w+', line):
+            if word in tasks:
+                reason = f"{word} is {tasks[word]}: {layer_of(path)}/ knows tasks by registry only"
+                yield Finding(path, number, reason)
+
+
+# The beginning of a function that belongs to no class: "void InspectRobot(const".
+FUNCTION = re.compile(r"(?:\[\[\w+\]\] )?[\w:<>,*& ]+[\s*&](\w+)\(")
+
+
+def functions_of(file: Path) -> dict[str, int]:
+    """The functions that a file declares or defines for other files: name -> line."""
+    found = dict[str, int]()
+    for declaration in declarations(file.read_text()):
+        match = FUNCTION.match(declaration.text)
+        words = declaration.text.split("(")[0].split()
+        if declaration.namespace.endswith(ANONYMOUS):
+            continue
+        if match and not {"template", "operator", "=", "using", "struct", "class"} & set(words):
+            found[match.group(1)] = declaration.line
+    return found
+
+
+def check_definitions(root: Path) -> Iterator[Finding]:
+    """Functions that one layer defines and a lower one declares."""
+    folder = root / "src" / "robocell"
+    declared = dict[str, set[str]]()  # name -> layers
+    files = dict[tuple[str, str], Path]()
+    for file in sorted(folder.rglob("*.h")):
+        path = file.relative_to(root)
+        for name in functions_of(file):
+            declared.setdefault(name, set()).add(layer_of(path))
+            files[name, layer_of(path)] = path
+    for file in sorted(folder.rglob("*.cc")):
+        path = file.relative_to(root)
+        layer = layer_of(path)
+        if path.stem.endswith("_test") or layer not in TABLE:
+            continue
+        for name, line in functions_of(file).items():
+            layers = declared.get(name, set())
+            if not layers or layer in layers:
+                continue
+            for lower in sorted(layers & allowed(layer)):
+                where = files[name, lower]
+                if DEFINED_ABOVE.get(where.as_posix()) != name:
+                    yield Finding(path, line, f"{name} is declared in {where}: define it there")
+
+
 def includes_of(file: Path) -> set[str]:
     """The headers that a file includes."""
     matches = (INCLUDE.match(line) for line in file.read_text().splitlines())
     return {match.group(1) for match in matches if match}
 
 
-def check_names(root: Path) -> Iterator[Finding]:
-    """Names in the wrong one of the namespaces robocell and robocell::internal."""
+def installed_headers(root: Path) -> set[str]:
+    """The headers that ROOTS reach."""
     src = root / "src"
     waiting, installed = [name for name in ROOTS if (src / name).is_file()], set[str]()
     while waiting:
@@ -258,9 +357,51 @@ def check_names(root: Path) -> Iterator[Finding]:
         if name not in installed and (src / name).is_file():
             installed.add(name)
             waiting += [found for found in includes_of(src / name) if found.startswith("robocell/")]
-    bound = set[str]()
-    for file in (root / "python" / "bindings").rglob("*.[ch]*"):
-        bound |= includes_of(file)
+    return installed
+
+
+def bound_headers(root: Path) -> set[str]:
+    """The headers that the bindings include."""
+    files = (root / "python" / "bindings").rglob("*.[ch]*")
+    return {header for file in files for header in includes_of(file)}
+
+
+# What a C++ user reads: a header of which it says nothing is none of theirs.
+FOR_USERS = ("README.md", "docs/**/*.md", "examples/**/*.cc", "tests/integration/**/*.cc")
+DECLARED = re.compile(
+    r"(?:template ?<[^>]*> ?)?(?:class|struct|enum(?: class| struct)?|concept|using) (\w+)"
+)
+MACRO = re.compile(r"^#define (ROBOCELL_\w+)", re.MULTILINE)
+
+
+def check_for_users(root: Path) -> Iterator[Finding]:
+    """Headers that robocell.h includes and only the bindings use."""
+    src, umbrella = root / "src", root / "src" / "robocell" / "robocell.h"
+    if not umbrella.is_file():
+        return
+    read = "\n".join(file.read_text() for glob in FOR_USERS for file in sorted(root.glob(glob)))
+    words, files = set(re.findall(r"\w+", read)), set(re.findall(r"\w+\.h\b", read))
+    bound = bound_headers(root)
+    others = {
+        header
+        for name in installed_headers(root) - {"robocell/robocell.h"}
+        for header in includes_of(src / name)
+    }
+    for number, line in enumerate(umbrella.read_text().splitlines(), start=1):
+        header = match.group(1) if (match := INCLUDE.match(line)) else ""
+        if header not in bound or header in others or Path(header).name in files:
+            continue
+        text = (src / header).read_text()
+        names = set(functions_of(src / header)) | set(MACRO.findall(text))
+        names |= {m.group(1) for d in declarations(text) if (m := DECLARED.match(d.text))}
+        if not names & words:
+            reason = f"only the bindings use {header}: leave it out, or document what it is for"
+            yield Finding(umbrella.relative_to(root), number, reason)
+
+
+def check_names(root: Path) -> Iterator[Finding]:
+    """Names in the wrong one of the namespaces robocell and robocell::internal."""
+    src, installed, bound = root / "src", installed_headers(root), bound_headers(root)
     for file in sorted((src / "robocell").rglob("*.h")):
         name = file.relative_to(src).as_posix()
         if name in installed:
@@ -280,8 +421,11 @@ def check(root: Path) -> list[Finding]:
         for pattern in ("*.h", "*.cc")
         for file in sorted((root / folder).rglob(pattern))
     ]
+    tasks = concrete_tasks(root)
     found = [finding for file in files for finding in check_file(root, file)]
-    return found + list(check_names(root))
+    found += [finding for file in files for finding in check_tasks(root, file, tasks)]
+    found += [*check_names(root), *check_definitions(root)]
+    return found + list(check_for_users(root))
 
 
 def main() -> int:

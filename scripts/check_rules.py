@@ -10,6 +10,8 @@ break a rule says so itself: a comment with ``rule-ok:`` and the reason.
   global generators make results depend on history.
 - An actuator may have several inputs and outputs: its id counts neither, so what is per output is
   read by mujoco/actuators.h, and nothing but tests loops to ``nu``.
+- The hooks of a task are called by task/task_calls.h and task/task_judge.h alone, so that their
+  errors name the hook and its line everywhere.
 - Nothing in the repository names a path of somebody's machine.
 - A header that a comment or a page names is there.
 - A C++ source has a test that one finds by its name, ``scene.cc`` in ``scene_test.cc``, or stands
@@ -59,12 +61,21 @@ BY_ACTUATOR = re.compile(
     r"|\bfor\s*\([^;]*;[^;]*<\s*[\w.>()-]*->nu\s*;"
 )
 BY_ACTUATOR_FILES = re.compile(r"^src/robocell/mujoco/actuators\.h$|_test\.cc$")
+TASK_HOOK = re.compile(
+    r"\btask(?:_|\(\))?(?:->|\.)(?:Prepare|PrepareIn|Bind|Starts|Arrange|Begin|Judge|instruction|"
+    r"objects|resting_objects|subtasks|base_range|places|why_not_done|memory|Recall|CanRecall|"
+    r"HoldsElsewhere|CheckStart|kind_of|signals|Observe)\("
+)
+CALLS_TASK_HOOKS = re.compile(
+    r"^src/robocell/task/(task|task_calls|task_features|task_judge)\.cc$|_test\.cc$"
+    r"|^(?!src/robocell/|python/bindings/)"
+)
 MACHINE_PATH = re.compile(r"(?<![\w.~])/(?:home|root|work|Users|mnt|media)/\w")
 NAMED_HEADER = re.compile(r"(?<![<\w])(?:\w+/)*([\w-]+\.h)\b(?!>)")
 OTHERS_HEADERS = {"mujoco.h"}
 MARKER = "rule-ok:"
 ELSEWHERE = "scripts/tested_elsewhere.txt"
-MOST_ELSEWHERE = 58  # lower it with every test that is written
+MOST_ELSEWHERE = 35  # lower it with every test that is written
 
 
 @dataclass(frozen=True)
@@ -120,6 +131,12 @@ def python_chance(path: str, line: str) -> str | None:
     return match and f"'{match.group().strip()}': use a seeded numpy.random.Generator"
 
 
+def task_hooks(path: str, line: str) -> str | None:
+    """A hook of a task that is called without what makes its errors."""
+    match = None if CALLS_TASK_HOOKS.search(path) else TASK_HOOK.search(line)
+    return match and f"'{match.group()}': call hooks of tasks through task/task_calls.h"
+
+
 def machine_path(path: str, line: str) -> str | None:
     """An absolute path that exists on one machine only."""
     match = MACHINE_PATH.search(line)
@@ -137,7 +154,7 @@ def check_text(path: str, text: str) -> Iterator[Finding]:
     if path.endswith((".cc", ".h")):
         stripped = without_comments(text)
         code = stripped.splitlines()
-        rules = [quaternion_order, actuator_counts, cpp_chance]
+        rules = [quaternion_order, actuator_counts, cpp_chance, task_hooks]
         if USES_SPEC.search(stripped):
             rules.append(engine_strings)
     elif path.endswith(".py") and path.startswith("python/robocell/"):

@@ -11,14 +11,14 @@ ORDER = ("a", "b", "c")
 TABLE = "- commit: 1\n\n| what |\n|---|\n| x |"
 
 
-def test_sections_come_in_order_whatever_ran_first(tmp_path: Path):
+def test_sections_keep_their_order_in_any_order_of_runs(tmp_path: Path):
     path = tmp_path / "RESULTS.md"
     record(path, {"c": TABLE}, ORDER)
     record(path, {"a": "first\n"}, ORDER)
     assert list(sections(path.read_text())) == ["a", "c"]
 
 
-def test_only_what_ran_is_replaced(tmp_path: Path):
+def test_only_sections_that_ran_are_replaced(tmp_path: Path):
     path = tmp_path / "RESULTS.md"
     record(path, {"a": TABLE, "b": "old"}, ORDER)
     before = path.read_text()
@@ -33,7 +33,7 @@ def test_the_recorded_results_are_read_whole():
     assert sum(body.count("\n|") for body in sections(text).values()) == measured.count("\n|")
 
 
-def test_a_summary_of_all_sections_stands_above_them(tmp_path: Path):
+def test_a_summary_precedes_all_sections(tmp_path: Path):
     path = tmp_path / "RESULTS.md"
     record(path, {"a": TABLE, "c": TABLE}, ORDER, ", ".join)
     record(path, {"b": TABLE}, ORDER, ", ".join)

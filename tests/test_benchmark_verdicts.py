@@ -107,7 +107,7 @@ def could_be(printed: float) -> tuple[float, float]:
     return printed - half, printed + half
 
 
-def test_what_was_printed_lies_between_its_bounds():
+def test_a_printed_value_has_bounds_that_contain_the_original():
     for value in (1.0004, 9.9995, 12.6049, 0.0333333, 123456.0):
         low, high = could_be(float(f"{value:.4g}"))
         assert low <= value <= high
@@ -133,7 +133,7 @@ def test_peers_with_a_common_beginning_are_different():
     assert not row.has_peer("LMA")
 
 
-def test_numbers_of_a_note_are_ours():
+def test_reads_our_numbers_from_a_note():
     (row,) = recorded.rows(markdown([Row("r", "1/s", [1], [2], note=f"peer: x; {SOLVES}")]))
     assert [measure.of(row) for measure in (SOLVED, P50, P99)] == [99.4, 1.5, 2.8]
     (bare,) = recorded.rows(markdown([Row("r", "1/s", [1], [2], note="peer: x")]))
@@ -144,7 +144,7 @@ def test_numbers_of_a_note_are_ours():
     ("worst", "says"),
     [(1.005, "aim met"), (1.03, "floor met"), (1.05, "floor met"), (1.07, "**floor missed**")],
 )
-def test_the_worst_robot_counts(worst: float, says: str):
+def test_the_worst_robot_decides(worst: float, says: str):
     found = section(tick("a", 1, 1), tick("b", 100 * worst, 100))
     verdict = judge(floor_of(measure=MORE_TIME, floor=1.05, aim=1.01), found)
     assert verdict.says == says
@@ -172,7 +172,7 @@ def test_the_aim_is_that_of_the_instruction_set(where: str, says: str):
     ("unsolved", "says", "text"),
     [(0, "aim met", "100.00 %"), (2, "aim met", "99.99 %"), (3, "**floor missed**", "99.985 %")],
 )
-def test_what_is_solved_is_judged_to_the_last_target(unsolved: int, says: str, text: str):
+def test_the_solved_share_is_judged_to_the_last_target(unsolved: int, says: str, text: str):
     share = 1 - unsolved / BATCH
     note = f"peer: KDL-LMA; solved {Side('robocell batch', BATCH, solved=share).shares()} / 90.000%"
     verdict = judge(
@@ -183,18 +183,18 @@ def test_what_is_solved_is_judged_to_the_last_target(unsolved: int, says: str, t
     assert SOLVED.text(verdict.worst) == text
 
 
-def test_robots_that_are_not_meant_are_left_out():
+def test_excludes_other_robots():
     found = section(tick("a", 1, 30), tick("b", 1, 5))
     assert judge(floor_of(floor=10, not_meant=("b",)), found).values == {"a": 30}
 
 
-def test_only_rows_with_the_peer_count():
+def test_uses_only_rows_with_the_peer():
     found = section(tick("a", 1, 30), tick("a", 1, 5, "another"))
     assert judge(floor_of(peer="`mj_step`"), found).values == {"a": 30}
     assert judge(floor_of(peer="another"), found).values == {"a": 5}
 
 
-def test_what_is_not_measured_is_said():
+def test_reports_rows_that_are_not_measured():
     assert judge(floor_of(floor=10), {}).says == "not measured"
     assert judge(Floor("P0", "unheard of", floor=10), section(tick("a", 1, 30))).values == {}
     assert "of 0 aims 0; 1 rows are not measured" in summary({}, [floor_of(floor=10)])
@@ -235,7 +235,7 @@ def test_the_recorded_verdicts_are_those_of_the_recorded_sections():
 
 @pytest.mark.skipif(platform.machine() != "x86_64", reason="names of x86-64")
 class TestInstructionSet:
-    def test_all_that_highway_wants_is_needed(self):
+    def test_an_instruction_set_requires_all_features_of_highway(self):
         for name, needed in KERNELS.items():
             assert instruction_set(f"flags\t\t: fpu {' '.join(needed)}\n") == name
             for missing in needed:
@@ -243,7 +243,7 @@ class TestInstructionSet:
                 assert instruction_set(f"flags : {flags}") != name
         assert instruction_set("flags : fpu sse2") == "plain x86-64"
 
-    def test_it_is_what_highway_says(self):
+    def test_the_instruction_set_matches_highway(self):
         try:
             supported = ctypes.CDLL("libhwy.so.1")._ZN3hwy16SupportedTargetsEv
         except (OSError, AttributeError):
@@ -254,7 +254,7 @@ class TestInstructionSet:
         best = "AVX-512" if targets & avx3 else "AVX2" if targets & avx2 else "plain x86-64"
         assert instruction_set() == best
 
-    def test_peers_are_compiled_for_what_the_kernels_have(self, tmp_path):
+    def test_peers_are_compiled_for_the_instruction_set_of_the_kernels(self, tmp_path):
         asked = []
         with mock.patch("instruction_set.instruction_set", return_value="AVX-512"):
             with_avx2(lambda folder: asked.append(compiler_flags()) or [])(tmp_path)

@@ -18,7 +18,7 @@ def words_of_the_sources() -> set[str]:
     return {word for text in texts for word in re.findall(r"\w+", text)}
 
 
-def test_every_name_is_one_of_the_sources():
+def test_every_name_exists_in_the_sources():
     known = words_of_the_sources() | ELSEWHERE
     names = re.findall(r"`([^`]+)`", (ROOT / "CHANGELOG.md").read_text())
     assert len(names) > 40
@@ -34,3 +34,10 @@ def test_every_function_is_defined():
     found += re.findall(r"\b([A-Z]\w+)\(", headers)
     called = re.findall(r"`(\w+)\(", (ROOT / "CHANGELOG.md").read_text())
     assert set(called) - ELSEWHERE - set(found) == set()
+
+
+def test_a_release_is_short_and_so_are_its_lines():
+    lines = [line for line in (ROOT / "CHANGELOG.md").read_text().splitlines() if line[:2] == "- "]
+    assert [line for line in lines if len(line.split()) > 1 + 25] == []
+    first = (ROOT / "CHANGELOG.md").read_text().partition("## [0.1.0]")[2].partition("\n## ")[0]
+    assert first.count("\n- ") <= 80

@@ -26,10 +26,10 @@ def test_a_missing_file_and_a_missing_heading_are_found(tmp_path):
     ]
 
 
-def test_words_of_a_heading_keep_their_underscores():
+def test_anchors_keep_underscores():
     assert check_docs.anchor(" `control_loop` ") == "control_loop"
     assert check_docs.anchor("_Two_ *Words*") == "two-words"
 
 
-def test_the_picture_of_the_layers_is_that_of_the_rules():
+def test_the_diagram_of_layers_matches_the_rules():
     assert check_docs.outdated_pictures(ROOT) == []

@@ -18,11 +18,11 @@ def reasons(path: str, text: str) -> list[str]:
     return [finding.reason for finding in check_rules.check_text(path, text)]
 
 
-def test_this_repository_keeps_the_rules():
+def test_this_repository_follows_the_rules():
     assert [str(finding) for finding in check_rules.check(ROOT)] == []
 
 
-def test_the_names_of_the_engines_strings_are_those_of_its_header():
+def test_engine_string_names_match_the_header():
     header = (Path(mujoco.__file__).parent / "include/mujoco/mjspec.h").read_text()
     fields = set(re.findall(r"mjString(?:Vec)?\*\s+(\w+);", header)) - {"data", "target"}
     listed = set(check_rules.ENGINE_STRINGS.split("|")) - {"userdata"}
@@ -46,6 +46,14 @@ def test_dereferencing_an_engine_string_is_found(line):
     assert "use mjs_getString" in found[0]
 
 
+@pytest.mark.parametrize("line", ["starts = task_->Starts(rng);", "task().Arrange(scene, rng)"])
+def test_a_bare_call_of_a_hook_of_a_task_is_found(line):
+    (found,) = reasons("src/robocell/env/a.cc", line)
+    assert "through task/task_calls.h" in found
+    assert reasons("src/robocell/task/task_calls.cc", line) == []
+    assert reasons("examples/a.cc", line) == []
+
+
 @pytest.mark.parametrize(
     "line",
     [
@@ -57,7 +65,7 @@ def test_dereferencing_an_engine_string_is_found(line):
         "f(*body->name);  // rule-ok: this body is ours",
     ],
 )
-def test_other_uses_of_names_are_not(line):
+def test_other_uses_of_names_are_accepted(line):
     assert reasons("src/robocell/scene/a.cc", SPEC + line) == []
 
 
@@ -87,7 +95,7 @@ def test_counting_actuators_by_their_inputs_or_outputs_is_found(line):
         "std::copy_n(authored->gear, 6, actuator->gear);",
     ],
 )
-def test_other_uses_of_actuators_are_not(line):
+def test_other_uses_of_actuators_are_accepted(line):
     assert reasons("src/robocell/robot/a.cc", line) == []
 
 
@@ -119,11 +127,11 @@ def test_wxyz_stays_in_mujoco(path, line, count):
         ("python/robocell/a.py", "import random"),
     ],
 )
-def test_chance_from_elsewhere_is_found(path, line):
+def test_an_unseeded_generator_is_found(path, line):
     assert len(reasons(path, line)) == 1
 
 
-def test_a_seeded_generator_is_not():
+def test_a_seeded_generator_is_accepted():
     assert reasons("python/robocell/a.py", "rng = np.random.default_rng(seed)") == []
 
 
@@ -133,7 +141,7 @@ def test_a_path_of_one_machine_is_found_in_any_file(path):
 
 
 @pytest.mark.parametrize("text", ["~/work/x", "../work/x", "network/home/x", "/usr/share/x"])
-def test_other_paths_are_not(text):
+def test_other_paths_are_accepted(text):
     assert reasons("docs/a.md", text) == []
 
 
@@ -153,11 +161,11 @@ def test_a_source_has_a_test_of_its_name(tmp_path: Path):
     assert found == ["src/robocell/a/two.cc:1: no test of this name: write 'a/two_test.cc'"]
 
 
-def test_a_source_may_be_tested_elsewhere(tmp_path: Path):
+def test_a_source_can_be_tested_in_another_file(tmp_path: Path):
     assert sources(tmp_path, "a/one.cc", "b/two_test.cc", listed="a/one.cc: b/two_test.cc\n") == []
 
 
-def test_entries_that_err_are_named(tmp_path: Path):
+def test_invalid_entries_are_reported(tmp_path: Path):
     listed = "a/one.cc: b/gone_test.cc\na/gone.cc: a/one_test.cc\n"
     found = sources(tmp_path, "a/one.cc", "a/one_test.cc", listed=listed)
     assert found == [
@@ -193,6 +201,6 @@ def test_the_limit_is_the_length_of_the_list():
         ("scripts/a.py", "gone.h", []),
     ],
 )
-def test_headers_that_are_named_are_there(path: str, line: str, missing: list[str]):
+def test_named_headers_exist(path: str, line: str, missing: list[str]):
     found = check_rules.missing_headers(path, line, {"there.h"})
     assert [finding.reason for finding in found] == [f"there is no header '{n}'" for n in missing]

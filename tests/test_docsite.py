@@ -70,7 +70,9 @@ def page(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
 
 
 def test_a_header_page_begins_with_its_comment_and_example(page: str):
-    assert page.startswith("# thing.h\n\nA thing that turns. Angles are radians.")
+    assert page.startswith(
+        "# thing.h\n\n[All headers](../headers.md)\n\nA thing that turns. Angles are radians."
+    )
     assert "```cpp\nThing thing;\nthing.Turn(1);\n```" in page
 
 
@@ -113,7 +115,7 @@ def test_every_topic_exists_and_has_names():
         assert python_reference.public_names(python_reference.source(topic)), topic
 
 
-def test_markdown_of_the_web_becomes_that_of_the_site():
+def test_github_markdown_is_converted_for_the_site():
     written = "Text:\n- one\n  more\n- two\n  ```\n  code\n  ```\n| a |\n|---|\n```\n  kept\n```\n"
     assert markdown_dialect.for_python_markdown(written) == (
         "Text:\n\n- one\n    more\n- two\n\n    ```\n    code\n    ```\n\n"
@@ -130,7 +132,7 @@ def test_every_page_of_docs_is_in_the_navigation():
 
 
 @pytest.mark.parametrize("folder", ["package", "stubs", "examples", "models/arm"])
-def test_a_notebook_is_older_than_whatever_it_reads(
+def test_a_notebook_is_rebuilt_when_its_sources_change(
     folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     files = {"package": "a.py", "stubs": "_core.so", "examples": "a.yaml", "models/arm": "arm.xml"}
@@ -166,14 +168,14 @@ def test_the_navigation_names_each_notebook():
         assert f"notebooks/{notebook.stem}.md" in navigation
 
 
-def test_search_words_are_of_pages_that_exist():
+def test_search_words_refer_to_existing_pages():
     pages = [ROOT / "docs" / uri for uri in search_words.WORDS]
     assert [page for page in pages if not page.is_file()] == []
     folders = {uri for uri in search_words.BOOST if "." not in uri} - {"reference", "files"}
     assert [name for name in folders if not (ROOT / "docs" / name).is_dir()] == []
 
 
-def test_small_words_separate_words_and_names_stay_whole():
+def test_search_splits_words_and_keeps_names_whole():
     config = (ROOT / "mkdocs.yml").read_text()
     separator = re.compile(re.search(r"separator: '(.*)'", config)[1])
     words = [word for word in separator.split("How do I write a task") if word]

@@ -109,7 +109,7 @@ def machine(tmp_path: Path) -> Machine:
     return Machine(tmp_path)
 
 
-def test_python_packages_are_installed_once(machine: Machine):
+def test_installs_python_packages_once(machine: Machine):
     code, out, err = machine.setup()
     assert (code, err) == (0, "")
     assert "setup: ready" in out
@@ -143,13 +143,13 @@ def test_each_command_of_the_package_can_be_called(machine: Machine):
         assert "--dest" in said.stdout or "generate" in said.stdout
 
 
-def test_uv_takes_the_index_that_pip_is_told(machine: Machine):
+def test_uv_uses_the_package_index_of_pip(machine: Machine):
     machine.write("index", "https://mirror.example/simple\n")
     assert machine.setup()[0] == 0
     assert " --default-index https://mirror.example/simple " in machine.calls()[1]
 
 
-def test_what_uv_cannot_do_pip_does(machine: Machine):
+def test_falls_back_to_pip_when_uv_fails(machine: Machine):
     machine.write("uv-broken", "")
     code, _out, err = machine.setup()
     assert (code, err) == (0, "")
@@ -175,7 +175,7 @@ def test_without_permission_it_prints_the_command_and_stops(machine: Machine):
     assert machine.setup()[0] == 0
 
 
-def test_of_alternatives_that_one_is_asked_for_which_the_machine_knows(machine: Machine):
+def test_installs_the_alternative_that_the_package_manager_knows(machine: Machine):
     alternatives = next(line for line in lines() if " | " in line).lstrip("?").split(" | ")
     machine.has_all_but("cmake", alternatives[0])
     machine.write("unknown", alternatives[0])
@@ -184,7 +184,7 @@ def test_of_alternatives_that_one_is_asked_for_which_the_machine_knows(machine: 
     assert f"  {COMMAND}cmake\n" in machine.setup()[2]
 
 
-def test_what_is_optional_is_asked_for_once(machine: Machine):
+def test_optional_packages_are_reported_once(machine: Machine):
     machine.has_all_but("libosmesa6")
     code, out, err = machine.setup()
     assert (code, err) == (0, "")
@@ -196,7 +196,7 @@ def test_what_is_optional_is_asked_for_once(machine: Machine):
 
 
 @pytest.mark.parametrize("who", ["root", "sudo"])
-def test_with_permission_it_installs_what_is_missing(machine: Machine, who: str):
+def test_installs_missing_packages_with_permission(machine: Machine, who: str):
     if who == "root":
         machine.write("user", "0")
     else:
@@ -213,7 +213,7 @@ def test_with_permission_it_installs_what_is_missing(machine: Machine, who: str)
     assert machine.calls() == []
 
 
-def test_an_installation_that_fails_is_told(machine: Machine):
+def test_reports_a_failed_installation(machine: Machine):
     machine.write("user", "0")
     machine.write("broken", "")
     machine.has_all_but("cmake")
@@ -221,7 +221,7 @@ def test_an_installation_that_fails_is_told(machine: Machine):
     assert (code, err) == (1, "setup: apt-get update failed; see its message above\n")
 
 
-def test_check_says_what_is_missing_and_installs_nothing(machine: Machine):
+def test_check_lists_missing_packages_and_installs_nothing(machine: Machine):
     machine.write("user", "0")
     machine.has_all_but("cmake", "libeigen3-dev", "libosmesa6")
     code, out, err = machine.setup("--check")
@@ -245,7 +245,7 @@ def test_check_of_a_machine_that_is_ready_passes(machine: Machine):
     assert re.fullmatch(r"setup: ready \(\d+ s\)\n", out)
 
 
-def test_anything_else_is_a_wrong_use(machine: Machine):
+def test_rejects_unknown_arguments(machine: Machine):
     assert machine.setup("--chekc") == (2, "", "usage: scripts/setup [--check]\n")
     assert machine.calls() == []
 

@@ -47,7 +47,7 @@ def test_figures_are_summed_and_gaps_are_named():
     assert "| fuzzed: names | not run |  |" in text
 
 
-def test_what_did_not_run_this_time_keeps_its_figures_and_their_day():
+def test_parts_that_did_not_run_keep_their_figures_and_dates():
     first = soak_figures.table(soak_figures.figures(NOTES, LOGS), DAYS, "")
     later = {"": "2026-02-01", "fuzzed: names": "2026-02-02"}
     logs = {"names": "Done 7 runs in 9 second(s)\n"}
@@ -60,7 +60,7 @@ def test_what_did_not_run_this_time_keeps_its_figures_and_their_day():
     assert "| resets | not run |  |" in text
 
 
-def test_only_what_is_between_the_marks_is_replaced(tmp_path: Path):
+def test_replaces_only_the_text_between_the_marks(tmp_path: Path):
     page = tmp_path / "page.md"
     page.write_text(f"before\n{soak_figures.BEGIN}\nold\n{soak_figures.END}\nafter\n")
     soak_figures.write(page, "new")

@@ -15,7 +15,7 @@ from sklearn.ensemble import ExtraTreesRegressor
 import robocell as rc
 from robocell.envs import from_dataset
 
-DEMO = Path(__file__).resolve().parents[1] / "demo.yaml"
+DEMO = Path(__file__).resolve().parent.parent / "demo.yaml"
 SEEN = [
     "robots/rc7/tcp_pose_in_base",
     "robots/rc7/objects/target/pose_in_tcp",
@@ -23,7 +23,7 @@ SEEN = [
     "robots/rc7/opening",
     "robots/rc7/gripper/target",
 ]
-DONE = ["robots/rc7/action/tcp_twist", "robots/rc7/action/gripper"]
+DONE = ["robots/rc7/action/tcp_displacement", "robots/rc7/action/gripper"]
 CHUNK = 8  # actions that are taken before the policy looks again
 UNSEEN = 1000  # the first start that is evaluated; the dataset has those before 200
 

@@ -89,7 +89,7 @@ class Stacker : public rc::PickPlanner {
  private:
   static constexpr int kWait = 6;  // actions in a stop
   struct Stop {
-    Eigen::Vector3d place;  // of the TCP
+    Eigen::Vector3d place;  // position of the TCP
     double opening;
   };
   void PlanStops(const rc::Scene& scene) {
@@ -111,10 +111,6 @@ class Stacker : public rc::PickPlanner {
   rc::Pose tcp_, base_;
 };
 
-class StackKind : public rc::TaskKindOf<StackConfig, Stack> {
-  std::string expert() const override { return StackConfig::kKind; }
-};
-
 class StackerKind : public rc::ExpertKind {
   std::shared_ptr<rc::Expert> Make(const rc::RunConfig& run,
                                    const rc::EpisodeStart& start) const override {
@@ -123,7 +119,7 @@ class StackerKind : public rc::ExpertKind {
 };
 
 void Register() {
-  rc::RegisterTask<StackConfig>(std::make_shared<StackKind>());
+  rc::RegisterTask<StackConfig>(std::make_shared<rc::TaskKindOf<StackConfig, Stack>>());
   rc::RegisterExpert(StackConfig::kKind, std::make_shared<StackerKind>());
 }
 

@@ -36,7 +36,7 @@ bool IsOfThisCall(nb::handle function, const nb::python_error& error) {
 struct Named {
   std::string name;  // "Scene.step_n", "Pose"
   bool is_constructor = false, is_setter = false;
-  Asked self = {};  // of the object whose function it is
+  Asked self = {};  // object whose function it is
   bool takes_handles = false;
 };
 
@@ -74,7 +74,7 @@ void Explain(PyObject* function, PyObject* const* given, size_t count, PyObject*
     PyErr_SetObject(PyExc_TypeError, message.ptr());
   } catch (nb::python_error& error) {
     (error.matches(PyExc_Exception) ? mismatch : error).restore();  // Ctrl-C does not explain it
-  } catch (const nb::builtin_exception& error) {                    // of RequireInitialised
+  } catch (const nb::builtin_exception& error) {                    // raised by RequireInitialised
     PyErr_SetString(PyExc_TypeError, error.what());
   } catch (const std::exception&) {
     mismatch.restore();

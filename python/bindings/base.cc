@@ -8,6 +8,7 @@
 #include "bindings.h"
 #include "handles.h"
 #include "python_owner.h"
+#include "raised.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/hook_error.h"
@@ -54,6 +55,18 @@ PyObject* ClassOf(HookError::Kind kind) {
   return classes.error;
 }
 
+// Gives the exception that is raised the one of Python code, around which `error` may be nested, as
+// its cause.
+void ChainCause(const Error& error) {
+  try {
+    std::rethrow_if_nested(error);
+  } catch (const PythonHookError& cause) {
+    cause.BecomeCause();
+  } catch (const std::exception&) {
+    return;  // the text says it
+  }
+}
+
 void Translate(const std::exception_ptr& p, void*) {
   try {
     std::rethrow_exception(p);
@@ -61,6 +74,8 @@ void Translate(const std::exception_ptr& p, void*) {
     Raise(classes.spec, e.what());
   } catch (const NotFoundError& e) {
     Raise(classes.not_found, e.what());
+  } catch (const PythonHookError& e) {
+    e.Restore();
   } catch (const HookError& e) {
     Raise(ClassOf(e.kind()), e.what());
   } catch (const ArgumentError& e) {
@@ -75,6 +90,7 @@ void Translate(const std::exception_ptr& p, void*) {
     Raise(classes.io, e.what());
   } catch (const Error& e) {
     Raise(classes.error, e.what());
+    ChainCause(e);
   }
 }
 
@@ -83,7 +99,7 @@ void Translate(const std::exception_ptr& p, void*) {
 void SetCaughtError() {
   try {
     Translate(std::current_exception(), nullptr);
-  } catch (nb::python_error& error) {  // of a user's own group
+  } catch (nb::python_error& error) {  // raised by a user's own group
     error.restore();
   } catch (const std::exception& error) {
     PyErr_SetString(PyExc_RuntimeError, error.what());
@@ -91,19 +107,59 @@ void SetCaughtError() {
 }
 
 void BindBase(nb::module_& m) {
-  classes.error = NewClass(m, "Error", "Base of everything robocell raises.", PyExc_RuntimeError);
-  classes.spec = NewClass(m, "SpecError", "A spec or file is wrong; lists every problem found.",
-                          classes.error, PyExc_ValueError);
-  classes.not_found = NewClass(m, "NotFoundError", "The requested name does not exist.",
-                               classes.error, PyExc_LookupError);
-  classes.argument = NewClass(m, "ArgumentError", "An argument has the wrong shape, range or kind.",
-                              classes.error, PyExc_ValueError);
+  classes.error = NewClass(
+      m, "Error",
+      "Base of everything robocell raises."
+      "\n\nExamples:\n"
+      "    >>> try:\n"
+      "    ...     scene.site_pose(\"tpc\")\n"
+      "    ... except rc.Error as error:\n"
+      "    ...     print(error)\n"
+      "    scene 'cell': no site 'tpc'. Its sites: attachment_site, tcp. Did you mean 'tcp'?",
+      PyExc_RuntimeError);
+  classes.spec =
+      NewClass(m, "SpecError",
+               "A spec or file is wrong; lists every problem found."
+               "\n\nExamples:\n"
+               "    >>> try:\n"
+               "    ...     rc.SceneSpec(timestep=0, add_floor=True, add_skybox=True).validate()\n"
+               "    ... except rc.SpecError as error:\n"
+               "    ...     print(error)\n"
+               "    SceneSpec is not valid: timestep: 0 must be greater than 0",
+               classes.error, PyExc_ValueError);
+  classes.not_found =
+      NewClass(m, "NotFoundError",
+               "The requested name does not exist."
+               "\n\nExamples:\n"
+               "    >>> try:\n"
+               "    ...     scene.robot(\"art\")\n"
+               "    ... except rc.NotFoundError as error:\n"
+               "    ...     print(error)\n"
+               "    scene 'cell': no robot 'art'. Its robots: arm. Did you mean 'arm'?",
+               classes.error, PyExc_LookupError);
+  classes.argument =
+      NewClass(m, "ArgumentError",
+               "An argument has the wrong shape, range or kind."
+               "\n\nExamples:\n"
+               "    >>> try:\n"
+               "    ...     robot.fk_frame([0, 0.3])\n"
+               "    ... except rc.ArgumentError as error:\n"
+               "    ...     print(error)\n"
+               "    chain 'base_link' -> site 'tcp': q: expected 7 joint values, got 2",
+               classes.error, PyExc_ValueError);
   classes.closed =
       NewClass(m, "ClosedError", "The object was closed or removed from its scene.", classes.error);
   classes.diverged = NewClass(m, "DivergedError", "The simulation diverged.", classes.error);
   classes.engine = NewClass(m, "EngineError", "MuJoCo reported an error.", classes.error);
-  classes.io = NewClass(m, "IoError", "A file, folder or child process failed.", classes.error,
-                        PyExc_OSError);
+  classes.io = NewClass(m, "IoError",
+                        "A file, folder or child process failed."
+                        "\n\nExamples:\n"
+                        "    >>> try:\n"
+                        "    ...     rc.Dataset(\"nowhere\")\n"
+                        "    ... except rc.IoError as error:\n"
+                        "    ...     print(str(error).split(\". \")[0])\n"
+                        "    no dataset 'nowhere': there is no such folder",
+                        classes.error, PyExc_OSError);
   nb::register_exception_translator(Translate);
   nb::module_::import_("atexit").attr("register")(nb::cpp_function(&ReleaseHeld));
   m.attr("__version__") = std::string(Version());
@@ -114,7 +170,7 @@ void BindBase(nb::module_& m) {
       },
       nb::arg("path"), nb::arg("content"),
       "Replaces a file in one step: the old content or the new, never half, and on the disk. "
-      "IoError names path and reason.");
+      "Raises IoError with path and reason.");
   m.def(
       "load_plugin", [](const std::filesystem::path& path) { return LoadPlugin(path.string()); },
       nb::arg("path"),

@@ -35,7 +35,8 @@ void BindRender(nb::module_& m);        // images and videos
 void BindTask(nb::module_& m);          // tasks and experts
 void BindSampler(nb::module_& m);       // starts of episodes
 void BindSceneSources(nb::module_& m);  // sources of scenes
-void BindPick(nb::module_& m);          // the pick task: judge, sampler, expert
+void BindPick(nb::module_& m);          // the pick task and the scripted planners
+void BindStartSampler(nb::module_& m);  // starts of any task, stage by stage
 void BindFeatures(nb::module_& m);      // observations and commands of cells
 void BindRunEnv(nb::module_& m);        // cells of runs, step by step
 void BindTaskKinds(nb::module_& m);     // kinds of tasks

@@ -290,6 +290,36 @@ void BindChain(nb::module_& m) {
           "PyKDL is missing.")
       .def_prop_ro("n_joints", &Chain::n_joints, "Number of joints, n.")
       .def_prop_ro("joint_names", &Chain::joint_names, "Names of the joints, in chain order.")
+      .def_prop_ro(
+          "followers",
+          [](const Chain& chain) {
+            nb::dict names;
+            for (const ChainFollower& follower : chain.followers()) {
+              names[nb::cast(follower.joint.name)] =
+                  follower.leader < 0 ? nb::none()
+                                      : nb::object(nb::cast(chain.joints()[follower.leader].name));
+            }
+            return names;
+          },
+          nb::sig("def followers(self) -> dict[str, str | None]"),
+          "Joints that follow those of the chain by equality constraints, with the name of their "
+          "leader; None for a joint that is held in place. They have no values of their own in q.")
+      .def_prop_ro(
+          "link_joint_names",
+          [](const Chain& chain) {
+            std::vector<std::string> names;
+            for (const ChainJoint& joint : chain.link_joints()) names.push_back(joint.name);
+            return names;
+          },
+          "Names of the joints and their followers, in the order of the links.")
+      .def(
+          "expand",
+          [](const Chain& chain, nb::handle q) {
+            const Numbers values(q, FieldPath("q"));
+            return NumberCopy(chain.Expand(values));
+          },
+          "q"_a, nb::sig("def expand(self, q: object) -> numpy.typing.NDArray[numpy.float64]"),
+          "Returns the values of `link_joint_names` for q (n,). PyKDL chains take these.")
       .def_prop_ro("joint_limits", &Limits,
                    "Limits (n, 2), rad or m; infinite for joints without limits.")
       .def_prop_ro("base_body", &Chain::base_body,

@@ -13,7 +13,7 @@ namespace robocell::python {
 
 // Returns a Pose, or poses as (B, 4, 4).
 nb::object FkOf(const Chain& chain, nb::handle q, nb::handle out);
-// Also writes the poses of FkOf into `tips`, unless it is None.
+// Returns Jacobians, and writes the poses of FkOf into `tips`, unless it is None.
 nb::object JacobianOf(const Chain& chain, nb::handle q, nb::handle out, nb::handle tips);
 nb::object MassMatrixOf(const Chain& chain, nb::handle q, nb::handle out);
 // Gravity is in the base frame, (3,) or (B, 3).

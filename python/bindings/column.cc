@@ -10,6 +10,7 @@
 
 #include "arrays.h"
 #include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell::python {
 
@@ -30,9 +31,9 @@ bool IsConstant(const Column& column) { return column.info->table.empty(); }
 int64_t RowAt(const Column& column, int64_t index) {
   const int64_t rows = column.info->rows;
   if (index >= -rows && index < rows) return index < 0 ? index + rows : index;
-  throw nb::index_error(fmt::format("{}: no row {} of '{}', it has {} rows",
+  throw nb::index_error(fmt::format("{}: no row {} of '{}', it has {}",
                                     column.episode->folder().string(), index,
-                                    column.info->spec.name, rows)
+                                    column.info->spec.name, Counted(rows, "row"))
                             .c_str());
 }
 
@@ -61,15 +62,15 @@ Chosen RowsOfArray(const Column& column, nb::handle key) {
   const auto kind = nb::cast<std::string>(wanted.attr("dtype").attr("kind"));
   if (kind == "b") {
     if (size != column.info->rows) {
-      throw nb::index_error(fmt::format("{} truth values for the {} rows of '{}'", size,
-                                        column.info->rows, column.info->spec.name)
+      throw nb::index_error(fmt::format("{} for the {} of '{}'", Counted(size, "truth value"),
+                                        Counted(column.info->rows, "row"), column.info->spec.name)
                                 .c_str());
     }
     wanted = Numpy("flatnonzero")(wanted);
   } else if (size > 0 && kind != "i" && kind != "u") {
     throw nb::type_error(
         fmt::format("rows of '{}' are chosen by integers, slices and arrays of integers or truth "
-                    "values; what is known of the column are attributes, such as .units",
+                    "values; its properties are attributes, such as .units",
                     column.info->spec.name)
             .c_str());
   }
@@ -123,7 +124,8 @@ std::string Repr(const Column& column) {
   std::string text = fmt::format("<Column '{}': {}", spec.name, NameOf(spec.type));
   if (!spec.shape.empty()) text += fmt::format(" ({})", fmt::join(spec.shape, ", "));
   if (!spec.units.empty()) text += ", " + spec.units;
-  return text + (IsConstant(column) ? ", constant>" : fmt::format(", {} rows>", column.info->rows));
+  return text + (IsConstant(column) ? ", constant>"
+                                    : fmt::format(", {}>", Counted(column.info->rows, "row")));
 }
 
 }  // namespace

@@ -201,7 +201,7 @@ void BindDifferentialIk(nb::module_& m) {
                    "Rate at which redundant joints approach the posture, as a share of the "
                    "distance per second; 0 leaves them at rest.")
       .def_prop_ro("slower", &C::slower,
-                   "Whether the leaf frame moves slower than its last target twist.");
+                   "True if the TCP moves slower than its last target twist.");
 }
 
 }  // namespace
@@ -222,7 +222,7 @@ void BindControllers(nb::module_& m) {
           [](Controller& c, nb::handle target) { c.SetTarget(ToRow(target, "target")); },
           nb::for_getter(nb::sig("def target(self, /) -> numpy.typing.NDArray[numpy.float64]")),
           nb::for_setter(nb::sig("def target(self, value: object, /) -> None")),
-          "A copy of the target; its meaning depends on the kind.")
+          "A copy of the target (n,); its meaning depends on the kind.")
       .def("reset", &Controller::Reset, "Drops the target and holds the present position.");
   BindJointImpedance(m);
   BindCartesianPose(m);
@@ -244,7 +244,8 @@ void DefControl(nb::class_<Robot>& robot) {
           [](Robot& r, nb::handle q) { r.SetJntPosCmd(ToRow(q, "jnt_pos_cmd")); },
           nb::rv_policy::automatic, nb::for_setter(nb::arg("q").none()),
           nb::for_setter(nb::sig("def jnt_pos_cmd(self, q: object, /) -> None")),
-          "Joint position targets of the arm, rad or m: a view that you can write in place, and "
+          "Joint position targets (n,) of the arm, rad or m: a view that you can write in place, "
+          "and "
           "that stays valid when the mode changes. It drives the arm in position mode; values "
           "written in another mode count after the switch. Values beyond a joint's limits drive it "
           "to the limit, and the log reports this once."
@@ -255,14 +256,16 @@ void DefControl(nb::class_<Robot>& robot) {
           [](Robot& r, nb::handle v) { r.SetJntVelCmd(ToRow(v, "jnt_vel_cmd")); },
           nb::rv_policy::automatic, nb::for_setter(nb::arg("v").none()),
           nb::for_setter(nb::sig("def jnt_vel_cmd(self, v: object, /) -> None")),
-          "Joint velocity commands of the arm, rad/s or m/s: a view like jnt_pos_cmd. It drives "
+          "Joint velocity commands (n,) of the arm, rad/s or m/s: a view like jnt_pos_cmd. It "
+          "drives "
           "the arm in velocity mode.")
       .def_prop_rw(
           "jnt_trq_cmd", [](const Robot& r) { return PortView(r, r.jnt_trq_cmd()); },
           [](Robot& r, nb::handle t) { r.SetJntTrqCmd(ToRow(t, "jnt_trq_cmd")); },
           nb::rv_policy::automatic, nb::for_setter(nb::arg("t").none()),
           nb::for_setter(nb::sig("def jnt_trq_cmd(self, t: object, /) -> None")),
-          "Joint torque commands of the arm, Nm or N: a view like jnt_pos_cmd. It drives the arm "
+          "Joint torque commands (n,) of the arm, Nm or N: a view like jnt_pos_cmd. It drives the "
+          "arm "
           "in torque mode."
           "\n\nExamples:\n"
           "    >>> robot.ctrl_mode = rc.control.CtrlMode.TORQUE\n"
@@ -275,8 +278,7 @@ void DefControl(nb::class_<Robot>& robot) {
           nb::for_setter(nb::sig("def ctrl_mode(self, mode: CtrlMode | str, /) -> None")),
           "The mode that drives the arm in the scene, the same for all robots made of this arm. "
           "Setting it switches at once, and installs the controller of that port: joint_position, "
-          "joint_velocity or joint_torque. The forces of an arm at rest that carries only itself "
-          "do not jump."
+          "joint_velocity or joint_torque. For an arm at rest without a load, forces do not jump."
           "\n\nExamples:\n"
           "    >>> robot.ctrl_mode = rc.control.CtrlMode.TORQUE\n"
           "    >>> robot.ctrl_mode\n"

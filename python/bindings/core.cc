@@ -29,6 +29,7 @@ NB_MODULE(_core, m) {
   BindRender(m);
   BindTask(m);
   BindSampler(m);
+  BindStartSampler(m);
   BindPick(m);
   BindSceneSources(m);
   BindTaskKinds(m);

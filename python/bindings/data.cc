@@ -34,9 +34,12 @@ void BindLock(nb::module_& m) {
   nb::class_<HeldLock>(
       m, "DatasetLock",
       "A lock that keeps two runs, or a run and a repair, from working on the same "
-      "dataset.\n\n`with DatasetLock(folder, shard, count):` IoError names the owner if the lock "
-      "is taken. Count 1 locks the whole plan; shards of a plan share the folder and lock "
-      "themselves. The locks of a killed process are free.")
+      "dataset.\n\n`with DatasetLock(folder, shard, count):` raises IoError with the owner if the "
+      "lock is taken. Count 1 locks the whole plan; shards of a plan share the folder and lock "
+      "themselves. The locks of a killed process are free."
+      "\n\nExamples:\n"
+      "    >>> with rc.data.DatasetLock(\"experiment_output/demo\", 0, 1):\n"
+      "    ...     result = rc.data.verify(\"experiment_output/demo\")")
       .def(
           "__init__",
           [](HeldLock* self, const std::filesystem::path& dataset, int shard, int count) {
@@ -94,9 +97,13 @@ void BindVerify(nb::module_& m) {
   nb::class_<VerifyProblem>(m, "VerifyProblem", "A problem with one file of a dataset.")
       .def_ro("episode", &VerifyProblem::episode, "Id of the episode; \"\" for the dataset itself.")
       .def_ro("file", &VerifyProblem::file, "The file, relative to the episode or to the dataset.")
-      .def_ro("reason", &VerifyProblem::reason, "What is wrong with the file, in words.")
+      .def_ro("reason", &VerifyProblem::reason, "Description of the problem.")
       .def("__str__", &VerifyProblem::Text);
-  nb::class_<VerifyResult>(m, "VerifyResult", "The state of a dataset on disk.")
+  nb::class_<VerifyResult>(m, "VerifyResult",
+                           "The state of a dataset on disk."
+                           "\n\nExamples:\n"
+                           "    >>> rc.data.verify(\"experiment_output/demo\").good\n"
+                           "    ['s0000_e0000', 's0000_e0001']")
       .def_ro("good", &VerifyResult::good, "Ids of the intact episodes.")
       .def_ro("bad", &VerifyResult::bad, "Ids of the damaged episodes.")
       .def_ro("unjudged", &VerifyResult::unjudged,
@@ -105,18 +112,18 @@ void BindVerify(nb::module_& m) {
       .def_ro("foreign", &VerifyResult::foreign,
               "Foreign files and folders in intact episodes or the dataset.")
       .def_prop_ro("only_unreadable", &VerifyResult::only_unreadable,
-                   "Whether all problems, if any, come from this machine or version.")
+                   "True if all problems, if any, come from this machine or version.")
       .def_ro("problems", &VerifyResult::problems,
               "The problems of damaged episodes and of the dataset.")
       .def_ro("leftovers", &VerifyResult::leftovers, "Remains of a crash.")
       .def_ro("being_written", &VerifyResult::being_written, "Episodes that are being written.")
-      .def_ro(
-          "others", &VerifyResult::others,
-          "Files and folders that are no part of a dataset, such as notes; they are no problem.")
+      .def_ro("others", &VerifyResult::others,
+              "Files and folders that are not part of a dataset, such as notes; these are not "
+              "problems.")
       .def_prop_ro("ok", &VerifyResult::ok, "True if there are no problems.")
       .def("__str__", &VerifyResult::Text)
       .def("__repr__", [](const VerifyResult& r) {
-        return fmt::format("<VerifyResult: {} good, {} bad, {} unfinished>", r.good.size(),
+        return fmt::format("<VerifyResult: {} intact, {} damaged, {} unfinished>", r.good.size(),
                            r.bad.size(), r.leftovers.size() + r.being_written.size());
       });
   nb::class_<RepairResult>(m, "RepairResult", "Result of a repair: what it found and moved aside.")
@@ -145,7 +152,7 @@ void BindVerify(nb::module_& m) {
       "dataset"_a, "decode_videos"_a = false, nb::call_guard<nb::gil_scoped_release>(),
       "Moves damaged episodes, foreign files in good ones, damaged models, a damaged dataset.json, "
       "and remains of a crash aside, into <dataset>/.quarantine. What cannot be judged here stays. "
-      "IoError names the process that generates into the dataset.");
+      "Raises IoError with the process that generates into the dataset.");
 }
 
 }  // namespace

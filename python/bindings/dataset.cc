@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "bindings.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/data/dataset.h"
 
 namespace robocell::python {
@@ -51,7 +52,11 @@ void BindDataset(nb::module_& m) {
           "__init__",
           [](Dataset* self, const std::filesystem::path& folder) { new (self) Dataset(folder); },
           "folder"_a, nb::call_guard<nb::gil_scoped_release>())
-      .def_prop_ro("folder", &Dataset::folder, "The folder that was opened.")
+      .def_prop_ro("folder", &Dataset::folder,
+                   "The folder that was opened."
+                   "\n\nExamples:\n"
+                   "    >>> dataset.folder.name\n"
+                   "    'demo'")
       .def_prop_ro("ids", &Dataset::ids,
                    "Ids of the episodes, sorted, or in the order of the selection."
                    "\n\nExamples:\n"
@@ -91,7 +96,8 @@ void BindDataset(nb::module_& m) {
       .def("refresh", &Dataset::Refresh, nb::call_guard<nb::gil_scoped_release>(),
            "Reads the folder again.")
       .def("__repr__", [](const Dataset& d) {
-        return fmt::format("<Dataset {}: {} episodes{}>", d.folder().string(), d.size(),
+        return fmt::format("<Dataset {}: {}{}>", d.folder().string(),
+                           Counted(static_cast<int64_t>(d.size()), "episode"),
                            d.is_selection() ? ", selected" : "");
       });
 }

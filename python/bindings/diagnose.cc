@@ -66,7 +66,7 @@ void BindDiagnose(nb::module_& m) {
   m.def("why_not", &WhyNot, "robot"_a, "expert"_a, WithoutLock(),
         "Returns why the expert of a kind (`rc.tasks.expert_kinds()`) cannot use a robot. That of "
         "'pick' needs a base that can be placed anywhere, and an arm and a gripper with "
-        "controllers. Empty if the expert can use the robot, or says nothing of it; `generate` "
+        "controllers. Empty if the expert can use the robot or has no requirements; `generate` "
         "rejects a robot for each of these reasons.");
   m.def(
       "check_run",

@@ -344,7 +344,7 @@ PyType_Slot env_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseEnv
 void BindEnv(nb::module_& m) {
   m.def("env_scene_spec", &EnvSceneSpec, "config"_a,
         "Returns the scene of an environment: robots, grippers, objects and cameras in their "
-        "frames.\n\nSpecError lists all problems of the configuration.");
+        "frames.\n\nRaises SpecError with all problems of the configuration.");
   nb::class_<Env> env(
       m, "Env",
       "A cell of robots behind reset and step; all poses in the shared base frame.\n\n"
@@ -384,31 +384,29 @@ void BindEnv(nb::module_& m) {
            "    >>> observation, info = env.reset(seed=0)\n"
            "    >>> sorted(observation)\n"
            "    ['robot']")
-      .def(
-          "step", &StepEnv, "action"_a,
-          nb::sig("def step(self, action: collections.abc.Mapping[str, typing.Any]) -> "
-                  "tuple[dict[str, typing.Any], float, bool, bool, dict[str, typing.Any]]"),
-          "Sends the commands, simulates until the step ends, and returns (observation, reward, "
-          "terminated, truncated, info).\n\ninfo['reason'] says why it ended: arrived, settled (at "
-          "rest, but not within arrival_tolerance), collision, ik_failed, timeout or diverged "
-          "(then truncated is true, and only reset helps).\n\ninfo['robots'][name] has ik_success, "
-          "collision, and the remaining motion: joint_error and joint_speed, the largest of any "
-          "joint; of the TCP position_error, rotation_error, linear_speed and angular_speed; "
-          "position_shortfall and rotation_shortfall, from the target to the commanded pose; "
-          "joint_taken_back, position_taken_back and rotation_taken_back, by which the target at "
-          "the start of the action was taken back because it led the arm by more than "
-          "max_target_lead.\n\ninfo['collisions'] lists what touched, by robot and body. With a "
-          "task there are info['is_success'], which terminates, 'progress', 'subtask' and "
-          "'instruction'.\n\nWrong "
-          "keys, sizes and numbers that are not finite raise ArgumentError before anything moves; "
-          "numbers beyond their range are clipped. While another thread steps the environment, "
-          "every call is an Error. Ctrl-C ends a step halfway; then only reset helps."
-          "\n\nExamples:\n"
-          "    >>> observation, info = env.reset(seed=0)\n"
-          "    >>> action = {\"robot\": {\"tquat\": [0, 0, -0.02, 0, 0, 0, 1], \"gripper\": 1}}\n"
-          "    >>> observation, reward, terminated, truncated, info = env.step(action)\n"
-          "    >>> terminated, truncated\n"
-          "    (False, False)")
+      .def("step", &StepEnv, "action"_a,
+           nb::sig("def step(self, action: collections.abc.Mapping[str, typing.Any]) -> "
+                   "tuple[dict[str, typing.Any], float, bool, bool, dict[str, typing.Any]]"),
+           "Sends the commands, simulates until the step ends, and returns (observation, reward, "
+           "terminated, truncated, info).\n\ninfo['reason'] is the reason for its end: arrived, "
+           "settled (at rest, but not within arrival_tolerance), collision, ik_failed, timeout or "
+           "diverged (then truncated is true, and only reset helps).\n\ninfo['robots'][name] has "
+           "ik_success, collision, and the remaining motion:\n\n- joint_error, joint_speed: the "
+           "largest of any joint\n- position_error, rotation_error, linear_speed, angular_speed: "
+           "of the TCP\n- position_shortfall, rotation_shortfall: from the target to the commanded "
+           "pose\n- joint_taken_back, position_taken_back, rotation_taken_back: distance by which "
+           "the action's start target was taken back because it led the arm by more than "
+           "max_target_lead\n\ninfo['collisions'] lists contacts, by robot and body. With a task "
+           "there are info['is_success'], which terminates, 'progress', 'subtask' and "
+           "'instruction'.\n\nWrong keys, sizes and numbers that are not finite raise "
+           "ArgumentError before anything moves; numbers beyond their range are clipped. While "
+           "another thread steps the environment, every call is an Error. Ctrl-C ends a step "
+           "halfway; then only reset helps.\n\nExamples:\n"
+           "    >>> observation, info = env.reset(seed=0)\n"
+           "    >>> action = {\"robot\": {\"tquat\": [0, 0, -0.02, 0, 0, 0, 1], \"gripper\": 1}}\n"
+           "    >>> observation, reward, terminated, truncated, info = env.step(action)\n"
+           "    >>> terminated, truncated\n"
+           "    (False, False)")
       .def("save", &Env::Save, "name"_a,
            "Keeps the present state under a name; restore(name) returns to it.")
       .def(
@@ -422,8 +420,8 @@ void BindEnv(nb::module_& m) {
             return Observation(e);
           },
           "name"_a, nb::sig("def restore(self, name: str) -> dict[str, typing.Any]"),
-          "Restores a saved state and returns its observation. Everything after it is the same to "
-          "the bit. NotFoundError lists the saved states.")
+          "Restores a saved state and returns its observation. All later steps are reproduced "
+          "exactly. Raises NotFoundError with the saved states.")
       .def("forget", &Env::Forget, "name"_a, "Drops a saved state.")
       .def_prop_ro(
           "saved", [](const Env& e) { return e.saved(); }, "Returns the names of saved states.")
@@ -431,7 +429,7 @@ void BindEnv(nb::module_& m) {
           "instruction", [](const Env& e) { return e.instruction(); },
           "The task's instruction in words; '' without a task.")
       .def("set_origin_to_current", &Env::SetOriginToCurrent, "robot"_a,
-           "With relative_to configured_origin: makes the last target the origin of later actions.")
+           "Makes the last target the origin of later actions (relative_to configured_origin).")
       .def_prop_ro(
           "action_parts", [](const Env& e) { return ActionParts(e.layout()); },
           nb::sig("def action_parts(self, /) -> tuple[tuple[tuple[str, ...], int, int], ...]"),
@@ -440,7 +438,8 @@ void BindEnv(nb::module_& m) {
       .def_prop_ro(
           "observation_parts", [](const Env& e) { return ObservationParts(e.layout()); },
           nb::sig("def observation_parts(self, /) -> tuple[tuple[tuple[str, ...], int, int], ...]"),
-          "The same for observations.")
+          "(path in an observation's dictionaries, first, number of numbers) of each part of an "
+          "observation.")
       .def_prop_ro(
           "observed", [](const Env& e) { return FeatureList(e.layout().observed); },
           nb::sig("def observed(self, /) -> list[Feature]"),
@@ -449,7 +448,7 @@ void BindEnv(nb::module_& m) {
       .def_prop_ro(
           "commanded", [](const Env& e) { return FeatureList(e.layout().commanded); },
           nb::sig("def commanded(self, /) -> list[Feature]"),
-          "The same for actions: 'action/left/joints'.")
+          "The parts of actions, as in `observed`, such as 'action/left/joints'.")
       .def_prop_ro(
           "action_range", [](const Env& e) { return RangeParts(e, e.layout().action, false); },
           nb::sig("def action_range(self, /) -> tuple[dict[str, typing.Any], "
@@ -479,7 +478,9 @@ void BindEnv(nb::module_& m) {
             const SceneUse::Claim claim(e.scene().use(), "Env.close");
             Scene(e.scene()).Close();
           },
-          "Closes the environment and its scene.");
+          "Closes the environment and its scene."
+          "\n\nExamples:\n"
+          "    >>> env.close()");
 }
 
 }  // namespace robocell::python

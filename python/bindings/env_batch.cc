@@ -8,6 +8,7 @@
 #include "features.h"
 #include "handles.h"
 #include "in_use.h"
+#include "python_hooks.h"
 #include "signals.h"
 #include "values.h"
 #include "robocell/env/env.h"
@@ -191,19 +192,22 @@ void BindEnvBatch(nb::module_& m) {
           "__init__",
           [](EnvBatch* self, const EnvConfig& config, int count, int threads,
              std::optional<int> max_episode_steps) {
+            const DataFactory factory = DataForHooks(HasPythonHooks(config));
             // Another thread may change the configuration while the lock is released.
             const EnvConfig copy = config;  // NOLINT(performance-unnecessary-copy-initialization)
             const nb::gil_scoped_release release;
-            new (self) EnvBatch(copy, count, threads, max_episode_steps);
+            new (self) EnvBatch(copy, count, threads, max_episode_steps, factory);
           },
           "config"_a, "count"_a, "threads"_a = 0, "max_episode_steps"_a = nb::none())
       .def_prop_ro("count", &EnvBatch::size, "Number of copies.")
       .def_prop_ro(
           "observed", [](const EnvBatch& batch) { return FeatureList(batch.layout().observed); },
-          nb::sig("def observed(self, /) -> list[Feature]"), "As of Env.")
+          nb::sig("def observed(self, /) -> list[Feature]"),
+          "Features of the observations, as in Env.observed.")
       .def_prop_ro(
           "commanded", [](const EnvBatch& batch) { return FeatureList(batch.layout().commanded); },
-          nb::sig("def commanded(self, /) -> list[Feature]"), "As of Env.")
+          nb::sig("def commanded(self, /) -> list[Feature]"),
+          "Features of the actions, as in Env.commanded.")
       .def_prop_ro(
           "action_parts", [](const EnvBatch& batch) { return ActionParts(batch.layout()); },
           nb::sig("def action_parts(self, /) -> tuple[tuple[tuple[str, ...], int, int], "
@@ -215,18 +219,18 @@ void BindEnvBatch(nb::module_& m) {
           [](const EnvBatch& batch) { return ObservationParts(batch.layout()); },
           nb::sig("def observation_parts(self, /) -> tuple[tuple[tuple[str, ...], int, "
                   "int], ...]"),
-          "The same for observations.")
+          "(path in an observation's dictionaries, first column, number of columns) of each part.")
       .def_prop_ro(
           "action_range", [](const EnvBatch& batch) { return FlatRange(batch.layout().action); },
           nb::sig("def action_range(self, /) -> tuple[numpy.typing.NDArray[numpy.float64], "
                   "numpy.typing.NDArray[numpy.float64]]"),
-          "The range of a copy's actions: (lower, upper), flat.")
+          "The range of a copy's actions: (lower, upper), flat, each (n,).")
       .def_prop_ro(
           "observation_range",
           [](const EnvBatch& batch) { return FlatRange(batch.layout().observation); },
           nb::sig("def observation_range(self, /) -> tuple[numpy.typing.NDArray[numpy.float64], "
                   "numpy.typing.NDArray[numpy.float64]]"),
-          "The same for observations.")
+          "The range of a copy's observations: (lower, upper), flat, each (m,).")
       .def_prop_ro("instructions", &EnvBatch::instructions,
                    "The instruction of each copy's task, in words; '' without a task.")
       .def(
@@ -235,7 +239,11 @@ void BindEnvBatch(nb::module_& m) {
             const InUse use(batch, &Place, "closed");
             batch.Close();
           },
-          "Closes all copies and their threads; may be repeated.")
+          "Closes all copies and their threads; may be repeated."
+          "\n\nExamples:\n"
+          "    >>> batch = rc.envs.EnvBatch(rc.EnvConfig.load(rc.models.cell_file(\"rc7\")), "
+          "count=2)\n"
+          "    >>> batch.close()")
       .def_prop_ro(
           "scene", [](EnvBatch& batch) { return batch.env(0).scene(); },
           "The simulation of the first copy, for looking up elements.")
@@ -262,7 +270,7 @@ void BindEnvBatch(nb::module_& m) {
           "subtasks",
           [](const EnvBatch& batch) { return BatchNumbers<int32_t>(batch, &EnvStep::subtask); },
           nb::sig("def subtasks(self, /) -> numpy.typing.NDArray[numpy.int32]"),
-          "The same for the index of the task's subtask.")
+          "The index (count,) of the subtask of each copy's task.")
       .def(
           "reset",
           [](EnvBatch& batch, const Seeds& seeds, const std::vector<bool>& which,
@@ -291,7 +299,15 @@ void BindEnvBatch(nb::module_& m) {
           "Steps all copies, except those where `reset_instead` is true, which begin their next "
           "episode. Returns (observations (count, m), rewards, terminated, truncated, time since "
           "the reset, reasons). Ctrl-C ends it halfway. After an error during the step, or Ctrl-C, "
-          "reset all copies.");
+          "reset all copies."
+          "\n\nExamples:\n"
+          "    >>> batch = rc.envs.EnvBatch(rc.EnvConfig.load(rc.models.cell_file(\"rc7\")), "
+          "count=2)\n"
+          "    >>> start = batch.reset(seeds=[0, 1])\n"
+          "    >>> lower, upper = batch.action_range\n"
+          "    >>> observations, rewards, *ends = batch.step(np.stack([lower, lower]))\n"
+          "    >>> rewards.shape\n"
+          "    (2,)");
 }
 
 }  // namespace robocell::python

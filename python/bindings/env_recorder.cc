@@ -24,7 +24,9 @@ using namespace nb::literals;
 
 namespace {
 
-// A recorder of an environment, or of a copy in a batch, which others may be stepping.
+// A recorder of an environment, or of a copy in a batch, which others may be stepping. It keeps that
+// alive, in view of the collector: its task may be written in Python, and refer to its script's
+// variables.
 class PythonRecorder {
  public:
   template <class F>
@@ -38,30 +40,54 @@ class PythonRecorder {
     const nb::gil_scoped_release release;
     return f();
   }
-  PythonRecorder(Env& env, EnvBatch* batch, const std::filesystem::path& dataset,
+  PythonRecorder(nb::object owner, Env& env, EnvBatch* batch, const std::filesystem::path& dataset,
                  EnvRecorderOptions options)
-      : env_(env), batch_(batch) {
+      : owner_(std::move(owner)), env_(env), batch_(batch) {
     Do("recorded",
        [&] { recorder_ = std::make_unique<EnvRecorder>(env_, dataset, std::move(options)); });
   }
   // A step on another thread, or a step on this one whose task releases the recorder, still uses
   // it: then the recorder is freed when that step has ended.
-  ~PythonRecorder() {
+  ~PythonRecorder() { Free(); }
+  PythonRecorder(const PythonRecorder&) = delete;
+  PythonRecorder& operator=(const PythonRecorder&) = delete;
+  EnvRecorder* operator->() {
+    if (!recorder_) throw ClosedError("the recorder is gone");
+    return recorder_.get();
+  }
+
+  static int Traverse(PyObject* self, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(self));
+    if (nb::inst_ready(self)) Py_VISIT(nb::inst_ptr<PythonRecorder>(self)->owner_.ptr());
+    return 0;
+  }
+  static int Clear(PyObject* self) {
+    if (!nb::inst_ready(self)) return 0;
+    auto& recorder = *nb::inst_ptr<PythonRecorder>(self);
+    recorder.Free();
+    recorder.owner_.reset();
+    return 0;
+  }
+
+ private:
+  void Free() {
     if (!recorder_) return;
     const void* used = batch_ ? static_cast<const void*>(batch_) : &env_;
     WhenIdle(used, [last = std::shared_ptr<EnvRecorder>(std::move(recorder_))]() mutable {
       last.reset();
     });
   }
-  PythonRecorder(const PythonRecorder&) = delete;
-  PythonRecorder& operator=(const PythonRecorder&) = delete;
-  EnvRecorder* operator->() { return recorder_.get(); }
 
- private:
+  nb::object owner_;  // of the environment
   Env& env_;
   EnvBatch* batch_;
   std::unique_ptr<EnvRecorder> recorder_;
 };
+
+PyType_Slot recorder_slots[] = {
+    {Py_tp_traverse, reinterpret_cast<void*>(&PythonRecorder::Traverse)},
+    {Py_tp_clear, reinterpret_cast<void*>(&PythonRecorder::Clear)},
+    {0, nullptr}};
 
 EnvRecorderOptions OptionsOf(const std::string& prefix, bool images, const std::string& metadata) {
   return {.prefix = prefix, .images = images, .metadata_json = metadata};
@@ -75,23 +101,24 @@ Env& CopyOf(EnvBatch& batch, int copy) {
 }
 
 void BindRecorder(nb::module_& m) {
-  nb::class_<PythonRecorder>(m, "_EnvRecorder", "Under robocell.data.EnvRecorder.")
+  nb::class_<PythonRecorder>(m, "_EnvRecorder", "Under robocell.data.EnvRecorder.",
+                             nb::type_slots(recorder_slots))
       .def(
           "__init__",
           [](PythonRecorder* self, Env& env, const std::filesystem::path& dataset,
              const std::string& prefix, bool images, const std::string& metadata) {
-            new (self) PythonRecorder(env, nullptr, dataset, OptionsOf(prefix, images, metadata));
+            new (self) PythonRecorder(nb::find(env), env, nullptr, dataset,
+                                      OptionsOf(prefix, images, metadata));
           },
-          "env"_a, "dataset"_a, "prefix"_a, "images"_a, "metadata_json"_a, nb::keep_alive<1, 2>())
+          "env"_a, "dataset"_a, "prefix"_a, "images"_a, "metadata_json"_a)
       .def(
           "__init__",
           [](PythonRecorder* self, EnvBatch& batch, int copy, const std::filesystem::path& dataset,
              const std::string& prefix, bool images, const std::string& metadata) {
-            new (self) PythonRecorder(CopyOf(batch, copy), &batch, dataset,
+            new (self) PythonRecorder(nb::find(batch), CopyOf(batch, copy), &batch, dataset,
                                       OptionsOf(prefix, images, metadata));
           },
-          "batch"_a, "copy"_a, "dataset"_a, "prefix"_a, "images"_a, "metadata_json"_a,
-          nb::keep_alive<1, 2>())
+          "batch"_a, "copy"_a, "dataset"_a, "prefix"_a, "images"_a, "metadata_json"_a)
       .def(
           "save",
           [](PythonRecorder& r, std::optional<bool> success, const std::string& reason) {
@@ -112,8 +139,6 @@ void BindRecorder(nb::module_& m) {
 
 void BindEnvRecorder(nb::module_& m) {
   BindRecorder(m);
-  m.def("_recorded_features", &RecordedFeatures, "env"_a,
-        "The features of an environment's cell that its episodes record.");
   m.def(
       "env_of_episode",
       [](const Episode& episode, bool images) {
@@ -138,7 +163,7 @@ void BindEnvRecorder(nb::module_& m) {
       "env"_a, "episode"_a, "frame"_a = "world", "tolerance"_a = 0.0,
       "Returns to the start of an episode and repeats its actions, until an observation or a "
       "reward differs from the record by more than `tolerance` (0: to the bit).\n\n`frame` as in "
-      "Env.set_state: 'root' for a root frame that stands elsewhere, which needs a tolerance. "
+      "Env.set_state: 'root' for a rig at another pose in the world, which needs a tolerance. "
       "Raises ArgumentError for an episode of another configuration, and SpecError for one of "
       "other code. Ctrl-C ends it.");
 }

@@ -40,7 +40,8 @@ void BindState(nb::module_& m) {
           "numbers"_a, nb::sig("def __init__(self, numbers: numpy.typing.ArrayLike) -> None"))
       .def_prop_ro(
           "numbers", [](const EnvState& s) { return NumberCopy(s.numbers()); },
-          nb::sig("def numbers(self, /) -> numpy.typing.NDArray[numpy.float64]"), "For files.")
+          nb::sig("def numbers(self, /) -> numpy.typing.NDArray[numpy.float64]"),
+          "The state as numbers (n,), for files.")
       .def_prop_ro(
           "root_frame_to_world", [](const EnvState& s) { return s.root_frame_to_world; },
           "Pose of the root frame in the world.")
@@ -76,9 +77,9 @@ void DefEnvState(nb::class_<Env>& env) {
           nb::sig("def set_state(self, state: EnvState, frame: str = 'world') -> dict[str, "
                   "typing.Any]"),
           "Continues from a state of an environment of the same configuration, and returns its "
-          "observation.\n\nEverything after it is the same to the bit. With frame 'root', "
-          "root_frame_objects that can move are put where they were in the root frame, for a root "
-          "frame that stands elsewhere.");
+          "observation.\n\nAll later steps are reproduced exactly. With frame 'root', movable "
+          "root_frame_objects keep their pose in the root frame, for a rig at another pose in the "
+          "world.");
 }
 
 }  // namespace robocell::python

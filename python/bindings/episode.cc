@@ -88,8 +88,9 @@ nb::object FrameAt(const Episode& episode, const std::string& name, int64_t inde
   const Stream stream = FindStream(episode, name, kind);
   const int64_t frames = stream.camera.frames;
   if (index < -frames || index >= frames) {
-    throw nb::index_error(fmt::format("episode '{}': no frame {} of '{}', it has {} frames",
-                                      episode.folder().string(), index, name, frames)
+    throw nb::index_error(fmt::format("episode '{}': no frame {} of '{}', it has {}",
+                                      episode.folder().string(), index, name,
+                                      Counted(frames, "frame"))
                               .c_str());
   }
   if (index < 0) index += frames;
@@ -105,7 +106,8 @@ nb::object AllFrames(VideoReader video, const std::vector<size_t>& shape) {
     const nb::gil_scoped_release release;
     for (size_t at = 0; at < size; at += frame) {
       if (!video.Next(std::span(all).subspan(at, frame)))
-        throw IoError(fmt::format("an episode says that a video has {} frames, it has {}", shape[0],
+        throw IoError(fmt::format("an episode says that a video has {}, it has {}",
+                                  Counted(static_cast<int64_t>(shape[0]), "frame"),
                                   video.info().frames));
     }
   }
@@ -149,7 +151,8 @@ void BindEpisode(nb::module_& m) {
       .def(
           "__init__",
           [](Episode* self, const std::filesystem::path& folder) { new (self) Episode(folder); },
-          "folder"_a, "Opens the episode in a folder. IoError names a missing or damaged file.")
+          "folder"_a,
+          "Opens the episode in a folder. Raises IoError with the missing or damaged file.")
       .def_prop_ro("folder", &Episode::folder, "The folder of the episode.")
       .def_prop_ro("id", &Episode::id,
                    "Id of the episode, the name of its folder: \"s0000_e0017\".")
@@ -163,19 +166,22 @@ void BindEpisode(nb::module_& m) {
       .def_prop_ro("truncated", &Episode::truncated,
                    "True if the episode was cut off, as by the largest number of steps.")
       .def_prop_ro("end_reason", &Episode::end_reason,
-                   "Why the episode ended, in words: \"success\", \"timeout\".")
+                   "Reason for the end of the episode: \"success\", \"timeout\".")
       .def_prop_ro("warnings", &Episode::warnings,
                    "Warnings of the scene that the episode was recorded in.")
       .def_prop_ro(
-          "json", [](const Episode& e) { return Json(e.json()); }, "The content of episode.json.")
+          "json", [](const Episode& e) { return Json(e.json()); },
+          "The content of episode.json."
+          "\n\nExamples:\n"
+          "    >>> episode.json[\"success\"], episode.json[\"end_reason\"]\n"
+          "    (True, 'success')")
       .def_prop_ro(
           "results", [](const Episode& e) { return Json(e.results_json()); },
           nb::sig("def results(self) -> dict[str, object]"),
           "Results at the end of the episode, from `json`; EnvRecorder adds `final_observation`.")
       .def_prop_ro(
           "metadata", [](const Episode& e) { return Json(e.metadata_json()); },
-          "Seeds, scene, task and whatever else describes the episode."
-          "\n\nExamples:\n"
+          "Seed, scene, task and other metadata of the episode.\n\nExamples:\n"
           "    >>> episode.metadata[\"seed\"]\n"
           "    0")
       .def_prop_ro(
@@ -198,9 +204,8 @@ void BindEpisode(nb::module_& m) {
             return Column{&e, &e.column(name)};
           },
           "name"_a, nb::keep_alive<0, 1>(),
-          "Returns a column without reading it; `column[10:20]` reads ten rows. NotFoundError has "
-          "the nearest names."
-          "\n\nExamples:\n"
+          "Returns a column without reading it; `column[10:20]` reads ten rows. Raises "
+          "NotFoundError with the nearest names.\n\nExamples:\n"
           "    >>> column = episode.column(\"robots/rc7/arm/qpos\")\n"
           "    >>> column.units, column[10:20].shape\n"
           "    ('rad', (10, 7))")
@@ -210,7 +215,8 @@ void BindEpisode(nb::module_& m) {
             return ReadRows({&e, &e.column(name)}, 0, std::nullopt);
           },
           "name"_a, nb::sig("def __getitem__(self, name: str) -> numpy.typing.NDArray[typing.Any]"),
-          "Reads a whole column as an array (rows, ...). NotFoundError has the nearest names.")
+          "Reads a whole column as an array (rows, ...). Raises NotFoundError with the nearest "
+          "names.")
       .def(
           "__contains__",
           [](const Episode& e, nb::handle name) {

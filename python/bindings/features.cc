@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
 
+#include <algorithm>
+#include <mutex>
 #include <optional>
 #include <utility>
 
@@ -10,10 +12,14 @@
 #include "bindings.h"
 #include "features.h"
 #include "number_like.h"
+#include "python_hooks.h"
+#include "python_owner.h"
+#include "scene_cycles.h"
 #include "task_trampolines.h"
 #include "values.h"
 #include "robocell/features/cell_features.h"
 #include "robocell/features/own_features.h"
+#include "robocell/rollout/env_recorder.h"
 #include "robocell/task/task_features.h"
 
 namespace nb = nanobind;
@@ -23,6 +29,58 @@ namespace robocell::python {
 using namespace nb::literals;
 
 namespace {
+
+// Features that the collector can traverse: a task written in Python refers to its script's
+// variables, and they are often among them. They have one Scene, so that its own cycles are seen.
+class PythonFeatures {
+ public:
+  // Those of an environment, which owns the task and is kept alive.
+  explicit PythonFeatures(nb::object env)
+      : env_(std::move(env)),
+        scene_(nb::cast<const Env&>(env_).scene()),
+        features_(RecordedFeatures(nb::cast<const Env&>(env_))) {}
+  // `task`: a Task or None.
+  PythonFeatures(const Scene& scene, nb::object task, const std::vector<std::string>& own)
+      : scene_(scene) {
+    if (!task.is_none()) task_ = Shared<Task>(std::move(task));
+    const Scene inner = scene.inner();
+    const std::shared_ptr<const Task> lent(std::shared_ptr<void>(), task_.get());
+    features_.emplace(FeaturesOfCell(inner, RobotsOf(inner), lent, own));
+  }
+  CellFeatures& get() {
+    if (!features_) throw Error("the features of scene '" + scene_.name() + "' are gone");
+    return *features_;
+  }
+
+  static int Traverse(PyObject* self, visitproc visit, void* arg) {
+    Py_VISIT(Py_TYPE(self));
+    const auto [ready, is_own] = nb::inst_state(self);
+    if (!ready || !is_own) return 0;
+    const PythonFeatures& features = *nb::inst_ptr<PythonFeatures>(self);
+    Py_VISIT(features.env_.ptr());
+    Py_VISIT(TargetOf(features.task_));
+    return VisitScene(features.scene_, visit, arg);
+  }
+  static int Clear(PyObject* self) {
+    if (!nb::inst_ready(self)) return 0;
+    auto& features = *nb::inst_ptr<PythonFeatures>(self);
+    features.features_.reset();
+    features.task_.reset();
+    features.env_.reset();
+    return 0;
+  }
+
+ private:
+  nb::object env_;
+  Scene scene_;
+  std::shared_ptr<Task> task_;  // null without one, and for that of an environment
+  std::optional<CellFeatures> features_;
+};
+
+PyType_Slot features_slots[] = {
+    {Py_tp_traverse, reinterpret_cast<void*>(&PythonFeatures::Traverse)},
+    {Py_tp_clear, reinterpret_cast<void*>(&PythonFeatures::Clear)},
+    {0, nullptr}};
 
 constexpr const char* kFeatures = "_features";  // name -> function (scene) -> numbers
 
@@ -59,7 +117,7 @@ std::optional<std::vector<int64_t>> ShapeOf(nb::handle value) {
       shape.push_back(nb::cast<int64_t>(axis));
     return shape;
   } catch (const nb::python_error&) {
-    return std::nullopt;  // for example rows of different lengths
+    return std::nullopt;  // rows of different lengths, for example
   }
 }
 
@@ -94,7 +152,7 @@ nb::object Ravel(nb::handle value) {
   try {
     return nb::module_::import_("numpy").attr("ravel")(value);
   } catch (const nb::python_error&) {
-    return nb::borrow(value);  // for example rows of different lengths
+    return nb::borrow(value);  // rows of different lengths, for example
   }
 }
 
@@ -131,12 +189,12 @@ void RegisterPythonFeature(const std::string& name, nb::object function, Feature
                   [name, shape](const Scene& scene, std::span<double> out) {
                     const nb::gil_scoped_acquire acquire;
                     const nb::object read = FeatureFunctions()[name.c_str()];
-                    const nb::object made = read(nb::cast(scene));
                     try {
+                      const nb::object made = read(nb::cast(scene));
                       const std::string text = "feature '" + name + "'";
                       PutValues(made, shape, FieldPath(text), out);
                     } catch (nb::python_error&) {
-                      throw;
+                      RethrowRaised(PlaceOfCode(read));
                     } catch (...) {
                       RethrowAsHookError(PlaceOfCode(read));
                     }
@@ -159,19 +217,64 @@ void RegisterPythonFeature(const std::string& name, nb::object function, Feature
 
 }  // namespace
 
+void PutImage(nb::dict& arrays, const CellImage& image) {
+  const auto height = static_cast<size_t>(image.height), width = static_cast<size_t>(image.width);
+  if (!image.rgb.empty())
+    arrays[image.name.c_str()] = NewArray(std::span<const uint8_t>(image.rgb), {height, width, 3});
+  if (!image.depth_mm.empty())
+    arrays[(image.name + ".depth").c_str()] =
+        NewArray(std::span<const uint16_t>(image.depth_mm), {height, width});
+  if (!image.bodies.empty())
+    arrays[(image.name + ".segmentation").c_str()] =
+        NewArray(std::span<const uint16_t>(image.bodies), {height, width});
+}
+
 nb::dict RowArrays(const CellRow& row) {
   nb::dict arrays = ToArrays(row.observed, row.numbers);
-  for (const CellImage& image : row.images.images()) {
-    const auto height = static_cast<size_t>(image.height), width = static_cast<size_t>(image.width);
-    arrays[image.name.c_str()] = NewArray(std::span<const uint8_t>(image.rgb), {height, width, 3});
-    if (!image.depth_mm.empty())
-      arrays[(image.name + ".depth").c_str()] =
-          NewArray(std::span<const uint16_t>(image.depth_mm), {height, width});
-    if (!image.bodies.empty())
-      arrays[(image.name + ".segmentation").c_str()] =
-          NewArray(std::span<const uint16_t>(image.bodies), {height, width});
-  }
+  for (const CellImage& image : row.images.images()) PutImage(arrays, image);
   return arrays;
+}
+
+struct RowLoan::Lent {
+  std::mutex mutex;
+  std::optional<CellRow> row;  // unset when the loan has ended
+};
+
+nb::object RowLoan::Lend(const CellRow& row) {
+  nb::list names;
+  for (const CellImage& image : row.images.drawn()) {
+    names.append(nb::str(image.name.c_str()));
+    if (!image.depth_mm.empty()) names.append(nb::str((image.name + ".depth").c_str()));
+    if (!image.bodies.empty()) names.append(nb::str((image.name + ".segmentation").c_str()));
+  }
+  nb::dict numbers = ToArrays(row.observed, row.numbers);
+  lent_ = std::make_shared<Lent>();
+  lent_->row.emplace(row);
+  const auto read = [lent = lent_] {
+    std::optional<std::vector<CellImage>> images;
+    {
+      const nb::gil_scoped_release release;  // drawing takes long
+      const std::lock_guard lock(lent->mutex);
+      if (lent->row) images = lent->row->images.images();
+    }
+    if (!images) return nb::object(nb::none());
+    nb::dict arrays;
+    for (const CellImage& image : *images) PutImage(arrays, image);
+    return nb::object(arrays);
+  };
+  return nb::module_::import_("robocell._rows").attr("Row")(numbers, names, nb::cpp_function(read));
+}
+
+void RowLoan::End() {
+  if (!lent_) return;
+  const std::lock_guard lock(lent_->mutex);
+  lent_->row.reset();
+}
+
+bool HasPythonFeature(const std::vector<std::string>& names) {
+  const nb::dict functions = FeatureFunctions();
+  return std::ranges::any_of(
+      names, [&](const std::string& name) { return functions.contains(name.c_str()); });
 }
 
 nb::list FeatureList(const FeatureSchema& schema) {
@@ -201,11 +304,12 @@ void BindFeatures(nb::module_& m) {
                         .upper = std::move(upper)};
             FeatureSchema().Add(*self);  // its checks
           },
-          "name"_a, nb::kw_only(), "shape"_a = std::vector<int64_t>(), "unit"_a = "",
+          "name"_a, nb::kw_only(), "shape"_a = std::vector<int64_t>(), "units"_a = "",
           "frame"_a = "", "names"_a = std::vector<std::string>(), "privileged"_a = false,
           "lower"_a = std::vector<double>(), "upper"_a = std::vector<double>(),
           "description"_a = "",
-          "For the signals() of a task; the arguments are those of register_feature.")
+          "Creates a feature for the signals() of a task; the arguments are those of "
+          "register_feature.")
       .def_prop_ro(
           "name", [](const Feature& f) { return f.column.name; },
           "Name of the feature, which is that of its column in episodes.")
@@ -225,7 +329,7 @@ void BindFeatures(nb::module_& m) {
           nb::sig("def shape(self) -> tuple[int, ...]"),
           "Shape of one row; () for a single number.")
       .def_prop_ro(
-          "unit", [](const Feature& f) { return f.column.units; },
+          "units", [](const Feature& f) { return f.column.units; },
           "Unit, \"rad\", or one for each component, \"m, 1\".")
       .def_prop_ro(
           "frame", [](const Feature& f) { return f.column.frame; },
@@ -246,7 +350,7 @@ void BindFeatures(nb::module_& m) {
           "upper", [](const Feature& f) { return f.upper; },
           "Largest value of each number; empty without a range.")
       .def_prop_ro(
-          "source", [](const Feature& f) { return f.source; }, "What the feature comes from.")
+          "source", [](const Feature& f) { return f.source; }, "Source of the feature.")
       .def(
           "difference_from",
           [](const Feature& own, const Feature& other) {
@@ -263,49 +367,80 @@ void BindFeatures(nb::module_& m) {
         return fmt::format("<Feature '{}': {} {}{}>", f.column.name, NameOf(f.role),
                            robocell::ShapeText(f.column.shape), unit);
       });
-  nb::class_<CellFeatures>(m, "CellFeatures",
-                           "The named observations and commands of a scene and its robots, as "
-                           "episodes record them and policies see them.")
+  nb::class_<PythonFeatures>(m, "CellFeatures",
+                             "The named observations and commands of a scene and its robots, as "
+                             "episodes record them and policies see them.",
+                             nb::type_slots(features_slots))
       .def(
           "__init__",
-          [](CellFeatures* self, const Scene& scene, std::shared_ptr<Task> task,
+          [](PythonFeatures* self, const Scene& scene, nb::object task,
              const std::vector<std::string>& own) {
-            new (self) CellFeatures(FeaturesOfCell(scene, RobotsOf(scene), std::move(task), own));
+            if (!task.is_none() && !nb::isinstance<Task>(task))
+              throw nb::type_error(
+                  ("CellFeatures: task must be a Task or None, got " + ShortRepr(task)).c_str());
+            new (self) PythonFeatures(scene, std::move(task), own);
           },
           "scene"_a, "task"_a.none() = nb::none(), "own"_a = std::vector<std::string>(),
+          nb::sig("def __init__(self, scene: Scene, task: Task | None = None, own: "
+                  "collections.abc.Sequence[str] = []) -> None"),
           "`task`: whose objects and signals are observed; `own`: registered features. Robots are "
           "all of the scene.")
       .def_prop_ro(
-          "observed", [](const CellFeatures& f) { return FeatureList(f.observed()); },
+          "observed", [](PythonFeatures& f) { return FeatureList(f.get().observed()); },
           nb::sig("def observed(self) -> list[Feature]"),
           "Features that are observed and recorded.")
       .def_prop_ro(
-          "commanded", [](const CellFeatures& f) { return FeatureList(f.commanded()); },
+          "commanded", [](PythonFeatures& f) { return FeatureList(f.get().commanded()); },
           nb::sig("def commanded(self) -> list[Feature]"),
           "Features of the commands: what an action consists of.")
       .def(
           "read",
-          [](CellFeatures& f) {
+          [](PythonFeatures& f) {
+            CellFeatures& features = f.get();
             std::span<const double> numbers;
             {
               const nb::gil_scoped_release release;
-              numbers = f.ReadState();
+              numbers = features.ReadState();
             }
-            return ToArrays(f.observed(), numbers);
+            return ToArrays(features.observed(), numbers);
           },
           nb::sig("def read(self) -> dict[str, numpy.typing.NDArray[numpy.float64]]"),
-          "Returns the present observation: {name: numbers}.")
+          "Returns the present observation: {name: numbers (n,)}.")
       .def(
           "to_action",
-          [](const CellFeatures& f, const nb::dict& values) {
-            return f.ToAction(ToNumbersByName(values));
+          [](PythonFeatures& f, const nb::dict& values) {
+            return f.get().ToAction(ToNumbersByName(values));
           },
           "values"_a,
           nb::sig("def to_action(self, values: dict[str, numpy.typing.ArrayLike]) -> dict[str, "
                   "dict[str, GroupCommand]]"),
-          "Converts actions by name to commands of the robots. NotFoundError has the nearest "
-          "names; ArgumentError is raised for two actions of one group, and for a wrong number of "
+          "Converts actions by name to commands of the robots. Raises NotFoundError with the "
+          "nearest names; ArgumentError is raised for two actions of one group, and for a wrong "
+          "number of "
           "values.");
+  m.def(
+      "_recorded_features",
+      [](nb::object env) {
+        if (!nb::isinstance<Env>(env))
+          throw nb::type_error(("expected an Env, got " + ShortRepr(env)).c_str());
+        return PythonFeatures(std::move(env));
+      },
+      "env"_a, nb::sig("def _recorded_features(env: Env) -> CellFeatures"),
+      "Returns the features of an environment's cell that its episodes record.");
+  m.def(
+      "_shown_images",
+      [](const Env& env) {
+        nb::dict images;
+        CellImage image;
+        for (const EnvFrame& frame : env.frames()) {
+          CopyFrame(frame, image);
+          PutImage(images, image);
+        }
+        return images;
+      },
+      "env"_a,
+      "Returns the frames that an environment shows, as episodes have them: {\"top\", "
+      "\"top.depth\", \"top.segmentation\": array}.");
   m.def(
       "_register_feature",
       [](const std::string& name, nb::object function, std::vector<int64_t> shape,
@@ -323,7 +458,7 @@ void BindFeatures(nb::module_& m) {
                                .upper = std::move(upper)},
                               std::move(code));
       },
-      "name"_a, "function"_a, "shape"_a, "unit"_a, "frame"_a, "names"_a, "description"_a, "role"_a,
+      "name"_a, "function"_a, "shape"_a, "units"_a, "frame"_a, "names"_a, "description"_a, "role"_a,
       "lower"_a, "upper"_a, "code"_a);
   m.def("feature_names", &OwnFeatures, "Returns the names of the registered features.");
 }

@@ -195,8 +195,7 @@ nb::object ReachMapOf(const Chain& chain, nb::handle lower, nb::handle upper, do
                       bool position_only, nb::handle axis) {
   const ReachGrid grid{
       .lower = ToThree(lower, "lower"), .upper = ToThree(upper, "upper"), .cell = cell};
-  const std::optional<Eigen::Vector3d> direction =
-      axis.is_none() ? std::nullopt : std::optional(ToThree(axis, "axis"));
+  const std::optional<Eigen::Vector3d> direction = ToAxis(axis);
   ReachMap map;
   {
     const nb::gil_scoped_release release;

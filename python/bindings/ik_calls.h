@@ -45,11 +45,11 @@ nb::object ReachBoxOf(const Chain& chain);
   "lower"_a, "upper"_a, "cell"_a = 0.05, "rotations"_a = 64, "tolerance"_a = 1e-3, \
                         "max_restarts"_a = 4, "threads"_a = 1, nb::kw_only(),      \
                         "position_only"_a = false, "axis"_a = nb::none()
-// For nb::sig: the part after the first arguments.
+// The part of nb::sig after the first arguments.
 #define ROBOCELL_REACH_MAP_SIG                                                                     \
   "lower: numpy.typing.ArrayLike, upper: numpy.typing.ArrayLike, cell: float = "                   \
   "0.05, rotations: int = 64, tolerance: float = 0.001, max_restarts: int = 4, "                   \
-  "threads: int = 1, *, position_only: bool = False, axis: numpy.typing.ArrayLike | None = None) " \
+  "threads: int = 1, *, position_only: bool = False, axis: str | numpy.typing.ArrayLike | None = None) " \
   "-> types.SimpleNamespace"
 #define ROBOCELL_REACH_BOX_SIG                                         \
   "def reach_box(self) -> tuple[numpy.typing.NDArray[numpy.float64], " \

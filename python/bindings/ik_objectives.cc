@@ -125,14 +125,25 @@ nb::object MaskOf(CollisionFilter& filter, nb::handle q) {
 
 }  // namespace
 
+std::optional<Eigen::Vector3d> ToAxis(nb::handle axis) {
+  if (!axis || axis.is_none()) return std::nullopt;
+  const FieldPath path("axis");
+  if (IsText(axis)) {
+    const std::string name = ToText(axis, path);
+    const size_t place = std::string("xyz").find(name);
+    if (name.size() == 1 && place != std::string::npos)
+      return Eigen::Vector3d::Unit(static_cast<Eigen::Index>(place));
+    throw ArgumentError(fmt::format(
+        "axis must be \"x\", \"y\", \"z\" or a direction such as [0, 0, -1], got \"{}\"", name));
+  }
+  const Numbers three(axis, path, 3);
+  return Eigen::Vector3d(three[0], three[1], three[2]);
+}
+
 void IkObjectives::Apply(IkOptions* options) const {
   ApplyWeights(position_weights, "position_weights", &options->position_weights);
   ApplyWeights(rotation_weights, "rotation_weights", &options->rotation_weights);
-  if (axis && !axis.is_none()) {
-    const FieldPath path("axis");
-    const Numbers three(axis, path, 3);
-    options->axis = Eigen::Vector3d(three[0], three[1], three[2]);
-  }
+  options->axis = ToAxis(axis);
   options->cone = cone;
   ApplyPreference(prefer, options);
   ApplyFilter(filter, options);

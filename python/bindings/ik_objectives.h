@@ -1,6 +1,10 @@
 // Objectives of inverse kinematics beyond a pose, as Python passes them.
 #pragma once
 
+#include <optional>
+
+#include <Eigen/Core>
+
 #include "bindings.h"
 #include "robocell/kinematics/ik.h"
 
@@ -17,6 +21,9 @@ struct IkObjectives {
   void Apply(IkOptions* options) const;
 };
 
+// Converts a direction: "x", "y", "z" or three numbers; unset for None.
+std::optional<Eigen::Vector3d> ToAxis(nb::handle axis);
+
 // Converts at most as many values as a chain may have joints. Throws an ArgumentError that names
 // them otherwise.
 JointVector ToJointVector(std::span<const double> values, const char* name);
@@ -25,11 +32,11 @@ JointVector ToJointVector(std::span<const double> values, const char* name);
 // would also be empty; `ik` checks the number.
 JointVector IkSeed(nb::handle seed, const Chain& chain);
 
-// For nb::sig and docstrings of functions that take them.
+// Parts of nb::sig and docstrings of functions that take objectives.
 #define ROBOCELL_IK_OBJECTIVES_SIG                                           \
   "position_weights: numpy.typing.ArrayLike | None = None, "                 \
   "rotation_weights: numpy.typing.ArrayLike | None = None, "                 \
-  "axis: numpy.typing.ArrayLike | None = None, cone: float = 0.0, "          \
+  "axis: str | numpy.typing.ArrayLike | None = None, cone: float = 0.0, "    \
   "prefer: str | numpy.typing.ArrayLike | None = None, "                     \
   "filter: collections.abc.Callable[[numpy.typing.NDArray[numpy.float64]], " \
   "numpy.typing.ArrayLike] | CollisionFilter | None = None"

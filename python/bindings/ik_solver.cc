@@ -52,7 +52,7 @@ IkSolver::IkSolver(Chain chain, IkOptions options, nb::object filter)
       (*ready)(q, count, keep);
     };
   }
-  options_.seed = JointVector(chain_.n_joints());  // for every call
+  options_.seed = JointVector(chain_.n_joints());  // seed of every call
   result_.q = options_.seed;
   RequireIkOptions(chain_, options_);
   is_short_ = options_.prefer == IkPrefer::kFirst && !options_.filter &&
@@ -116,7 +116,11 @@ void BindIkSolver(nb::module_& m) {
            "Solves `target` (in the base frame), a Pose, PyKDL.Frame or (4, 4) matrix, starting at "
            "`seed` (n,). Returns True if there is a solution.\n\nA solution is written into `out` "
            "(n,), which may be the seed; without a solution `out` does not change. Nothing is "
-           "allocated for a Pose or a contiguous float64 matrix and a float64 seed.")
+           "allocated for a Pose or a contiguous float64 matrix and a float64 seed."
+           "\n\nExamples:\n"
+           "    >>> q = np.array(robot.jnt_pos_msr)\n"
+           "    >>> robot.ik_solver().solve(robot.fk_frame(q + 0.1), seed=q, out=q)\n"
+           "    True")
       .def_prop_ro(
           "result", [](const IkSolver& s) { return s.result(); },
           "The IkResult of the last `solve`, a copy.")

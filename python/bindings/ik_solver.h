@@ -24,7 +24,7 @@ class IkSolver {
   const IkResult& result() const { return result_; }
 
   const nb::object& filter() const { return filter_; }
-  // For the garbage collector: afterwards the solver refuses to solve.
+  // Drops the references for the garbage collector; afterwards the solver refuses to solve.
   void Clear();
 
  private:
@@ -40,9 +40,9 @@ class IkSolver {
 
 void BindIkSolver(nb::module_& m);
 
-// For docstrings and nb::sig of the functions that make one.
+// Docstring and nb::sig of the functions that make a solver.
 #define ROBOCELL_IK_SOLVER_DOC                                                                    \
-  "Inverse kinematics with these options, prepared once for loops: an IkSolver. The options are " \
-  "those of ik; seeds are given to each call."
+  "Returns an IkSolver that is prepared with these options, for loops. The options are those of " \
+  "ik; seeds are given to each call."
 
 }  // namespace robocell::python

@@ -346,25 +346,25 @@ void BindKinematics(nb::module_& m) {
       .def_prop_ro(
           "joint_names", [](const Kinematics& k) { return SteadyChain(k.robot).joint_names(); },
           "Names of the arm's joints, in chain order.")
-      .def("ik", &SolveIk<Kinematics>, "target"_a, ROBOCELL_IK_ARGS,
-           nb::sig("def ik(self, target: " ROBOCELL_IK_SIG),
-           "Finds joint values that put the TCP at `target` (in the robot base frame): a Pose, a "
-           "PyKDL.Frame or a 4x4 matrix. The search starts at `seed`, by default at the arm's "
-           "joint values.\n\nThe joints of `locked_groups` stay at the seed. Solutions are within "
-           "the limits, and the same query returns the same solution. The method is damped least "
-           "squares (Sugihara 2011) with evenly spread restarts.\n\nposition_weights, "
-           "rotation_weights (3,): weights of the error along and about each axis of the target; 0 "
-           "leaves it free. axis (3,): of the rotation, only this direction in the TCP's frame "
-           "must agree with the target's, to within `cone` rad. prefer: secondary objective, "
-           "'seed', 'limits' (away from them), 'manipulability' or a posture (n,) to be near to; "
-           "redundant joints move accordingly. Without redundant joints, starts continue beyond "
-           "max_restarts until 256 in a row found nothing better; a max_restarts below 47 returns "
-           "a near solution in a seventh of the time. filter: a CollisionFilter, or a function of "
-           "joint values (k, n) that returns (k,) booleans; a rejected solution does not count."
-           "\n\nExamples:\n"
-           "    >>> result = robot.kinematics.ik(robot.fk_frame())\n"
-           "    >>> result.position_error < 1e-5\n"
-           "    True")
+      .def(
+          "ik", &SolveIk<Kinematics>, "target"_a, ROBOCELL_IK_ARGS,
+          nb::sig("def ik(self, target: " ROBOCELL_IK_SIG),
+          "Finds joint values that put the TCP at `target` (in the robot base frame): a Pose, a "
+          "PyKDL.Frame or a 4x4 matrix. The search starts at `seed`, by default at the arm's "
+          "joint values.\n\nThe joints of `locked_groups` stay at the seed. Solutions are within "
+          "the limits, and the same query returns the same solution. The method is damped least "
+          "squares (Sugihara 2011) with evenly spread restarts.\n\nposition_weights, "
+          "rotation_weights (3,): weights of the error along and about each axis of the target; 0 "
+          "leaves it free. axis (3,): of the rotation, only this direction in the TCP's frame "
+          "must agree with the target's, to within `cone` rad. prefer: secondary objective, "
+          "'seed', 'limits' (away from them), 'manipulability' or a posture (n,); redundant joints "
+          "move accordingly. Without redundant joints, starts continue beyond max_restarts until "
+          "256 in a row found nothing better; a max_restarts below 47 returns a near solution in a "
+          "seventh of the time. filter: a CollisionFilter, or a function of joint values (k, n) "
+          "that returns (k,) booleans; a rejected solution does not count.\n\nExamples:\n"
+          "    >>> result = robot.kinematics.ik(robot.fk_frame())\n"
+          "    >>> result.position_error < 1e-5\n"
+          "    True")
       .def("ik_solver", &MakeSolver<Kinematics>, ROBOCELL_IK_SOLVER_ARGS,
            nb::sig(ROBOCELL_IK_SOLVER_SIG), ROBOCELL_IK_SOLVER_DOC)
       .def("ik_batch", &SolveBatch, "targets"_a, "seeds"_a = nb::none(),

@@ -193,7 +193,7 @@ void DefOperations(nb::class_<Pose>& c) {
       .def(nb::self * nb::self, "Composes poses: X_AC = X_AB * X_BC.")
       .def(
           "__matmul__", [](const Pose& a, const Pose& b) { return a * b; }, nb::is_operator(),
-          "The same as *.")
+          "Returns the product, like *.")
       .def(
           "transform",
           [](const Pose& p, nb::handle point) { return Vector(p * ToVector(point, "point")); },

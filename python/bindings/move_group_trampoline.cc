@@ -43,8 +43,8 @@ std::vector<double> NumbersOf(nb::handle self, const char* name, nb::handle numb
   if (shape == expected || none) return values;
   const std::string place = ClassName(self) + "." + name;
   if (shape.size() == 1 && expected.size() == 1) {
-    throw ArgumentError(
-        fmt::format("{}: expected {} values, got {}", place, expected[0], shape[0]));
+    throw ArgumentError(fmt::format("{}: expected {}, got {}", place,
+                                    Counted(static_cast<int64_t>(expected[0]), "value"), shape[0]));
   }
   throw ArgumentError(fmt::format("{}: expected an array of shape {}, got {}", place,
                                   ShapeText(expected), ShapeText(shape)));

@@ -14,8 +14,8 @@ namespace robocell::python {
 void BindMujoco(nb::module_& m) {
   nb::class_<EngineDefect>(m, "EngineDefect", "A known defect of the loaded MuJoCo.")
       .def_ro("name", &EngineDefect::name, "Short name, used in the metadata of episodes.")
-      .def_ro("what", &EngineDefect::what, "What goes wrong, and when.")
-      .def_ro("guard", &EngineDefect::guard, "What robocell does about it; empty if nothing.")
+      .def_ro("what", &EngineDefect::what, "The wrong behaviour and its conditions.")
+      .def_ro("guard", &EngineDefect::guard, "robocell's workaround; empty if there is none.")
       .def_ro("fixed_in", &EngineDefect::fixed_in, "The version of MuJoCo without the defect.")
       .def("__repr__", [](const EngineDefect& defect) {
         return fmt::format("EngineDefect(name='{}', fixed_in='{}')", defect.name, defect.fixed_in);

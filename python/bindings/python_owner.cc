@@ -26,7 +26,7 @@ bool HoldsGil() {
 }
 
 struct DropObject {
-  PyObject* object;  // also found through a pointer to a part of it
+  PyObject* object;  // a pointer to a part of it finds it too
 
   void operator()(void*) const noexcept {
     if (HoldsGil()) return Py_DECREF(object);

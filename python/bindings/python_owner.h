@@ -46,7 +46,7 @@ inline SharedKeeper ShareKeeper(nb::object object) {
 // it. Copies share it.
 class Held {
  public:
-  explicit Held(nb::object object);  // with the GIL; copies need none
+  explicit Held(nb::object object);  // needs the GIL; copies do not
 
   // The referenced object; null after it was released.
   PyObject* target() const { return slot_->object ? slot_->object.get() : nullptr; }

@@ -150,8 +150,7 @@ void BindRender(nb::module_& m) {
           "scene"_a, "shadows"_a = false, "multisamples"_a = 0, "reflections"_a = false,
           "shadow_size"_a = RenderQuality{}.shadow_size, "gl"_a = "auto", "backend"_a = "auto",
           "quality"_a = nb::none(), "threads"_a = 1, nb::call_guard<nb::gil_scoped_release>(),
-          "`shadow_size`: side of the shadow map in pixels; what is large or seen from near needs "
-          "more.\n"
+          "`shadow_size`: side of the shadow map in pixels; large or close objects need more.\n"
           "`backend`: 'gl' (OpenGL), 'soft' (the processor alone), or 'auto': what the variable "
           "ROBOCELL_RENDERER names, else\n"
           "OpenGL where there is one. `quality`: 'fast', 'standard' or 'high' in the place of "
@@ -161,15 +160,15 @@ void BindRender(nb::module_& m) {
       .def("render", &Render, "camera"_a.none(), "width"_a = 320, "height"_a = 240, "rgb"_a = true,
            "depth"_a = false, "segmentation"_a = false,
            "frames"_a = std::vector<std::pair<std::string, Pose>>{}, "frame_length"_a = 0.1,
-           "One view as {rgb (H,W,3) uint8, depth (H,W) float32 metres with 0 for no hit, "
-           "segmentation (H,W) int32 body ids with\n"
+           "Renders one view. Returns {rgb (H,W,3) uint8, depth (H,W) float32 metres with 0 for no "
+           "hit, segmentation (H,W) int32 body ids with\n"
            "-1 for none, intrinsics (3,3), extrinsics (4,4) world -> camera in OpenCV axes}. "
            "`camera` is a name (''\n"
            "is a view of the whole model), an OrbitCamera, a FreeCamera or a TrackingCamera; "
            "`frames` are (text, pose in the world)\n"
            "drawn as axes.")
       .def_prop_ro("description", &SceneRenderer::description,
-                   "The back end and what it draws with, in words.");
+                   "The back end and its device, in words.");
   m.def(
       "write_png",
       [](const std::filesystem::path& path, nb::handle rgb) {
@@ -180,25 +179,23 @@ void BindRender(nb::module_& m) {
       "path"_a, "rgb"_a.none(),
       nb::sig("def write_png(path: str | os.PathLike, rgb: numpy.typing.NDArray[numpy.uint8]) -> "
               "None"),
-      "Writes a colour image, uint8 (H, W, 3). TypeError for any other array says how to convert "
-      "it."
-      "\n\nExamples:\n"
+      "Writes a colour image, uint8 (H, W, 3). Raises TypeError, with the conversion, for any "
+      "other array.\n\nExamples:\n"
       "    >>> view = rc.render.OrbitCamera(distance=1.5)\n"
       "    >>> rc.render.write_png(\"view.png\", rc.render.Renderer(scene).render(view, 160, "
       "120)[\"rgb\"])");
   m.def(
       "describe_gl", [] { return DescribeGl(); }, nb::call_guard<nb::gil_scoped_release>(),
-      "Returns what draws on this machine. Raises Error with everything that was tried if nothing "
-      "does.");
+      "Returns the renderer of this machine: back end, device and version. Raises Error with all "
+      "attempts if there is none.");
   m.def(
       "graphics_advice",
       [](const std::string& description, const std::string& root) {
         return GraphicsAdvice(description, ReadGraphicsFacts(root));
       },
       "description"_a, "root"_a = "/",
-      "What to do when this machine has a graphics card and `description` (of describe_gl) is of "
-      "software all the same;\n"
-      "'' otherwise. `root` is the folder that the machine's files are looked up in.");
+      "Returns advice if this machine has a graphics card but `description` (of describe_gl) names "
+      "a software renderer; '' otherwise. `root` is the root folder of the machine's files.");
   BindVideo(m);
 }
 

@@ -4,7 +4,9 @@
 #include <fmt/ranges.h>
 
 #include "robocell/base/hook_error.h"
+#include "robocell/expert/expert.h"
 #include "robocell/task/task.h"
+#include "robocell/task/task_sampler.h"
 
 namespace robocell::python {
 namespace {
@@ -20,14 +22,14 @@ std::string WrongInAction(nb::handle action) {
   if (!nb::isinstance<nb::dict>(action)) return "got " + ShortRepr(action);
   for (const auto& [robot, groups] : nb::borrow<nb::dict>(action)) {
     const std::string place = "[" + ShortRepr(robot) + "]";
-    if (!nb::isinstance<nb::str>(robot)) return place + " is no name of a robot";
+    if (!nb::isinstance<nb::str>(robot)) return place + " is not the name of a robot";
     if (nb::isinstance<GroupCommand>(groups))
       return place + " is a GroupCommand: the outer keys are robots, the inner ones their groups";
     if (!nb::isinstance<nb::dict>(groups))
       return place + " is " + TypeOf(groups) + ", not {group: GroupCommand}";
     for (const auto& [group, command] : nb::borrow<nb::dict>(groups)) {
       const std::string inner = place + "[" + ShortRepr(group) + "]";
-      if (!nb::isinstance<nb::str>(group)) return inner + " is no name of a group";
+      if (!nb::isinstance<nb::str>(group)) return inner + " is not the name of a group";
       if (!nb::isinstance<GroupCommand>(command)) {
         return inner + " is " + TypeOf(command) +
                ", not a GroupCommand such as GroupCommand.joints(q)";
@@ -68,43 +70,6 @@ std::string ShortRepr(nb::handle value) {
   size_t end = kMostRepr;
   while (end > 0 && (static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // whole UTF-8
   return text.substr(0, end) + " ...";
-}
-
-std::string PlaceOfCode(nb::handle function) {
-  try {
-    const nb::object written = nb::module_::import_("inspect").attr("unwrap")(function);
-    const nb::object own = nb::getattr(written, "__func__", written);
-    const nb::object code = nb::getattr(own, "__code__", nb::none());
-    if (code.is_none()) return "";
-    return fmt::format("{}:{}, in {}", nb::cast<std::string>(code.attr("co_filename")),
-                       nb::cast<int>(code.attr("co_firstlineno")),
-                       nb::cast<std::string>(code.attr("co_name")));
-  } catch (const std::exception&) {
-    return "";  // a message without a place is better than an error about the place
-  }
-}
-
-std::string PlaceOfMethod(nb::handle self, const char* method) {
-  const nb::gil_scoped_acquire gil;
-  const nb::object own = nb::borrow(self);
-  const nb::object written =
-      nb::getattr(own, "_code_of", own);  // for functions that call another one's code
-  const nb::object function = nb::getattr(written, method, nb::none());
-  return PlaceOfCode(function);
-}
-
-void RethrowAsHookError(const std::string& place) {
-  try {
-    throw;
-  } catch (const HookError&) {
-    throw;
-  } catch (const nb::builtin_exception& error) {
-    const bool is_type = error.type() == nb::exception_type::type_error;
-    throw HookError(error.what(), place,
-                    is_type ? HookError::Kind::kType : HookError::Kind::kValue);
-  } catch (const Error& error) {
-    throw HookError(error.what(), place);
-  }
 }
 
 void ThrowReturned(const std::string& what, const std::string& expected, nb::handle got,

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "bindings.h"
+#include "raised.h"
 #include "robocell/robot/action.h"
 
 namespace robocell::python {
@@ -20,15 +21,6 @@ std::string ClassName(nb::handle self);
 // Returns repr(), truncated if it is long.
 std::string ShortRepr(nb::handle value);
 
-// Returns where a function, a method or a class is written: "/folder/tasks.py:12, in judge"; "" for
-// code that is not written in Python.
-std::string PlaceOfCode(nb::handle function);
-// Returns the place of a method of `self`. Takes the GIL.
-std::string PlaceOfMethod(nb::handle self, const char* method);
-
-// Rethrows the exception of a conversion that is being handled as a HookError.
-[[noreturn]] void RethrowAsHookError(const std::string& place);
-
 // Returns the conversion by `convert` of the value that `method` of `self` returned; errors name
 // the method.
 template <class Convert>
@@ -36,8 +28,8 @@ std::invoke_result_t<Convert> ConvertReturned(nb::handle self, const char* metho
                                               Convert&& convert) {
   try {
     return convert();
-  } catch (nb::python_error&) {
-    throw;
+  } catch (nb::python_error&) {  // of a value's own methods
+    RethrowRaised(PlaceOfMethod(self, method));
   } catch (...) {
     RethrowAsHookError(PlaceOfMethod(self, method));
   }

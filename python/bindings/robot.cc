@@ -69,16 +69,13 @@ void BindGroups(nb::module_& m) {
       m, "MoveGroup",
       "A named set of joints and actuators that move together.\n\n"
       "To write your own, subclass it (or GripperGroup, BaseGroup) and define get_name, get_kind "
-      "(generic unless you say arm), get_joint_names, get_actuator_names, "
-      "get_joint_pos, get_joint_vel,\n"
+      "(default: generic), get_joint_names, get_actuator_names, get_joint_pos, get_joint_vel,\n"
       "get_joint_torque, get_ctrl, set_joint_pos, set_joint_vel, set_ctrl, get_noop_ctrl, "
       "ctrl_for_joint_pos,\n"
       "get_joint_pos_limits (nq, 2), get_ctrl_limits (nu, 2), get_leaf_frame_to_world, "
-      "get_root_frame_to_world, "
-      "get_leaf_frame_to_robot,\n"
+      "get_root_frame_to_world, get_leaf_frame_to_robot,\n"
       "get_jacobian (6, nv) and integrate as needed, each returning arrays of its shape; then "
-      "robot.set_group(group). A gripper also "
-      "defines get_opening, set_opening,\n"
+      "robot.set_group(group). A gripper also defines get_opening, set_opening,\n"
       "ctrl_for_opening, get_inter_finger_dist, get_inter_finger_dist_range, get_is_open and "
       "get_is_grasping(body); a base\n"
       "get_pose, set_pose and get_is_mobile.",
@@ -128,7 +125,7 @@ void BindGroups(nb::module_& m) {
       .def_prop_ro(
           "noop_ctrl", [](const MoveGroup& g) { return NewArray(g.noop_ctrl()); },
           nb::for_getter(nb::sig("def noop_ctrl(self) -> numpy.typing.NDArray[numpy.float64]")),
-          "Returns the control that holds the group where it is.")
+          "Returns the control (nu,) that holds the group where it is.")
       .def_prop_ro(
           "joint_pos_limits",
           [](const MoveGroup& g) { return IntervalArray(g.joint_pos_limits()); },
@@ -225,7 +222,7 @@ void BindGroups(nb::module_& m) {
       .def_prop_ro("is_mobile", &BaseGroup::is_mobile,
                    "True for a free, planar or driven base, which moves while the simulation runs.")
       .def_prop_ro("is_driven", &BaseGroup::is_driven,
-                   "Whether `update` moves the base to `target`, as a driven base.")
+                   "True if `update` moves the base to `target`, as for a driven base.")
       .def_prop_rw(
           "target", &BaseGroup::target, &BaseGroup::SetTarget,
           "Target pose of a driven base in the world. The base moves there within its largest "
@@ -247,8 +244,13 @@ void BindGroups(nb::module_& m) {
 }
 
 void BindAction(nb::module_& m) {
-  nb::class_<GroupCommand>(m, "GroupCommand",
-                           "The command of one group until the next policy tick.")
+  nb::class_<GroupCommand>(
+      m, "GroupCommand",
+      "The command of one group until the next policy tick."
+      "\n\nExamples:\n"
+      "    >>> command = rc.control.GroupCommand.joints(robot.jnt_pos_msr)\n"
+      "    >>> robot.apply({\"arm\": command, \"gripper\": rc.control.GroupCommand.opening(1.0)})\n"
+      "    (True, '')")
       .def_static(
           "joints", [](nb::handle q) { return GroupCommand::Joints(ToRow(q, "joints")); }, "q"_a,
           "Commands absolute joint positions, rad or m."
@@ -343,7 +345,11 @@ void BindRobotClass(nb::module_& m) {
           "    7")
       .def_prop_ro("name", &Robot::name, "Name of the robot in its scene.")
       .def_prop_ro("prefix", &Robot::prefix, "Prefix of the robot's names in the model.")
-      .def_prop_ro("scene", &Robot::scene, "The scene that the robot is in.")
+      .def_prop_ro("scene", &Robot::scene,
+                   "The scene that the robot is in."
+                   "\n\nExamples:\n"
+                   "    >>> robot.scene.robots\n"
+                   "    [<Robot 'arm'>]")
       .def_prop_ro("group_names", &Robot::group_names, "Names of the move groups.")
       .def(
           "group",
@@ -501,7 +507,7 @@ void BindRobotClass(nb::module_& m) {
           "Returns the reading of a force-torque sensor at the last update(), as a PyKDL.Wrench: "
           "the load on the sensor (a mass that hangs from it reads its weight, along gravity), N "
           "and Nm, in the axes and about the origin of its `frame_site`.\n\nNotFoundError lists "
-          "the sensors; ImportError has the install command if PyKDL is missing.")
+          "the sensors, ImportError with the install command if PyKDL is missing.")
       .def(
           "ft_sensor_wrench",
           [](const Robot& r, const std::string& name) {
@@ -510,7 +516,7 @@ void BindRobotClass(nb::module_& m) {
           },
           "name"_a,
           nb::sig("def ft_sensor_wrench(self, name: str) -> numpy.typing.NDArray[numpy.float64]"),
-          "Returns the same as numbers (6,): force, then torque.")
+          "Returns the reading as numbers (6,): force, then torque.")
       .def("ft_sensor_frame", &Robot::ft_sensor_frame, "name"_a,
            "Returns the pose in the world of the site whose axes the reading has.")
       .def("tare_ft_sensor", &Robot::TareFtSensor, "name"_a,
@@ -524,7 +530,10 @@ void BindRobotClass(nb::module_& m) {
           "keeps it as long as it lives, so that `PyKDL.ChainDynParam(robot.kdl_chain(), gravity)` "
           "is safe. It is the same object each time, until masses or lengths of the arm change (an "
           "object on it, refresh_tool_inertia) or you added segments to it.\n\nRaises ImportError "
-          "with the install command if PyKDL is missing.")
+          "with the install command if PyKDL is missing."
+          "\n\nExamples:\n"
+          "    >>> robot.kdl_chain().getNrOfJoints()\n"
+          "    7")
       .def_prop_ro(
           "chain", [](const Robot& r) { return Chain(r.chain()); },
           "A copy of the arm's present kinematics and dynamics, from the robot base frame to the "
@@ -557,11 +566,12 @@ void BindRobotClass(nb::module_& m) {
           "Returns the scene's gravity (3,) in the axes of the robot base frame, for the dynamics "
           "of `chain`.")
       .def("refresh_tool_inertia", &Robot::RefreshToolInertia,
-           "Recomputes the inertia of what is attached to the arm (gripper, tool) at its present "
-           "pose instead of the model's reference, until the next reset.")
+           "Recomputes the inertia of attached bodies (gripper, tool) at their present pose "
+           "instead of the model's reference, until the next reset.")
       .def_prop_ro("has_tcp_frame", &Robot::has_tcp_frame,
-                   "Whether the arm ends in a site instead of a body's frame.")
-      .def_prop_ro("tcp_site", &Robot::tcp_site, "Full name of that site, else ''.")
+                   "True if the arm ends in a site instead of a body's frame.")
+      .def_prop_ro("tcp_site", &Robot::tcp_site,
+                   "Full name of the TCP's site; '' if the arm ends in a body.")
       .def_prop_ro("tip_to_tcp", &Robot::tip_to_tcp,
                    "Pose of the TCP in the tip body: the last body that the arm moves, or the one "
                    "given to from_scene.")

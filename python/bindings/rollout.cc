@@ -10,11 +10,14 @@
 
 #include "bindings.h"
 #include "in_use.h"
+#include "python_hooks.h"
 #include "python_owner.h"
 #include "returned.h"
 #include "sampler.h"
 #include "signals.h"
 #include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
+#include "robocell/rollout/dataset_run.h"
 #include "robocell/rollout/on_disk.h"
 #include "robocell/rollout/plan.h"
 #include "robocell/rollout/prepare.h"
@@ -35,14 +38,21 @@ struct StopFlag {
 };
 
 void BindItemResult(nb::module_& m) {
-  nb::class_<ItemResult>(m, "ItemResult", "Result of one item of a plan.")
+  nb::class_<ItemResult>(m, "ItemResult",
+                         "Result of one item of a plan."
+                         "\n\nExamples:\n"
+                         "    >>> rc.generate.prepare_dataset(run)\n"
+                         "    >>> plan = rc.generate.make_plan(run)\n"
+                         "    >>> result = rc.generate.Runner(run).run(plan[0])\n"
+                         "    >>> result.success, result.failures\n"
+                         "    (True, {})")
       .def_ro("item", &ItemResult::item, "The item of the plan.")
-      .def_ro("committed", &ItemResult::committed, "Whether an episode is on the disk.")
-      .def_ro("complete", &ItemResult::complete, "Whether nothing of the item is missing.")
+      .def_ro("committed", &ItemResult::committed, "True if an episode is on the disk.")
+      .def_ro("complete", &ItemResult::complete, "True if the item needs no more attempts.")
       .def_ro("success", &ItemResult::success, "True if an attempt succeeded.")
       .def_ro("stopped", &ItemResult::stopped,
-              "Whether the stop flag ended it; nothing was kept then.")
-      .def_ro("resumed", &ItemResult::resumed, "Whether it was complete before.")
+              "True if the stop flag ended it; nothing was stored then.")
+      .def_ro("resumed", &ItemResult::resumed, "True if it was complete before.")
       .def_ro("kept", &ItemResult::kept, "Number of episodes written by this call.")
       .def_ro("attempts", &ItemResult::attempts, "Number of attempts that ended.")
       .def_ro("undecided", &ItemResult::undecided,
@@ -67,7 +77,7 @@ void BindItemResult(nb::module_& m) {
       .def_ro("seconds_acting", &ItemResult::seconds_acting,
               "Time of expert, simulation and task, seconds.")
       .def_ro("seconds_rendering", &ItemResult::seconds_rendering,
-              "Time for images and for waiting on encoders, seconds.")
+              "Time that the rollout waited for images and encoders, seconds.")
       .def_ro("seconds_writing", &ItemResult::seconds_writing,
               "Time for writing rows and committing, seconds.")
       .def("__repr__", [](const ItemResult& r) {
@@ -75,8 +85,8 @@ void BindItemResult(nb::module_& m) {
                           : r.success   ? "success"
                           : r.committed ? "failures kept"
                                         : "nothing made";
-        return fmt::format("<ItemResult {}: {}, {} attempts, {} rows>", r.item.id, end, r.attempts,
-                           r.rows);
+        return fmt::format("<ItemResult {}: {}, {}, {}>", r.item.id, end,
+                           Counted(r.attempts, "attempt"), Counted(r.rows, "row"));
       });
 }
 
@@ -87,7 +97,7 @@ void BindReplay(nb::module_& m) {
       .def_ro("tick", &ReplayDifference::tick, "Row of the table control.")
       .def_ro("time", &ReplayDifference::time, "Recorded time, seconds.")
       .def_ro("what", &ReplayDifference::what,
-              "Description: joint 'robot_0/joint3' of rc7/arm, object 'target' z.")
+              "Description: joint 'joint3' of rc7/arm, object 'target' z.")
       .def_ro("column", &ReplayDifference::column, "The recorded column.")
       .def_ro("recorded", &ReplayDifference::recorded, "The recorded value, in `units`.")
       .def_ro("replayed", &ReplayDifference::replayed, "The value of the replay, in `units`.")
@@ -97,7 +107,7 @@ void BindReplay(nb::module_& m) {
   nb::class_<ReplayResult>(m, "ReplayResult", "Result of replaying an episode.")
       .def_ro("episode", &ReplayResult::episode, "Id of the episode.")
       .def_ro("rows", &ReplayResult::rows, "Number of rows without a difference.")
-      .def_ro("ticks", &ReplayResult::ticks, "The same for the control table.")
+      .def_ro("ticks", &ReplayResult::ticks, "Number of control ticks without a difference.")
       .def_ro("first", &ReplayResult::first, "The first difference, or None.")
       .def_ro("versions", &ReplayResult::versions, "Versions that changed since, or ''.")
       .def_prop_ro("ok", &ReplayResult::ok, "True if nothing differs.")
@@ -106,6 +116,25 @@ void BindReplay(nb::module_& m) {
   m.def("recorded_scene", &RecordedScene, "episode"_a, nb::call_guard<nb::gil_scoped_release>(),
         "Returns the SceneSpec of a generated episode, with the models stored in its dataset. "
         "Raises ArgumentError if the episode does not contain it.");
+  m.def("run_of_dataset", &RunOfDataset, "dataset"_a, nb::call_guard<nb::gil_scoped_release>(),
+        "Returns the run that made a dataset, with the robot and the scene files that it keeps.\n\n"
+        "Imports nothing: kinds of your own are registered before. Raises ArgumentError for a "
+        "dataset that no run made, SpecError for kinds that nobody registered and for other code.");
+  m.def("first_episode_of_run", &FirstEpisodeOfRun, "dataset"_a,
+        "Returns the first episode. Raises ArgumentError if there is none, or if no run made it.");
+  m.def(
+      "plan_numbers",
+      [](const std::vector<std::string>& ids) {
+        nb::list numbers;
+        for (const std::string& id : ids) {
+          if (const auto found = NumbersOfId(id))
+            numbers.append(nb::make_tuple(found->scene, found->episode));
+        }
+        return numbers;
+      },
+      "ids"_a,
+      nb::sig("def plan_numbers(ids: collections.abc.Sequence[str]) -> list[tuple[int, int]]"),
+      "Returns scene and episode of each id of a run's episode, such as (3, 1) of 's0003_e0001'.");
   m.def(
       "verify_replay",
       [](const Episode& episode, double tolerance) {
@@ -125,27 +154,12 @@ std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> Ma
   if (!*factory) return {};
   return [factory](const RunConfig& run, const EpisodeStart& start) {
     const nb::gil_scoped_acquire gil;
-    nb::object made = ObjectOf(*factory)(nb::cast(run), nb::cast(start));
+    nb::object made = CallMaker(ObjectOf(*factory), nb::cast(run), nb::cast(start));
     if (!nb::isinstance<Expert>(made)) {
       ThrowReturned("Runner: expert()", "an Expert", made, PlaceOfCode(ObjectOf(*factory)));
     }
     return ConvertReturned(made, "__init__", [&] { return Shared<Expert>(made); });
   };
-}
-
-// Describes the exception being handled if Python code raised it: class, text, file and line.
-// sys.exit() in a user's code counts: it ends no process. Ctrl-C does not.
-std::string TellPythonError() {
-  try {
-    throw;
-  } catch (nb::python_error& error) {
-    const nb::gil_scoped_acquire acquire;
-    if (!error.matches(PyExc_Exception) && !error.matches(PyExc_SystemExit)) return "";
-    const nb::object place = nb::module_::import_("robocell.generate.run_source").attr("place_of");
-    return nb::cast<std::string>(place(error.value()));
-  } catch (...) {
-    return "";
-  }
 }
 
 std::string PlaceOfRunner(const Runner& runner) { return "runner of '" + runner.run().run + "'"; }
@@ -159,19 +173,22 @@ class PythonRunner : public Runner {
                SharedKeeper made = ShareKeeper(nb::none()))
       : Runner(run, {.sampler = MakeSamplerFactory(sampler, made),
                      .expert = MakeExpertFactory(expert),
-                     .told_of_users = &TellPythonError}),
+                     .scene_data = DataForHooks(*expert || *sampler || HasPythonHooks(run))}),
         kept_{std::move(expert), std::move(sampler), std::move(made)} {}
 
   static int Traverse(PyObject* self, visitproc visit, void* arg) {
     Py_VISIT(Py_TYPE(self));
     if (!nb::inst_ready(self)) return 0;
-    for (const SharedKeeper& keeper : nb::inst_ptr<PythonRunner>(self)->kept_)
-      Py_VISIT(TargetOf(*keeper));
-    return 0;
+    const PythonRunner& runner = *nb::inst_ptr<PythonRunner>(self);
+    for (const SharedKeeper& keeper : runner.kept_) Py_VISIT(TargetOf(*keeper));
+    if (UseByOthers(static_cast<const Runner*>(&runner))) return 0;  // it changes without the GIL
+    return VisitSampler(runner.sampler(), visit, arg);
   }
   static int Clear(PyObject* self) {
     if (!nb::inst_ready(self)) return 0;
-    for (const SharedKeeper& keeper : nb::inst_ptr<PythonRunner>(self)->kept_) keeper->reset();
+    auto& runner = *nb::inst_ptr<PythonRunner>(self);
+    runner.DropSampler();
+    for (const SharedKeeper& keeper : runner.kept_) keeper->reset();
     return 0;
   }
 
@@ -191,6 +208,8 @@ void BindRollout(nb::module_& m) {
       .def_ro("scene", &PlanItem::scene, "Number of the scene in the source.")
       .def_ro("episode", &PlanItem::episode, "Number of the episode in its scene.")
       .def_ro("id", &PlanItem::id, "Name of the episode's folder.")
+      .def_rw("first_attempt", &PlanItem::first_attempt,
+              "Number of its first attempt: above 0 to make a recorded episode from its own start.")
       .def("__repr__", [](const PlanItem& item) { return "<PlanItem " + item.id + ">"; });
   m.def("make_plan", &MakePlan, "run"_a,
         "Returns the episodes of a run: the same file gives the same plan and the same seeds."
@@ -199,9 +218,6 @@ void BindRollout(nb::module_& m) {
         "    's0000_e0000'");
   m.def("shard_plan", &Shard, "plan"_a, "shard"_a, "count"_a,
         "Returns the items of shard `shard` of `count`.");
-  m.def("changed_code", &ChangedCode, "dataset"_a, "run"_a,
-        "Returns the source files of the run's task and features that changed since the dataset "
-        "was begun.");
   m.def(
       "parse_shard",
       [](const std::string& text) {
@@ -216,8 +232,10 @@ void BindRollout(nb::module_& m) {
       [](const RunConfig& run, bool validate) { PrepareDataset(run, {.validate = validate}); },
       "run"_a, nb::kw_only(), "validate"_a = true, nb::call_guard<nb::gil_scoped_release>(),
       "Creates the run's output folder, or checks that the existing one belongs to the same run "
-      "(SpecError names the differences). A dataset without episodes begins again. Validates the "
-      "run first, unless `validate` is False.");
+      "(raises SpecError with the differences). A dataset without episodes is recreated. Validates "
+      "the run first, unless `validate` is False."
+      "\n\nExamples:\n"
+      "    >>> rc.generate.prepare_dataset(run)");
   m.def("validate_dataset", &ValidateDataset, "run"_a, nb::call_guard<nb::gil_scoped_release>(),
         "Checks the run's output folder as prepare_dataset does, without writing.");
   m.def(

@@ -8,6 +8,8 @@
 #include "features.h"
 #include "in_use.h"
 #include "python_owner.h"
+#include "sampler.h"
+#include "scene_sharing.h"
 #include "signals.h"
 #include "task_trampolines.h"
 #include "robocell/rollout/run_env.h"
@@ -47,8 +49,7 @@ int Traverse(PyObject* self, visitproc visit, void* arg) {
   const RunEnv& env = *nb::inst_ptr<RunEnv>(self);
   if (UseByOthers(&env)) return 0;  // its members change without the GIL; its user holds it
   if (env.task().use_count() == 1) Py_VISIT(TargetOf(env.task()));
-  if (env.sampler().use_count() == 1) Py_VISIT(TargetOf(env.sampler()));
-  return 0;
+  return VisitSampler(env.sampler(), visit, arg);
 }
 
 int Clear(PyObject* self) {
@@ -67,9 +68,15 @@ void BindRunEnv(nb::module_& m) {
                      "The cell of a run as an environment: it returns what an episode of the run "
                      "records, and takes the actions that it records. One thread at a time.",
                      nb::type_slots(run_env_slots))
-      .def(nb::init<RunConfig>(), "run"_a)
+      .def(
+          "__init__",
+          [](RunEnv* self, const RunConfig& run) {
+            ImportMujoco();  // before the work starts
+            new (self) RunEnv(run, PythonData());
+          },
+          "run"_a)
       .def_prop_ro(
-          "run", [](const RunEnv& env) { return env.run(); }, "A copy.")
+          "run", [](const RunEnv& env) { return env.run(); }, "A copy of the run's configuration.")
       .def(
           "reset",
           [](RunEnv& env, int index, int attempt) {
@@ -96,7 +103,7 @@ void BindRunEnv(nb::module_& m) {
             return RowArrays(*row);
           },
           nb::sig("def row(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
-          "Returns what is recorded of the present state: {name: numbers or image}.")
+          "Returns the row that would be recorded now: {name: numbers or image}.")
       .def("act", &Step, "actions"_a,
            nb::sig("def act(self, actions: dict[str, numpy.typing.ArrayLike]) -> tuple[float, "
                    "bool, bool, dict[str, typing.Any]]"),
@@ -110,9 +117,8 @@ void BindRunEnv(nb::module_& m) {
           "commanded", [](const RunEnv& env) { return FeatureList(env.commanded()); },
           nb::sig("def commanded(self) -> list[Feature]"),
           "Features of the actions, by their names in the dataset.")
-      .def_prop_ro(
-          "instruction", [](const RunEnv& env) { return env.start().task->instruction(); },
-          "The instruction of this episode, in words.")
+      .def_prop_ro("instruction", &RunEnv::instruction,
+                   "The instruction of this episode, in words.")
       .def_prop_ro(
           "object_kinds", [](const RunEnv& env) { return env.start().object_kinds; },
           "Kinds of the objects of this episode, the target's first.")

@@ -7,6 +7,7 @@
 #include "python_owner.h"
 #include "rng.h"
 #include "scene_cycles.h"
+#include "scene_sharing.h"
 #include "signals.h"
 #include "task_trampolines.h"
 #include "robocell/base/error.h"
@@ -39,7 +40,11 @@ PyType_Slot start_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseS
 
 void BindStart(nb::module_& m) {
   nb::class_<EpisodeStart>(m, "EpisodeStart",
-                           "The start of an episode: a scene at its start state, and its task.",
+                           "The start of an episode: a scene at its start state, and its task."
+                           "\n\nExamples:\n"
+                           "    >>> start = rc.tasks.EpisodeStart(scene, rc.tasks.Task())\n"
+                           "    >>> start.scene.time()\n"
+                           "    0.0",
                            nb::type_slots(start_slots))
       .def(
           "__init__",
@@ -87,7 +92,11 @@ void BindRefusal(nb::module_& m) {
   reasons.attr("GRASPS_IN_COLLISION") = Refusal::kGraspsInCollision;
   reasons.attr("CAMERA_CONSTRAINT") = Refusal::kCameraConstraint;
   reasons.attr("INVALID_SCENE") = Refusal::kInvalidScene;
-  nb::class_<Refusal>(m, "Refusal", "A refused start with its reason.")
+  nb::class_<Refusal>(m, "Refusal",
+                      "A refused start with its reason."
+                      "\n\nExamples:\n"
+                      "    >>> rc.tasks.Refusal(\"no_support\", \"no table in the room\")\n"
+                      "    <Refusal: no_support, no table in the room>")
       .def(
           "__init__",
           [](Refusal* self, const std::string& reason, const std::string& detail) {
@@ -98,7 +107,7 @@ void BindRefusal(nb::module_& m) {
           "`reason`: a few words, one of RefusalReason or of your own, by which refusals are "
           "counted; `detail`: a text for people.")
       .def_ro("reason", &Refusal::reason, "A few words by which refusals are counted.")
-      .def_ro("detail", &Refusal::detail, "Details, as a text for people.")
+      .def_ro("detail", &Refusal::detail, "Human-readable details.")
       .def_ro("stage", &Refusal::stage,
               "Stage that refused: objects, task, base, cameras or settling; '' for a sampler "
               "without stages. Refusals are counted as 'stage: reason'.")
@@ -109,7 +118,34 @@ void BindRefusal(nb::module_& m) {
       });
 }
 
+// A source of scenes written in Python refers to its class, and that to its script's variables.
+int VisitSource(const TaskSampler& sampler, visitproc visit, void* arg) {
+  if (sampler.source().use_count() == 1) Py_VISIT(TargetOf(sampler.source()));
+  return 0;
+}
+int TraverseSampler(PyObject* self, visitproc visit, void* arg) {
+  Py_VISIT(Py_TYPE(self));
+  return nb::inst_ready(self) ? VisitSource(*nb::inst_ptr<TaskSampler>(self), visit, arg) : 0;
+}
+int ClearSampler(PyObject* self) {
+  if (nb::inst_ready(self)) nb::inst_ptr<TaskSampler>(self)->DropSource();
+  return 0;
+}
+
 }  // namespace
+
+PyType_Slot sampler_slots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseSampler)},
+                               {Py_tp_clear, reinterpret_cast<void*>(&ClearSampler)},
+                               {0, nullptr}};
+
+int VisitSampler(const std::shared_ptr<TaskSampler>& sampler, visitproc visit, void* arg) {
+  if (sampler.use_count() != 1) return 0;
+  if (PyObject* made_in_python = TargetOf(sampler)) {
+    Py_VISIT(made_in_python);  // which visits its source
+    return 0;
+  }
+  return VisitSource(*sampler, visit, arg);
+}
 
 SampleResult ToSampleResult(nb::handle self, nb::handle made) {
   ConvertReturned(self, "sample", [&] { RequireInitialised(made); });
@@ -122,6 +158,7 @@ SampleResult ToSampleResult(nb::handle self, nb::handle made) {
 nb::object SampleForPython(const SampleRequest& request, PythonRng& rng,
                            const std::function<SampleResult(const SampleRequest&, Rng&)>& sample) {
   SampleRequest asked = request;
+  asked.scene_data = PythonData();
   SignalPoll poll;
   asked.stop = [&] {
     poll();
@@ -141,7 +178,7 @@ SamplerFactory MakeSamplerFactory(const SharedKeeper& make_sampler, const Shared
   if (!*make_sampler) return {};
   return [factory = make_sampler, made](const RunConfig& run) {
     const nb::gil_scoped_acquire gil;
-    nb::object object = ObjectOf(*factory)(nb::cast(run));
+    nb::object object = CallMaker(ObjectOf(*factory), nb::cast(run));
     if (!nb::isinstance<TaskSampler>(object))
       ThrowReturned("Runner: sampler()", "a TaskSampler", object, PlaceOfCode(ObjectOf(*factory)));
     const std::shared_ptr<TaskSampler> sampler = Shared<TaskSampler>(object);
@@ -167,11 +204,12 @@ void BindSampler(nb::module_& m) {
       .def_ro("attempt", &SampleRequest::attempt, "Number of the attempt at that episode.")
       .def_prop_ro(
           "stopped", [](const SampleRequest& request) { return ShouldStop(request.stop); },
-          "True if the run is to end: the sampler may then refuse with any reason.");
+          "True if the run should end: the sampler may then refuse with any reason.");
   nb::class_<TaskSampler, PySamplerOf<TaskSampler>>(
       m, "TaskSampler",
       "Sets episodes up. Subclasses define sample(request, rng) -> EpisodeStart | Refusal. The "
-      "same request and the same numbers from rng must give the same start.")
+      "same request and the same numbers from rng must give the same start.",
+      nb::type_slots(sampler_slots))
       .def(nb::init<>())
       .def(
           "sample",

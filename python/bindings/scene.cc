@@ -151,10 +151,10 @@ void BindReset(nb::module_& m) {
               "collections.abc.Mapping[str, Pose] | None "
               "= None) -> None"))
       .def_rw("keyframe", &ResetOptions::keyframe, nb::arg("value").none(),
-              "The keyframe: its number (0 is home) or its full name ('left_retract', with the "
-              "prefix of its part), or {robot or object: keyframe of its own model}, by name or by "
-              "number (0 is home), for one of them also as the text 'left: retract', all others at "
-              "home. None: the scene's home.")
+              "The keyframe: its number (0 is home) or its full name with the prefix of its part "
+              "('left_retract'). Alternatively {robot or object: keyframe of its own model}, by "
+              "name or by number (0 is home); all others start at home. 'left: retract' is the "
+              "text for one of them. None: the scene's home.")
       .def_rw("use_keyframe", &ResetOptions::use_keyframe,
               "False: the model's default configuration.")
       .def_rw("seed", &ResetOptions::seed, nb::arg("value").none(),
@@ -167,7 +167,7 @@ void BindReset(nb::module_& m) {
           nb::for_setter(nb::sig("def body_poses(self, value: "
                                  "collections.abc.Mapping[str, Pose] | None, /) -> None")),
           "{name: pose in the world} of free and mocap bodies that start elsewhere, at rest. They "
-          "win over what hooks do. A copy.")
+          "override hooks. Returns a copy.")
       .def("__repr__", [](nb::handle options) {
         const nb::object poses = options.attr("body_poses");
         const nb::str more =
@@ -177,7 +177,7 @@ void BindReset(nb::module_& m) {
                     more);
       });
   nb::class_<ResetInfo>(m, "ResetInfo", "The start of a reset.")
-      .def_ro("used_keyframe", &ResetInfo::used_keyframe, "Whether the start was a keyframe.")
+      .def_ro("used_keyframe", &ResetInfo::used_keyframe, "True if the start was a keyframe.")
       .def_ro("keyframe", &ResetInfo::keyframe,
               "Number of the keyframe, else -1; home's if parts had their own keyframes.")
       .def("__repr__", [](const ResetInfo& info) {
@@ -226,7 +226,7 @@ void BindRecords(nb::module_& m) {
       .def_ro("prefix", &RobotRecord::prefix, "Prefix of its names in the model.")
       .def(
           "copy_config", [](const RobotRecord& r) { return RobotConfig(r.config); },
-          "A copy of its configuration, an empty one for a robot without.")
+          "A copy of its configuration; an empty one without a configuration.")
       .def(
           "copy_base", [](const RobotRecord& r) { return BaseConfig(r.base); },
           "A copy of its base: the spec's, else the configuration's.")
@@ -255,8 +255,8 @@ void BindRecords(nb::module_& m) {
           [](const ObjectRecord& o) {
             return o.pool ? std::optional(o.pool->parked) : std::nullopt;
           },
-          "Whether the object is out of the scene after a reset; None for an object outside the "
-          "pool.")
+          "True if a reset leaves the object outside the scene; None for an object that is not in "
+          "the pool.")
       .def("__repr__", [](const ObjectRecord& o) { return "<ObjectRecord '" + o.name + "'>"; });
 }
 
@@ -275,7 +275,7 @@ void BindCompiled(nb::module_& m) {
       .def_prop_ro("model", &ModelOf, nb::sig("def model(self, /) -> mujoco.MjModel"),
                    "The mujoco.MjModel, shared without a copy.")
       .def_prop_ro("warnings", &CompiledScene::warnings,
-                   "Requests of the parts that were not met, and the engine's warnings.")
+                   "Settings of parts that were ignored, and the engine's warnings.")
       .def_prop_ro("engine_guards", &CompiledScene::engine_guards,
                    "Names of the known_engine_defects() that the model is guarded against.")
       .def_prop_ro("notes", &CompiledScene::notes,
@@ -292,10 +292,12 @@ void BindCompiled(nb::module_& m) {
           "Records of the objects, in the spec's order; copies.")
       .def(
           "robot", [](const CompiledScene& c, const std::string& name) { return c.robot(name); },
-          nb::arg("name"), "Returns the record of one robot; NotFoundError has the nearest names.")
+          nb::arg("name"),
+          "Returns the record of one robot. Raises NotFoundError with the nearest names.")
       .def(
           "object", [](const CompiledScene& c, const std::string& name) { return c.object(name); },
-          nb::arg("name"), "Returns the record of one object; NotFoundError has the nearest names.")
+          nb::arg("name"),
+          "Returns the record of one object. Raises NotFoundError with the nearest names.")
       .def("copy", &CompiledScene::Copy, Unlocked(),
            "Returns a copy with its own model, which is not frozen: for a scene that writes to its "
            "model. Nothing is compiled.")
@@ -369,7 +371,13 @@ void DefStepping(nb::class_<Scene>& c) {
           nb::sig("def on_reset(self, hook: collections.abc.Callable[[ResetContext], typing.Any]) "
                   "-> int"),
           "Calls hook(ResetContext) in every reset, after the keyframe and before the robots take "
-          "their targets from the result. Returns an id for remove_reset_hook.")
+          "their targets from the result. Returns an id for remove_reset_hook."
+          "\n\nExamples:\n"
+          "    >>> resets = []\n"
+          "    >>> hook = scene.on_reset(lambda context: resets.append(context.info))\n"
+          "    >>> info = scene.reset()\n"
+          "    >>> len(resets)\n"
+          "    1")
       .def("remove_reset_hook", &Scene::RemoveResetHook, nb::arg("id"),
            "Removes the hook of this id. Raises NotFoundError for an unknown id.")
       .def("clear_reset_hooks", &Scene::ClearResetHooks, "Removes all hooks.");
@@ -426,9 +434,8 @@ void DefObjects(nb::class_<Scene>& c) {
        "    >>> scene.object_names\n"
        "    ['cube', 'nut']")
       .def("remove_object", &Scene::RemoveObject, nb::arg("name"), Unlocked(),
-           "Removes an object, as add_object adds one. NotFoundError lists the objects; "
-           "ArgumentError names what is attached to it."
-           "\n\nExamples:\n"
+           "Removes an object, as add_object adds one. Raises NotFoundError with the objects, "
+           "ArgumentError with the parts attached to it.\n\nExamples:\n"
            "    >>> scene.remove_object(\"cube\")\n"
            "    >>> scene.object_names\n"
            "    []")
@@ -528,7 +535,7 @@ void DefActuation(nb::class_<Scene>& c) {
       .def(
           "state", [](const Scene& s) { return NumberCopy(s.state()); },
           nb::sig("def state(self) -> numpy.typing.NDArray[numpy.float64]"),
-          "Returns a copy of everything that the engine needs to continue to the bit."
+          "Returns a copy (n,) of everything that the engine needs to continue to the bit."
           "\n\nExamples:\n"
           "    >>> saved = scene.state()\n"
           "    >>> scene.step_n(100).ok\n"
@@ -540,8 +547,8 @@ void DefActuation(nb::class_<Scene>& c) {
           "set_state",
           [](Scene& s, nb::handle state) { s.SetState(Numbers(state, FieldPath("state"))); },
           nb::arg("state"), nb::sig("def set_state(self, state: numpy.typing.ArrayLike) -> None"),
-          "Continues from a state that state() returned. It does not contain the robots' commands "
-          "(ports, controllers' targets): the next update drives the robots there.");
+          "Continues from a state that state() returned. It excludes the robots' commands (ports, "
+          "controllers' targets), so the next update drives the robots to those.");
 }
 
 void DefSharing(nb::class_<Scene>& c) {
@@ -581,7 +588,7 @@ void DefSharing(nb::class_<Scene>& c) {
           "name", [](const Scene& s) { return s.name(); }, "Name of the scene in messages.")
       .def_prop_ro(
           "warnings", [](const Scene& s) { return s.compiled()->warnings(); },
-          "Requests of the parts that were not met, and the engine's warnings.")
+          "Settings of parts that were ignored, and the engine's warnings.")
       .def_prop_ro(
           "engine_guards", [](const Scene& s) { return s.compiled()->engine_guards(); },
           "Names of the known_engine_defects() that the model is guarded against.")
@@ -596,15 +603,15 @@ void DefSharing(nb::class_<Scene>& c) {
       .def(
           "save_binary", [](const Scene& s, const Path& path) { s.SaveBinary(path.string()); },
           nb::arg("path"), Unlocked(), "Writes an exact .mjb file that stock MuJoCo loads.")
-      .def("to_xml", &Scene::ToXml, Unlocked(), "The MJCF text.");
+      .def("to_xml", &Scene::ToXml, Unlocked(), "Returns the MJCF text.");
 }
 
 void DefRobots(nb::class_<Scene>& c) {
   c.def(
        "robot", [](const Scene& s, const std::string& name) { return Robot::Of(s, name); },
        nb::arg("name"), Unlocked(), nb::sig("def robot(self, name: str) -> Robot"),
-       "Returns a configured robot by its name; NotFoundError lists the robots."
-       "\n\nExamples:\n"
+       "Returns a configured robot by its name. Raises NotFoundError with the "
+       "robots.\n\nExamples:\n"
        "    >>> scene.robot(\"arm\").arm.nq\n"
        "    7")
       .def_prop_ro(
@@ -644,9 +651,8 @@ void BindScene(nb::module_& m) {
       {.always = {"name", "__eq__", "__hash__", "__enter__"},
        .closed = {"close", "closed", "__exit__"}});
   c.def_static("build", &Build, nb::arg("spec"),
-               "Compiles a SceneSpec and resets the scene. SpecError lists all problems of the "
-               "spec; EngineError has the engine's message."
-               "\n\nExamples:\n"
+               "Compiles a SceneSpec and resets the scene. Raises SpecError with all problems of "
+               "the spec, EngineError with the engine's message.\n\nExamples:\n"
                "    >>> with rc.Scene.build(spec) as scene:\n"
                "    ...     print(scene.object_names)\n"
                "    ['cube']");

@@ -16,7 +16,7 @@ struct SceneNode {
 struct Tracked {
   Scene::Weak scene;
   PyObject* node = nullptr;
-  size_t references = 0;  // to the node, held here
+  size_t references = 0;  // references to the node, held here
 };
 
 // Keyed by the scene's id; guarded by the GIL, and never destroyed, because some users outlive
@@ -111,7 +111,7 @@ int VisitGroups(const std::vector<std::shared_ptr<MoveGroup>>& groups, visitproc
 }
 
 void BindSceneNodes(nb::module_& m) {
-  nb::class_<SceneNode>(m, "_SceneNode", "What Python's collector sees of a scene.",
+  nb::class_<SceneNode>(m, "_SceneNode", "The part of a scene that Python's collector visits.",
                         nb::type_slots(node_slots));
 }
 

@@ -40,7 +40,7 @@ struct PythonHook {
 // Gives the scene a node if it has none.
 void TrackScene(const Scene& scene);
 
-// For tp_traverse of a handle, once for each Scene that it alone has.
+// Visits a handle in tp_traverse, once for each Scene that it alone has.
 int VisitScene(const Scene& scene, visitproc visit, void* arg);
 
 // `groups` are copies of the pointers that one owner keeps alive; a group with another owner too is
@@ -53,8 +53,8 @@ int VisitHandle(const T& handle, visitproc visit, void* arg) {
   return VisitScene(handle.scene(), visit, arg);
 }
 
-// How Python holds a handle: as a value of its own (or as a reference to one inside another object,
-// which then has the Scene), or by a shared_ptr that holds one Scene.
+// Python's ownership of a handle: as a separate value (or as a reference to one inside another
+// object, which then has the Scene), or by a shared_ptr that holds one Scene.
 enum class HandleIs { kValue, kShared };
 
 template <class T, int (*kVisit)(const T&, visitproc, void*), HandleIs kIs>

@@ -110,7 +110,7 @@ nb::object ImportMujoco() {
         "pip install mujoco=={}",
         version, CompiledEngineVersion(), CompiledEngineVersion()));
   }
-  static bool stopped = false;  // with the GIL
+  static bool stopped = false;  // guarded by the GIL
   if (!std::exchange(stopped, true)) StopEngineTimers(mujoco);
   return mujoco;
 }
@@ -133,9 +133,11 @@ void Freeze(CompiledScene& compiled) {
 nb::object DataOf(const Scene& scene) {
   nb::object data = ObjectOf(scene.data_keeper());
   if (!data.is_valid()) {
-    throw Error("scene '" + scene.name() +
-                "' was made in C++ with data of its own, which cannot be shown as mujoco.MjData; "
-                "use state() and set_state(), or build it with Scene.build");
+    throw Error(
+        "scene '" + scene.name() +
+        "' was made in C++ with data of its own, which cannot be shown as mujoco.MjData; "
+        "use state() and set_state(), or build it with Scene.build. A sampler in C++ passes "
+        "SampleRequest::scene_data to Scene::Build");
   }
   return data;
 }

@@ -34,8 +34,10 @@ class PySceneSource : public SceneSource {
     if (!Defines(nb_trampoline, "annotations")) return std::nullopt;
     const nb::gil_scoped_acquire acquire;
     const nb::handle self = nb_trampoline.base();
-    return Returned<std::optional<SceneAnnotations>>(self, "annotations",
-                                                     self.attr("annotations")(index));
+    return Returned<std::optional<SceneAnnotations>>(
+        self, "annotations", CallPython(self, "annotations", [&] {
+          return nb::object(self.attr("annotations")(index));
+        }));
   }
 };
 
@@ -88,8 +90,8 @@ void BindContainer(nb::module_& m) {
 void BindArticulation(nb::module_& m) {
   nb::enum_<ArticulationKind>(m, "ArticulationKind",
                               "Kind of motion of a part of the surroundings.")
-      .value("HINGE", ArticulationKind::kHinge)
-      .value("SLIDE", ArticulationKind::kSlide);
+      .value("HINGE", ArticulationKind::kHinge, "Rotation about an axis: doors, lids, knobs.")
+      .value("SLIDE", ArticulationKind::kSlide, "Translation along an axis: drawers.");
   nb::class_<Articulation> c(m, "Articulation",
                              "A joint of the surroundings: a door, a drawer, a lid, a knob.");
   c.def(
@@ -178,13 +180,13 @@ void BindWords(nb::module_& m) {
 void BindRelations(nb::module_& m) {
   nb::class_<SpatialRelation>(
       m, "SpatialRelation",
-      "SpatialRelation(scene, object, relation, reference): whether an object is on top of, inside "
-      "or next to something now.\n\n"
+      "A relation between two objects, evaluated in the scene's present state: "
+      "SpatialRelation(scene, object, relation, reference).\n\n"
       "on_top_of: it touches the reference from above. inside: its middle is over a hollow of the "
       "reference and it reaches below the rim. next_to: at most most_gap metres are free between "
-      "them, and it is neither on nor in it. Names are those of objects and bodies. NotFoundError "
-      "for unknown names, ArgumentError for a reference without a hollow or a shape that collides."
-      "\n\nExamples:\n"
+      "them, and it is neither on nor in it. Names are those of objects and bodies. Raises "
+      "NotFoundError for unknown names, ArgumentError for a reference without a hollow or a shape "
+      "that collides.\n\nExamples:\n"
       "    >>> near = rc.scenes.SpatialRelation(scene, \"cube\", \"next_to\", \"base_link\")\n"
       "    >>> near.holds()\n"
       "    False",
@@ -201,7 +203,8 @@ void BindRelations(nb::module_& m) {
           "most_gap"_a = kMostGap,
           nb::sig("def __init__(self, scene: Scene, object: str, relation: Relation | str, "
                   "reference: str, *, most_gap: float = 0.1) -> None"))
-      .def("holds", &SpatialRelation::Holds, "Whether it holds in the scene's present state.");
+      .def("holds", &SpatialRelation::Holds,
+           "Returns True if the relation holds in the scene's present state.");
 }
 
 void BindAnnotations(nb::module_& m) {
@@ -242,7 +245,7 @@ void BindAnnotations(nb::module_& m) {
       .def_ro("free_floor", &A::free_floor, "Free floor of all levels.")
       .def("free_floor_of", &FreeFloorOf, "name"_a,
            "Returns the free areas of one floor, by the name of the floor or of a room, largest "
-           "first. NotFoundError lists the names.")
+           "first. Raises NotFoundError with the names.")
       .def_ro("objects", &A::objects, "Names of the objects.")
       .def_ro("lights", &A::lights, "Lights of the scene.");
   m.def("derive_annotations", &DeriveAnnotations, "spec"_a,
@@ -273,7 +276,8 @@ void BindSceneSources(nb::module_& m) {
           },
           "index"_a,
           "Returns the SceneSpec, without a task's objects and the run's robot. The run sets its "
-          "name, timestep and options. NotFoundError for a scene that the source does not have.")
+          "name, timestep and options. Raises NotFoundError for a scene that the source does not "
+          "have.")
       .def(
           "annotations",
           [](SceneSource& source, int index) -> std::optional<SceneAnnotations> {

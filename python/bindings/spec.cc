@@ -1,11 +1,10 @@
-// The specs' enums and value types; the spec classes are in spec_robot.cc, spec_scene.cc,
-// spec_run.cc and spec_env.cc.
-#include <cctype>
-
+// The specs' value types. Their enums are in spec_enums.cc; the spec classes are in spec_robot.cc,
+// spec_scene.cc, spec_run.cc and spec_env.cc.
 #include <nanobind/operators.h>
 
 #include "bindings.h"
 #include "spec_class.h"
+#include "spec_enums.h"
 #include "spec_parts.h"
 #include "robocell/base/error.h"
 #include "robocell/spec/spec_file.h"
@@ -13,55 +12,14 @@
 namespace robocell::python {
 namespace {
 
-// Converts "shared_base" to "SHARED_BASE".
-std::string Upper(std::string_view name) {
-  std::string out(name);
-  for (char& c : out) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return out;
-}
-
-// Converts "shared_base" to "SharedBase".
-std::string Camel(std::string_view name) {
-  std::string out;
-  bool start = true;
-  for (const char c : name) {
-    if (c != '_') out += start ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
-    start = c == '_';
-  }
-  return out;
-}
-
-template <HasEnumNames E>
-void BindEnum(nb::module_& m, const char* doc, std::string (*style)(std::string_view) = Upper) {
-  nb::enum_<E> e(m, kEnumName<E>, doc);
-  for (const auto& [value, name] : EnumNames<E>::kNames) e.value(KeepText(style(name)), value);
-}
-
-void BindEnums(nb::module_& m) {
-  BindEnum<AttachKind>(m, "Kinds of attachment targets.", Camel);
-  BindEnum<ElementKind>(m, "Kinds of elements of a model.");
-  BindEnum<Shape>(m, "Shapes of primitive objects.");
-  BindEnum<Condim>(m, "Kinds of friction at contacts; the values are MuJoCo's condim.");
-  BindEnum<Integrator>(m, "MuJoCo's integrators.");
-  BindEnum<FrictionCone>(m, "Shapes of friction cones.");
-  BindEnum<Solver>(m, "MuJoCo's constraint solvers.");
-  BindEnum<JacobianKind>(m, "Storage and factorisation of the constraint Jacobian.");
-  BindEnum<BaseKind>(m, "Kinds of robot bases.");
-  BindEnum<MoveGroupKind>(m, "Kinds of move groups.");
-  BindEnum<ControlKind>(m, "Default controllers of move groups.");
-  BindEnum<CtrlMode>(m, "Kinds of actuators that drive an arm's joints.");
-  BindEnum<Keep>(m, "Kinds of episodes that a run keeps.");
-  BindEnum<ControlMode>(m, "Meaning of an environment's actions.");
-  BindEnum<RelativeTo>(m, "Reference of an environment's actions.");
-  BindEnum<OnCollision>(m, "Effect of a collision on an environment's step.");
-  BindEnum<Relation>(m, "Relations between the places of two objects.");
-}
-
 void BindAttachTarget(nb::module_& m) {
   nb::class_<AttachTarget>(
       m, "AttachTarget",
       "The target of an attachment, immutable: AttachTarget(AttachKind.Site, "
-      "'pinch_site').\n\nWorld, Root and SharedBase are frames and have no name.")
+      "'pinch_site').\n\nWorld, Root and SharedBase are frames and have no name."
+      "\n\nExamples:\n"
+      "    >>> rc.robots.AttachTarget(\"body\", \"link7\")\n"
+      "    AttachTarget(AttachKind.Body, 'link7')")
       .def(
           "__init__",
           [](AttachTarget* self, nb::handle kind, const std::string& name) {
@@ -81,7 +39,7 @@ void BindAttachTarget(nb::module_& m) {
            })
       .def("__repr__",
            [](const AttachTarget& t) {
-             const std::string kind = "AttachKind." + Camel(ToString(t.kind));
+             const std::string kind = "AttachKind." + CamelCase(ToString(t.kind));
              if (t.name.empty()) return fmt::format("AttachTarget({})", kind);
              return fmt::format("AttachTarget({}, {})", kind, nb::repr(Text(t.name)).c_str());
            })
@@ -138,7 +96,7 @@ void BindElementRef(nb::module_& m) {
       .def("__repr__",
            [](const ElementRef& ref) {
              const std::string kind =
-                 ref.kind ? ", kind=ElementKind." + Upper(ToString(*ref.kind)) : "";
+                 ref.kind ? ", kind=ElementKind." + UpperCase(ToString(*ref.kind)) : "";
              if (ref.body.empty()) {
                return fmt::format("ElementRef({}{})", nb::repr(Text(ref.name)).c_str(), kind);
              }
@@ -163,12 +121,13 @@ void BindSpec(nb::module_& m) {
   BindSpecContainers(m);
   BindRobotSpecs(m);
   BindSceneSpecs(m);
+  BindPickSpecs(m);
   BindTaskSpecs(m);
   BindSceneSourceSpecs(m);
   BindRunSpecs(m);
   BindEnvSpecs(m);
   m.def("missing_spec_file", &MissingSpecFile, nb::arg("path"), nb::arg("type"),
-        "Explains a missing spec file, with what is there instead; '' if it is a file.");
+        "Explains a missing spec file, with the entries beside it; '' if it is a file.");
   m.def("scene_object_element_name", &SceneObjectElementName, nb::arg("object"), nb::arg("element"),
         "Returns the full name of an element of a model object, without a scene: ('table', "
         "'table_top') -> 'table_table_top'.");

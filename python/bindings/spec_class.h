@@ -96,8 +96,6 @@ PyType_Slot kSpecSlots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&TraverseSp
 
 // --- The class -----------------------------------------------------------------------------------
 
-// Keeps texts to which nanobind has pointers.
-const char* KeepText(std::string text);
 // Returns "def __init__(self, *, name: str = ..., ...) -> None".
 std::string InitSignature(const std::vector<Field>& fields);
 // Returns "RobotSpec(path='arm.xml', prefix='left_')": the fields that differ from the default.
@@ -198,20 +196,20 @@ template <HasFields T>
 void DefYaml(nb::class_<T>& c) {
   c.def(
       "to_yaml", [](const T& self) { return ToYaml(self); },
-      "The spec as YAML text that comes back equal; unset fields are left out. Relative paths stay "
-      "so: "
-      "from_yaml takes their folder as `directory`; pickling keeps it.");
+      "Returns YAML text that from_yaml reads back to an equal spec; unset fields are omitted. "
+      "Relative paths stay relative: pass their folder to from_yaml as `directory`. Pickling keeps "
+      "the folder.");
   c.def(
       "validate",
       [](const T& self, const std::string& what) {
         RequireValid(self, what.empty() ? T::kTypeName : what);
       },
       nb::arg("what") = "",
-      "Validates all fields. SpecError lists everything that is wrong; `what` names the spec "
-      "there.");
+      "Validates all fields. Raises SpecError with all problems; `what` names the spec in the "
+      "message.");
 }
 
-// For specs that are files of their own.
+// Adds load, from_yaml and location, for specs with their own files.
 template <HasFields T>
 void DefYamlFile(nb::class_<T>& c) {
   using Path = std::filesystem::path;
@@ -224,9 +222,9 @@ void DefYamlFile(nb::class_<T>& c) {
       nb::sig(KeepText(fmt::format("def load(path: str | os.PathLike[str], overrides: "
                                    "collections.abc.Sequence[str] = ()) -> {}",
                                    T::kTypeName))),
-      "Read a YAML file; `overrides` replace single fields first, as in "
+      "Reads a YAML file; `overrides` replace single fields first, as in "
       "'task.lift_height=0.05'.\n\n"
-      "SpecError lists all problems with file:line:column; IoError when it cannot be read.");
+      "Raises SpecError with all problems (file:line:column), IoError if the file cannot be read.");
   c.def_static(
       "from_yaml",
       [](const std::string& text, const std::string& source, const Path& directory,
@@ -240,18 +238,18 @@ void DefYamlFile(nb::class_<T>& c) {
                                "os.PathLike[str] = '', overrides: collections.abc.Sequence[str] = "
                                "()) -> {}",
                                T::kTypeName))),
-      "Read YAML text; `source` stands for the file in messages, relative paths start at "
+      "Reads YAML text; messages use `source` as the file name, relative paths start at "
       "`directory`; `overrides` as in load.");
   if constexpr (requires(const T& spec) { spec.locations; }) {
     c.def(
         "location",
         [](const T& self, const std::string& field) { return self.locations.At(field); },
         nb::arg("field") = "",
-        "Where a field stood in the file this was read from, for messages: location('output') is "
+        "Returns the position of a field in its file, for messages: location('output') is "
         "'run.yaml:3:9'.\n\n"
-        "Fields of parts are written as in 'cameras.streams[0].camera'. The nearest part around a "
-        "field that was not given; the override, as in '--set output=/tmp/x', when that gave it; "
-        "'' for what came from no file.");
+        "Fields of parts are written as in 'cameras.streams[0].camera'. Returns the position of "
+        "the parent for a field that the file does not set, '--set output=/tmp/x' for an override, "
+        "and '' without a file.");
   }
 }
 

@@ -26,8 +26,9 @@ size_t Index(const SpecList& self, Py_ssize_t i) {
   const auto size = static_cast<Py_ssize_t>(Size(self));
   const Py_ssize_t at = i < 0 ? i + size : i;
   if (at < 0 || at >= size) {
-    throw nb::index_error(
-        fmt::format("{}[{}] is out of range, it has {} elements", self.name, i, size).c_str());
+    throw nb::index_error(fmt::format("{}[{}] is out of range, it has {}", self.name, i,
+                                      Counted(static_cast<int64_t>(size), "element"))
+                              .c_str());
   }
   return static_cast<size_t>(at);
 }
@@ -265,13 +266,13 @@ PyType_Slot kSlots[] = {{Py_tp_traverse, reinterpret_cast<void*>(&Traverse<View>
 constexpr const char* kListDoc =
     R"(The elements of a field such as SceneSpec.robots: a mutable sequence.
 
-A live view: what is done to it is done to the spec. An element that was put in stays the same
-object. Elements may also be given as dictionaries of their fields.)";
+A live view: changes apply to the spec, and inserted elements keep their identity.
+Elements may also be given as dictionaries of their fields.)";
 
 constexpr const char* kMapDoc =
     R"(A field that maps names to values, such as RobotConfig.move_groups: a mutable mapping.
 
-A live view: what is done to it is done to the spec. A spec that was put in stays the same object;
+A live view: changes apply to the spec, and inserted specs keep their identity;
 numbers come out as arrays that write through.)";
 
 void BindList(nb::module_& m) {
@@ -397,7 +398,7 @@ void BindMap(nb::module_& m) {
   c.def("update", &Update, nb::arg("other").none(),
         nb::sig("def update(self, other: collections.abc.Mapping[str, typing.Any], /) -> None"),
         "Sets all values of another mapping.");
-  c.def("clear", &Clear, nb::sig("def clear(self) -> None"), "Remove all.");
+  c.def("clear", &Clear, nb::sig("def clear(self) -> None"), "Removes all entries.");
   c.attr("__hash__") = nb::none();
   nb::module_::import_("collections.abc").attr("MutableMapping").attr("register")(c);
 }

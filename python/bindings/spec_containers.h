@@ -38,7 +38,7 @@ struct MapOps {
 
 struct SpecList {
   nb::object owner;
-  std::string name;  // of the field, for messages
+  std::string name;  // name of the field, for messages
   void* list;
   const ListOps* ops;
 };

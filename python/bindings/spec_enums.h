@@ -1,6 +1,9 @@
 // Names of the specs' enums in Python.
 #pragma once
 
+#include <string>
+#include <string_view>
+
 #include "robocell/spec/env_action.h"
 #include "robocell/spec/robot_config.h"
 #include "robocell/spec/run_config.h"
@@ -9,6 +12,11 @@
 #include "robocell/spec/types.h"
 
 namespace robocell::python {
+
+// Converts "shared_base" to "SHARED_BASE".
+std::string UpperCase(std::string_view name);
+// Converts "shared_base" to "SharedBase".
+std::string CamelCase(std::string_view name);
 
 template <HasEnumNames E>
 inline constexpr const char* kEnumName = nullptr;
@@ -38,6 +46,8 @@ template <>
 inline constexpr const char* kEnumName<CtrlMode> = "CtrlMode";
 template <>
 inline constexpr const char* kEnumName<Keep> = "Keep";
+template <>
+inline constexpr const char* kEnumName<RenderWhen> = "RenderWhen";
 template <>
 inline constexpr const char* kEnumName<ControlMode> = "ControlMode";
 template <>

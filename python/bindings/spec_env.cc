@@ -12,7 +12,12 @@ void BindEnvSpecs(nb::module_& m) {
       "(file, Pose).");
   BindSpecClass<ObjectVariation>(m, "Random variation of an object in each episode.");
   BindSpecClass<CameraAdderConfig>(
-      m, "A camera to add, in the root frame or at a robot's attachment site.");
+      m,
+      "A camera to add, in the root frame or at a robot's attachment site."
+      "\n\nExamples:\n"
+      "    >>> cell = rc.EnvConfig.load(rc.models.cell_file(\"rc7\"))\n"
+      "    >>> above = rc.Pose(translation=[0.5, 0, 1.2], rpy=[np.pi, 0, 0])\n"
+      "    >>> cell.camera_adds[\"above\"] = rc.envs.CameraAdderConfig(fovy=50, offset=above)");
   BindSpecClass<SimSettings>(m, "Settings of an environment's simulation.");
   BindSpecClass<WrapperConfig>(m, "Wrappers of the robots' actions and observations.");
   auto env = BindSpecClass<EnvConfig>(

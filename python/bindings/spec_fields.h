@@ -38,7 +38,7 @@ struct Field {
   const char* name;
   const char* doc;
   std::string type, set_type;  // annotations
-  size_t offset;               // in the spec
+  size_t offset;               // offset in the spec
   const FieldOps* ops;
 
   nb::object get(void* spec, nb::handle self) const { return ops->get(In(spec), name, self); }
@@ -63,6 +63,9 @@ void SetFields(const std::vector<Field>& fields, void* spec, const char* type, n
 
 template <HasFields T>
 const std::vector<Field>& FieldsOf();
+
+// Keeps texts to which nanobind has pointers.
+const char* KeepText(std::string text);
 
 // --- How each kind of field is converted ---------------------------------------------------------
 
@@ -265,7 +268,7 @@ struct Convert<std::vector<double>> {
     if (IsNumber(value)) {
       out = {ToDouble(value, path)};
     } else {
-      const Numbers numbers(value, path);
+      const Numbers numbers(value, path, "a number or a list of numbers");
       out.assign(numbers.span().begin(), numbers.span().end());
     }
   }
@@ -572,14 +575,14 @@ struct Convert<SceneSourceSpec> {
 // The task of a run or environment: its fields, as an object of their kind's class (spec_task.cc).
 nb::object TaskSpecToPython(TaskSpec& value);
 TaskSpec TaskSpecFromPython(nb::handle value, const FieldPath& path);
+// The annotation of what TaskSpecFromPython takes.
+std::string TaskTypes();
 
 template <>
 struct Convert<TaskSpec> {
   // The class depends on the kind, which an annotation cannot express.
   static std::string Type() { return "typing.Any"; }
-  static std::string SetType() {
-    return "PickTaskConfig | PickAndPlaceTaskConfig | TaskFields | dict[str, typing.Any]";
-  }
+  static std::string SetType() { return TaskTypes(); }
   static nb::object Get(TaskSpec& value, const char*, nb::handle) {
     return TaskSpecToPython(value);
   }
@@ -603,6 +606,19 @@ inline constexpr FieldOps kFieldOps = {
       return *static_cast<const Value*>(a) == *static_cast<const Value*>(b);
     }};
 
+// Returns " Shape (3,)." for a field of three numbers, "" for a field of another kind.
+template <class T>
+std::string ShapeNote() {
+  if constexpr (IsOptional<T>::value) {
+    return ShapeNote<std::remove_cvref_t<decltype(*std::declval<T&>())>>();
+  } else if constexpr (requires { std::tuple_size<T>::value; }) {
+    if constexpr (std::is_arithmetic_v<typename T::value_type>) {
+      return " Shape (" + std::to_string(std::tuple_size<T>::value) + ",).";
+    }
+  }
+  return "";
+}
+
 template <HasFields T>
 const std::vector<Field>& FieldsOf() {
   static const std::vector<Field> kFields = [] {
@@ -610,7 +626,9 @@ const std::vector<Field>& FieldsOf() {
     const T plain{};
     ForEachField(plain, [&](const char* name, const auto& value, const char* doc, Bound) {
       using Value = std::remove_cvref_t<decltype(value)>;
-      AddField(&fields, name, doc, &plain, &value, kFieldOps<Value>);
+      const std::string note = ShapeNote<Value>();
+      const char* shown = note.empty() ? doc : KeepText(doc + note);
+      AddField(&fields, name, shown, &plain, &value, kFieldOps<Value>);
     });
     return fields;
   }();

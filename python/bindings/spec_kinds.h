@@ -3,10 +3,12 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "spec_fields.h"
 #include "robocell/spec/kind_fields.h"
+#include "robocell/spec/task_spec.h"
 
 namespace robocell::python {
 
@@ -31,5 +33,14 @@ std::string KindOfDict(const KindRegistry& registry, const nb::dict& values, con
 // TypeError for a name that is not a field.
 void SetKindFields(KindSpec& spec, const nb::dict& values, const FieldPath& path,
                    const std::string& other = "");
+
+// A kind of task whose fields are a Python class of their own; others are TaskFields.
+struct TaskClass {
+  std::string name;
+  nb::object (*to_python)(TaskSpec& spec);                   // null for another kind
+  std::optional<TaskSpec> (*from_python)(nb::handle value);  // unset for another class
+};
+// Makes the class known to all fields `task`. Comes before the classes that have such a field.
+void AddTaskClass(TaskClass added);
 
 }  // namespace robocell::python

@@ -54,12 +54,15 @@ void BindRobotSpecs(nb::module_& m) {
       nb::sig("def used_modes(self) -> list[CtrlMode]"),
       "Returns the modes that its `control` needs, including position: what a scene must declare "
       "(RobotSpec.control_modes) without switching.");
-  auto robot = BindSpecClass<RobotSpec>(m,
-                                        "A robot in a scene, with its name and place."
-                                        "\n\nExamples:\n"
-                                        "    >>> left = rc.RobotSpec(name=\"left\", config=config, "
-                                        "prefix=\"left_\", pos=[0, 0.5, 0])\n"
-                                        "    >>> spec.robots.append(left)");
+  auto robot = BindSpecClass<RobotSpec>(
+      m,
+      "A robot in a scene, with its name and place."
+      "\n\nExamples:\n"
+      "    >>> left = rc.RobotSpec(name=\"left\", config=config, "
+      "prefix=\"left_\", pos=[0, 0.5, 0])\n"
+      "    >>> spec.robots.append(left)\n"
+      "    >>> bare = rc.RobotSpec(name=\"bare\")\n"
+      "    >>> bare.path = \"models/robots/rc7/rc7.xml\"  # a model without a configuration");
   DefYamlFile(robot);
 }
 

@@ -5,7 +5,10 @@
 namespace robocell::python {
 
 void BindRunSpecs(nb::module_& m) {
-  BindSpecClass<CameraConfig>(m, "One stream of images from a camera.");
+  BindSpecClass<CameraConfig>(m,
+                              "One stream of images from a camera."
+                              "\n\nExamples:\n"
+                              "    >>> run.cameras.streams[0].depth = True");
   BindSpecClass<RenderQuality>(m, "Quality of images; everything costly is off by default.");
   BindSpecClass<RendererConfig>(m, "The back end that renders images, and its quality.");
   auto cameras =
@@ -34,7 +37,9 @@ void BindRunSpecs(nb::module_& m) {
       "\n\nExamples:\n"
       "    >>> run = rc.RunConfig.load(\"examples/demo.yaml\", [\"episodes=2\", \"workers=1\"])\n"
       "    >>> run.episodes\n"
-      "    2");
+      "    2\n"
+      "    >>> run.output = \"experiment_output/small\"\n"
+      "    >>> run.cameras.resolution = [128, 96]");
   DefYamlFile(run);
   run.def_prop_ro(
       "source_dir", [](const RunConfig& r) { return r.source_dir; },

@@ -102,7 +102,7 @@ void BindSceneSourceSpecs(nb::module_& m) {
              names.insert(names.end(), {"source", kHouses, "to_dict"});
              return names;
            })
-      .def("to_dict", &ToDict, "The kind, which scenes, and the fields of the kind.")
+      .def("to_dict", &ToDict, "Returns kind, selected scenes and fields of the kind.")
       .def(
           "__eq__",
           [](const SceneSourceSpec& a, nb::handle other) -> nb::object {

@@ -1,11 +1,11 @@
 // The `task` of runs and environments: each kind's fields as a Python object that refers to them.
 #include <memory>
+#include <optional>
+#include <utility>
 
-#include "spec_class.h"
 #include "spec_kinds.h"
 #include "spec_parts.h"
 #include "robocell/base/error.h"
-#include "robocell/spec/pick_task_config.h"
 #include "robocell/spec/task_spec.h"
 
 namespace robocell::python {
@@ -21,36 +21,44 @@ std::string TaskText(const KindFieldsView& view, nb::handle self) {
   return text + ")";
 }
 
-template <NamesItsKind T>
-nb::object ToObject(TaskSpec& spec) {
-  return nb::cast(std::shared_ptr<T>(spec.shared_fields(), spec.If<T>()));
+std::vector<TaskClass>& TaskClasses() {
+  static std::vector<TaskClass> classes;
+  return classes;
 }
 
 TaskSpec TaskOfDict(const nb::dict& values, const FieldPath& path) {
-  TaskSpec spec(KindOfDict(TaskKindRegistry(), values, path, PickTaskConfig::kKind));
+  TaskSpec spec(KindOfDict(TaskKindRegistry(), values, path, TaskKindRegistry().default_kind()));
   SetKindFields(spec, values, path);
   return spec;
 }
 
-template <NamesItsKind T>
-void BindTaskConfig(nb::module_& m, const char* doc) {
-  BindSpecClass<T>(m, doc).def_prop_ro(
-      "kind", [](const T&) { return std::string(T::kKind); }, "The kind of task, as in YAML.");
-}
-
 }  // namespace
 
+void AddTaskClass(TaskClass added) {
+  for (const TaskClass& known : TaskClasses()) {
+    if (known.name == added.name) return;
+  }
+  TaskClasses().push_back(std::move(added));
+}
+
+std::string TaskTypes() {
+  std::string types;
+  for (const TaskClass& known : TaskClasses()) types += known.name + " | ";
+  return types + "TaskFields | dict[str, typing.Any]";
+}
+
 nb::object TaskSpecToPython(TaskSpec& spec) {
-  if (spec.If<PickTaskConfig>()) return ToObject<PickTaskConfig>(spec);
-  if (spec.If<PickAndPlaceTaskConfig>()) return ToObject<PickAndPlaceTaskConfig>(spec);
+  for (const TaskClass& known : TaskClasses()) {
+    if (nb::object fields = known.to_python(spec)) return fields;
+  }
   return nb::cast(KindFieldsView{spec.kind(), spec.shared_fields()});
 }
 
 TaskSpec TaskSpecFromPython(nb::handle value, const FieldPath& path) {
   if (nb::isinstance<nb::dict>(value)) return TaskOfDict(nb::borrow<nb::dict>(value), path);
-  if (const PickTaskConfig* pick = nullptr; nb::try_cast(value, pick, false) && pick) return *pick;
-  if (const PickAndPlaceTaskConfig* place = nullptr; nb::try_cast(value, place, false) && place)
-    return *place;
+  for (const TaskClass& known : TaskClasses()) {
+    if (std::optional<TaskSpec> spec = known.from_python(value)) return *std::move(spec);
+  }
   if (const KindFieldsView* view = nullptr; nb::try_cast(value, view, false) && view) {
     TaskSpec spec(view->kind);
     const std::vector<KindFieldRef> from = view->fields->refs();
@@ -70,12 +78,10 @@ TaskSpec TaskSpecFromPython(nb::handle value, const FieldPath& path) {
 }
 
 void BindTaskSpecs(nb::module_& m) {
-  BindTaskConfig<PickTaskConfig>(m, "The fields of a task of kind `pick`.");
-  BindTaskConfig<PickAndPlaceTaskConfig>(m, "The fields of a task of kind `pick_and_place`.");
   nb::class_<KindFieldsView>(
       m, "TaskFields",
-      "The fields of a task of one's own, as attributes: what RunConfig.task and EnvConfig.task "
-      "are for kinds that were registered. Changing one changes the configuration.")
+      "Fields of a registered task, as attributes; the type of RunConfig.task and EnvConfig.task "
+      "for such kinds. Changing one changes the configuration.")
       .def_ro("kind", &KindFieldsView::kind, "The kind of task, as in YAML.")
       .def(
           "__getattr__",

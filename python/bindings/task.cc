@@ -9,10 +9,12 @@
 #include "bindings.h"
 #include "body_poses.h"
 #include "features.h"
+#include "number_like.h"
 #include "rng.h"
 #include "spec_fields.h"
 #include "task_trampolines.h"
 #include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/scenes/catalogue.h"
 
 namespace nb = nanobind;
@@ -44,6 +46,7 @@ TaskVerdict ToVerdict(nb::handle self, nb::handle made) {
 namespace {
 
 // Converts {name: (lower, upper)}, privileged; a Feature instead of a pair sets everything itself.
+// Two numbers are the bounds of one number, two lists those of a row of numbers.
 Feature ToSignal(const std::string& name, nb::handle value, const FieldPath& path) {
   if (nb::isinstance<Feature>(value)) {
     Feature feature = nb::cast<Feature>(value);
@@ -53,14 +56,35 @@ Feature ToSignal(const std::string& name, nb::handle value, const FieldPath& pat
   constexpr const char* kExpected = "a pair (lower, upper) or a Feature";
   const std::vector<nb::object> pair = ToItems(value, path, kExpected);
   if (pair.size() != 2) ThrowType(path, kExpected, value);
+  constexpr FeatureRole role = FeatureRole::kPrivileged;
+  if (IsNumber(pair[0]) && IsNumber(pair[1])) {
+    return {.column = {.name = name},
+            .role = role,
+            .lower = {ToDouble(pair[0], path)},
+            .upper = {ToDouble(pair[1], path)}};
+  }
   const Numbers lower(pair[0], path), upper(pair[1], path);
   if (lower.size() != upper.size() || lower.size() == 0) {
     ThrowValue(path, "needs a range: as many lower as upper bounds, and none above the other");
   }
   return {.column = {.name = name, .shape = {static_cast<int64_t>(lower.size())}},
-          .role = FeatureRole::kPrivileged,
+          .role = role,
           .lower = {lower.span().begin(), lower.span().end()},
           .upper = {upper.span().begin(), upper.span().end()}};
+}
+
+[[noreturn]] void ThrowUnknownSignal(const FieldPath& path, const nb::dict& values,
+                                     const std::vector<Feature>& signals) {
+  std::vector<std::string> names;
+  for (const Feature& signal : signals) names.push_back(signal.column.name);
+  for (const auto& [key, value] : values) {
+    const std::string name = ToText(key, path);
+    if (std::find(names.begin(), names.end(), name) == names.end())
+      ThrowValue(path,
+                 fmt::format("returns '{}', which signals() does not name; it names {}.{}", name,
+                             names.empty() ? "none" : ListNames(names), DidYouMean(name, names)));
+  }
+  ThrowValue(path, "returns more values than signals() names");
 }
 
 }  // namespace
@@ -101,6 +125,7 @@ void PutSignals(nb::handle self, nb::handle made, const std::vector<Feature>& si
       PutValues(values[name.c_str()], signal.column.shape, FieldPath(path, name), out.first(size));
       out = out.subspan(size);
     }
+    if (values.size() > signals.size()) ThrowUnknownSignal(path, values, signals);
   });
 }
 
@@ -129,17 +154,22 @@ nb::object TaskMemory(const char* function) {
 
 }  // namespace
 
-void RememberBound(nb::handle self) { TaskMemory("remember_bound")(self); }
+// Attributes of a user's task have methods of their own, such as __deepcopy__.
+
+void RememberBound(nb::handle self) {
+  CallPython(self, "bind", [&] { TaskMemory("remember_bound")(self); });
+}
 
 void AddMemoryOfAttributes(nb::handle self, std::vector<double>& memory) {
-  const nb::object made = TaskMemory("memory_of")(self);
+  const nb::object made =
+      CallPython(self, "memory", [&] { return nb::object(TaskMemory("memory_of")(self)); });
   const Numbers numbers(made, FieldPath("memory"));
   memory.insert(memory.end(), numbers.span().begin(), numbers.span().end());
 }
 
 void RecallAttributes(nb::handle self, std::span<const double> memory) {
   const nb::gil_scoped_acquire acquire;
-  TaskMemory("recall")(self, MemoryArray(memory));
+  CallPython(self, "recall", [&] { TaskMemory("recall")(self, MemoryArray(memory)); });
 }
 
 bool HasAttributes(std::span<const double> memory) {
@@ -177,7 +207,7 @@ void BindTaskParts(nb::module_& m) {
   nb::class_<TaskSetting>(m, "TaskSetting",
                           "The setting of a task beside its scene: the place's name for messages, "
                           "the robots that act, and the places of objects.")
-      .def_ro("place", &TaskSetting::place, "For messages: \"environment 'duo'\".")
+      .def_ro("place", &TaskSetting::place, "Name in messages: \"environment 'duo'\".")
       .def_ro("robots", &TaskSetting::robots, "Names of the robots that act.")
       .def_prop_ro(
           "objects",
@@ -188,6 +218,26 @@ void BindTaskParts(nb::module_& m) {
           },
           nb::sig("def objects(self) -> dict[str, Pose]"),
           "Places of objects in the root frame, by name.");
+  nb::class_<StartTurn>(m, "StartTurn",
+                        "The number of a start in its run: its scene, and its episode there."
+                        "\n\nExamples:\n"
+                        "    >>> turns = [rc.tasks.StartTurn(seed=0, scene=0, episode=e) for e in "
+                        "range(2)]\n"
+                        "    >>> sorted(turn.choose([\"box\", \"mug\"]) for turn in turns)\n"
+                        "    ['box', 'mug']")
+      .def(
+          "__init__",
+          [](StartTurn* self, uint64_t seed, int scene, int episode) {
+            new (self) StartTurn{seed, scene, episode};
+          },
+          "seed"_a = 0, "scene"_a = 0, "episode"_a = 0)
+      .def_ro("seed", &StartTurn::seed, "Seed of the run.")
+      .def_ro("scene", &StartTurn::scene, "Index of the scene in the source.")
+      .def_ro("episode", &StartTurn::episode, "Number of the episode in that scene.")
+      .def(
+          "choose", &StartTurn::Choose, "options"_a,
+          "Returns the option whose turn it is: over the episodes of a scene, and over the scenes, "
+          "each comes equally often, in an order that changes.");
   nb::class_<BaseRange>(m, "BaseRange", "Range of places of a robot's base around an object.")
       .def(
           "__init__",
@@ -228,19 +278,23 @@ void BindTaskClass(nb::module_& m) {
       .def(nb::init<>())
       .def(
           "prepare", [](Task&, SceneSpec&, PythonRng&) {}, "spec"_a, "rng"_a,
-          "Adds objects, sites or cameras to the SceneSpec. It may be called on another task with "
-          "the same fields than the bound one. Objects without a `pos` get a place at each start; "
-          "those with one stay there. `annotations` has what is known of the scene.")
+          "Adds objects, sites or cameras to the SceneSpec. It may be called on a different task "
+          "object, with the same fields, than the bound one. Objects without a `pos` get a "
+          "position at each start; those with one stay there. `annotations` describes the scene.")
+      .def_prop_ro(
+          "turn", [](const Task& t) { return t.turn(); },
+          "StartTurn of the start in its run, from prepare on: `turn.choose(kinds)` gives each "
+          "kind "
+          "its turn. In an environment, which is prepared once, that of the first start.")
       .def_prop_ro(
           "annotations",
           [](const Task& t) {
             const nb::gil_scoped_release unlocked;
             return t.annotations();
           },
-          "SceneAnnotations of the scene that prepare adds to: what its source says, checked, else "
-          "what follows from its geometry, which is compiled when this is asked. prepare asks "
-          "first; "
-          "the same is there afterwards. Raises Error when it did not.")
+          "SceneAnnotations of the scene that prepare adds to: those of its source (checked), else "
+          "derived from the geometry, which requires compiling. Available in prepare, and "
+          "afterwards if prepare read them; otherwise raises Error.")
       .def(
           "bind",
           [](Task& t, const Scene& scene, const TaskSetting& setting) {
@@ -260,11 +314,22 @@ void BindTaskClass(nb::module_& m) {
           "Makes the other changes of a start; `rng` continues from starts. A Refusal rejects this "
           "start, and another one is drawn.")
       .def(
-          "begin", [](Task&, const Scene&) {}, "scene"_a,
-          "Stores the reference of success. The scene is at its start state.")
+          "check_start", [](Task&, const Scene&) { return nb::none(); }, "scene"_a,
+          nb::sig("def check_start(self, scene: Scene) -> Refusal | None"),
+          "Returns a Refusal for a start from which the task cannot be done: no grasp is in reach "
+          "(check_grasps), nothing can be put down at the goal. Another start is drawn after a "
+          "Refusal. Runs call it before the objects settle and afterwards, environments once.")
       .def(
-          "judge", [](Task& t, const Scene& scene) { return t.Judge(scene); }, "scene"_a,
-          "Returns the TaskVerdict of the present state.")
+          "begin", [](Task&, const Scene&) {}, "scene"_a,
+          "Stores the values that success is measured from. The scene is at its start state.")
+      .def(
+          "judge",
+          [](Task& t, const Scene& scene) {
+            // A subclass may call it by super(), so that its own judge() is not meant.
+            auto* own = dynamic_cast<PyTaskOf<Task>*>(&t);
+            return own ? own->JudgeByParts(scene) : t.Judge(scene);
+          },
+          "scene"_a, "Returns the TaskVerdict of the present state.")
       .def(
           "reward", [](Task& t, const Scene& scene) { return t.Judge(scene).reward; }, "scene"_a,
           "Returns the reward of the present state. judge() calls it in tasks that do not define "
@@ -279,11 +344,15 @@ void BindTaskClass(nb::module_& m) {
           "Returns the names of the objects whose poses are observed and recorded, the target "
           "first.")
       .def(
+          "kind_of", [](const Task&, const std::string& object) { return object; }, "object"_a,
+          "Returns the kind of an object that prepare added, its name by default. Reports count by "
+          "the kind of the first object, and `start.places` may name it.")
+      .def(
           "resting_objects", [](const Task&) { return std::vector<std::string>(); },
           nb::sig("def resting_objects(self) -> collections.abc.Sequence[str]"),
-          "Returns objects that must lie still when an episode begins: touching no robot, inside "
-          "nothing and with something under them. starts and arrange are called again, with the "
-          "following numbers, until they do. When an environment is made, one start is simulated "
+          "Returns objects that must be at rest when an episode begins: no contact with a robot, "
+          "no penetration, and support below. starts and arrange are called again, with the "
+          "following random numbers, until they are. Creating an environment simulates one start "
           "until they rest.")
       .def(
           "subtasks", [](const Task&) { return std::vector<std::string>(); },
@@ -364,7 +433,13 @@ void BindTask(nb::module_& m) {
   nb::class_<Expert, PyExpertOf<Expert>>(
       m, "Expert",
       "Acts from the simulation's state. Subclasses define begin(scene, rng), act(scene, rng) -> "
-      "{robot: {group: GroupCommand}},\ndone(), failure(), phase(), phase_names().")
+      "{robot: {group: GroupCommand}},\ndone(), failure(), phase(), phase_names()."
+      "\n\nExamples:\n"
+      "    >>> class Wait(rc.tasks.Expert):\n"
+      "    ...     def act(self, scene, rng):\n"
+      "    ...         q = scene.robot(\"arm\").jnt_pos_msr\n"
+      "    ...         return {\"arm\": {\"arm\": rc.control.GroupCommand.joints(q)}}\n"
+      "    >>> commands = Wait().act(scene, rc.tasks.Rng.stream(0, \"wait\"))")
       .def(nb::init<>())
       .def(
           "begin", [](Expert& e, const Scene& s, PythonRng& rng) { e.Begin(s, rng.get()); },
@@ -375,21 +450,35 @@ void BindTask(nb::module_& m) {
       .def(
           "see", [](Expert&, nb::handle) {}, "row"_a,
           nb::sig("def see(self, row: dict[str, numpy.typing.NDArray[typing.Any]]) -> None"),
-          "Called before each act() with the recorded row of the state, for experts that act from "
-          "that alone: columns and images by their names in a dataset.")
+          "Called before each act() with the recorded row of the state, for experts that only use "
+          "recorded data: columns and images by their names in a dataset. Images are drawn when "
+          "one of "
+          "them is first read; read them before act() returns.")
       .def("done", &Expert::done,
            "Returns True when the expert has finished; the rollout then ends.")
       .def("failure", &Expert::failure,
            "Returns why the expert gave up, \"\" otherwise. A rollout that ends with a failure is "
-           "not a success, whatever its task judges.")
+           "not a success, even if its task judges it as one.")
       .def(
           "ends_at_success", [](const Expert&) { return false; },
-          "Returns True if a rollout ends as soon as the task succeeds, for policies, which do not "
-          "know it.")
+          "Returns True if a rollout ends as soon as the task succeeds; for policies, which cannot "
+          "tell.")
       .def("phase", &Expert::phase, "Returns the index of the present phase in phase_names().")
       .def("phase_names", &Expert::phase_names,
            "Returns the names of the phases, which episodes record as labels.");
   m.def("object_kinds", &ObjectKinds, "Returns the kinds of objects that tasks can use.");
+  m.def(
+      "make_object",
+      [](const std::string& kind, const std::string& name, PythonRng& rng) {
+        return MakeCatalogueObject(kind, name, rng.get());
+      },
+      "kind"_a, "name"_a, "rng"_a,
+      "Returns a SceneObject of a kind of the catalogue (object_kinds), of random size where the "
+      "kind has sizes, without a pose. For prepare of a Task."
+      "\n\nExamples:\n"
+      "    >>> rng = rc.tasks.Rng.stream(0, \"object\")\n"
+      "    >>> rc.tasks.make_object(\"mug\", \"target\", rng).name\n"
+      "    'target'");
 }
 
 }  // namespace robocell::python

@@ -6,14 +6,17 @@
 
 #include <nanobind/stl/tuple.h>
 
+#include <exception>
 #include <utility>
 
 #include "bindings.h"
 #include "env.h"
 #include "number_like.h"
+#include "python_hooks.h"
 #include "python_owner.h"
 #include "returned.h"
 #include "sampler.h"
+#include "scene_sharing.h"
 #include "values.h"
 #include "robocell/base/error.h"
 #include "robocell/expert/expert_kind.h"
@@ -21,6 +24,7 @@
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/value_fields.h"
 #include "robocell/task/sampler_kind.h"
+#include "robocell/task/task_judge.h"
 
 namespace robocell::python {
 
@@ -71,19 +75,24 @@ class PythonTaskKind final : public TaskKind {
   std::shared_ptr<Task> Make(const TaskSpec& spec) const override {
     const nb::gil_scoped_acquire acquire;
     const nb::object maker = Makers(kTasks)[kind_.c_str()];
-    const nb::object made = maker(ValuesOf(spec));
+    const nb::object made = CallMaker(maker, ValuesOf(spec));
     if (!nb::isinstance<Task>(made))
       ThrowReturned("the function of task '" + kind_ + "'", "a Task", made, PlaceOfCode(maker));
     return ConvertReturned(made, "__init__", [&] { return Shared<Task>(made); });
   }
-  std::vector<std::string> CodeFiles() const override { return FilesOf(kTaskCode, kind_); }
-  // Returns its own expert, if one of the same name was registered.
-  std::string expert() const override {
-    for (const std::string& known : ExpertKinds()) {
-      if (known == kind_) return kind_;
+  // Asks a task that has no scene for its words: those of one that needs a start are not known yet.
+  void ValidateScene(const RunConfig& run, const Scene& /*scene*/, Robot& /*robot*/,
+                     Problems& /*problems*/, std::vector<std::string>& warnings) const override {
+    try {
+      const std::shared_ptr<Task> task = Make(run.task);
+      const std::string words = task->instruction();  // rule-ok: its error is not reported here
+      const std::string why = WhyNoWords(*task, kind_, words);
+      if (!why.empty()) warnings.push_back(why);
+    } catch (const std::exception&) {
+      return;  // the first start raises the error
     }
-    return "";
   }
+  std::vector<std::string> CodeFiles() const override { return FilesOf(kTaskCode, kind_); }
 
  private:
   std::string kind_;
@@ -98,7 +107,7 @@ class PythonExpertKind final : public ExpertKind {
   std::shared_ptr<Expert> Make(const RunConfig& run, const EpisodeStart& start) const override {
     const nb::gil_scoped_acquire acquire;
     const nb::object maker = Makers(kExperts)[kind_.c_str()];
-    nb::object made = maker(nb::cast(run), nb::cast(start));
+    nb::object made = CallMaker(maker, nb::cast(run), nb::cast(start));
     if (!nb::isinstance<Expert>(made))
       ThrowReturned("the function of expert '" + kind_ + "'", "an Expert", made,
                     PlaceOfCode(maker));
@@ -118,7 +127,7 @@ class PythonSceneSourceKind final : public SceneSourceKind {
                                     const std::string& directory) const override {
     const nb::gil_scoped_acquire acquire;
     const nb::object maker = Makers(kSources)[kind_.c_str()];
-    const nb::object made = maker(ValuesOf(spec), directory);
+    const nb::object made = CallMaker(maker, ValuesOf(spec), directory);
     if (!nb::isinstance<SceneSource>(made))
       ThrowReturned("the function of scene source '" + kind_ + "'", "a SceneSource", made,
                     PlaceOfCode(maker));
@@ -137,7 +146,7 @@ class PythonSamplerKind final : public SamplerKind {
   std::shared_ptr<TaskSampler> Make(const RunConfig& run) const override {
     const nb::gil_scoped_acquire acquire;
     const nb::object maker = Makers(kSamplers)[kind_.c_str()];
-    const nb::object made = maker(nb::cast(run));
+    const nb::object made = CallMaker(maker, nb::cast(run));
     if (!nb::isinstance<TaskSampler>(made))
       ThrowReturned("the function of sampler '" + kind_ + "'", "a TaskSampler", made,
                     PlaceOfCode(maker));
@@ -149,8 +158,8 @@ class PythonSamplerKind final : public SamplerKind {
   std::string kind_;
 };
 
-// Makes a field from its default.
-ValueField ToField(const std::string& name, nb::handle value, const std::string& doc) {
+// Makes a field from its default; `texts`: an empty list is one of texts.
+ValueField ToField(const std::string& name, nb::handle value, const std::string& doc, bool texts) {
   const FieldPath parent("fields of a kind");
   const FieldPath path(parent, name);
   ValueField field{.name = name, .value = false, .doc = doc};
@@ -164,8 +173,7 @@ ValueField ToField(const std::string& name, nb::handle value, const std::string&
     field.value = ToText(value, path);
   } else if (nb::isinstance<nb::list>(value) || nb::isinstance<nb::tuple>(value)) {
     const std::vector<nb::object> items = ToItems(value, path, "a list of numbers or texts");
-    const bool texts = !items.empty() && IsText(items[0]);
-    if (texts) {
+    if (items.empty() ? texts : IsText(items[0])) {
       field.value = ToTexts(value, path);
     } else {
       const Numbers numbers(value, path);
@@ -181,9 +189,9 @@ ValueField ToField(const std::string& name, nb::handle value, const std::string&
 std::shared_ptr<const KindFields> ToFields(const nb::list& fields, const char* type_name) {
   std::vector<ValueField> values;
   for (const nb::handle item : fields) {
-    const auto [name, value, doc] =
-        nb::cast<std::tuple<std::string, nb::object, std::string>>(item);
-    values.push_back(ToField(name, value, doc));
+    const auto [name, value, doc, texts] =
+        nb::cast<std::tuple<std::string, nb::object, std::string, bool>>(item);
+    values.push_back(ToField(name, value, doc, texts));
   }
   return std::make_shared<ValueFields>(std::move(values), type_name);
 }
@@ -227,6 +235,25 @@ void RegisterPythonSampler(const std::string& kind, nb::object maker, nb::object
 }
 
 }  // namespace
+
+bool HasPythonHooks(const EnvConfig& config) {
+  const bool has_task = config.task && Makers(kTasks).contains(config.task->kind().c_str());
+  return has_task || HasPythonFeature(config.features.names);
+}
+
+bool HasPythonHooks(const RunConfig& run) {
+  const auto is_made_here = [](const char* registry, const std::string& kind) {
+    return !kind.empty() && Makers(registry).contains(kind.c_str());
+  };
+  return is_made_here(kTasks, run.task.kind()) || is_made_here(kSamplers, run.sampler) ||
+         is_made_here(kExperts, NameOfExpert(run)) || HasPythonFeature(run.features.names);
+}
+
+DataFactory DataForHooks(bool are_in_python) {
+  if (!are_in_python) return {};
+  ImportMujoco();  // before the work starts
+  return PythonData();
+}
 
 PyObject* TargetOfTask(const Env& env) {
   return env.task().use_count() == 1 ? TargetOf(env.task()) : nullptr;

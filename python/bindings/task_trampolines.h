@@ -21,8 +21,10 @@
 #include "returned.h"
 #include "rng.h"
 #include "values.h"
+#include "robocell/expert/expert.h"
 #include "robocell/scene/scene.h"
 #include "robocell/task/task.h"
+#include "robocell/task/task_sampler.h"
 
 namespace robocell::python {
 
@@ -36,13 +38,17 @@ template <class R, class Base, class Own, class... Args>
 R CallMethod(const nb::detail::trampoline& trampoline, const char* name, Base* self, Own own,
              const Args&... args) {
   const nb::detail::ticket call(trampoline, name, nb::detail::str_hash(name), false);
-  if constexpr (std::is_abstract_v<Base>) {
-    if (!call.key.is_valid()) ThrowMissing(trampoline.base(), name);
-    return Returned<R>(trampoline.base(), name, trampoline.base().attr(call.key)(args...));
-  } else {
-    if (!call.key.is_valid()) return own(self);
-    return Returned<R>(trampoline.base(), name, trampoline.base().attr(call.key)(args...));
+  if (!call.key.is_valid()) {
+    if constexpr (std::is_abstract_v<Base>) {
+      ThrowMissing(trampoline.base(), name);
+    } else {
+      return own(self);
+    }
   }
+  const nb::handle self_object = trampoline.base();
+  return Returned<R>(self_object, name, CallPython(self_object, name, [&] {
+                       return nb::object(self_object.attr(call.key)(args...));
+                     }));
 }
 
 // The same with a random stream as the last argument, lent to Python for the call.
@@ -93,39 +99,49 @@ class PyTaskOf : public Base {
     const nb::gil_scoped_acquire acquire;
     const RngLoan loan(rng);
     const nb::object own = nb::cast(SceneSpec(spec));
-    self().attr("prepare")(own, loan.rng());
+    Call("prepare", own, loan.rng());
     spec = nb::cast<SceneSpec&>(own);
   }
   void Bind(const Scene& scene, const TaskSetting& setting) override {
     if (!Defines(nb_trampoline, "bind")) Base::Bind(scene, setting);
     const nb::gil_scoped_acquire acquire;
-    if (Defines(nb_trampoline, "bind")) self().attr("bind")(Scene(scene), setting);
+    if (Defines(nb_trampoline, "bind")) Call("bind", Scene(scene), setting);
     RememberBound(self());
   }
   BodyPoses Starts(Rng& rng) override {
     if (!Defines(nb_trampoline, "starts")) return Base::Starts(rng);
     const nb::gil_scoped_acquire acquire;
     const RngLoan loan(rng);
-    return ToStarts(self(), self().attr("starts")(loan.rng()));
+    return ToStarts(self(), Call("starts", loan.rng()));
   }
   std::optional<Refusal> Arrange(Scene& scene, Rng& rng) override {
     if (!Defines(nb_trampoline, "arrange")) return Base::Arrange(scene, rng);
     const nb::gil_scoped_acquire acquire;
     const RngLoan loan(rng);
     return Returned<std::optional<Refusal>>(self(), "arrange",
-                                            self().attr("arrange")(Scene(scene), loan.rng()));
+                                            Call("arrange", Scene(scene), loan.rng()));
+  }
+  std::optional<Refusal> CheckStart(const Scene& scene) override {
+    if (!Defines(nb_trampoline, "check_start")) return Base::CheckStart(scene);
+    const nb::gil_scoped_acquire acquire;
+    return Returned<std::optional<Refusal>>(self(), "check_start",
+                                            Call("check_start", Scene(scene)));
   }
   void Begin(const Scene& scene) override {
     has_begun_ = true;
     if (!Defines(nb_trampoline, "begin")) return Base::Begin(scene);
     const nb::gil_scoped_acquire acquire;
-    self().attr("begin")(Scene(scene));
+    Call("begin", Scene(scene));
   }
   TaskVerdict Judge(const Scene& scene) override {
     if (Defines(nb_trampoline, "judge")) {
       const nb::gil_scoped_acquire acquire;
-      return ToVerdict(self(), self().attr("judge")(Scene(scene)));
+      return ToVerdict(self(), Call("judge", Scene(scene)));
     }
+    return JudgeByParts(scene);
+  }
+  // Judges by reward() and success(): what judge() of the base class does.
+  TaskVerdict JudgeByParts(const Scene& scene) {
     TaskVerdict verdict;
     const bool rewards = Defines(nb_trampoline, "reward");
     const bool succeeds = Defines(nb_trampoline, "success");
@@ -136,10 +152,9 @@ class PyTaskOf : public Base {
       if (!rewards || !succeeds) verdict = Base::Judge(scene);
     }
     const nb::gil_scoped_acquire acquire;
-    if (rewards)
-      verdict.reward = Returned<double>(self(), "reward", self().attr("reward")(Scene(scene)));
+    if (rewards) verdict.reward = Returned<double>(self(), "reward", Call("reward", Scene(scene)));
     if (succeeds)
-      verdict.success = Returned<bool>(self(), "success", self().attr("success")(Scene(scene)));
+      verdict.success = Returned<bool>(self(), "success", Call("success", Scene(scene)));
     return verdict;
   }
   std::string instruction() const override {
@@ -150,6 +165,11 @@ class PyTaskOf : public Base {
     if (!Defines(nb_trampoline, "objects")) return Base::objects();
     const nb::gil_scoped_acquire acquire;
     return Names("objects");
+  }
+  std::string kind_of(const std::string& object) const override {
+    if (!Defines(nb_trampoline, "kind_of")) return Base::kind_of(object);
+    const nb::gil_scoped_acquire acquire;
+    return Returned<std::string>(self(), "kind_of", Call("kind_of", object));
   }
   std::vector<std::string> resting_objects() const override {
     if (!Defines(nb_trampoline, "resting_objects")) return Base::resting_objects();
@@ -164,24 +184,24 @@ class PyTaskOf : public Base {
   std::string why_not_done() const override {
     if (!Defines(nb_trampoline, "why_not_done")) return Base::why_not_done();
     const nb::gil_scoped_acquire acquire;
-    return Returned<std::string>(self(), "why_not_done", self().attr("why_not_done")());
+    return Returned<std::string>(self(), "why_not_done", Call("why_not_done"));
   }
   BaseRange base_range() const override {
     if (!Defines(nb_trampoline, "base_range")) return Base::base_range();
     const nb::gil_scoped_acquire acquire;
-    const nb::object made = self().attr("base_range")();
+    const nb::object made = Call("base_range");
     if (!nb::isinstance<BaseRange>(made)) ThrowReturned(self(), "base_range", "a BaseRange", made);
     return nb::cast<BaseRange>(made);
   }
   Map<ObjectPlace> places() const override {
     if (!Defines(nb_trampoline, "places")) return Base::places();
     const nb::gil_scoped_acquire acquire;
-    return ConvertReturned(self(), "places", [&] { return ToPlaces(self().attr("places")()); });
+    return ConvertReturned(self(), "places", [&] { return ToPlaces(Call("places")); });
   }
   std::vector<Feature> signals() const override {
     if (!Defines(nb_trampoline, "signals")) return Base::signals();
     const nb::gil_scoped_acquire acquire;
-    return signals_ = ToSignals(self(), self().attr("signals")());
+    return signals_ = ToSignals(self(), Call("signals"));
   }
   void Observe(const Scene& scene, std::span<double> out) const override {
     if (!Defines(nb_trampoline, "observe")) {
@@ -189,11 +209,11 @@ class PyTaskOf : public Base {
       return Base::Observe(scene, out);
     }
     const nb::gil_scoped_acquire acquire;
-    PutSignals(self(), self().attr("observe")(Scene(scene)), signals_, out);
+    PutSignals(self(), Call("observe", Scene(scene)), signals_, out);
   }
   std::vector<double> memory() const override {
     const nb::gil_scoped_acquire acquire;
-    if (has_memory()) return ToMemory(self(), self().attr("memory")());
+    if (has_memory()) return ToMemory(self(), Call("memory"));
     std::vector<double> memory = Base::memory();
     AddMemoryOfAttributes(self(), memory);
     return memory;
@@ -205,7 +225,7 @@ class PyTaskOf : public Base {
       return RecallAttributes(self(), memory.subspan(own));
     }
     const nb::gil_scoped_acquire acquire;
-    self().attr("recall")(MemoryArray(memory));
+    Call("recall", MemoryArray(memory));
   }
   bool CanRecall(std::span<const double> memory) const override {
     // Its own memory() may need what begin() sets.
@@ -218,8 +238,12 @@ class PyTaskOf : public Base {
 
  private:
   nb::handle self() const { return nb_trampoline.base(); }
+  template <class... Args>
+  nb::object Call(const char* name, const Args&... args) const {
+    return CallPython(self(), name, [&] { return nb::object(self().attr(name)(args...)); });
+  }
   std::vector<std::string> Names(const char* name) const {
-    return Returned<std::vector<std::string>>(self(), name, self().attr(name)());
+    return Returned<std::vector<std::string>>(self(), name, Call(name));
   }
 
   // Returns true if Python defines memory() and recall(). Raises TypeError for one without the
@@ -238,6 +262,26 @@ class PyTaskOf : public Base {
 // copies.
 nb::dict RowArrays(const CellRow& row);
 
+// A row for Python, which may keep it. Its images are copied when one of them is first read, so
+// that nothing is drawn for code that reads numbers alone. An image that was not read until the
+// loan ends is an error that says so.
+class RowLoan {
+ public:
+  RowLoan() = default;
+  ~RowLoan() { End(); }
+  RowLoan(const RowLoan&) = delete;
+  RowLoan& operator=(const RowLoan&) = delete;
+
+  // Lends a row, and ends the loan of the last one. With the GIL.
+  nb::object Lend(const CellRow& row);
+  // Waits for threads that read images.
+  void End();
+
+ private:
+  struct Lent;
+  std::shared_ptr<Lent> lent_;
+};
+
 template <class Base>
 class PyExpertOf : public Base {
  public:
@@ -251,14 +295,20 @@ class PyExpertOf : public Base {
         [&](auto* self) { self->Base::Begin(scene, rng); }, rng, scene);
   }
   Action Act(const Scene& scene, Rng& rng) override {
+    const struct AtEnd {
+      ~AtEnd() { row.End(); }
+      RowLoan& row;
+    } at_end{row_};
     return CallWithRng<Action>(
         nb_trampoline, "act", static_cast<Base*>(this),
         [&](auto* self) { return self->Base::Act(scene, rng); }, rng, scene);
   }
   void See(const CellRow& row) override {
     if (!Defines(nb_trampoline, "see")) return Base::See(row);
+    row_.End();
     const nb::gil_scoped_acquire acquire;
-    nb_trampoline.base().attr("see")(RowArrays(row));
+    const nb::handle self = nb_trampoline.base();
+    CallPython(self, "see", [&] { self.attr("see")(row_.Lend(row)); });
   }
   bool done() const override {
     return Ask<bool>("done", [](auto* self) { return self->Base::done(); });
@@ -268,9 +318,7 @@ class PyExpertOf : public Base {
   }
   bool ends_at_success() const override {
     if (!Defines(nb_trampoline, "ends_at_success")) return Base::ends_at_success();
-    const nb::gil_scoped_acquire acquire;
-    return Returned<bool>(nb_trampoline.base(), "ends_at_success",
-                          nb_trampoline.base().attr("ends_at_success")());
+    return Ask<bool>("ends_at_success", [](auto* self) { return self->Base::ends_at_success(); });
   }
   int phase() const override {
     return Ask<int>("phase", [](auto* self) { return self->Base::phase(); });
@@ -281,6 +329,8 @@ class PyExpertOf : public Base {
   }
 
  private:
+  RowLoan row_;  // the one that see() got last
+
   template <class R, class Own>
   R Ask(const char* name, Own own) const {
     return CallMethod<R>(nb_trampoline, name, static_cast<const Base*>(this), own);
@@ -331,8 +381,10 @@ class PySamplerOf : public Base {
     }
     const RngLoan loan(rng);
     const RequestLoan asked(request);
-    return ToSampleResult(nb_trampoline.base(),
-                          nb_trampoline.base().attr(call.key)(asked.request(), loan.rng()));
+    const nb::handle self = nb_trampoline.base();
+    return ToSampleResult(self, CallPython(self, "sample", [&] {
+                            return nb::object(self.attr(call.key)(asked.request(), loan.rng()));
+                          }));
   }
 };
 

@@ -6,6 +6,7 @@
 #include "arrays.h"
 #include "number_like.h"
 #include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell::python {
 
@@ -92,9 +93,10 @@ std::string ToKey(nb::handle key, const FieldPath& path) {
 
 std::vector<nb::object> ToItems(nb::handle value, const FieldPath& path,
                                 const std::string& expected) {
-  const nb::object iterator = IsText(value) || nb::isinstance<nb::dict>(value)
-                                  ? nb::object()
-                                  : nb::steal(PyObject_GetIter(value.ptr()));
+  PyObject* p = value.ptr();
+  const bool is_whole = IsText(value) || PyBytes_Check(p) || PyByteArray_Check(p) ||
+                        nb::isinstance<nb::dict>(value);  // one value, though Python iterates it
+  const nb::object iterator = is_whole ? nb::object() : nb::steal(PyObject_GetIter(p));
   if (!iterator.is_valid()) {
     PyErr_Clear();
     ThrowType(path, expected, value);
@@ -128,7 +130,7 @@ bool Numbers::Borrow(nb::handle value) {
   return true;
 }
 
-Numbers::Numbers(nb::handle value, const FieldPath& path) {
+Numbers::Numbers(nb::handle value, const FieldPath& path, const char* expected) {
   if (Borrow(value)) return;
   const auto item = [&](nb::handle number) {
     copy_.push_back(ToDouble(number, FieldPath(path, static_cast<Py_ssize_t>(copy_.size()))));
@@ -137,13 +139,15 @@ Numbers::Numbers(nb::handle value, const FieldPath& path) {
     const auto rows = nb::cast<Py_ssize_t>(value.attr("rows")());
     for (Py_ssize_t i = 0; i < rows; ++i) item(value[i]);
   } else {
-    for (const nb::object& number : ToItems(value, path, "a list of numbers")) item(number);
+    for (const nb::object& number : ToItems(value, path, expected)) item(number);
   }
   span_ = copy_;
 }
 
 Numbers::Numbers(nb::handle value, const FieldPath& path, size_t count) : Numbers(value, path) {
-  if (size() != count) ThrowValue(path, fmt::format("must be {} numbers, got {}", count, size()));
+  if (size() != count)
+    ThrowValue(path, fmt::format("must be {}, got {}",
+                                 Counted(static_cast<int64_t>(count), "number"), size()));
 }
 
 std::vector<double> ToMatrix(nb::handle value, const FieldPath& path, size_t rows, size_t cols) {
@@ -154,7 +158,8 @@ std::vector<double> ToMatrix(nb::handle value, const FieldPath& path, size_t row
     return {array.data(), array.data() + rows * cols};
   const std::vector<nb::object> items = ToItems(value, path, "a matrix");
   if (items.size() != rows) {
-    ThrowValue(path, fmt::format("must be a {}x{} matrix, got {} rows", rows, cols, items.size()));
+    ThrowValue(path, fmt::format("must be a {}x{} matrix, got {}", rows, cols,
+                                 Counted(std::ssize(items), "row")));
   }
   std::vector<double> out;
   out.reserve(rows * cols);

@@ -57,7 +57,7 @@ std::vector<std::string> ToTexts(nb::handle value, const FieldPath& path);
 // PyKDL's vectors and JntArray. Valid as long as the given object.
 class Numbers {
  public:
-  Numbers(nb::handle value, const FieldPath& path);
+  Numbers(nb::handle value, const FieldPath& path, const char* expected = "a list of numbers");
   // Throws ArgumentError "<path> must be 3 numbers, got 2" unless there are `count`.
   Numbers(nb::handle value, const FieldPath& path, size_t count);
 

@@ -36,12 +36,12 @@ void BindVideo(nb::module_& m) {
         "Returns the version that ffmpeg reported, as ROBOCELL_FFMPEG_ANSWER for the processes "
         "that this one starts; '' if ffmpeg has not been asked.");
   nb::enum_<VideoResolution>(m, "VideoResolution", "Common sizes of videos.")
-      .value("R360p", VideoResolution::kR360p)
-      .value("R480p", VideoResolution::kR480p)
-      .value("R720p", VideoResolution::kR720p)
-      .value("R1080p", VideoResolution::kR1080p)
-      .value("R2K", VideoResolution::kR2K)
-      .value("R4K", VideoResolution::kR4K);
+      .value("R360p", VideoResolution::kR360p, "640 x 360 px.")
+      .value("R480p", VideoResolution::kR480p, "854 x 480 px.")
+      .value("R720p", VideoResolution::kR720p, "1280 x 720 px.")
+      .value("R1080p", VideoResolution::kR1080p, "1920 x 1080 px.")
+      .value("R2K", VideoResolution::kR2K, "2560 x 1440 px.")
+      .value("R4K", VideoResolution::kR4K, "3840 x 2160 px.");
   nb::class_<SceneRecorder> recorder(
       m, "VideoRecorder",
       "Records a scene as an mp4 of exact length, without a display: one frame for each "

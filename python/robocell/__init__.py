@@ -1,24 +1,28 @@
 """robocell: robot cells in MuJoCo, from scene to dataset.
 
-At the top are the everyday names. Everything is in a module of its topic:
+The most used names are at the top. All names are in modules by topic:
 
     robots      robots, grippers and how they are attached    envs        environments
     scene       scenes: compiling, stepping, editing          tasks       tasks, experts, samplers
-    kinematics  poses, chains, inverse kinematics             features    columns of your own
+    kinematics  poses, chains, inverse kinematics             features    your own columns
     control     controllers, commands, smooth motions         generate    runs and their plans
     render      cameras, pictures, videos                     data        datasets
-    scenes      where runs take place, sources of your own    log         messages
-    diagnose    checks, trials, advice
-    models      built-in robots, objects and scenes           menagerie   MuJoCo Menagerie's robots
+    scenes      sources of scenes, your own too               policy      policies of your own
+    models      built-in robots, objects and scenes           evaluate    success rates
+    menagerie   MuJoCo Menagerie's robots                     diagnose    checks, trials, advice
+    log         messages
 
 They are there after `import robocell`. Modules that need packages of an extra are imported by
-name: `robocell.gym`, `robocell.sb3`, `robocell.lerobot`, `robocell.compat`.
+name: `robocell.gym`, `robocell.sb3`, `robocell.lerobot`, `robocell.export`,
+`robocell.policy_server`, `robocell.compat`.
 
 Importing it does no work: no file is read, nothing is drawn, the package mujoco is imported by the
 first scene.
 """
 
-from typing import NoReturn
+import importlib
+from types import ModuleType
+from typing import TYPE_CHECKING
 
 from robocell import _startup as _startup  # first: Ctrl-C and the path of the command
 
@@ -71,7 +75,7 @@ from robocell._core import (
     __mujoco_version__,
     __version__,
 )
-from robocell._elsewhere import add_hints, no_such, not_at_the_top
+from robocell._elsewhere import ON_FIRST_USE, add_hints, no_such, not_at_the_top
 from robocell.features import register_feature
 from robocell.tasks import (
     register_expert,
@@ -131,8 +135,15 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> NoReturn:
-    """Says where a name is that is not at the top."""
+if TYPE_CHECKING:
+    from robocell import evaluate as evaluate
+    from robocell import policy as policy
+
+
+def __getattr__(name: str) -> ModuleType:
+    """Imports the topics that most programs do without; says where any other name is."""
+    if name in ON_FIRST_USE:
+        return importlib.import_module(f"robocell.{name}")
     raise no_such(not_at_the_top(name), name)
 
 

@@ -5,6 +5,10 @@ from __future__ import annotations
 import sys
 
 from robocell import _startup
+from robocell._ending import code_of_exit, end_in_time
+
+# A user's own threads and exit handlers, such as uploads, have this long after the command's work.
+END_S = 10.0
 
 
 def run() -> None:
@@ -14,7 +18,15 @@ def run() -> None:
 
     app = load(sys.argv[1:])
     _startup.hear_again()
-    main(app)
+    code = 1  # of an error that `main` does not report
+    try:
+        main(app)
+        code = 0
+    except SystemExit as end:
+        code = code_of_exit(end.code)
+        raise
+    finally:
+        end_in_time(code, END_S)
 
 
 if __name__ == "__main__":

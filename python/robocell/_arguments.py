@@ -1,4 +1,4 @@
-"""Why a call to the C++ core does not fit, in words of the caller: class, method, argument.
+"""Explains why the arguments of a call to the C++ core do not fit: class, method, argument.
 
 The core calls `explain` when no signature of a function takes the arguments; it has the signatures
 as text.
@@ -48,7 +48,7 @@ MAPS = ("dict", "collections.abc.Mapping")
 
 
 class Function(Protocol):
-    """What nanobind makes of a C++ function."""
+    """The Python type of a function that nanobind wraps."""
 
     __nb_signature__: tuple[tuple[str, str | None, tuple[object, ...] | None], ...]
 
@@ -66,7 +66,7 @@ class Parameter:
 
 @dataclass
 class Form:
-    """One signature, without `self`."""
+    """A signature without `self`."""
 
     positional: list[Parameter]
     keyword_only: list[Parameter]
@@ -89,7 +89,7 @@ class Form:
 
 
 def parse(signature: str, defaults: tuple[object, ...] | None) -> Form:
-    """The form of 'def step(self, n: int) -> None'; defaults are numbered there, after a slash."""
+    """Parses 'def step(self, n: int) -> None' to a form; defaults are numbered after a slash."""
     text = re.sub(r"^def \(", "def f(", signature.rpartition(" -> ")[0])
     text = re.sub(r"\\(\d+)", lambda found: f"__default_{found[1]}", text)
     function = ast.parse(f"{text}: ...").body[0]
@@ -117,24 +117,24 @@ def parse(signature: str, defaults: tuple[object, ...] | None) -> Form:
 
 
 def literal(value: object) -> str:
-    """A default as it is written; '...' for objects."""
+    """Returns a default as source text; '...' for objects."""
     return repr(value) if isinstance(value, (bool, int, float, str, type(None))) else "..."
 
 
 def short(kind: ast.expr) -> str:
-    """A type without the modules it comes from."""
+    """Removes the modules from the name of a type."""
     return re.sub(r"\b(?:[a-z_]+\.)+(?=[A-Z])", "", ast.unparse(kind))
 
 
 def options(kind: ast.expr) -> list[ast.expr]:
-    """The types of a union."""
+    """Returns the members of a union."""
     if isinstance(kind, ast.BinOp) and isinstance(kind.op, ast.BitOr):
         return options(kind.left) + options(kind.right)
     return [kind]
 
 
 def words(kind: ast.expr) -> str:
-    """What is expected: 'a str or None'."""
+    """Describes the expected type: 'a str or None'."""
     return " or ".join(dict.fromkeys(word(option) for option in options(kind)))
 
 
@@ -155,7 +155,7 @@ def word(kind: ast.expr) -> str:
 
 
 def braces(kind: ast.expr) -> str:
-    """A mapping as it is written: '{str: {str: GroupCommand}}'."""
+    """Formats a mapping type: '{str: {str: GroupCommand}}'."""
     if isinstance(kind, ast.Subscript) and isinstance(kind.slice, ast.Tuple):
         key, value = kind.slice.elts
         return f"{{{short(key)}: {braces(value)}}}"
@@ -163,13 +163,13 @@ def braces(kind: ast.expr) -> str:
 
 
 def class_of(kind: ast.expr) -> type | None:
-    """The class of the core that a type names."""
+    """Returns the core's class that a type names."""
     found = getattr(_core, ast.unparse(kind).removeprefix("robocell._core."), None)
     return found if isinstance(found, type) else None
 
 
 def fits(value: object, kind: ast.expr) -> bool | None:
-    """Whether a value is of a type; None when that is not known."""
+    """Returns True if a value has a type; None if unknown."""
     answers = {fits_one(value, option) for option in options(kind)}
     return True if True in answers else None if None in answers else False
 
@@ -183,6 +183,8 @@ def fits_one(value: object, kind: ast.expr) -> bool | None:
         texts = (type(None),) if text == "object" else (type(None), str)
         return False if isinstance(value, texts) else None
     if text in NUMBERS:
+        if getattr(value, "ndim", 0):  # of an array
+            return False
         if isinstance(value, NUMBERS[text]):
             return True
         return False if isinstance(value, (*NOTHING_LIKE, float)) else None
@@ -208,7 +210,7 @@ def fits_one(value: object, kind: ast.expr) -> bool | None:
 
 
 def shortened() -> reprlib.Repr:
-    """A repr that looks at no more than a message shows, however large the value is."""
+    """Returns a repr that reads no more of a value than the message shows."""
     short = reprlib.Repr()
     for kind in ("list", "tuple", "dict", "set", "frozenset", "deque", "array"):
         setattr(short, f"max{kind}", MOST_REPR // 3)
@@ -217,7 +219,7 @@ def shortened() -> reprlib.Repr:
 
 
 def brief(value: object) -> str:
-    """What a message shows of a value; of large arrays and buffers the size only."""
+    """Formats a value for a message; only the size of large arrays and buffers."""
     try:
         size, shape = getattr(value, "size", 0), getattr(value, "shape", None)
         if shape is not None and isinstance(size, int) and size > MOST_REPR:
@@ -231,14 +233,14 @@ def brief(value: object) -> str:
 
 
 def show(value: object) -> str:
-    """A value with its type."""
+    """Formats a value with its type."""
     text = brief(value)
     known = value is None or isinstance(value, (str, bool)) or text.startswith("<")
     return text if known else f"{text} ({type(value).__name__})"
 
 
 def number_problem(form: Form, given: int) -> str:
-    """More values by position than there are places."""
+    """Describes too many positional arguments."""
     if not form.positional and form.keyword_only:
         first = form.keyword_only[0].name
         return f"its arguments are given by name, such as {first}=..."
@@ -260,7 +262,7 @@ def name_problem(form: Form, name: str) -> str:
 
 
 def problems(form: Form, args: tuple[object, ...], kwargs: Mapping[str, object]) -> list[str]:
-    """What does not fit a form; empty when that cannot be said."""
+    """Describes what does not fit a form; empty if unknown."""
     if not form.open and len(args) > len(form.positional):
         return [number_problem(form, len(args))]
     given = dict(zip((parameter.name for parameter in form.positional), args, strict=False))
@@ -280,7 +282,7 @@ def problems(form: Form, args: tuple[object, ...], kwargs: Mapping[str, object])
 def negative_problem(
     form: Form, args: tuple[object, ...], kwargs: Mapping[str, object]
 ) -> str | None:
-    """For a whole number below 0, where all that is given has the right type."""
+    """Describes a negative integer, if all arguments have the right types."""
     values = dict(zip((parameter.name for parameter in form.positional), args, strict=False))
     values |= kwargs
     kinds = {parameter.name: parameter.kind for parameter in form.all}
@@ -301,14 +303,14 @@ def value_problem(name: str, value: object, kind: ast.expr) -> str:
 
 
 def value_kind(kind: ast.expr) -> ast.expr | None:
-    """The type of a mapping's values."""
+    """Returns the type of a mapping's values."""
     if ast.unparse(kind).partition("[")[0] not in MAPS or not isinstance(kind, ast.Subscript):
         return None
     return kind.slice.elts[1] if isinstance(kind.slice, ast.Tuple) else None
 
 
 def way_to(kind: ast.expr, value: object) -> str:
-    """'; make it with Scene.build(...)', for a class that is not called; and files to read."""
+    """Returns '; make it with Scene.build(...)' for classes without constructor, and files."""
     wanted = next(filter(None, map(class_of, options(kind))), None)
     if wanted is None:
         return ""
@@ -322,7 +324,7 @@ def way_to(kind: ast.expr, value: object) -> str:
 
 
 def makes(member: object, wanted: type) -> bool:
-    """Whether a static method returns an object of the class."""
+    """Returns True if a static method returns an object of the class."""
     return any(
         text.endswith(f"-> robocell._core.{wanted.__name__}") and not parse(text, defaults).has_self
         for text, _, defaults in getattr(member, "__nb_signature__", ())
@@ -330,7 +332,7 @@ def makes(member: object, wanted: type) -> bool:
 
 
 def no_attribute(kind: type, name: str, wrapped: type = object) -> str:
-    """The message for setting what a class, or one that it wraps, does not have."""
+    """Returns the message for setting an attribute that the class does not have."""
     names = [each for each in sorted({*dir(kind), *dir(wrapped)}) if not each.startswith("_")]
     hint = did_you_mean(name, names)
     article = "an" if kind.__name__[0] in "AEIOU" else "a"
@@ -340,7 +342,7 @@ def no_attribute(kind: type, name: str, wrapped: type = object) -> str:
 def explain(
     name: str, is_setter: bool, function: Function, args: tuple[Any, ...], kwargs: dict[str, Any]
 ) -> str:
-    """The message for a call to `name`, 'Scene.robot'; `args` begin with self in methods."""
+    """Returns the message for a call to `name`, 'Scene.robot'; methods have self in `args`."""
     forms = [parse(text, defaults) for text, _, defaults in function.__nb_signature__]
     if forms[0].has_self:
         args = args[1:]
@@ -355,9 +357,14 @@ def explain(
     if len(forms) == 1 and (negative := negative_problem(forms[0], args, kwargs)):
         return f"{name}(): {negative}. {usage}"
     given = [brief(value) for value in args] + [f"{key}={brief(v)}" for key, v in kwargs.items()]
-    number = any(isinstance(value, int) for value in (*args, *kwargs.values()))
+    number = any(is_long(value) for value in (*args, *kwargs.values()))
     hint = "; is a whole number out of range?" if number else "."
     return f"{name}(): cannot be called with ({', '.join(given)}){hint} {usage}"
+
+
+def is_long(value: object) -> bool:
+    """Returns True for a whole number that does not fit the smallest type of the core."""
+    return isinstance(value, int) and not -(2**31) <= value < 2**31
 
 
 def with_hints(function: Callable[P, T]) -> Callable[P, T]:

@@ -17,14 +17,14 @@ VARIABLE = "ROBOCELL_BUILD"
 
 
 def checkout() -> Path | None:
-    """The checkout that this package belongs to; None when it is installed."""
+    """Returns the checkout that this package belongs to; None when it is installed."""
     root = Path(__file__).resolve().parents[2]
     is_checkout = (root / "CMakeLists.txt").is_file() and (root / "python" / "bindings").is_dir()
     return root if is_checkout else None
 
 
 def build_folder() -> Path | None:
-    """The build folder whose library and extension are used; None when the package is installed."""
+    """Returns the build folder of library and extension; None for an installed package."""
     root = checkout()
     return root / (os.environ.get(VARIABLE) or "build/release") if root else None
 
@@ -33,7 +33,7 @@ def join() -> None:
     """Adds the build folder's part of the package to the package.
 
     Raises:
-        ImportError: There is no extension where it has to be.
+        ImportError: The build folder has no extension module.
     """
     package = sys.modules["robocell"]
     folder = build_folder()

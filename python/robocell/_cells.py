@@ -10,12 +10,12 @@ from robocell._core import EnvConfig, NotFoundError
 
 
 def is_name(given: Any) -> bool:
-    """Whether it is the name of something that is there, or was meant as one."""
+    """Returns True for the name of a built-in cell, or a likely misspelling of one."""
     return isinstance(given, str) and not os.path.splitext(given)[1] and not os.path.exists(given)
 
 
 def load_cell(given: str | os.PathLike[str]) -> EnvConfig:
-    """What a configuration's file says, or a ready-made cell (``models.cells()``) by its name."""
+    """Loads a configuration file, or the built-in cell of that name (``models.cells()``)."""
     if not is_name(given):
         return EnvConfig.load(given)
     try:

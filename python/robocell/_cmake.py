@@ -1,4 +1,4 @@
-"""Where C++ users of the Python package find robocell's CMake files."""
+"""Locates robocell's CMake files for C++ users of the Python package."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from robocell._build_tree import build_folder
 
 
 def cmake_dir() -> str:
-    """The folder with robocellConfig.cmake.
+    """Returns the folder with robocellConfig.cmake.
 
     In a wheel it is in the package; in a checkout it is the build folder, ``build/release`` unless
     the variable ``ROBOCELL_BUILD`` names another. ``find_package(robocell)`` of CMake takes it as
@@ -17,7 +17,8 @@ def cmake_dir() -> str:
         cmake -B build -Drobocell_DIR="$(python -c 'import robocell; print(robocell.cmake_dir())')"
 
     Raises:
-        FileNotFoundError: the package was installed without them, or the checkout is not built.
+        FileNotFoundError: The package was installed without CMake files, or the checkout is not
+            built.
     """
     package = Path(__file__).resolve().parent
     places = [package / "lib" / "cmake" / "robocell"]

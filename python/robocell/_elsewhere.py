@@ -1,4 +1,4 @@
-"""Where a name is that is not at the top of robocell: the message of its AttributeError."""
+"""The AttributeError for names that are not at the top of robocell: it names their module."""
 
 from __future__ import annotations
 
@@ -29,19 +29,21 @@ TOPICS = (
     "menagerie",
 )
 
+# Topics that robocell imports when they are first used.
+ON_FIRST_USE = ("policy", "evaluate")
+
 # Classes of modules that are imported by name, since they need packages of an extra.
 OF_EXTRAS = {
     "GymEnv": "robocell.gym",
     "LeRobotEnv": "robocell.lerobot",
-    "Policy": "robocell.policy",
     "VecEnv": "robocell.sb3",
 }
 # Modules beside the topics: programs import them by name.
-BESIDE = {"compat", "evaluate", "gym", "lerobot", "policy", "sb3"}
+BESIDE = {"compat", "export", "gym", "lerobot", "sb3"}
 
 
 def not_at_the_top(name: str) -> str:
-    """What `robocell.<name>` says when there is no such name: where it lives, or what is near."""
+    """Returns the error text for `robocell.<name>`: the module of the name, or the nearest name."""
     start = f"module 'robocell' has no attribute '{name}'"
     homes = _homes()
     if name in homes:
@@ -52,11 +54,11 @@ def not_at_the_top(name: str) -> str:
         return f"{start}. It is a module to import: import robocell.{name}"
     if near := _nearest(name, list(homes)):
         return f"{start}. Did you mean {homes[near]}?"
-    return f"{start}. Its topics: {', '.join(TOPICS)}"
+    return f"{start}. Its topics: {', '.join((*TOPICS, *ON_FIRST_USE))}"
 
 
 def not_in(module: str, name: str, names: Sequence[str]) -> str:
-    """What a topic says when it has no such name: what is near in it, or where the name lives."""
+    """Returns the error text for a name that a topic lacks: the nearest name, or its module."""
     start = f"module '{module}' has no attribute '{name}'"
     near = _nearest(name, names)
     if near:
@@ -66,7 +68,7 @@ def not_in(module: str, name: str, names: Sequence[str]) -> str:
 
 
 def add_hints() -> None:
-    """Lets each topic without a `__getattr__` of its own say `not_in` of names that it lacks.
+    """Adds `__getattr__` to each topic that has none, so that unknown names raise `not_in`.
 
     `dir()` of topics and of robocell lists what is public, not what they import. Set from outside,
     so that type checkers still report such names.
@@ -80,14 +82,16 @@ def add_hints() -> None:
 
 
 def no_such(message: str, name: str) -> AttributeError:
-    """The error of a name that is not there; Python adds no suggestion of its own to the text."""
+    """Returns an AttributeError without Python's own suggestion."""
     return AttributeError(message, name=name, obj=None)
 
 
 def _public_names(module: ModuleType) -> list[str]:
     """Returns the names of `__all__`, of robocell those of modules that were imported, too."""
-    imported = BESIDE & set(vars(module)) if module.__name__ == "robocell" else set()
-    return sorted({*module.__all__, *imported})
+    names = set(module.__all__)
+    if module.__name__ == "robocell":
+        names |= {*ON_FIRST_USE, *(BESIDE & set(vars(module)))}
+    return sorted(names)
 
 
 def _refuse(module: ModuleType, name: str) -> NoReturn:
@@ -105,9 +109,10 @@ def _likeness(one: str, other: str) -> float:
 
 
 def _homes() -> dict[str, str]:
-    """Each public name and where it lives, the top first."""
+    """Returns {public name: its module}, the top first."""
     homes: dict[str, str] = {}
     for module in ("robocell", *(f"robocell.{topic}" for topic in TOPICS)):
         for name in getattr(sys.modules.get(module), "__all__", ()):
             homes.setdefault(name, f"{module}.{name}")
-    return homes
+    homes |= {topic: f"robocell.{topic}" for topic in ON_FIRST_USE}
+    return homes | {"Policy": "robocell.policy.Policy"}

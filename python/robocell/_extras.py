@@ -12,7 +12,16 @@ from contextlib import contextmanager
 # extra -> module -> package
 EXTRAS = {
     "envs": {"gymnasium": "gymnasium"},
+    "export": {
+        "pyarrow": "pyarrow",
+        "yaml": "PyYAML",
+        "h5py": "h5py",
+        "zarr": "zarr",
+        "numcodecs": "numcodecs",
+    },
     "plots": {"matplotlib": "matplotlib", "plotly": "plotly"},
+    "report": {"PIL": "pillow", "jinja2": "Jinja2", "plotly": "plotly", "yaml": "PyYAML"},
+    "policy": {"msgpack": "msgpack", "websockets": "websockets", "yaml": "PyYAML"},
     "sb3": {"gymnasium": "gymnasium", "stable_baselines3": "stable-baselines3"},
     "torch": {"torch": "torch"},
 }
@@ -33,7 +42,7 @@ def needed_modules() -> set[str]:
 
 
 def install_command(extra: str) -> str:
-    """The command that installs an extra's packages.
+    """Returns the command that installs an extra's packages.
 
     A checkout is not installed, so pip would look for robocell itself, which no index has.
     """
@@ -46,12 +55,12 @@ def install_command(extra: str) -> str:
 
 @contextmanager
 def needed_by(user: str, extra: str, otherwise: str = "") -> Iterator[None]:
-    """Around imports of an extra's packages: a missing one is an error with the pip command.
+    """Context manager for imports of an extra's packages: the error names the pip command.
 
     Args:
-        user: What needs them, such as "robocell.gym".
+        user: The module that needs them, such as "robocell.gym".
         extra: A key of `EXTRAS`.
-        otherwise: What works without them, a sentence.
+        otherwise: A sentence on what works without them.
 
     Raises:
         ModuleNotFoundError: A package of the extra is not installed.

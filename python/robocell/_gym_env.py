@@ -116,7 +116,7 @@ class GymEnv(gymnasium.Env[Any, Any]):
         return observation, info
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Makes one step; ``info["reason"]`` says why it ended."""
+        """Makes one step; ``info["reason"]`` is the reason for its end."""
         result = self.core.step(action)
         if self._window:
             self._window.show()

@@ -13,11 +13,12 @@ from numpy.typing import NDArray
 from robocell._core import ArgumentError, EnvConfig
 from robocell._gym_env import GymEnv
 from robocell._gym_vector import VectorGymEnv
+from robocell._suggestions import counted
 from robocell._window import RENDER_SIZE
 
 
 def _require_no_streams(config: EnvConfig) -> None:
-    if config.cameras.streams:
+    if config.cameras.draw and config.cameras.streams:
         names = ", ".join(stream.name for stream in config.cameras.streams)
         raise ArgumentError(
             f"environment '{config.name}': flat observations have no images; leave the "
@@ -43,9 +44,9 @@ def shares_of(name: str, action: Any, size: int, copies: int | None = None) -> N
     else:
         problem = f"of shape {shares.shape}"
     if shares.shape != shape:
-        wanted = f"be {size} numbers"
+        wanted = f"be {counted(size, 'number')}"
         if copies is not None:
-            wanted = f"have a row of {size} numbers for each of {copies} copies"
+            wanted = f"have a row of {counted(size, 'number')} for each copy ({copies})"
         raise ArgumentError(f"environment '{name}': action must {wanted}, it is {problem}")
     return shares
 
@@ -91,7 +92,7 @@ class FlatGymEnv(GymEnv):
         return self._flat(observation), info
 
     def step(self, action: Any) -> tuple[NDArray[np.float32], float, bool, bool, dict[str, Any]]:
-        """Makes one step; ``info["reason"]`` says why it ended."""
+        """Makes one step; ``info["reason"]`` is the reason for its end."""
         seen, reward, terminated, truncated, info = super().step(self._commands(action))
         return self._flat(seen), reward, terminated, truncated, info
 

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from robocell._core import ArgumentError, EnvBatch, EnvConfig, OrbitCamera
 from robocell._gym_env import KEYFRAME, options_of
 from robocell._spaces import Part, frame_space, space_of
+from robocell._suggestions import counted
 from robocell._window import RENDER_SIZE, frame_rate, side_view, warn_once
 
 Observation = dict[str, Any]
@@ -46,6 +47,14 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
             windows.
         render_camera: camera of the pictures, as in ``GymEnv``.
         render_size: width and height of the pictures, pixels.
+
+    Examples:
+        >>> vector = rc.gym.VectorGymEnv(rc.gym.pick_cube_config(), num_envs=4)
+        >>> observations, infos = vector.reset(seed=0)
+        >>> actions = vector.action_space.sample()
+        >>> observations, rewards, terminated, truncated, infos = vector.step(actions)
+        >>> rewards.shape
+        (4,)
     """
 
     def __init__(
@@ -119,7 +128,7 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
     def step(
         self, actions: Any
     ) -> tuple[Any, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
-        """Makes one step of every copy; ended copies restart as the autoreset mode says.
+        """Makes one step of every copy; the autoreset mode determines when ended copies restart.
 
         After an error during the step, or Ctrl-C, reset all copies.
         """
@@ -222,12 +231,12 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         if rows.shape != shape:
             raise ArgumentError(
                 f"environment '{self._name}': {'.'.join(('action', *path))} must have a row of "
-                f"{size} numbers for each of {self.num_envs} copies, it is {problem}"
+                f"{counted(size, 'number')} for each copy ({self.num_envs}), it is {problem}"
             )
         return rows
 
     def _observation(self, flat: NDArray[np.float64]) -> Any:
-        """The numbers of all copies, and their last frames."""
+        """Returns the numbers of all copies, and their last frames."""
         out = _split(self._observation_parts, self._observation_shapes, flat)
         if frames := self.core.frames:
             out["frames"] = frames
@@ -246,7 +255,7 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         success: NDArray[np.bool_],
         which: NDArray[np.bool_],
     ) -> dict[str, Any]:
-        """Of the copies that ``which`` is true for; the others have no values."""
+        """Returns the infos of the copies for which ``which`` is true; others have no values."""
         infos: dict[str, Any] = {
             "time": times,
             "reason": _texts(reasons, which),
@@ -282,14 +291,14 @@ def _masked(infos: dict[str, Any], which: NDArray[np.bool_]) -> dict[str, Any]:
 
 
 def _of_copy(value: Any, i: int) -> Any:
-    """Copy i's part of dictionaries of arrays that have the copies in front."""
+    """Returns copy i's part of dictionaries of arrays that have the copies in front."""
     if isinstance(value, dict):
         return {key: _of_copy(item, i) for key, item in value.items()}
     return value[i].copy()
 
 
 def _texts(texts: Sequence[str], which: NDArray[np.bool_]) -> NDArray[Any]:
-    """None in the place of those that ``which`` is false for."""
+    """Returns the texts; None for the copies for which ``which`` is false."""
     shown = [text if keep else None for text, keep in zip(texts, which, strict=True)]
     return np.array(shown, dtype=object)
 
@@ -319,7 +328,7 @@ def _at(tree: Any, path: tuple[str, ...]) -> Any:
 
 
 def _keys_of(parts: Sequence[Part]) -> Iterator[tuple[tuple[str, ...], list[str]]]:
-    """Which keys the dictionaries have, from the outermost to the innermost."""
+    """Returns the keys of nested dictionaries, outermost first."""
     keys: dict[tuple[str, ...], dict[str, None]] = {}
     for path, _, _ in parts:
         for depth, key in enumerate(path):
@@ -330,7 +339,7 @@ def _keys_of(parts: Sequence[Part]) -> Iterator[tuple[tuple[str, ...], list[str]
 def _split(
     parts: Sequence[Part], shapes: Sequence[tuple[int, ...]], flat: NDArray[np.float64]
 ) -> Observation:
-    """Numbers, or rows of them, as dictionaries of arrays of their own."""
+    """Splits a vector, or rows of vectors, into dictionaries of separate arrays."""
     out: Observation = {}
     for (path, begin, size), shape in zip(parts, shapes, strict=True):
         at = out

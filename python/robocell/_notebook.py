@@ -1,7 +1,7 @@
-"""How scenes, robots, episodes and datasets show themselves in a notebook: a picture and a table.
+"""HTML of scenes, robots, episodes and datasets in notebooks: a picture and a table.
 
-Notebooks call `_repr_html_` of the last value of a cell. Nothing here is loaded, drawn or read
-before that. Without a renderer or a decoder the picture is left out; the table is always there.
+Notebooks call `_repr_html_` of the last value of a cell, and only then are pictures rendered and
+episodes read. Without a renderer or a decoder, the table stands alone.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Row = tuple[str, object]
 
 
 def page(pictures: Iterable[str], rows: Iterable[Row], title: str) -> str:
-    """A title, pictures beside each other, and a table of names and values."""
+    """Formats a title, pictures side by side, and a table of names and values."""
     cells = "".join(
         f"<tr><th style='text-align:left'>{html.escape(name)}</th>"
         f"<td style='text-align:left'>{html.escape(str(value))}</td></tr>"
@@ -41,7 +41,7 @@ def page(pictures: Iterable[str], rows: Iterable[Row], title: str) -> str:
 
 
 def picture(rgb: np.ndarray, label: str) -> str:
-    """An image (height, width, 3) of uint8 as a tag that contains it."""
+    """Returns an <img> tag that contains an image (height, width, 3), uint8."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "picture.png"
         _core.write_png(file, rgb)
@@ -51,7 +51,7 @@ def picture(rgb: np.ndarray, label: str) -> str:
 
 
 def picture_of(make: Callable[[], np.ndarray], label: str) -> list[str]:
-    """The picture, or none if this machine cannot make it."""
+    """Returns the picture, or nothing if this machine cannot render."""
     try:
         return [picture(make(), label)]
     except _core.Error:
@@ -66,12 +66,12 @@ def listed(names: Iterable[str]) -> str:
 
 
 def numbers(values: Iterable[float], digits: int = 3) -> str:
-    """Numbers in one line."""
+    """Formats numbers in one line."""
     return " ".join(f"{value:.{digits}f}" for value in values)
 
 
 def has_arm(robot: _core.Robot) -> bool:
-    """Whether the robot has an arm with joints; a hand alone has none."""
+    """Returns True if the robot has an arm with joints; a hand alone has none."""
     try:
         return robot.n_joints > 0
     except _core.NotFoundError:
@@ -79,7 +79,7 @@ def has_arm(robot: _core.Robot) -> bool:
 
 
 def view_of(scene: _core.Scene, size: float | None = None) -> _core.OrbitCamera:
-    """A camera that sees all arms, or the whole model if there are none."""
+    """Returns a camera that sees all arms, or the whole model without arms."""
     robots = [robot for robot in scene.robots if has_arm(robot)]
     if not robots:
         model = scene.model
@@ -103,14 +103,14 @@ def view_of(scene: _core.Scene, size: float | None = None) -> _core.OrbitCamera:
 
 
 def drawn(scene: _core.Scene) -> np.ndarray:
-    """The scene as it is now."""
+    """Renders the scene's present state."""
     renderer = _core.Renderer(scene)
     image: np.ndarray = renderer.render(view_of(scene), WIDTH, HEIGHT)["rgb"]
     return image
 
 
 def scene_html(scene: _core.Scene) -> str:
-    """A picture of the scene as it is, its robots, objects and cameras."""
+    """Returns HTML with a picture of the scene, its robots, objects and cameras."""
     if scene.closed:
         return page([], [], f"Scene '{scene.name}', closed")
     rows: list[Row] = [
@@ -126,7 +126,7 @@ def scene_html(scene: _core.Scene) -> str:
 
 
 def robot_html(robot: _core.Robot) -> str:
-    """A picture of the robot where it is, its mode, TCP, opening and joints.
+    """Returns HTML with a picture of the robot, its mode, TCP, opening and joints.
 
     A robot without an arm shows its groups and its gripper.
     """
@@ -155,13 +155,13 @@ def robot_html(robot: _core.Robot) -> str:
 
 
 def instruction_of(episode: _core.Episode) -> str:
-    """The sentence that a policy got; empty if there was none."""
+    """Returns the sentence that a policy got; empty if there was none."""
     metadata: Any = episode.metadata
     return str(metadata.get("instruction", ""))
 
 
 def episode_html(episode: _core.Episode) -> str:
-    """The middle image of each colour stream, the result, and the columns."""
+    """Returns HTML with the middle image of each colour stream, the result and the columns."""
     rows: list[Row] = [
         ("result", "success" if episode.success else f"failure: {episode.end_reason}"),
         ("instruction", instruction_of(episode)),
@@ -177,7 +177,7 @@ def episode_html(episode: _core.Episode) -> str:
 
 
 def dataset_html(dataset: _core.Dataset) -> str:
-    """One line for each of the first episodes."""
+    """Returns HTML with one line for each of the first episodes."""
     rows: list[Row] = [("episodes", len(dataset))]
     for episode in dataset[:MOST_ROWS]:
         result = "success" if episode.success else f"failure: {episode.end_reason}"

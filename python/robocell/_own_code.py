@@ -1,6 +1,6 @@
-"""Which sources are a user's own, and which of them a task, expert or feature is made of.
+"""Finds a user's own source files, and those that define a task, expert or feature.
 
-A dataset remembers what they hold, so that it is not continued with other code. Nothing is imported
+A dataset records their content, so that it is not continued with other code. Nothing is imported
 to find them: what a source mentions is looked up on the disk.
 """
 
@@ -10,6 +10,7 @@ import ast
 import functools
 import importlib.util
 import inspect
+import os
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
@@ -19,11 +20,19 @@ from types import FrameType
 
 from robocell._arguments import with_hints
 
-# The errors that a user's code may raise. `sys.exit()` in it is one: it ends no process.
-RAISED = (Exception, SystemExit)
+# The errors that a user's code may raise: also `sys.exit()`, which ends no process here, cancelled
+# tasks of asyncio and panics of extensions in Rust. What catches them begins with
+# `raise_interrupt(error)`.
+RAISED = BaseException
 
 # Modules that the run in work names, by whose import any class may have been changed.
 _modules_of_run: tuple[str, ...] = ()
+
+
+def raise_interrupt(error: BaseException) -> None:
+    """Raises an error that is none of a user's code: Ctrl-C, or the end of a generator."""
+    if isinstance(error, KeyboardInterrupt | GeneratorExit):
+        raise error
 
 
 def set_modules_of_run(modules: Sequence[str]) -> None:
@@ -34,7 +43,7 @@ def set_modules_of_run(modules: Sequence[str]) -> None:
 
 @contextmanager
 def modules_of_one_run() -> Iterator[None]:
-    """Around the work for one run in a process that goes on: sets back what that run names."""
+    """Context manager for one run in a longer process: restores the module list afterwards."""
     before = _modules_of_run
     try:
         yield
@@ -50,8 +59,35 @@ def calling_module() -> str:
     return str(frame.f_globals.get("__name__", "")) if frame is not None else ""
 
 
+def file_of_module(name: str) -> Path | None:
+    """Returns the file that a module was loaded from; None in a notebook."""
+    file = _file_of_loaded(name)
+    return file.resolve() if file else None
+
+
+def paths_of(call: str, files: str | Path | Sequence[str | Path], module: str) -> list[Path]:
+    """Returns absolute paths of one or several files, which are relative to a module's folder."""
+    home = file_of_module(module)
+    beside = home.parent if home else Path.cwd()
+    listed = [files] if isinstance(files, str | os.PathLike) else list(files)
+    for file in listed:
+        if not isinstance(file, str | os.PathLike) or not os.fspath(file):
+            raise TypeError(f"{call}: `files` lists paths of files and folders, got {file!r}")
+    return [(beside / file).absolute() for file in listed]
+
+
+def _files_in(paths: Iterable[Path]) -> Iterator[Path]:
+    """Returns the files among the paths, and all in the folders among them, as they are now."""
+    for path in paths:
+        if not path.is_dir():
+            yield path
+            continue
+        inside = (file for file in path.rglob("*") if "__pycache__" not in file.parts)
+        yield from sorted(file for file in inside if file.is_file())
+
+
 def code_of(
-    maker: object, files: Sequence[str | Path] = (), registering: str = ""
+    maker: object, files: Sequence[Path] = (), registering: str = ""
 ) -> Callable[[], list[str]]:
     """Returns a function that lists the files of the code when a dataset is begun or checked.
 
@@ -60,17 +96,16 @@ def code_of(
 
     Args:
         maker: What was registered.
-        files: Further files that it uses, such as weights.
+        files: Further files that it uses, such as weights, or folders of them.
         registering: Name of the module that registers it.
     """
     while isinstance(maker, functools.partial):
         maker = maker.func
     module = getattr(inspect.unwrap(maker), "__module__", None)  # type: ignore[arg-type]
-    more = [str(Path(file).resolve()) for file in files]
 
     def listed() -> list[str]:
         sources = own_sources(module, registering, *_modules_of_run)
-        return [*(str(path) for path in sources), *more]
+        return [str(path) for path in (*sources, *_files_in(files))]
 
     return listed
 
@@ -100,8 +135,14 @@ def own_sources(*modules: str | None) -> list[Path]:
     return sorted(found)
 
 
+def loaded_sources() -> list[Path]:
+    """Returns the source files of all modules that are loaded, as far as they are a user's own."""
+    names = [name for name in list(sys.modules) if (file := _file_of_loaded(name)) and is_own(file)]
+    return own_sources(*names)
+
+
 def is_own(file: Path) -> bool:
-    """Whether a module's file is neither installed nor robocell's nor Python's."""
+    """Returns True if a module's file is neither installed nor part of robocell or Python."""
     file = file.resolve()
     if {"site-packages", "dist-packages"} & set(file.parts):
         return False
@@ -154,7 +195,10 @@ def _folders_of(module: str, spec: ModuleSpec | None) -> list[str]:
 
 
 def _file_of_loaded(module: str) -> Path | None:
-    file = getattr(sys.modules[module], "__file__", None)
+    try:
+        file = getattr(sys.modules.get(module), "__file__", None)
+    except Exception:  # of a proxy that loads its module when it is asked
+        return None
     return Path(file) if isinstance(file, str) and file else None
 
 

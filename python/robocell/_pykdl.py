@@ -1,4 +1,4 @@
-"""How PyKDL gets into this Python: the commands that work on this system.
+"""Commands that make PyKDL importable on this system.
 
 `remedy` is what the core prints when `import PyKDL` fails, and what `robocell doctor` prints.
 """
@@ -21,18 +21,18 @@ SYSTEM_PYTHON = Path("/usr/bin/python3")
 
 
 def module_file() -> Path:
-    """Where Debian and Ubuntu install PyKDL for a Python of this version."""
+    """Returns the path where Debian and Ubuntu install PyKDL for this Python version."""
     return SYSTEM_MODULES / f"PyKDL{sysconfig.get_config_var('EXT_SUFFIX')}"
 
 
 def system_version() -> str:
-    """The version of the system's Python, such as "3.11"; "" without one."""
+    """Returns the version of the system's Python, such as "3.11"; "" without one."""
     version = re.fullmatch(r"python(3\.\d+)", SYSTEM_PYTHON.resolve().name)
     return version[1] if version else ""
 
 
 def remedy() -> str:
-    """The commands that make `import PyKDL` work in the running Python."""
+    """Returns the commands that make `import PyKDL` work in the running Python."""
     here = f"{sys.version_info.major}.{sys.version_info.minor}"
     file = module_file()
     in_venv = sys.prefix != sys.base_prefix
@@ -56,7 +56,7 @@ def remedy() -> str:
 
 
 def _unpacking(file: Path, site: str) -> str:
-    """The commands that put the module into `site`, with KDL's library if the system has none."""
+    """Returns the commands that put the module, and KDL's library if missing, into `site`."""
     library = f"pykdl{SYSTEM_LIBRARIES}/*/{LIBRARY}"
     if any(SYSTEM_LIBRARIES.glob(f"*/{LIBRARY}")):
         return (

@@ -50,23 +50,23 @@ FRAMES_OF = ("base of", "TCP of", "body", "site", "geom", "camera", "object")
 FRAME_FORMS = "'world', 'shared base frame', 'base of rc7', 'TCP of rc7', \"body 'cup'\""
 
 
-def require_unit(call: str, unit: str) -> None:
+def require_units(call: str, units: str) -> None:
     """Raises ArgumentError for a unit that is not made of known symbols; "" is none."""
-    if not isinstance(unit, str):
-        raise TypeError(f"{call}: `unit` must be a text such as 'm', got {unit!r}")
-    for part in re.split(r"[\s*/,()\u00b7]+", unit):
+    if not isinstance(units, str):
+        raise TypeError(f"{call}: `units` must be a text such as 'm', got {units!r}")
+    for part in re.split(r"[\s*/,()\u00b7]+", units):
         symbol = re.sub(r"(?<=.)(\^?-?\d+|\u00b2|\u00b3)$", "", part)
         if symbol and symbol not in SYMBOLS:
             word = WORDS.get(symbol) or WORDS.get(symbol.lower())
             hint = f" Did you mean '{word}'?" if word else did_you_mean(symbol, sorted(SYMBOLS))
             raise ArgumentError(
-                f"{call}: unit {unit!r} has no known symbol {symbol!r}.{hint} Units are such as "
+                f"{call}: unit {units!r} has no known symbol {symbol!r}.{hint} Units are such as "
                 f"{EXAMPLES}; `description` says what is counted"
             )
 
 
 def require_frame(call: str, frame: str) -> None:
-    """Raises ArgumentError for a frame in words that nobody else uses; "" is none."""
+    """Raises ArgumentError for an unknown frame; "" means no frame."""
     if not isinstance(frame, str):
         raise TypeError(f"{call}: `frame` must be a text such as 'world', got {frame!r}")
     if not frame or frame in FRAMES:

@@ -65,6 +65,6 @@ def _frame_space(config: EnvConfig, stream: CameraConfig) -> spaces.Space[Any]:
 
 def frame_space(config: EnvConfig) -> spaces.Space[Any] | None:
     """Returns the space of all streams, None without any."""
-    if not config.cameras.streams:
+    if not (config.cameras.draw and config.cameras.streams):
         return None
     return spaces.Dict({s.name: _frame_space(config, s) for s in config.cameras.streams})

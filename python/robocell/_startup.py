@@ -3,7 +3,9 @@
 Loading takes tenths of a second, and nothing has been begun then. Only for the command: a program
 that imports robocell keeps its own handling. `__main__` switches back.
 
-The command looks for modules in the working folder last, since it needs many of them itself.
+The command looks for modules in the working folder last, since it needs many of them itself. What
+the shell closed of its standard streams (`2>&-`) is opened on nothing, or the next file that is
+opened would take its place.
 """
 
 from __future__ import annotations
@@ -17,7 +19,7 @@ _quiet = False
 
 
 def is_command(arguments: list[str]) -> bool:
-    """Whether this process is `robocell ...` or `python -m robocell ...`, by its command line."""
+    """Returns True if this process is `robocell ...` or `python -m robocell ...`."""
     rest = iter(arguments)
     if Path(next(rest, "")).name == "robocell":
         return True
@@ -33,7 +35,7 @@ def is_command(arguments: list[str]) -> bool:
 
 
 def be_quiet() -> None:
-    """From now on Ctrl-C ends the process."""
+    """Makes Ctrl-C end the process."""
     global _quiet
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
@@ -41,7 +43,7 @@ def be_quiet() -> None:
 
 
 def hear_again() -> None:
-    """From now on Ctrl-C is a KeyboardInterrupt again."""
+    """Makes Ctrl-C raise KeyboardInterrupt again."""
     global _quiet
     if _quiet:
         signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -61,6 +63,21 @@ def look_here_last() -> None:
         sys.path.append(sys.path.pop(0))
 
 
+def open_closed_streams() -> None:
+    """Opens what is closed of the descriptors 0, 1 and 2, for this process and those it starts."""
+    for descriptor in range(3):
+        try:
+            os.fstat(descriptor)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest free number
+            os.set_inheritable(descriptor, True)
+    # Python has no stream for a descriptor that was closed when it started.
+    sys.stdin = sys.stdin or os.fdopen(0, closefd=False)
+    sys.stdout = sys.stdout or os.fdopen(1, "w", closefd=False)
+    sys.stderr = sys.stderr or os.fdopen(2, "w", closefd=False)
+
+
 if is_command(sys.orig_argv):
+    open_closed_streams()
     be_quiet()
     look_here_last()

@@ -1,4 +1,4 @@
-"""Texts about names that are not there: the nearest one, and names by pattern."""
+"""Texts of messages: the nearest name of a missing one, names by pattern, counted nouns."""
 
 from __future__ import annotations
 
@@ -26,16 +26,21 @@ def shortened(names: Sequence[str]) -> str:
     return ", ".join(names[:MOST_LISTED]) + (f" and {more} more" if more > 0 else "")
 
 
+def counted(number: int, noun: str) -> str:
+    """'1 worker', '2 workers'."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
 def is_pattern(name: str) -> bool:
-    """Whether a name stands for all that fit it: "*sensors/*"."""
+    """Returns True for a pattern: "*sensors/*"."""
     return "*" in name
 
 
 def fitting(place: str, names: Iterable[str], known: Sequence[str]) -> list[str]:
-    """Returns names, each once, with those that fit in the place of a pattern, in their order.
+    """Expands patterns and returns each name once, in order.
 
-    Names that are no patterns stay, known or not. NotFoundError for a pattern that nothing fits;
-    `place` begins its message.
+    Names that are not patterns stay, known or not. Raises NotFoundError for a pattern without a
+    match; `place` begins its message.
     """
     found: dict[str, None] = {}
     for name in names:

@@ -1,10 +1,10 @@
-"""What a task written in Python remembers of an episode when it defines no memory() itself.
+"""Stores the attributes of a Python task that defines no memory().
 
-Its attributes that differ from those it had when it was bound to its scene: numbers, texts, arrays,
-poses, enumerations, containers of them, and the attributes of its own objects. Bound attributes are
-the configuration's and may differ where a state is restored. Handles of robocell (scenes, robots,
-bodies) belong to the scene and are left as they are. Anything else is refused when a state is
-saved: what is not kept would make another continuation.
+Stored are the attributes that differ from those at the binding to the scene: numbers, strings,
+arrays, poses, enumerations, containers of them, and the attributes of its own objects. Bound
+attributes belong to the configuration and may differ where a state is restored. Handles of robocell
+(scenes, robots, bodies) belong to the scene and stay unchanged. Saving a state rejects anything
+else: a missing attribute would change the continuation.
 
 The attributes are JSON, packed into numbers as the states of environments are. Nothing of a state
 is executed or imported.
@@ -54,7 +54,7 @@ def memory_of(task: Any) -> npt.NDArray[np.float64]:
     """Returns the attributes that the episode has set.
 
     Raises:
-        ArgumentError: For an attribute that cannot be kept, by its name.
+        ArgumentError: An attribute cannot be stored; the message names it.
     """
     bound: Mapping[str, str] = getattr(task, _BOUND, {})
     changed: dict[str, str] = {}
@@ -79,7 +79,7 @@ def memory_of(task: Any) -> npt.NDArray[np.float64]:
 
 
 def has_attributes(memory: npt.NDArray[np.float64]) -> bool:
-    """Whether the result of `memory_of` has any attribute."""
+    """Returns True if the result of `memory_of` has attributes."""
     return bool(memory.size) and bool(_parse(memory))
 
 
@@ -154,7 +154,7 @@ def _set(owner: Any, name: str, value: Any) -> None:
 
 
 def _is_handle(value: Any) -> bool:
-    """Whether a value is an object of robocell's, or of a class that derives from one."""
+    """Returns True for robocell's objects and for objects of classes derived from them."""
     bases = (base.__module__ for base in type(value).__mro__)
     return not isinstance(value, _OWN_VALUES) and any(
         each.split(".")[0] == "robocell" for each in bases
@@ -162,7 +162,7 @@ def _is_handle(value: Any) -> bool:
 
 
 def _is_own_object(value: Any) -> bool:
-    """Whether a value is nothing but its attributes: of a class that is written in Python."""
+    """Returns True for an instance of a Python class, which its attributes define."""
     kind = type(value)
     bases = [base for base in kind.__mro__ if base is not object]
     is_python = all(base.__flags__ & _HEAP_TYPE for base in bases)
@@ -346,7 +346,7 @@ def _to_numbers(text: str) -> npt.NDArray[np.float64]:
 
 
 def _parse(memory: npt.NDArray[np.float64]) -> dict[str, str]:
-    """Returns the attributes in the numbers of a state; ArgumentError for other numbers."""
+    """Reads the attributes from the numbers of a state. Raises ArgumentError for other numbers."""
     try:
         length, values = int(memory[0]), memory[1:].astype(np.uint64)
         shifts = np.arange(_BYTES_PER_NUMBER, dtype=np.uint64) * np.uint64(8)

@@ -1,6 +1,6 @@
 """Shows an environment: a view of its robots, and a window.
 
-The window is MuJoCo's own viewer, which copies the state when it is told to.
+The window is MuJoCo's own viewer, which copies the state only on request.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def frame_rate(config: EnvConfig) -> int:
 
 
 def side_view(scene: Scene, config: EnvConfig) -> dict[str, Any]:
-    """An OrbitCamera's arguments: all robots from the side and in front, and where they reach."""
+    """Returns OrbitCamera arguments that show all robots and their reach from the side."""
     robots = [scene.robot(name) for name in config.robots]
     bases = np.array([robot.base_in_world.translation for robot in robots])
     reach = max(robot.reach for robot in robots)
@@ -54,7 +54,7 @@ def warn_once(message: str) -> None:
 
 
 def has_display() -> bool:
-    """Whether there is something to open a window on: MuJoCo's viewer ends the process without."""
+    """Returns True if there is a display; without one, MuJoCo's viewer would end the process."""
     if sys.platform != "linux":
         return True
     if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):

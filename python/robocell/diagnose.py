@@ -1,10 +1,10 @@
-"""What robocell says about robots, runs, machines and engines: checks, trials and advice.
+"""Checks of robots, runs, machines and engines, trials of robots, and advice.
 
     robocell.diagnose.validate_robot(robot)  # raises all problems of its configuration
-    for finding in robocell.diagnose.check_robot(robot):  # what its arms do when they are moved
+    for finding in robocell.diagnose.check_robot(robot):  # moves its arms in a trial
         print(finding)
     robocell.diagnose.check_run(run)  # raises its problems, returns warnings
-    robocell.diagnose.describe_gl()  # what draws pictures on this machine
+    robocell.diagnose.describe_gl()  # the renderer of this machine
 
 `robocell check`, `robocell generate` and `robocell doctor` print the same.
 """

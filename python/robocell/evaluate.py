@@ -3,26 +3,27 @@
     result = evaluate("out/picks", "my_policy.py:Policy", episodes=100, workers=2)
     print(result.successes, result.interval, result.dataset)
 
-Each episode is one rollout from a start of its own; starts follow from the seed and the episode's
-number alone, so that several policies see the same ones. Rollouts are kept as a dataset: failures
-too, with their videos.
+Each episode is one rollout from a separate start. Starts depend only on the seed and the episode's
+number, so that all policies get identical ones. Rollouts are stored as a dataset: failures too,
+with their videos.
 """
 
 from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from collections import Counter
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
-from robocell._core import ArgumentError, Dataset, Error, PlanItem
+from robocell._core import ArgumentError, Dataset, Error, IoError, PlanItem, RunConfig
 from robocell._own_code import modules_of_one_run
 from robocell.dataset_run import plan_numbers
-from robocell.evaluated import POLICY_ERROR
-from robocell.generate.items import ItemResult
+from robocell.generate.items import ItemRecord
 from robocell.generate.job import Job
 from robocell.generate.observer import Observer
 from robocell.generate.protocol import Failure
@@ -30,24 +31,33 @@ from robocell.generate.run_source import RunSource
 from robocell.generate.supervisor import Limits
 from robocell.generate.totals import Totals, Unmade
 from robocell.policy import EXPERT, RANDOM, REPLAY, replayed_seed
+from robocell.policy_calls import latency
+from robocell.policy_options import PolicyOptions, is_url
 
 __all__ = [
     "EXPERT",
     "RANDOM",
     "REPLAY",
     "SEED",
+    "Comparison",
     "Evaluation",
+    "compare",
     "default_output",
     "evaluate",
     "wilson_interval",
 ]
 
+# The reason of a rollout that an error of its policy or expert ended begins with this
+# (src/robocell/rollout/rollout.cc).
+POLICY_ERROR = "policy error: "
+
 # Starts of evaluations are drawn from other seeds than those that datasets begin with.
 SEED = 1_000_003
+LONGEST_GREETING = 10_000  # characters of a server's metadata that are kept
 
 
 def wilson_interval(successes: int, trials: int, z: float = 1.959964) -> tuple[float, float]:
-    """The 95 % score interval of a success rate (Wilson 1927): (low, high), each 0 to 1.
+    """Returns the 95 % score interval of a success rate (Wilson 1927): (low, high), each 0 to 1.
 
     Examples:
         >>> [round(bound, 2) for bound in rc.evaluate.wilson_interval(18, 20)]
@@ -66,26 +76,29 @@ def wilson_interval(successes: int, trials: int, z: float = 1.959964) -> tuple[f
 
 @dataclass(frozen=True)
 class Evaluation:
-    """What came of an evaluation.
+    """Result of an evaluation.
 
     Attributes:
-        policy: As it was named.
+        policy: Name of the policy.
         successes: Rollouts that succeeded.
-        trials: Rollouts.
+        rollouts: Number of rollouts, each from its own start.
         interval: 95 % Wilson interval of the success rate.
         mean_length: Mean number of actions of a rollout; 0 without any.
-        unmade: Episodes without a rollout: no start was accepted, or something raised.
+        unmade: Starts without a rollout: none was accepted, or something raised.
         failures: Reason -> rollouts.
-        policy_errors: Rollouts that an error of the policy ended; they are among the failures.
-        outcomes: Episode -> success, for comparing policies start by start.
+        policy_errors: Rollouts that an error of the policy ended; they count as failures too.
+        outcomes: Id of the start's episode -> success; `compare` pairs those of two policies.
         dataset: Folder of the rollouts.
-        seed: Of the starts.
-        errors: Episode without a rollout -> why.
+        seed: Seed of the starts.
+        errors: Id of a start without a rollout -> reason.
+        latency: Number of calls of the policy, and their median, 99th percentile and maximum in
+            milliseconds; {} for experts. `policy_calls/` beside the rollouts has every call.
+        server: First message of a policy server; {} for other policies.
     """
 
     policy: str
     successes: int
-    trials: int
+    rollouts: int
     interval: tuple[float, float]
     mean_length: float
     unmade: int
@@ -95,41 +108,115 @@ class Evaluation:
     dataset: str
     seed: int
     errors: dict[str, str]
+    latency: dict[str, float] = field(default_factory=dict)
+    server: dict[str, Any] = field(default_factory=dict)
 
     @property
     def rate(self) -> float:
         """Successes per rollout; 0 without any."""
-        return self.successes / self.trials if self.trials else 0.0
+        return self.successes / self.rollouts if self.rollouts else 0.0
+
+    @classmethod
+    def load(cls, folder: str | Path) -> Evaluation:
+        """Reads the `evaluation.json` that `robocell evaluate` wrote into the rollouts' folder."""
+        path = Path(folder) / "evaluation.json"
+        try:
+            stored = json.loads(path.read_text())
+            return cls(**stored | {"interval": tuple(stored["interval"])})
+        except OSError as error:
+            raise IoError(
+                f"cannot read '{path}': {error.strerror}; `robocell evaluate` writes it"
+            ) from error
+        except (ValueError, TypeError, KeyError) as error:
+            raise IoError(
+                f"'{path}' is no evaluation of this version: {error}; repeat the command that made "
+                "it"
+            ) from error
 
     def to_json(self) -> str:
-        """As a JSON object."""
+        """Returns a JSON object."""
         return json.dumps(asdict(self), indent=2)
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """Two policies, start by start.
+
+    Attributes:
+        both: Starts from which both policies succeeded.
+        first_only: Starts from which only the first one succeeded.
+        second_only: Starts from which only the second one succeeded.
+        neither: Starts from which neither succeeded.
+        p_value: Probability of a difference at least as large between equally good policies: the
+            exact two-sided test of McNemar (1947).
+    """
+
+    both: int
+    first_only: int
+    second_only: int
+    neither: int
+    p_value: float
+
+
+def compare(first: Evaluation, second: Evaluation) -> Comparison:
+    """Compares two policies by the starts that both were evaluated from.
+
+    Paired starts need far fewer rollouts than two separate success rates. Raises ArgumentError for
+    evaluations with other seeds, and for those without a common start.
+
+    Examples:
+        >>> better = rc.evaluate.compare(mine, baseline)  # doctest: +SKIP
+        >>> better.first_only, better.second_only, better.p_value  # doctest: +SKIP
+        (9, 1, 0.021484375)
+    """
+    if first.seed != second.seed:
+        raise ArgumentError(
+            f"the seeds of the evaluations are {first.seed} and {second.seed}, so their starts "
+            "differ; evaluate both with one `seed`"
+        )
+    common = first.outcomes.keys() & second.outcomes.keys()
+    if not common:
+        raise ArgumentError(
+            f"'{first.dataset}' and '{second.dataset}' have no start in common; evaluate both "
+            "policies in the cell of one dataset or run"
+        )
+    pairs = Counter((first.outcomes[start], second.outcomes[start]) for start in common)
+    one, other = pairs[True, False], pairs[False, True]
+    return Comparison(
+        pairs[True, True], one, other, pairs[False, False], _sign_test(min(one, other), one + other)
+    )
+
+
+def _sign_test(fewer: int, differing: int) -> float:
+    """Returns the two-sided probability of at most `fewer` of so many fair coin tosses."""
+    tail = sum(math.comb(differing, k) for k in range(fewer + 1))
+    return min(1.0, 2 * tail / 2**differing)
 
 
 class _Watching(Observer):
     """Calls back for each rollout that ends, and prints warnings."""
 
-    def __init__(self, told: Callable[[int, int, bool], None] | None) -> None:
-        self._told = told
+    def __init__(self, on_trial: Callable[[int, int, bool], None] | None) -> None:
+        self._on_trial = on_trial
         self._done = 0
         self._warned: set[str] = set()
 
-    def episode(self, result: ItemResult, totals: Totals) -> None:
-        """One more. An error of the policy is worth knowing at once, and once."""
+    def episode(self, result: ItemRecord, totals: Totals) -> None:
+        """Counts an episode. Prints an error of the policy at once, and once."""
         self._done += 1
         for reason in result.failures:
             if reason.startswith(POLICY_ERROR) and reason not in self._warned:
                 self._warned.add(reason)
                 self.warning(f"{result.id}: {reason}")
-        if self._told is not None:
-            self._told(totals.already + self._done, totals.planned, result.success)
+        if self._on_trial is not None:
+            self._on_trial(totals.already + self._done, totals.planned, result.success)
 
     def warning(self, text: str) -> None:
-        """On standard error, as other warnings are."""
+        """Prints the warning to standard error."""
         print(f"warning: {text}", file=sys.stderr, flush=True)
 
     def unmade(self, unmade: Unmade, totals: Totals) -> None:
-        """The reason is worth knowing at once."""
+        """Prints the reason at once."""
         self.warning(f"{unmade.id}: {unmade.reason}")
 
 
@@ -138,6 +225,8 @@ def default_output(source: str | Path, policy: str, seed: int) -> Path:
 
     For 'out/picks' and 'my_policy.py:Mine' it is out/picks_evaluation/my_policy.Mine-1000003.
     """
+    if is_url(policy):
+        policy = re.sub(r"[^\w.-]+", "_", policy.partition("://")[2]).strip("_")
     module, colon, name = policy.rpartition(":")
     who = f"{_module_name(module)}.{name}" if colon else policy
     path = Path(source)
@@ -156,7 +245,7 @@ def _module_name(module: str) -> str:
 
 
 class _Starts:
-    """Which items of the plan are evaluated: the first ones, of a dataset's or of all."""
+    """The plan items to evaluate: the first ones, or the dataset's."""
 
     def __init__(self, most: int | None, of_dataset: Sequence[str] = ()) -> None:
         self._most = most
@@ -186,30 +275,42 @@ def evaluate(
     output: str | Path | None = None,
     cameras: bool = True,
     imports: Sequence[str] = (),
-    on_trial: Callable[[int, int, bool], None] | None = None,
+    on_rollout: Callable[[int, int, bool], None] | None = None,
     limits: Limits | None = None,
+    preset: str | Path = "",
+    horizon: int | None = None,
+    ensemble: bool = False,
+    policy_timeout_s: float | None = None,
 ) -> Evaluation:
-    """One rollout of each of `episodes` starts.
+    """Evaluates a policy with one rollout from each of `episodes` starts.
 
     Args:
         source: A dataset, a run file, or `module:name` of a RunConfig.
         policy: `module:Class` or `file.py:Class` of a `robocell.policy.Policy`; `expert` for the
-            task's own expert; `random`; `replay`, the recorded actions of the dataset.
-        episodes: How many starts: 100 unless given, or as many as the dataset has for `replay`.
-        workers: Processes.
-        seed: Starts follow from it and from their number: the same for every policy, and none of
-            a dataset's, unless given. For `replay` the dataset's own.
-        output: Folder of the rollouts; `default_output` unless given. The same evaluation again
-            goes on there; one of other starts, of another policy or cell is refused.
-        cameras: False draws no image: for policies that need none, and no videos are kept.
+            task's own expert; `random`; `replay`, the recorded actions of the dataset; or the URL
+            of a policy server, such as `ws://127.0.0.1:8000`.
+        episodes: Number of rollouts, each from its own start: 100 unless given, or as many as the
+            dataset has for `replay`.
+        workers: Number of processes.
+        seed: Seed of the starts. The default gives every policy the same starts, which differ from
+            the dataset's. For `replay` it is the dataset's seed.
+        output: Folder of the rollouts; `default_output` unless given. Repeating an evaluation
+            continues it; a folder with another evaluation is rejected.
+        cameras: False renders no images: for policies that need none; no videos are stored.
         imports: Modules to import first, which register tasks.
-        on_trial: Called as (done, of, success) after each rollout.
-        limits: How long a rollout may take, and how often one is tried whose worker died.
+        on_rollout: Called as (done, of, success) after each rollout.
+        limits: Time limit of a rollout, and the number of tries after a worker died.
+        preset: Names and units that a policy server expects: a shipped preset or a YAML file.
+        horizon: Actions of a chunk that are taken before the policy is called again. Default: that
+            of the preset, or the whole chunk.
+        ensemble: Take the mean of what all chunks say about a moment (temporal ensembling); the
+            policy is then called before every action, or after `horizon` ones.
+        policy_timeout_s: Longest time of a call of a policy server. Default: 120.
 
-    A policy that raises, or returns what is no action, fails in that rollout, with the error as
-    its reason (`policy_errors`). Raises SpecError for what the run or the module says, and Error
-    when no rollout could be made at all, with the reason; single ones that could not be made are in
-    `errors`.
+    A policy that raises, or returns an invalid action, fails in that rollout, with the error as its
+    reason (`policy_errors`). Raises SpecError for errors in the run or the module, and Error, with
+    the reason, if no rollout could be made; `errors` lists single ones that could not be made.
+    Raises IoError if a policy server is gone; the same call continues the evaluation.
     """
     if policy == REPLAY:
         own_seed = replayed_seed(source)
@@ -228,12 +329,15 @@ def evaluate(
         starts.override,
         f"workers={workers}",
         f"output={json.dumps(str(output))}",
-        *([] if cameras else ["cameras.streams=[]"]),
+        *([] if cameras else ["cameras.draw=false"]),
     ]
     modules = (imports,) if isinstance(imports, str) else tuple(imports)
+    acting = PolicyOptions(str(preset), horizon, ensemble, policy_timeout_s)
     with modules_of_one_run():
-        job = Job(RunSource(str(source), modules, policy), overrides, choose=starts.choose)
-        result = job.do(_Watching(on_trial), limits)
+        job = Job(RunSource(str(source), modules, policy, acting), overrides, choose=starts.choose)
+        server = _greeting(policy) if is_url(policy) else {}
+        _warn_of_rate(acting, job.run)
+        result = job.do(_Watching(on_rollout), limits)
     if result.outcome.interrupted:
         raise KeyboardInterrupt
     if result.outcome.fatal:
@@ -241,22 +345,49 @@ def evaluate(
         said = [unmade.reason for unmade in result.outcome.totals.unmade if unmade.reason]
         raise Failure(fatal.kind, _without_logs(fatal.message, said)).error()
     evaluation = _evaluation_of(job, policy, seed, result.outcome.totals)
-    if not evaluation.trials and evaluation.errors:
+    if not evaluation.rollouts and evaluation.errors:
         first = next(iter(evaluation.errors.values()))
         first = _without_logs(first, [first])
         raise Error(f"none of {len(job.items)} rollouts could be made: {first}")
-    return evaluation
+    return replace(evaluation, server=server)
+
+
+def _warn_of_rate(acting: PolicyOptions, run: RunConfig) -> None:
+    """Prints a warning if the cell asks for actions much faster or slower than the preset says."""
+    preset = acting.load_preset()
+    if preset is None or preset.rate is None or run.rates.policy_ms is None:
+        return
+    own = 1e3 / run.rates.policy_ms
+    if abs(own / preset.rate - 1) < 0.1:
+        return
+    print(
+        f"warning: {preset.place} is for {preset.rate:g} actions per second, and the run has "
+        f"{own:.3g}: set rates.policy_ms to {1e3 / preset.rate:.3g}",
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+def _greeting(url: str) -> dict[str, Any]:
+    """Returns the first message of a policy server. Raises IoError if there is no server."""
+    from robocell.policy_server.client import PolicyClient
+    from robocell.policy_server.wire import as_json
+
+    with PolicyClient(url) as client:
+        greeting = as_json(client.metadata)
+    text = json.dumps(greeting)
+    return greeting if len(text) <= LONGEST_GREETING else {"cut": text[:LONGEST_GREETING]}
 
 
 def _without_logs(message: str, said: Sequence[str]) -> str:
-    """Shortens reasons that were said before, with a worker's log, to their first line."""
+    """Shortens reasons that were printed before, with a worker's log, to their first line."""
     for reason in said:
         message = message.replace(reason, reason.splitlines()[0])
     return message
 
 
 def _evaluation_of(job: Job, policy: str, seed: int, totals: Totals) -> Evaluation:
-    """From what is on the disk: what an earlier command made counts like the rest."""
+    """Builds the result from the episodes on the disk, including those of earlier commands."""
     dataset = Dataset(job.dataset)
     planned = {item.id for item in job.items}
     episodes = {e.id: e for e in dataset if e.id in planned}
@@ -266,7 +397,7 @@ def _evaluation_of(job: Job, policy: str, seed: int, totals: Totals) -> Evaluati
     return Evaluation(
         policy=policy,
         successes=successes,
-        trials=len(outcomes),
+        rollouts=len(outcomes),
         interval=wilson_interval(successes, len(outcomes)),
         mean_length=sum(map(len, episodes.values())) / max(1, len(episodes)),
         unmade=len(planned) - len(outcomes),
@@ -276,4 +407,5 @@ def _evaluation_of(job: Job, policy: str, seed: int, totals: Totals) -> Evaluati
         dataset=str(job.dataset),
         seed=seed,
         errors={unmade.id: unmade.reason for unmade in totals.unmade},
+        latency=latency(job.dataset, sorted(episodes)),
     )

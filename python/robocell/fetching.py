@@ -43,7 +43,7 @@ class Pin:
     """One version of a robot.
 
     Attributes:
-        commit: Of the Menagerie, that the package's registry was made from.
+        commit: Commit of the Menagerie from which the package's registry was made.
         tree: The git tree id of the robot's folder: its version.
         package: Version of mujoco-menagerie that fetched it.
         files: Path in the robot's folder -> SHA-256.
@@ -77,7 +77,7 @@ def record_path() -> Path:
 
 
 def read_record(path: Path) -> dict[str, Pin]:
-    """Returns robot -> Pin, empty if nothing was fetched. IoError if the file is not a record."""
+    """Returns robot -> Pin, empty without a fetch. Raises IoError if the file is not a record."""
     try:
         entries = json.loads(path.read_text())["robots"]
         return {robot: Pin(**pin) for robot, pin in entries.items()}
@@ -85,7 +85,7 @@ def read_record(path: Path) -> dict[str, Pin]:
         return {}
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         raise IoError(
-            f"{path} is no record of fetched robots ({error}); move it away and fetch again"
+            f"{path} is not a record of fetched robots ({error}); move it away and fetch again"
         ) from error
 
 
@@ -98,7 +98,7 @@ def write_record(path: Path, record: dict[str, Pin]) -> None:
 
 @contextlib.contextmanager
 def _changing(path: Path) -> Iterator[None]:
-    """Locks a record and what it describes against other processes."""
+    """Locks a record and its files against other processes."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.with_name(f".{path.name}.lock").open("ab") as lock:
         with contextlib.suppress(OSError):  # a file system without locks: as well as it goes
@@ -114,7 +114,7 @@ def _pin(path: Path, robot: str, pin: Pin) -> None:
 
 
 def main_file(robot: str) -> str:
-    """Returns a robot's main model file; NotFoundError without the package or robot."""
+    """Returns a robot's main model file. Raises NotFoundError without the package or robot."""
     try:
         entry = _package().get(robot)
     except _package().MenagerieError as error:
@@ -124,22 +124,22 @@ def main_file(robot: str) -> str:
 
 
 def printed_progress() -> Progress:
-    """Returns the progress bar of downloads; NotFoundError without the package."""
+    """Returns the progress bar of downloads. Raises NotFoundError without the package."""
     draw: Progress = _package().print_progress
     return draw
 
 
 def fetch(robot: str, *, update: bool = False, progress: Progress | None = None) -> Fetched:
-    """Downloads a robot into the cache unless it is there, and records it.
+    """Downloads a robot into the cache unless it exists, and records it.
 
     Args:
         robot: Its name in the Menagerie, such as ``"kinova_gen3"``.
-        update: Take the installed package's version where the record has another.
+        update: Use the installed package's version if the record has another.
         progress: Called with (robot, bytes done, bytes in all).
 
     Raises:
-        NotFoundError: There is no such robot, or the recorded version cannot be had.
-        IoError: It could not be downloaded, or its files are not those that were recorded.
+        NotFoundError: There is no such robot, or the recorded version is not available.
+        IoError: The download failed, or its files differ from the recorded ones.
     """
     known = _package().get
     try:
@@ -162,7 +162,7 @@ def fetch(robot: str, *, update: bool = False, progress: Progress | None = None)
 def copy_to(fetched: Fetched, root: Path, *, update: bool = False) -> Path:
     """Copies a fetched robot to ``root/<robot>``, which is then a MENAGERIE_ROOT, with a record.
 
-    What is there already stays when it is the same. ArgumentError when it is not, unless `update`.
+    An identical copy stays. Raises ArgumentError for a different one, unless `update`.
     """
     target = root / fetched.robot
     with _changing(root / RECORD):
@@ -173,13 +173,13 @@ def copy_to(fetched: Fetched, root: Path, *, update: bool = False) -> Path:
 
 
 def _is_same(fetched: Fetched, target: Path, *, update: bool) -> bool:
-    """Whether there is nothing to copy; ArgumentError, see above."""
+    """Returns True if there is nothing to copy. Raises ArgumentError like `copy_to`."""
     if not target.exists():
         return False
     same = _hashes(target) == fetched.pin.files
     if not same and not update:
         raise ArgumentError(
-            f"{target} is there already and holds other files; fetch with --update to replace it"
+            f"{target} exists and holds other files; fetch with --update to replace it"
         )
     return same
 
@@ -228,7 +228,7 @@ def robots_like(words: Sequence[str]) -> list[Any]:
 
 
 def _with_in_name(word: str) -> str:
-    """' With 'kuka' in the name: kuka_iiwa_14.', or nothing."""
+    """Returns ' With 'kuka' in the name: kuka_iiwa_14.', or ""."""
     names = [robot.name for robot in robots_like([word])] if word else []
     return f" With '{word}' in the name: {', '.join(names)}." if names else ""
 
@@ -239,12 +239,12 @@ def cached_folder(robot: str, tree: str) -> Path:
 
 
 def is_here(robot: str, tree: str) -> bool:
-    """Whether a version of a robot is in the cache."""
+    """Returns True if the cache has a version of a robot."""
     return (cached_folder(robot, tree) / ".complete").is_file()
 
 
 def _as_recorded(robot: str, pin: Pin) -> Fetched:
-    """The version of the record, which the installed package does not have."""
+    """Returns the version of the record, which the installed package does not have."""
     if not is_here(robot, pin.tree):
         package = "mujoco-menagerie"
         raise NotFoundError(
@@ -275,10 +275,10 @@ _EXTRACTING = threading.Lock()
 
 @contextlib.contextmanager
 def _extraction() -> Iterator[None]:
-    """Lets archives be unpacked where Python has no filters for that (before 3.11.4).
+    """Lets Python unpack archives if it has no filters for that (before 3.11.4).
 
-    The package asks for the filter `data`; what that refuses and the archives do not need is
-    refused here: links, devices, names that lead out.
+    The package requests the filter `data`. Like that filter, this function rejects links, devices
+    and names outside the folder, which the archives do not need.
     """
     if hasattr(tarfile, "data_filter"):
         yield
@@ -295,7 +295,7 @@ def _extraction_without_filters() -> Iterator[None]:
             parts = PurePosixPath(member.name)
             inside = not parts.is_absolute() and ".." not in parts.parts
             if not inside or not (member.isfile() or member.isdir()):
-                raise OSError(f"the archive holds '{member.name}', which is no plain file in it")
+                raise OSError(f"the archive holds '{member.name}', which is not a plain file in it")
         plain(tar, path)
 
     tarfile.TarFile.extractall = extractall  # type: ignore[method-assign,assignment]
@@ -306,7 +306,7 @@ def _extraction_without_filters() -> Iterator[None]:
 
 
 def _published(folder: Path) -> dict[str, str]:
-    """The hashes that the package wrote down when it unpacked a robot."""
+    """Returns the hashes that the package wrote down when it unpacked a robot."""
     files: dict[str, str] = json.loads((folder / ".complete").read_text())["files"]
     return files
 

@@ -198,7 +198,7 @@ def pick_cube_vector(
 
 
 def pick_place_config(robot: RobotConfig | File = "rc7", **fields: Any) -> EnvConfig:
-    """As ``pick_cube_config``, for a robot that puts a cube on a mat."""
+    """Returns a configuration like ``pick_cube_config``, for a robot that puts a cube on a mat."""
     mat = {
         "shape": "box",
         "size": [0.06, 0.06, 0.004],

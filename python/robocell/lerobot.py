@@ -75,7 +75,8 @@ class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._groups = {"agent_pos": spaces.Dict(of_robots)}
         if of_task:
             self._groups["environment_state"] = spaces.Dict(of_task)
-        self._pixels = [stream.name for stream in config.cameras.streams if stream.rgb]
+        streams = config.cameras.streams if config.cameras.draw else []
+        self._pixels = [stream.name for stream in streams if stream.rgb]
         self.observation_space = spaces.Dict(self._spaces(whole))
         box = flatten_space(self.env.action_space)
         assert isinstance(box, spaces.Box)

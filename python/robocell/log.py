@@ -1,4 +1,4 @@
-"""What robocell logs, from which level on, and where it goes.
+"""Log level and destination of robocell's messages.
 
     robocell.log.set_log_level("warn")
     robocell.log.set_log_sink(lambda level, text: print(level, text))

@@ -20,7 +20,7 @@ __all__ = ["folder", "folders", "model_path"]
 
 
 def folder(robot: str) -> str:
-    """Returns the folder of a robot; NotFoundError lists where the search looked."""
+    """Returns the folder of a robot. Raises NotFoundError with the searched folders."""
     return menagerie_robot_folder(robot)
 
 
@@ -41,7 +41,7 @@ def model_path(name: str) -> str:
 
     Raises:
         NotFoundError: The robot was not found and could not be downloaded, or the variable
-            ``ROBOCELL_OVERRIDE_<NAME>`` names no file.
+            ``ROBOCELL_OVERRIDE_<NAME>`` does not name a file.
         ArgumentError: The robot has several models and the name selects none.
     """
     if (mine := override_file(name)) is not None:
@@ -54,7 +54,7 @@ def model_path(name: str) -> str:
 
 
 def _download(robot: str, missing: NotFoundError) -> None:
-    """Fetches a robot as `robocell fetch` does; NotFoundError says why it failed."""
+    """Fetches a robot as `robocell fetch` does. Raises NotFoundError with the cause."""
     from robocell import fetching
 
     try:

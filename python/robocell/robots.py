@@ -1,4 +1,4 @@
-"""Robots: what their files say, how parts are attached, the live robot and its move groups.
+"""Robots: their files, attachments of parts, the live robot and its move groups.
 
     config = robocell.RobotConfig.load(robocell.models.robot_file("rc7"))
     config.edits.append(robocell.robots.Edit(add_site="wrist", body="hand", pos=[0, 0, 0]))

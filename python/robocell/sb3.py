@@ -109,11 +109,11 @@ class VecEnv(vec_env.VecEnv):
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
         """Raises ArgumentError: copies have no attributes of their own."""
-        raise ArgumentError(f"copies have no attributes of their own, {attr_name} cannot be set")
+        raise ArgumentError(f"copies have no separate attributes, {attr_name} cannot be set")
 
     def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> Any:
         """Raises ArgumentError: copies have no methods of their own."""
-        raise ArgumentError(f"copies have no methods of their own, such as {method_name}")
+        raise ArgumentError(f"copies have no separate methods, such as {method_name}")
 
     def env_is_wrapped(self, wrapper_class: type[Any], indices: Any = None) -> list[bool]:
         """Returns False for each copy: nothing is wrapped."""

@@ -1,4 +1,4 @@
-"""Scenes: what is in them, and compiling, stepping, resetting and editing them.
+"""Scenes: content, and compiling, stepping, resetting and editing them.
 
     spec = robocell.SceneSpec(timestep=0.002, add_floor=True, add_skybox=True)
     compiled = robocell.scene.compile_scene(spec)

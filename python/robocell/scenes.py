@@ -1,4 +1,4 @@
-"""Where runs take place: sources of scenes, your own too, and what is known of their scenes.
+"""Sources of a run's scenes, including your own, and annotations of the scenes.
 
     @register_scene_source("lab")
     class Lab(SceneSource):

@@ -1,4 +1,4 @@
-"""Tasks, experts, scene sources and samplers of your own, known by a name.
+"""Your own tasks, experts, scene sources and samplers, registered by name.
 
 They work in run files, environments and on all workers.
 
@@ -32,9 +32,11 @@ import contextlib
 import dataclasses
 import functools
 import inspect
+import math
+import numbers
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeVar, get_args, get_type_hints
 
 from robocell._arguments import with_hints
 from robocell._core import (
@@ -48,13 +50,14 @@ from robocell._core import (
     PickPlanner,
     PickTask,
     PickTaskConfig,
-    PickTaskSampler,
     Refusal,
     RefusalReason,
     Rng,
     SampleRequest,
     SceneSource,
     StartConfig,
+    StartSampler,
+    StartTurn,
     Task,
     TaskFields,
     TaskSampler,
@@ -64,13 +67,22 @@ from robocell._core import (
     _register_sampler,
     _register_scene_source,
     _register_task,
+    check_grasps,
     expert_kinds,
+    make_object,
     object_kinds,
     sampler_kinds,
     task_kinds,
 )
-from robocell._own_code import calling_module, code_of
-from robocell._registering import require_maker, require_name, require_takes
+from robocell._own_code import calling_module, code_of, paths_of
+from robocell._registering import (
+    note_registered,
+    require_hooks,
+    require_maker,
+    require_methods,
+    require_name,
+    require_takes,
+)
 
 __all__ = [
     "BasePlacement",
@@ -82,24 +94,39 @@ __all__ = [
     "PickPlanner",
     "PickTask",
     "PickTaskConfig",
-    "PickTaskSampler",
     "Refusal",
     "RefusalReason",
     "Rng",
     "SampleRequest",
     "StartConfig",
+    "StartSampler",
+    "StartTurn",
     "Task",
     "TaskFields",
     "TaskSampler",
     "TaskSetting",
     "TaskVerdict",
+    "check_grasps",
     "expert_kinds",
+    "make_object",
     "object_kinds",
     "register_expert",
     "register_sampler",
     "register_task",
     "sampler_kinds",
     "task_kinds",
+]
+
+# The methods that the base classes do not have, and that runs and environments call.
+_OF_A_TASK = ["judge(self, scene)", "instruction(self)"]
+_OF_A_TASK_IN_PARTS = ["reward(self, scene)", "success(self, scene)", "instruction(self)"]
+_OF_AN_EXPERT = [
+    "begin(self, scene, rng)",
+    "act(self, scene, rng)",
+    "done(self)",
+    "failure(self)",
+    "phase(self)",
+    "phase_names(self)",
 ]
 
 TaskClass = TypeVar("TaskClass", bound=Callable[..., Task])
@@ -117,12 +144,13 @@ def register_task(
     Args:
         kind: Name of the task in `task: {kind: ...}`.
         fields: A dataclass whose fields, all with defaults, the configuration may set: bools,
-            numbers, texts, and lists of numbers or texts. Default: the class `Fields` inside the
-            task's class; without one the task has no fields.
+            finite numbers, texts, and lists of numbers or texts. Default: the class `Fields` inside
+            the task's class; without one the task has no fields.
 
     The task is made as `cls(fields)`, or `cls()` without fields. Registering a name again replaces
     it, for example when a notebook's cell is run again. Replacing one of robocell's own kinds
-    raises ArgumentError. A function that returns a Task may stand in place of the class.
+    raises ArgumentError. A function that returns a Task may stand in place of the class. A class
+    without the methods that a Task must define raises TypeError, which lists them.
 
     Examples:
         >>> @rc.register_task("lift_it")
@@ -143,9 +171,14 @@ def register_task(
         require_maker(call, maker, Task)
         described = fields if fields is not None else getattr(maker, "Fields", None)
         require_takes(call, maker, *_given(described))
+        require_methods(call, maker, Task, _OF_A_TASK, _OF_A_TASK_IN_PARTS)
+        _require_hooks_of_class(call, maker, Task)
         code = code_of(maker, registering=registering)
+        defaults = _defaults(call, described)
         with _naming_fields(call):
-            _register_task(kind, _maker(maker, described), _defaults(call, described), code)
+            make = _checked(call, _maker(f"task {kind!r}", maker, described), Task)
+            _register_task(kind, make, defaults, code)
+        note_registered("task", kind, registering)
         return maker
 
     return register
@@ -153,29 +186,35 @@ def register_task(
 
 @with_hints
 def register_expert(
-    kind: str, *, files: Sequence[str | Path] = ()
+    kind: str, *, files: str | Path | Sequence[str | Path] = ()
 ) -> Callable[[ExpertClass], ExpertClass]:
     """Registers a class as the expert that demonstrates the task of this kind.
 
     The expert is made as `cls(run, start)` for each rollout, from the RunConfig and the
-    EpisodeStart. Registering a name again replaces it; replacing one of robocell's own raises
-    ArgumentError. `files`: files that the expert uses beside its code, such as weights; a dataset
-    records their content.
+    EpisodeStart. Registering a name again replaces it; replacing a built-in one raises
+    ArgumentError. A class without the methods that an Expert must define raises TypeError, which
+    lists them. `files`: files or folders that the expert uses beside its code, such as weights,
+    relative to the module; a dataset records their content.
     """
     require_name("register_expert", kind)
     return expert_registration(kind, files, calling_module())
 
 
 def expert_registration(
-    kind: str, files: Sequence[str | Path], registering: str
+    kind: str, files: str | Path | Sequence[str | Path], registering: str
 ) -> Callable[[ExpertClass], ExpertClass]:
-    """Registers an expert as `register_expert` does, for the module that asks for it."""
+    """Registers an expert as `register_expert` does, for the module `registering`."""
     call = f"register_expert({kind!r})"
+    paths = paths_of(call, files, registering)
 
     def register(maker: ExpertClass) -> ExpertClass:
         require_maker(call, maker, Expert)
         require_takes(call, maker, ["run", "start"])
-        _register_expert(kind, maker, code_of(maker, files, registering))
+        require_methods(call, maker, Expert, _OF_AN_EXPERT)
+        _require_hooks_of_class(call, maker, Expert)
+        code = code_of(maker, paths, registering)
+        _register_expert(kind, _checked(call, maker, Expert), code)
+        note_registered("expert", kind, registering)
         return maker
 
     return register
@@ -183,31 +222,36 @@ def expert_registration(
 
 @with_hints
 def register_scene_source(
-    kind: str, *, fields: type[Any] | None = None, files: Sequence[str | Path] = ()
+    kind: str, *, fields: type[Any] | None = None, files: str | Path | Sequence[str | Path] = ()
 ) -> Callable[[SourceClass], SourceClass]:
-    """Makes a class known as a kind of scene source, for `scenes: {source: ...}` of runs.
+    """Registers a class as a kind of scene source, for `scenes: {source: ...}` of runs.
 
-    It is made as `cls(fields)`, or `cls()` without fields, which are described as for
-    `register_task`; `source` and `houses` are taken. A parameter `directory` gets the folder of the
-    run file, where relative paths of the fields start ("" for a run made in Python).
+    It is created as `cls(fields)`, or `cls()` without fields. Fields are described as for
+    `register_task`; `source` and `houses` are reserved. A parameter `directory` gets the folder of
+    the run file, where relative paths of the fields start ("" for a run made in Python).
 
-    Registering a name again replaces it; robocell's own cannot be replaced (ArgumentError). `files`
-    are what scenes are made from beside the code and the models, such as lists of places: a dataset
-    remembers what they hold.
+    Registering a name again replaces it; replacing a built-in one raises ArgumentError. `files`:
+    files or folders for making scenes, beside the code and the models, such as lists of positions,
+    relative to the module; a dataset records their content.
     """
     call = f"register_scene_source({kind!r})"
     registering = calling_module()
     require_name("register_scene_source", kind)
+    paths = paths_of(call, files, registering)
 
     def register(maker: SourceClass) -> SourceClass:
         require_maker(call, maker, SceneSource)
         described = fields if fields is not None else getattr(maker, "Fields", None)
         given, why = _given(described)
         require_takes(call, maker, given, why, ["directory"] if _takes_directory(maker) else [])
+        _require_hooks_of_class(call, maker, SceneSource)
         defaults = _defaults(call, described, ("source", "houses"))
-        code = code_of(maker, files, registering)
+        code = code_of(maker, paths, registering)
         with _naming_fields(call):
-            _register_scene_source(kind, _source_maker(maker, described), defaults, code)
+            source = _source_maker(f"scene source {kind!r}", maker, described)
+            make = _checked(call, source, SceneSource)
+            _register_scene_source(kind, make, defaults, code)
+        note_registered("scene source", kind, registering)
         return maker
 
     return register
@@ -215,52 +259,114 @@ def register_scene_source(
 
 @with_hints
 def register_sampler(
-    kind: str, *, files: Sequence[str | Path] = ()
+    kind: str, *, files: str | Path | Sequence[str | Path] = ()
 ) -> Callable[[SamplerClass], SamplerClass]:
-    """Makes a class known as a kind of sampler, for `sampler: ...` of runs.
+    """Registers a class as a kind of sampler, for `sampler: ...` of runs.
 
-    It is made as `cls(run)` in each process, in the place of the sampler of the run's task.
-    Registering a name again replaces it (ArgumentError for one of C++). `files` are what it acts
-    from beside its code: a dataset remembers what they hold.
+    Each process creates it as `cls(run)`. It replaces the sampler of the run's task. Registering a
+    name again replaces it; replacing one from C++ raises ArgumentError. `files`: files or folders
+    that it uses beside its code, relative to the module; a dataset records their content.
     """
     call = f"register_sampler({kind!r})"
     registering = calling_module()
     require_name("register_sampler", kind)
+    paths = paths_of(call, files, registering)
 
     def register(maker: SamplerClass) -> SamplerClass:
         require_maker(call, maker, TaskSampler)
         require_takes(call, maker, ["run"])
-        _register_sampler(kind, maker, code_of(maker, files, registering))
+        _require_hooks_of_class(call, maker, TaskSampler)
+        code = code_of(maker, paths, registering)
+        _register_sampler(kind, _checked(call, maker, TaskSampler), code)
+        note_registered("sampler", kind, registering)
         return maker
 
     return register
 
 
-def _maker(maker: Callable[..., Any], fields: type[Any] | None) -> Callable[[dict[str, Any]], Any]:
-    """What C++ calls with the values of the fields."""
+def _require_hooks_of_class(call: str, maker: object, base: type) -> None:
+    """Checks the hooks of a class; those of what a function makes are checked when it is made."""
+    if inspect.isclass(maker):
+        require_hooks(call, maker, base)
 
-    @functools.wraps(maker, assigned=(), updated=())  # messages say where the maker is written
+
+def _checked(call: str, make: Callable[..., Any], base: type) -> Callable[..., Any]:
+    """Returns the factory, which also checks what it made: an attribute may hide a method."""
+
+    @functools.wraps(make, assigned=(), updated=())  # messages say where the maker is written
+    def checked(*given: Any) -> Any:
+        made = make(*given)
+        if isinstance(made, base):  # the core rejects anything else
+            require_hooks(call, made, base)
+        return made
+
+    return checked
+
+
+def _maker(
+    of: str, maker: Callable[..., Any], fields: type[Any] | None
+) -> Callable[[dict[str, Any]], Any]:
+    """Returns the factory that C++ calls with the values of the fields of `of`, "task 'stack'"."""
+    if fields is None:
+
+        @functools.wraps(maker, assigned=(), updated=())  # messages say where the maker is written
+        def make_without(values: dict[str, Any]) -> Any:
+            _require_fields(of, values, [])
+            return maker()
+
+        return make_without
+    names = [field.name for field in dataclasses.fields(fields)]
+    whole = [name for name, hint in _hints(fields).items() if hint in (list[int], Sequence[int])]
+
+    @functools.wraps(maker, assigned=(), updated=())
     def make(values: dict[str, Any]) -> Any:
-        return maker() if fields is None else maker(fields(**values))
+        _require_fields(of, values, names)
+        lists = {name: _whole_numbers(of, name, values[name]) for name in whole}
+        return maker(fields(**{**values, **lists}))
 
     return make
 
 
-def _source_maker(
-    maker: Callable[..., Any], fields: type[Any] | None
-) -> Callable[[dict[str, Any], str], Any]:
-    """Like `_maker`, with the folder where relative paths start for those who take it."""
-    if not _takes_directory(maker):
-        make = _maker(maker, fields)
-        return lambda values, _directory: make(values)
-    return lambda values, directory: _maker(functools.partial(maker, directory=directory), fields)(
-        values
+def _require_fields(of: str, values: dict[str, Any], names: Sequence[str]) -> None:
+    """Raises ArgumentError for the values of a configuration that is older than the kind."""
+    if values.keys() == set(names):
+        return
+    before, now = (", ".join(map(repr, each)) or "none" for each in (values, names))
+    raise ArgumentError(
+        f"{of} was registered again with other fields than this configuration has: {before} "
+        f"before, {now} now. Make the configuration again"
     )
+
+
+def _whole_numbers(of: str, name: str, values: Sequence[float]) -> list[int]:
+    if odd := [value for value in values if value != int(value)]:
+        raise ArgumentError(f"{of}: '{name}' takes whole numbers, got {odd[0]:g}")
+    return [int(value) for value in values]
+
+
+def _hints(fields: type[Any]) -> dict[str, Any]:
+    """Returns the types of the fields; none if they cannot be looked up."""
+    try:
+        return get_type_hints(fields)
+    except Exception:  # of names that exist only for type checkers
+        return {}
+
+
+def _source_maker(
+    of: str, maker: Callable[..., Any], fields: type[Any] | None
+) -> Callable[[dict[str, Any], str], Any]:
+    """Works like `_maker`, and passes the folder of relative paths to classes that take it."""
+    if not _takes_directory(maker):
+        make = _maker(of, maker, fields)
+        return lambda values, _directory: make(values)
+    return lambda values, directory: _maker(
+        of, functools.partial(maker, directory=directory), fields
+    )(values)
 
 
 @contextlib.contextmanager
 def _naming_fields(call: str) -> Iterator[None]:
-    """Around a registration: errors of the core about defaults name the call and the field."""
+    """Context manager: adds call and field to the core's errors about defaults."""
     try:
         yield
     except (TypeError, ArgumentError) as error:
@@ -284,13 +390,17 @@ def _given(fields: type[Any] | None) -> tuple[list[str], str]:
 
 def _defaults(
     call: str, fields: type[Any] | None, taken: Sequence[str] = ("kind",)
-) -> list[tuple[str, Any, str]]:
-    """Name, default and documentation of each field; `taken` are names that it cannot have."""
+) -> list[tuple[str, Any, str, bool]]:
+    """Returns name, default, documentation and whether it holds texts, of each field.
+
+    Rejects `taken` names.
+    """
     if fields is None:
         return []
     if not dataclasses.is_dataclass(fields):
         raise TypeError(f"{call}: `Fields` must be a dataclass, got {fields!r}")
-    found: list[tuple[str, Any, str]] = []
+    found: list[tuple[str, Any, str, bool]] = []
+    hints = _hints(fields)
     for field in dataclasses.fields(fields):
         if field.name in taken:
             raise ArgumentError(
@@ -304,5 +414,23 @@ def _defaults(
             raise ArgumentError(
                 f"{call}: field '{field.name}' needs a default: a configuration may leave it out"
             )
-        found.append((field.name, default, str(field.metadata.get("doc", ""))))
+        if hints.get(field.name) is float and _is_whole(default):
+            default = float(default)
+        _require_finite(call, field.name, default)
+        doc = str(field.metadata.get("doc", ""))
+        found.append((field.name, default, doc, str in get_args(hints.get(field.name))))
     return found
+
+
+def _is_whole(value: Any) -> bool:
+    return isinstance(value, numbers.Integral) and not isinstance(value, bool)
+
+
+def _require_finite(call: str, name: str, default: Any) -> None:
+    """Raises ArgumentError for a default that no run file could contain."""
+    for value in default if isinstance(default, list | tuple) else [default]:
+        if isinstance(value, numbers.Real) and not math.isfinite(value):
+            raise ArgumentError(
+                f"{call}: the default of field '{name}' must be finite, got {default!r}; take a "
+                "large number, or another field that says so"
+            )

@@ -95,18 +95,23 @@ class CommandServer:
         return self._of_start(environment) == self._start
 
     def run(
-        self, *arguments: object, environment: Mapping[str, str], timeout_s: float
+        self,
+        *arguments: object,
+        environment: Mapping[str, str],
+        timeout_s: float,
+        folder: Path | None = None,
+        merged: bool = False,
     ) -> subprocess.CompletedProcess[str]:
-        """Runs the command line."""
+        """Runs the command line in a folder; `merged` adds standard error to the output."""
         for file in (self._out, self._err):
             file.write_bytes(b"")
         command = ["robocell", *map(str, arguments)]
         request = {
             "arguments": command[1:],
             "environment": dict(environment),
-            "folder": os.getcwd(),
+            "folder": str(folder or os.getcwd()),
             "out": str(self._out),
-            "err": str(self._err),
+            "err": str(self._out if merged else self._err),
             "timeout_s": timeout_s,
         }
         assert self._process.stdin is not None

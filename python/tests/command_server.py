@@ -42,8 +42,8 @@ def be_the_command(request: dict[str, Any]) -> NoReturn:
     os.chdir(request["folder"])
     for fd, path, how in (
         (0, os.devnull, os.O_RDONLY),
-        (1, request["out"], os.O_WRONLY),
-        (2, request["err"], os.O_WRONLY),
+        (1, request["out"], os.O_WRONLY | os.O_APPEND),  # both may be the same file
+        (2, request["err"], os.O_WRONLY | os.O_APPEND),
     ):
         opened = os.open(path, how)
         os.dup2(opened, fd)

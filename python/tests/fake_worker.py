@@ -8,17 +8,19 @@ not listed. An episode is a folder of its id. FOLDER/tries holds a line per try:
 
 from __future__ import annotations
 
+import asyncio
 import ctypes
 import json
 import os
 import signal
+import subprocess
 import sys
 import threading
 import time
 from pathlib import Path
 
 from robocell import IoError, SpecError
-from robocell.generate.items import Item, ItemResult
+from robocell.generate.items import Item, ItemRecord
 from robocell.generate.worker import serve
 
 
@@ -39,15 +41,15 @@ def tries_of(folder: Path) -> list[str]:
     return [line.split()[0] for line in path.read_text().splitlines()] if path.exists() else []
 
 
-def made(folder: Path, item: Item, **values: object) -> ItemResult:
+def made(folder: Path, item: Item, **values: object) -> ItemRecord:
     """Commits the episode; FileExistsError when there is one."""
     (folder / item.id).mkdir()
     return result_of(item.id)
 
 
-def result_of(name: str) -> ItemResult:
+def result_of(name: str) -> ItemRecord:
     """Of an item that was made."""
-    return ItemResult(name, success=True, attempts=2, accepted=1, refusals={"too far": 1}, rows=9)
+    return ItemRecord(name, success=True, attempts=2, accepted=1, refusals={"too far": 1}, rows=9)
 
 
 class Maker:
@@ -58,7 +60,7 @@ class Maker:
     def __init__(self, folder: Path, script: dict[str, list[str]], stop: Stop) -> None:
         self.folder, self.script, self.stop = folder, script, stop
 
-    def __call__(self, item: Item) -> ItemResult:
+    def __call__(self, item: Item) -> ItemRecord:
         """One item."""
         before = tries_of(self.folder).count(item.id)
         with (self.folder / "tries").open("a") as file:
@@ -66,7 +68,7 @@ class Maker:
         acts = self.script.get(item.id, self.script.get("*", ["make"]))
         return self.act(acts[min(before, len(acts) - 1)], item)
 
-    def act(self, what: str, item: Item) -> ItemResult:
+    def act(self, what: str, item: Item) -> ItemRecord:
         """One behaviour."""
         match what:
             case "kill":
@@ -80,17 +82,20 @@ class Maker:
                 raise IoError(f"'{item.id}' is in place, but a power cut may still undo that")
             case "hang":
                 time.sleep(1000)
+            case "crash":
+                print("about to crash", flush=True)
+                ctypes.string_at(0)
             case "patient":  # works until it is stopped
                 self.stop.event.wait(1000)
                 failures = {"dropped": 3}
-                return ItemResult(
+                return ItemRecord(
                     item.id, stopped=True, undecided=1, attempts=3, accepted=3, failures=failures
                 )
             case "slow":
                 time.sleep(0.3)
             case "fail":
                 failures = {"dropped": 3, "not lifted": 2}
-                return ItemResult(item.id, attempts=6, accepted=5, failures=failures)
+                return ItemRecord(item.id, attempts=6, accepted=5, failures=failures)
             case "raise":
                 raise ValueError("a bug")
             case "exit":
@@ -109,6 +114,11 @@ class Maker:
                 raise SpecError("camera 'wirst': no such camera. Did you mean 'wrist'?")
             case "io":
                 raise IoError("cannot write 'steps.h5': No space left on device")
+            case "read":
+                assert sys.stdin.read() == ""
+                subprocess.run(["cat"], check=True, timeout=self.FORKED_S)
+            case "cancel":
+                raise asyncio.CancelledError("late")
             case "print":
                 print("chatter of a library", flush=True)
                 os.system("echo chatter of a child")

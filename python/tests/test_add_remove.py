@@ -61,7 +61,7 @@ class TestState:
         assert scene.state().shape == state.shape
         assert scene.object_names == []
 
-    def test_add_then_remove_gives_back_the_state(self, scene):
+    def test_add_then_remove_restores_the_state(self, scene):
         scene.step_n(20)
         state, model = scene.state(), scene.to_xml()
         scene.add_object(cube())
@@ -189,7 +189,7 @@ class TestHandles:
 
 
 class TestLifetimes:
-    def test_model_and_data_that_were_kept_are_the_old_ones(self, scene):
+    def test_kept_model_and_data_are_the_old_ones(self, scene):
         scene.step_n(5)
         model, data = scene.model, scene.data
         scene.add_object(cube())
@@ -204,7 +204,7 @@ class TestLifetimes:
         mujoco.mj_step(scene.model, scene.data)
         assert scene.time() == pytest.approx(0.012)
 
-    def test_what_nobody_kept_is_gone(self, scene):
+    def test_the_old_model_and_data_are_freed_unless_kept(self, scene):
         data, model = weakref.ref(scene.data), weakref.ref(scene.model)
         scene.add_object(cube())
         scene.time()
@@ -220,7 +220,7 @@ class TestLifetimes:
         gc.collect()
         np.testing.assert_array_equal(qpos, before)
 
-    def test_another_thread_may_add_while_this_one_waits(self, scene):
+    def test_another_thread_can_add_during_a_wait(self, scene):
         data = weakref.ref(scene.data)
         failed: list[BaseException] = []
 
@@ -275,7 +275,7 @@ class TestPool:
         spec.objects = [cube("there"), *(cube(f"pool{i}", parked=True) for i in range(3))]
         return rc.Scene.build(spec)
 
-    def test_objects_come_and_go_by_name_on_the_same_model(self, pool):
+    def test_pooled_objects_are_added_and_removed_by_name(self, pool):
         model, data, generation = pool.model, pool.data, pool.generation
         assert pool.object_names == ["there"]
         assert pool.parked_objects == ["pool0", "pool1", "pool2"]
@@ -292,7 +292,7 @@ class TestPool:
         assert pool.contacts("pool1") == []
         assert (pool.model, pool.data, pool.generation) == (model, data, generation)
 
-    def test_a_reset_puts_it_back_and_hooks_choose(self, pool):
+    def test_a_reset_restores_the_pool_and_hooks_choose_objects(self, pool):
         pool.add_object("pool0")
         pool.reset()
         assert pool.parked_objects == ["pool0", "pool1", "pool2"]
@@ -300,7 +300,7 @@ class TestPool:
         pool.reset()
         assert pool.object_names == ["there", "pool2"]
 
-    def test_a_state_has_what_is_there(self, pool):
+    def test_a_state_restores_the_objects_in_the_scene(self, pool):
         before = pool.state()
         pool.add_object("pool0")
         there = pool.state()
@@ -309,7 +309,7 @@ class TestPool:
         pool.set_state(there)
         assert pool.object_names == ["there", "pool0"]
 
-    def test_what_is_refused_says_why(self, pool):
+    def test_errors_explain_rejected_pool_changes(self, pool):
         with pytest.raises(rc.NotFoundError, match=r"pool: no object 'pol1'.*mean 'pool1'"):
             pool.add_object("pol1")
         with pytest.raises(rc.ArgumentError, match="only its pose may differ from the spec's"):

@@ -149,7 +149,7 @@ POSE = "Pose(matrix: ArrayLike | Pose | None = None, *, translation: ArrayLike |
         ),
     ],
 )
-def test_wrong_arguments_are_told_by_name(
+def test_errors_name_the_wrong_argument(
     scene: rc.Scene, call: Callable[[rc.Scene], Any], message: str
 ):
     text = told(lambda: call(scene))
@@ -178,7 +178,7 @@ def test_wrong_arguments_are_told_by_name(
         (lambda s: s.robot("a").gravity_torques(NAN), "gravity_z is nan; it must be finite"),
     ],
 )
-def test_wrong_values_are_told_by_name(
+def test_errors_name_the_argument_with_a_wrong_value(
     scene: rc.Scene, call: Callable[[rc.Scene], Any], message: str
 ):
     with pytest.raises(rc.ArgumentError) as caught:
@@ -206,7 +206,7 @@ BAD_JOINT = (
         (lambda r: r.chain.inverse_dynamics([0] * 7, [0] * 7, SPOILT), "qdd"),
     ],
 )
-def test_joint_values_that_are_no_numbers_are_told_with_argument_and_joint(
+def test_errors_name_argument_and_joint_of_a_non_finite_value(
     scene: rc.Scene, call: Callable[[rc.Robot], Any], argument: str
 ):
     with pytest.raises(rc.ArgumentError) as caught:
@@ -214,7 +214,7 @@ def test_joint_values_that_are_no_numbers_are_told_with_argument_and_joint(
     assert str(caught.value) == BAD_JOINT.format(argument)
 
 
-def test_gravity_is_told_by_its_number(scene: rc.Scene):
+def test_errors_name_the_component_of_a_non_finite_gravity(scene: rc.Scene):
     with pytest.raises(rc.ArgumentError, match=r"^gravity\[2\] must be finite, is nan$"):
         scene.robot("a").chain.gravity_torques([0] * 7, gravity=(0, 0, NAN))
 
@@ -225,7 +225,7 @@ def test_gravity_torques_have_no_negative_zeros(scene: rc.Scene):
         assert not any(value == 0 and str(value).startswith("-") for value in torques)
 
 
-def test_a_dataset_that_is_not_there_is_told_with_the_nearest_and_the_next_step(tmp_path: Path):
+def test_a_missing_dataset_error_names_the_nearest_dataset(tmp_path: Path):
     (tmp_path / "pick_v1").mkdir()
     with pytest.raises(rc.IoError) as caught:
         rc.Dataset(tmp_path / "pick_v2")
@@ -236,7 +236,7 @@ def test_a_dataset_that_is_not_there_is_told_with_the_nearest_and_the_next_step(
     )
 
 
-def test_large_values_are_not_looked_at_in_full():
+def test_large_values_are_not_inspected_in_full():
     class Seen:
         count = 0
 
@@ -253,7 +253,7 @@ def test_large_values_are_not_looked_at_in_full():
     assert "got <1000000 bytes>." in told(lambda: rc.Scene.build(bytes(1_000_000)))
 
 
-def test_what_is_wrong_with_a_frame_is_told(scene: rc.Scene):
+def test_rejects_a_frame_with_a_malformed_quaternion(scene: rc.Scene):
     class Rotation:
         def GetQuaternion(self) -> tuple[float, ...]:
             return (0.0, 0.0, 0.0)
@@ -266,7 +266,7 @@ def test_what_is_wrong_with_a_frame_is_told(scene: rc.Scene):
         scene.robot("a").ik(Frame())
 
 
-def test_the_whole_text_names_the_form_that_fits():
+def test_the_full_message_names_the_matching_signature():
     text = told(lambda: rc.Pose([1, 2, 3], [0, 0, 0, 1]))
     assert text == (
         "Pose(): takes 1 argument (matrix) by position, got 2. It is called as "
@@ -277,7 +277,7 @@ def test_the_whole_text_names_the_form_that_fits():
     )
 
 
-def test_an_object_that_was_never_initialised_is_told(scene: rc.Scene):
+def test_reports_a_missing_super_init_call(scene: rc.Scene):
     class Mine(rc.tasks.Task):
         def __init__(self) -> None:
             pass
@@ -288,13 +288,13 @@ def test_an_object_that_was_never_initialised_is_told(scene: rc.Scene):
         assert told(lambda: Mine().begin(scene)).startswith("Mine.__init__() must call super()")
 
 
-def test_errors_that_are_not_about_arguments_stay_as_they_are(scene: rc.Scene):
+def test_errors_unrelated_to_arguments_stay_unchanged(scene: rc.Scene):
     with pytest.raises(rc.NotFoundError, match="no robot 'b'"):
         scene.robot("b")
 
 
 @pytest.mark.parametrize("name", ["mine", "reset"])
-def test_an_error_within_a_callback_is_its_own(scene: rc.Scene, name: str):
+def test_an_error_in_a_callback_stays_unchanged(scene: rc.Scene, name: str):
     message = f"{name}(): incompatible function arguments."
 
     def hook(context: rc.scene.ResetContext) -> None:
@@ -308,7 +308,7 @@ def test_an_error_within_a_callback_is_its_own(scene: rc.Scene, name: str):
     assert caught.traceback[-1].name == "hook"
 
 
-def test_an_error_of_the_engines_own_bindings_is_theirs(scene: rc.Scene):
+def test_an_error_of_the_mujoco_bindings_stays_unchanged(scene: rc.Scene):
     def hook(context: rc.scene.ResetContext) -> None:
         mujoco.mj_step("x")  # type: ignore[call-arg, arg-type]
 
@@ -359,3 +359,11 @@ def test_a_misspelt_attribute_is_never_set(scene: rc.Scene):
     own = Own()
     own.note = "mine"  # type: ignore[attr-defined]
     assert own.note == "mine"  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize("reward", [np.zeros(2), np.zeros(1)])
+def test_an_array_is_no_number(reward: np.ndarray):
+    said = told(lambda: rc.tasks.TaskVerdict(reward=reward, success=False, subtask=0))
+    assert "`reward` must be a number, got array(" in said
+    assert "out of range" not in said
+    assert "out of range?" in told(lambda: rc.tasks.TaskVerdict(subtask=10**20))

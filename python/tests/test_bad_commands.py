@@ -116,7 +116,7 @@ WRONG: dict[str, tuple[Command, str]] = {
 
 
 @pytest.mark.parametrize("how", WRONG)
-def test_a_bad_command_is_refused_by_name_and_changes_nothing(scene: rc.Scene, how: str):
+def test_rejects_an_invalid_command_by_name_without_a_change(scene: rc.Scene, how: str):
     command, message = WRONG[how]
     robot = scene.robot("a")
     controls, target, state = robot.arm.ctrl, robot.jnt_pos_cmd.copy(), scene.state()
@@ -129,7 +129,7 @@ def test_a_bad_command_is_refused_by_name_and_changes_nothing(scene: rc.Scene, h
     assert scene.step_n(2)
 
 
-def test_nan_written_into_the_port_is_refused_when_it_is_used(scene: rc.Scene):
+def test_rejects_nan_in_a_port_at_use(scene: rc.Scene):
     robot = scene.robot("a")
     good = robot.jnt_pos_cmd.copy()
     robot.jnt_pos_cmd[4] = NAN
@@ -144,7 +144,7 @@ def test_nan_written_into_the_port_is_refused_when_it_is_used(scene: rc.Scene):
     assert scene.step_n(2)
 
 
-def test_words_are_no_numbers(scene: rc.Scene):
+def test_rejects_strings_as_numbers(scene: rc.Scene):
     with pytest.raises((rc.ArgumentError, TypeError), match="joints"):
         rc.control.GroupCommand.joints(["left"])
     with pytest.raises(rc.NotFoundError, match=r"no group 'am'.*Did you mean 'arm'"):

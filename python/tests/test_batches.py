@@ -30,7 +30,7 @@ def positions(count: int) -> np.ndarray:
     return np.random.default_rng(7).uniform(-1, 1, size=(count, 7))
 
 
-def test_batches_are_what_the_engine_says(robot: rc.Robot):
+def test_batches_match_the_engine(robot: rc.Robot):
     scene, k = robot.scene, robot.kinematics
     model, data = scene.model, scene.data
     at = [model.joint(name).dofadr[0] for name in robot.joint_names]
@@ -65,7 +65,7 @@ def test_jacobians_are_the_slopes_of_tips(robot: rc.Robot):
         np.testing.assert_allclose(jacobians[:, :3, joint], slope, atol=1e-8)
 
 
-def test_a_batch_is_its_rows_and_one_row_broadcasts(robot: rc.Robot):
+def test_a_batch_matches_its_rows_and_one_row_broadcasts(robot: rc.Robot):
     k, chain, q = robot.kinematics, robot.chain, positions(11)
     for call in (
         *(k.fk, k.jacobian, k.mass_matrix, k.gravity_torques, chain.mass_matrix),
@@ -94,7 +94,7 @@ def test_a_batch_is_its_rows_and_one_row_broadcasts(robot: rc.Robot):
     )
 
 
-def test_whatever_holds_numbers_is_taken(robot: rc.Robot):
+def test_accepts_any_sequence_of_numbers(robot: rc.Robot):
     k, q = robot.kinematics, positions(4)
     expected = k.gravity_torques(q)
     for form in (q.tolist(), list(q), tuple(map(tuple, q)), np.asfortranarray(q), q[::-1][::-1]):
@@ -103,7 +103,7 @@ def test_whatever_holds_numbers_is_taken(robot: rc.Robot):
     assert np.array_equal(k.gravity_torques(whole), k.gravity_torques(whole.astype(float)))
 
 
-def test_answers_are_written_where_they_are_wanted(robot: rc.Robot):
+def test_results_are_written_into_the_given_arrays(robot: rc.Robot):
     k, q = robot.kinematics, positions(6)
     zeros = np.zeros((6, 7))
     calls: list[tuple[Callable[..., Any], tuple[np.ndarray, ...], tuple[int, ...]]] = [
@@ -129,7 +129,7 @@ def test_answers_are_written_where_they_are_wanted(robot: rc.Robot):
     assert not part[8:].any()
 
 
-def test_jacobians_bring_the_tips_of_forward_kinematics(robot: rc.Robot):
+def test_jacobians_include_the_poses_of_forward_kinematics(robot: rc.Robot):
     for k in (robot.kinematics, robot.chain):
         q = positions(6)
         tips, out = np.full((6, 4, 4), np.nan), np.empty((6, 6, 7))
@@ -246,7 +246,7 @@ EXPECTED_OUT = "out must be a writable, C-contiguous float64 array of shape (6, 
         ),
     ],
 )
-def test_what_is_wrong_is_named(
+def test_errors_name_the_wrong_row_and_value(
     robot: rc.Robot,
     call: Callable[[rc.kinematics.Kinematics, np.ndarray], Any],
     error: type[Exception],

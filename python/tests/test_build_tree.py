@@ -52,7 +52,7 @@ def test_the_variable_names_another_build_folder(other_checkout):
     assert (core, cmake) == (_core.__file__, str(BUILD))
 
 
-def test_a_relative_build_folder_is_one_of_the_checkout(other_checkout):
+def test_a_relative_build_folder_is_resolved_against_the_checkout(other_checkout):
     (other_checkout / "build").mkdir()
     (other_checkout / "build/tsan").symlink_to(BUILD)
     core, cmake = run(other_checkout / "python", CORE, build="build/tsan").stdout.split()
@@ -60,7 +60,7 @@ def test_a_relative_build_folder_is_one_of_the_checkout(other_checkout):
     assert cmake == str(other_checkout / "build/tsan")
 
 
-def test_a_checkout_that_is_not_built_says_so(other_checkout):
+def test_importing_an_unbuilt_checkout_explains_the_error(other_checkout):
     done = run(other_checkout / "python", "import robocell")
     assert done.returncode == 1
     assert (
@@ -69,7 +69,7 @@ def test_a_checkout_that_is_not_built_says_so(other_checkout):
     ) in done.stderr
 
 
-def test_an_install_without_an_extension_for_this_python_says_so(tmp_path):
+def test_an_install_for_another_python_explains_the_error(tmp_path):
     shutil.copytree(PACKAGE, tmp_path / "robocell")
     done = run(tmp_path, "import robocell", build=str(BUILD))
     version = f"{sys.version_info.major}.{sys.version_info.minor}"

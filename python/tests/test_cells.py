@@ -50,7 +50,7 @@ AUTHORED = rc.Pose(translation=[0, 0, 0.01], quaternion=[1, 0, 0, 0])  # of the 
 
 
 class TestScenes:
-    def test_one_spec_is_built_again_with_other_contents(self):
+    def test_a_spec_can_be_built_again_with_other_contents(self):
         spec = empty(robots=[bare_rc7()])
         assert len(rc.Scene.build(spec).body_names()) > 8
         spec.objects = [rc.SceneObject(name="mug", mjcf_path="mug", fixed=True)]
@@ -73,7 +73,7 @@ class TestScenes:
         with pytest.raises(rc.SpecError, match="timestep"):
             rc.Scene.build(spec)
 
-    def test_files_keep_parts_of_several_folders_whatever_is_compiled_in_between(
+    def test_saved_files_keep_parts_of_several_folders_after_other_builds(
         self, probe, tmp_path, menagerie
     ):
         arm = rc.RobotSpec(path=rc.menagerie.model_path("kinova_gen3"))
@@ -190,7 +190,7 @@ class TestRobots:
 
 
 class TestObjects:
-    def test_a_robot_stands_on_a_table(self, table):
+    def test_a_robot_can_be_mounted_on_a_table(self, table):
         mount = rc.scene.scene_object_element_name("table", "table_top")
         assert mount == "table_table_top"
         robot = bare_rc7(
@@ -201,12 +201,12 @@ class TestObjects:
         np.testing.assert_allclose(scene.body_pose("base_link").translation, [0, 0.1, 0.7])
         np.testing.assert_allclose(scene.body_pose("can").translation, [0.1, 0, 0.73])
 
-    def test_things_hang_on_frames_too(self, table):
+    def test_objects_can_be_attached_to_frames(self, table):
         on_frame = cube("can", attach_to={"frame": "table_corner"}, fixed=True)
         scene = rc.Scene.build(empty(objects=[table, on_frame]))
         np.testing.assert_allclose(scene.body_pose("can").translation, [0.3, 0.2, 0.7])
 
-    def test_a_later_object_is_nothing_to_stand_on(self, table):
+    def test_rejects_attaching_to_a_later_object(self, table):
         mount = rc.scene.scene_object_element_name("table", "table_top")
         can = cube("can", attach_to={"site": mount}, fixed=True)
         with pytest.raises(rc.SpecError, match=r"object 'can'.*object 'table'"):
@@ -228,7 +228,7 @@ class TestObjects:
         with pytest.raises(rc.SpecError, match=field):
             rc.Scene.build(empty(objects=[cube(**{field: None})]))
 
-    def test_what_can_move_freely_hangs_on_the_world(self, table):
+    def test_a_free_object_must_be_attached_to_the_world(self, table):
         mount = rc.scene.scene_object_element_name("table", "table_top")
         loose = cube("can", attach_to={"site": mount})
         with pytest.raises(rc.SpecError, match=r"'can': can move freely.*or set fixed: true"):
@@ -248,7 +248,7 @@ class TestCamerasActuatorsPoses:
         assert scene.model.camera("overview").fovy[0] == 45
         np.testing.assert_allclose(scene.camera_pose("overview").translation, [1.8, -2.0, 1.4])
 
-    def test_a_teleported_body_stands_still_there(self):
+    def test_a_teleported_body_has_zero_velocity(self):
         scene = rc.Scene.build(empty(objects=[cube("red_cube", pos=[0, 0, 1])]))
         scene.step_n(50)
         assert np.abs(scene.data.qvel).max() > 0.5
@@ -276,7 +276,7 @@ class TestCamerasActuatorsPoses:
 
 
 class TestReset:
-    def test_options_and_info_say_what_they_are(self):
+    def test_options_and_info_have_readable_text(self):
         scene = rc.Scene.build(empty(robots=[rc7()]))
         told = []
         scene.on_reset(lambda context: told.append(f"{context.options} {context.info}"))
@@ -338,7 +338,7 @@ class TestReset:
             scene.reset()
         assert scene.time() == 0
 
-    def test_a_group_that_raises_stops_no_other_robot(self):
+    def test_an_exception_in_a_group_stops_no_other_robot(self):
         class Sulky(rc.robots.MoveGroup):
             sulks = False
             get_name = lambda self: "sulky"  # noqa: E731
@@ -386,7 +386,7 @@ class TestReset:
         assert not both.reset(use_keyframe=False).used_keyframe
         assert both.joint_pos("a_joint4") == 0
 
-    def test_default_configuration_and_keyframes_that_are_not_there(self):
+    def test_resets_to_the_default_configuration_and_rejects_missing_keyframes(self):
         scene = rc.Scene.build(empty(robots=[rc7()]))
         info = scene.reset(rc.scene.ResetOptions(use_keyframe=False))
         assert (info.used_keyframe, info.keyframe) == (False, -1)

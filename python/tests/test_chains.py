@@ -51,7 +51,7 @@ def test_joints_are_in_chain_order_with_their_limits(robot: rc.Robot):
     assert np.isinf(robot.joint_limits[0]).all()
 
 
-def test_ports_refuse_wrong_lengths_and_closed_scenes():
+def test_ports_reject_wrong_lengths_and_closed_scenes():
     from test_robot import cell
 
     robot = cell().robot("a")
@@ -80,7 +80,7 @@ def test_the_chain_weighs_arm_and_tool(robot: rc.Robot):
     assert robot.scene.model.body("g_base_mount").subtreemass[0] > 0.8
 
 
-def test_gravity_torques_are_what_the_engine_needs_at_rest(robot: rc.Robot):
+def test_gravity_torques_match_the_engine_at_rest(robot: rc.Robot):
     for q in random_positions(robot, 20):
         robot.set_joint_pos(q)
         needed = robot.scene.data.qfrc_bias[dofs(robot)]
@@ -91,7 +91,7 @@ def test_gravity_torques_are_what_the_engine_needs_at_rest(robot: rc.Robot):
     np.testing.assert_allclose(half, robot.gravity_torques() / 2, atol=1e-9)
 
 
-def test_a_closed_gripper_is_weighed_where_it_is_when_asked(robot: rc.Robot):
+def test_refreshing_tool_inertia_includes_a_closed_gripper(robot: rc.Robot):
     scene = robot.scene
     robot.set_joint_pos([0.3, 0.8, -0.5, 1.2, 0.2, 1.1, 0.4])
     scene.set_actuator_ctrl("g_fingers_actuator", 255)
@@ -192,7 +192,7 @@ def test_chains_outlive_the_solvers_that_do_not_keep_them():
 
 
 @needs_pykdl
-def test_joint_values_are_taken_in_every_form(robot: rc.Robot):
+def test_accepts_joint_values_in_every_form(robot: rc.Robot):
     q = [0.3, 0.8, -0.5, 1.2, 0.2, 1.1, 0.4]
     frames = []
     for form in (list(q), tuple(q), np.array(q), to_kdl(np.array(q)), rc.kinematics.jnt_array(q)):
@@ -225,7 +225,7 @@ def segment(name: str, joint: "PyKDL.Joint", mass: float) -> "PyKDL.Segment":
 
 
 @needs_pykdl
-def test_a_chain_of_ones_own_in_kdl_is_the_same_here():
+def test_a_custom_kdl_chain_has_the_same_kinematics_and_dynamics():
     kdl = PyKDL.Chain()
     kdl.addSegment(segment("foot", PyKDL.Joint(PyKDL.Joint.Fixed), 9))
     kdl.addSegment(segment("a", PyKDL.Joint("turn", PyKDL.Joint.RotX, 1, 0.3), 2))
@@ -254,7 +254,7 @@ def test_a_chain_of_ones_own_in_kdl_is_the_same_here():
 
 
 @needs_pykdl
-def test_a_chain_goes_to_kdl_and_back():
+def test_a_chain_round_trips_through_kdl():
     from test_robot import cell
 
     chain = cell().robot("a").chain
@@ -267,7 +267,7 @@ def test_a_chain_goes_to_kdl_and_back():
 
 
 @needs_pykdl
-def test_what_is_no_chain_of_kdl_is_told():
+def test_rejects_unsupported_kdl_chains():
     with pytest.raises(TypeError, match=r"chain must be a PyKDL.Chain, got str"):
         rc.kinematics.Chain.from_kdl("chain")
     geared = PyKDL.Chain()
@@ -277,7 +277,7 @@ def test_what_is_no_chain_of_kdl_is_told():
 
 
 @needs_pykdl
-def test_a_wrench_of_kdl_pushes():
+def test_applies_a_wrench_of_kdl():
     from test_scene import small_spec
 
     scene = rc.Scene.build(small_spec())

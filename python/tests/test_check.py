@@ -25,7 +25,7 @@ def ends(folder: Path, monkeypatch: pytest.MonkeyPatch, script: str) -> None:
 
 
 @pytest.mark.parametrize("signal", ["SEGV", "ABRT", "BUS", "FPE", "ILL"])
-def test_a_crash_is_said_to_be_a_models(
+def test_reports_a_crash_as_caused_by_a_model(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, signal: str
 ):
     ends(tmp_path, monkeypatch, f"ulimit -c 0; kill -{signal} $$")
@@ -51,7 +51,7 @@ def test_a_crash_is_said_to_be_a_models(
         ("echo broken >&2; exit 7", "ended with exit code 7. Nothing was written; give"),
     ],
 )
-def test_any_other_end_is_no_models_fault_and_stops_the_run(
+def test_any_other_exit_stops_the_run(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -67,7 +67,7 @@ def test_any_other_end_is_no_models_fault_and_stops_the_run(
 
 
 @pytest.mark.parametrize("error", [robocell.SpecError, robocell.IoError, robocell.Error])
-def test_what_it_raised_is_raised_here_after_what_libraries_print(
+def test_an_exception_of_the_child_is_raised_after_library_output(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: type[Exception]
 ):
     told = tmp_path / "told"
@@ -79,14 +79,14 @@ def test_what_it_raised_is_raised_here_after_what_libraries_print(
     assert str(raised.value) == "run.yaml:3:1: 'x'"
 
 
-def test_warnings_of_the_scene_are_said_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_scene_warnings_are_reported_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     ends(tmp_path, monkeypatch, """echo chatter; echo '{"warnings": ["a", "b"]}'""")
     assert check_in_child(RunSource("run.yaml"), []) == Found(["a", "b"])
     ends(tmp_path, monkeypatch, "true")
     assert check_in_child(RunSource("run.yaml"), []) == Found([])
 
 
-def test_what_ffmpeg_said_is_for_the_processes_to_come(tmp_path: Path):
+def test_the_ffmpeg_version_is_passed_to_later_processes(tmp_path: Path):
     run = str(write_run(tmp_path))
     ((name, answer),) = check_in_child(RunSource(run), []).environment.items()
     assert name == "ROBOCELL_FFMPEG_ANSWER"
@@ -98,9 +98,7 @@ def test_what_ffmpeg_said_is_for_the_processes_to_come(tmp_path: Path):
 
 @pytest.mark.parametrize("below", ["", "deeper/dataset"])
 @pytest.mark.parametrize("option", ["--workers=1", "--dry-run"])
-def test_an_output_that_is_a_file_is_told_with_the_next_step(
-    tmp_path: Path, option: str, below: str
-):
+def test_rejects_a_file_as_the_output_folder(tmp_path: Path, option: str, below: str):
     file = tmp_path / "notes.txt"
     file.write_text("mine")
     text = refused("generate", write_run(tmp_path), "--output", file / below, option, code=3)
@@ -109,7 +107,7 @@ def test_an_output_that_is_a_file_is_told_with_the_next_step(
     assert file.read_text() == "mine"
 
 
-def test_a_model_that_stalls_the_engine_costs_the_given_time_and_not_the_run(
+def test_a_model_that_stalls_the_engine_is_stopped_after_the_timeout(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     ends(tmp_path, monkeypatch, "exec sleep 60")

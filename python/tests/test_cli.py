@@ -17,13 +17,17 @@ from robocell.cli.probes import Finding, State
 from robocell.generate.disk import require_writable
 
 
-def test_every_command_is_listed_with_what_it_does():
+def test_help_lists_and_describes_every_command():
     text = robocell_command("--help").stdout
     for command in (
         "generate",
         "report",
         "verify",
         "replay",
+        "merge",
+        "split",
+        "filter",
+        "export",
         "check",
         "gripper-range",
         "ik-test",
@@ -42,7 +46,7 @@ def test_the_version_is_one_line_that_scripts_can_read():
     assert "--version" in robocell_command("--help").stdout
 
 
-def test_an_unknown_file_is_told_with_what_is_there(tmp_path: Path):
+def test_a_missing_file_error_lists_the_files_in_the_folder(tmp_path: Path):
     write_run(tmp_path)
     text = refused("generate", tmp_path / "runn.yaml")
     assert f"no run file '{tmp_path}/runn.yaml'. In {tmp_path}: run.yaml." in text
@@ -60,7 +64,7 @@ def test_an_unknown_file_is_told_with_what_is_there(tmp_path: Path):
     assert "is a file; give the folder" in refused("verify", tmp_path / "run.yaml")
 
 
-def test_the_wrong_kind_of_file_is_told_by_its_kind(tmp_path: Path):
+def test_the_error_identifies_a_file_of_another_kind(tmp_path: Path):
     text = refused("generate", RC7)
     assert "this looks like a robot file: it has name, model, " in text
     assert f"Look at the robot with `robocell check {RC7}`" in text
@@ -70,7 +74,7 @@ def test_the_wrong_kind_of_file_is_told_by_its_kind(tmp_path: Path):
     assert f"Make its dataset with `robocell generate {run}`" in text
 
 
-def test_a_file_that_is_no_text_is_told_with_the_byte(tmp_path: Path):
+def test_rejects_a_binary_file_and_names_the_byte(tmp_path: Path):
     path = tmp_path / "image.yaml"
     path.write_bytes(b"name: a\n\x89PNG")
     assert f"{path}:2:1: byte 0x89 at offset 8 is not UTF-8" in refused("check", path)
@@ -88,7 +92,7 @@ def test_one_misspelt_key_is_one_problem(tmp_path: Path):
     assert "is required" not in text
 
 
-def test_an_unknown_key_is_told_with_its_line_and_the_nearest_key(tmp_path: Path):
+def test_an_unknown_key_error_has_the_line_and_the_nearest_key(tmp_path: Path):
     path = write_run(tmp_path)
     lines = path.read_text().splitlines()
     number = 1 + next(i for i, line in enumerate(lines) if line.startswith("task:"))
@@ -99,7 +103,7 @@ def test_an_unknown_key_is_told_with_its_line_and_the_nearest_key(tmp_path: Path
     assert "Did you mean 'task'?" in text
 
 
-def test_an_override_goes_through_the_same_checks(tmp_path: Path):
+def test_overrides_are_validated_like_the_file(tmp_path: Path):
     path = write_run(tmp_path)
     text = refused("generate", path, "--set", "task.lift_hight=0.05")
     assert "--set task.lift_hight" in text
@@ -112,7 +116,7 @@ def test_an_override_goes_through_the_same_checks(tmp_path: Path):
     assert "--workers" in refused("generate", path, "--workers", "0")
 
 
-def test_an_odd_video_size_is_refused_before_anything_is_made(tmp_path: Path):
+def test_rejects_an_odd_video_size_before_creating_files(tmp_path: Path):
     cameras = {**RUN["cameras"], "resolution": [65, 48]}  # type: ignore[dict-item]
     text = refused("generate", write_run(tmp_path, cameras=cameras))
     assert "65" in text
@@ -121,9 +125,7 @@ def test_an_odd_video_size_is_refused_before_anything_is_made(tmp_path: Path):
 
 
 @pytest.mark.parametrize("option", ["--workers=1", "--dry-run"])
-def test_what_the_robot_or_the_catalogue_lacks_is_told_before_anything_is_made(
-    tmp_path: Path, option: str
-):
+def test_rejects_unknown_cameras_and_kinds_before_creating_files(tmp_path: Path, option: str):
     streams = [{"name": "wrist", "camera": "wirst_camera"}]
     changes = {"cameras": {"resolution": [64, 48], "streams": streams}}
     path = write_run(tmp_path, **changes)
@@ -140,7 +142,7 @@ def test_what_the_robot_or_the_catalogue_lacks_is_told_before_anything_is_made(
     assert not (tmp_path / "out").exists(), "so the corrected file begins a new dataset"
 
 
-def test_an_unwritable_output_is_refused_with_its_path(tmp_path: Path):
+def test_rejects_an_unwritable_output_with_its_path(tmp_path: Path):
     (tmp_path / "file").write_text("")
     (tmp_path / "locked").mkdir(mode=0o500)
     folders = ["file"] if os.geteuid() == 0 else ["file", "locked"]  # root writes everywhere
@@ -156,7 +158,7 @@ def test_an_empty_output_is_not_the_working_folder(tmp_path: Path):
     assert "--output '': output: is required: the folder the dataset goes to" in text
 
 
-def test_an_option_is_told_as_it_was_typed(tmp_path: Path):
+def test_errors_quote_the_option_as_typed(tmp_path: Path):
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "a.txt").write_text("")
     text = refused("generate", write_run(tmp_path), "--output", tmp_path / "full", code=2)
@@ -169,7 +171,7 @@ def tree(folder: Path) -> set[Path]:
     return set(folder.rglob("*"))
 
 
-def test_a_dry_run_refuses_an_output_that_cannot_be_written(tmp_path: Path):
+def test_a_dry_run_rejects_an_unwritable_output(tmp_path: Path):
     run = write_run(tmp_path)
     (tmp_path / "file").write_text("")
     before = tree(tmp_path)
@@ -183,7 +185,7 @@ def test_a_dry_run_refuses_an_output_that_cannot_be_written(tmp_path: Path):
     assert tree(tmp_path) == before
 
 
-def test_what_can_be_written_is_left_as_it_was(tmp_path: Path):
+def test_checking_a_writable_folder_changes_nothing(tmp_path: Path):
     for output in (tmp_path, tmp_path / "a" / "b"):
         require_writable(output)
     assert tree(tmp_path) == set()
@@ -200,7 +202,7 @@ def test_what_can_be_written_is_left_as_it_was(tmp_path: Path):
     ("option", "value", "least"),
     [("--seed", -1, 0), ("--episodes", 0, 1), ("--workers", 0, 1)],
 )
-def test_a_number_out_of_range_is_refused_with_option_and_range(
+def test_rejects_a_number_out_of_range_with_option_and_range(
     tmp_path: Path, option: str, value: int, least: int
 ):
     text = refused("generate", write_run(tmp_path), option, value)
@@ -213,13 +215,13 @@ def test_a_number_out_of_range_is_refused_with_option_and_range(
     assert f"{field}: {value} {wrong}" in text
 
 
-def test_a_shard_that_does_not_exist_is_refused(tmp_path: Path):
+def test_rejects_an_invalid_shard(tmp_path: Path):
     path = write_run(tmp_path)
     assert "shard" in refused("generate", path, "--shard", "2/2")
     assert "write i/N" in refused("generate", path, "--shard", "half")
 
 
-def test_a_changed_configuration_is_refused_with_what_differs(tmp_path: Path):
+def test_rejects_a_changed_configuration_and_shows_the_difference(tmp_path: Path):
     path = write_run(tmp_path)
     robocell.generate.prepare_dataset(robocell.RunConfig.load(path))
     assert robocell_command("generate", path, "--seed", 7, "--dry-run").returncode == 0
@@ -230,17 +232,17 @@ def test_a_changed_configuration_is_refused_with_what_differs(tmp_path: Path):
     assert "give another `output`" in text
 
 
-def test_a_dry_run_tells_what_there_is_to_do_and_does_nothing(tmp_path: Path):
+def test_a_dry_run_reports_the_plan_and_writes_nothing(tmp_path: Path):
     result = robocell_command("generate", write_run(tmp_path), "--dry-run", "--shard", "0/2")
     assert result.returncode == 0
-    assert "episodes: 1, 0 of them made, 1 to do" in result.stdout
-    assert "estimate from 1 episode, 1 of them with cameras:" in result.stdout
+    assert "episodes: 1 planned, 0 on the disk, 1 to make" in result.stdout
+    assert "estimate (from 1 episode, 1 with cameras):" in result.stdout
     for label in ("episodes:", "frames:", "size:", "time:", "memory:"):
         assert f"\n  {label} " in result.stdout
     assert not (tmp_path / "out").exists()
 
 
-def test_damaged_episodes_are_told_with_the_command_that_sets_them_aside(tmp_path: Path):
+def test_a_damaged_episode_error_contains_the_repair_command(tmp_path: Path):
     path = write_run(tmp_path)
     robocell.generate.prepare_dataset(robocell.RunConfig.load(path))
     damaged = tmp_path / "out" / "s0000_e0000"
@@ -250,13 +252,15 @@ def test_damaged_episodes_are_told_with_the_command_that_sets_them_aside(tmp_pat
     assert "s0000_e0000" in text
     command = f"robocell verify --repair {tmp_path / 'out'}"
     assert command in text
-    assert robocell_command("verify", tmp_path / "out").returncode == 1
+    verified = robocell_command("verify", tmp_path / "out")
+    assert verified.returncode == 1
+    assert f"To set damaged files aside: {command};" in verified.stdout
     assert robocell_command(*command.split()[1:]).returncode == 0
     assert not damaged.exists()
     assert robocell_command("verify", tmp_path / "out").returncode == 0
 
 
-def test_repair_says_what_it_could_not_mend_and_ends_with_1(tmp_path: Path):
+def test_repair_lists_unrepaired_damage_and_exits_with_1(tmp_path: Path):
     run = write_run(tmp_path, episodes_per_scene=1, cameras={"streams": []})
     assert robocell_command("generate", run).returncode == 0
     out = tmp_path / "out"
@@ -266,16 +270,14 @@ def test_repair_says_what_it_could_not_mend_and_ends_with_1(tmp_path: Path):
     result = robocell_command("verify", "--repair", "--decode-videos", out)
     assert result.returncode == 1, result.stdout
     assert f"moved aside: {out / '.quarantine' / 'dataset.json'}" in result.stdout
-    assert f"not mended: models/{model.name}: it is missing" in result.stdout
+    assert f"not repaired: models/{model.name}: it is missing" in result.stdout
     assert robocell_command("generate", run).returncode == 0, "the way on that it names"
     assert robocell_command("verify", out).returncode == 0
     assert robocell_command("replay", "--check", out).returncode == 0
 
 
 @pytest.mark.parametrize("command", [["generate"], ["generate", "--dry-run"]])
-def test_images_beyond_all_size_are_refused_before_anything_is_done(
-    tmp_path: Path, command: list[str]
-):
+def test_rejects_oversized_images_at_once(tmp_path: Path, command: list[str]):
     run = write_run(tmp_path)
     text = refused(*command, run, "--set", "cameras.resolution=[100000,100000]")
     assert "stream 'wrist' (cameras.streams[0]): size 100000x100000 is too large" in text
@@ -283,7 +285,7 @@ def test_images_beyond_all_size_are_refused_before_anything_is_done(
     assert not (tmp_path / "out").exists()
 
 
-def test_tables_do_not_break_what_is_longer_than_the_terminal():
+def test_tables_do_not_wrap_values_longer_than_the_terminal():
     joint = "a_joint_with_a_very_long_name/" * 10
     script = (
         "from rich.table import Table\n"
@@ -302,7 +304,7 @@ def test_tables_do_not_break_what_is_longer_than_the_terminal():
     assert joint in result.stdout
 
 
-def test_what_this_machine_lacks_is_told_before_anything_is_made(tmp_path: Path):
+def test_missing_encoders_and_gl_are_reported_before_creating_files(tmp_path: Path):
     run = write_run(tmp_path)
     for variable, code, text in (
         ("ROBOCELL_FFMPEG", 3, "records 1 camera stream, on this machine that fails: ROBOCELL_FFM"),
@@ -315,11 +317,11 @@ def test_what_this_machine_lacks_is_told_before_anything_is_made(tmp_path: Path)
     assert not (tmp_path / "out").exists()
 
 
-def test_verify_of_what_is_no_dataset_says_so(tmp_path: Path):
+def test_verify_rejects_a_folder_that_is_not_a_dataset(tmp_path: Path):
     (tmp_path / "notes.txt").touch()
     for more in ([], ["--repair"]):
         text = refused("verify", tmp_path, *more)
-        assert "is no dataset: it has neither a dataset.json nor episodes, it holds notes.t" in text
+        assert "is not a dataset: it has neither a dataset.json nor episodes, it holds n" in text
     assert [path.name for path in tmp_path.iterdir()] == ["notes.txt"]
 
 
@@ -341,7 +343,7 @@ def test_the_doctor_names_known_defects_of_the_engine_and_the_guards_against_the
         assert f"Fixed in MuJoCo {defect.fixed_in}." in words
 
 
-def test_the_doctor_tells_what_to_do_about_what_is_missing(tmp_path: Path):
+def test_the_doctor_prints_a_fix_for_each_problem(tmp_path: Path):
     found = {
         finding.what: finding
         for finding in (
@@ -362,7 +364,7 @@ def test_the_doctor_tells_what_to_do_about_what_is_missing(tmp_path: Path):
     assert "video is broken: sudo apt install ffmpeg" in result.stdout
 
 
-def test_more_workers_than_cores_are_told(tmp_path: Path):
+def test_warns_about_more_workers_than_cores(tmp_path: Path):
     result = robocell_command("generate", write_run(tmp_path), "--workers=999", "--dry-run")
     assert result.returncode == 0, result.stderr
     assert "warning: 999 workers on " in result.stderr

@@ -160,7 +160,7 @@ def place_behind(text: str, before: str) -> str:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_bad_input_is_told_with_thing_place_alternatives_and_next_step(name: str, tmp_path: Path):
+def test_errors_name_element_place_alternatives_and_next_step(name: str, tmp_path: Path):
     case = CASES[name]
     right = case.content(tmp_path)
     assert right.count(case.mistake[0]) == 1 or not case.mistake[0]
@@ -176,6 +176,6 @@ def test_bad_input_is_told_with_thing_place_alternatives_and_next_step(name: str
     assert sorted(tmp_path.rglob("*")) == before, "nothing is made"
 
 
-def test_what_is_missing_at_the_root_of_the_file_system_is_looked_for_there():
+def test_a_missing_dataset_at_the_root_lists_the_folders_of_the_root():
     told = refused("verify", "/no-such-dataset-of-robocell")
     assert "no dataset '/no-such-dataset-of-robocell'. Folders in /: " in told

@@ -13,6 +13,8 @@ import pytest
 import robocell as rc
 from robocell._startup import is_command
 
+ROOT = Path(__file__).resolve().parents[2]
+
 CTRL_C_AT_IMPORT = """
 import builtins, os, signal
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -65,7 +67,7 @@ def test_a_program_that_imports_robocell_keeps_its_ctrl_c(tmp_path: Path):
         ("python", False),
     ],
 )
-def test_what_counts_as_the_command(line: str, command: bool):
+def test_recognises_the_command_line(line: str, command: bool):
     assert is_command(line.split()) is command
 
 
@@ -86,7 +88,7 @@ def test_it_starts_in_a_folder_that_was_deleted(tmp_path: Path):
 
 
 @pytest.mark.parametrize("name", ["json", "random"])
-def test_a_file_that_is_called_as_pythons_own_is_refused(tmp_path: Path, name: str):
+def test_rejects_a_file_named_like_a_standard_module(tmp_path: Path, name: str):
     """Also by `python -m`, which would look for modules in the working folder first."""
     (tmp_path / f"{name}.py").write_text("raise RuntimeError('not meant')\n")
     (tmp_path / "run.yaml").write_text("{}\n")
@@ -98,3 +100,13 @@ def test_a_file_that_is_called_as_pythons_own_is_refused(tmp_path: Path, name: s
     assert done.returncode == 2, done.stderr
     assert "Traceback" not in done.stderr
     assert f"'{name}' is the name of a module of Python itself" in done.stderr
+
+
+@pytest.mark.parametrize("closed", ["2>&-", ">&-", "<&-", "<&- >&- 2>&-"])
+def test_standard_streams_may_be_closed(tmp_path: Path, closed: str):
+    """Workers and encoders would else write to a file that took the number of a stream."""
+    words = f"{sys.executable} -m robocell generate {ROOT}/examples/demo.yaml --episodes 1 --set"
+    command = f"{words} cameras.streams=[] --output out {closed}"
+    result = subprocess.run(command, shell=True, cwd=tmp_path, check=False, capture_output=True)
+    assert result.returncode == 0
+    assert len(rc.Dataset(tmp_path / "out")) == 1

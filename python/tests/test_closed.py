@@ -87,7 +87,7 @@ def uses(handle: Any, but: dict[str, set[str]] = ALWAYS) -> dict[str, Callable[[
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_every_use_of_a_closed_handle_says_that_it_is_closed(
+def test_every_use_of_a_closed_handle_raises_closed_error(
     handles: dict[str, tuple[Any, str]], kind: str
 ):
     handle, message = handles[kind]
@@ -99,11 +99,11 @@ def test_every_use_of_a_closed_handle_says_that_it_is_closed(
         assert str(caught.value).startswith(message), name
 
 
-def test_no_kind_of_handle_is_forgotten(handles: dict[str, tuple[Any, str]]):
+def test_every_kind_of_handle_is_covered(handles: dict[str, tuple[Any, str]]):
     assert set(handles) == set(KINDS)
 
 
-def test_what_a_closed_handle_is_can_still_be_asked(handles: dict[str, tuple[Any, str]]):
+def test_a_closed_handle_keeps_its_names(handles: dict[str, tuple[Any, str]]):
     scene, robot, arm = (handles[kind][0] for kind in ("scene", "robot", "arm"))
     assert (scene.name, scene.closed, robot.name, robot.prefix) == ("cell", True, "a", "")
     assert (arm.name, arm.kind, robot.scene) == ("arm", "arm", scene)
@@ -122,7 +122,7 @@ def test_a_video_can_be_finished_after_its_scene_was_closed(tmp_path: Path):
     assert (tmp_path / "v.mp4").stat().st_size > 0
 
 
-def test_a_group_of_your_own_is_yours():
+def test_a_custom_group_survives_closing():
     class Own(rc.robots.MoveGroup):
         def get_name(self) -> str:
             return "own"

@@ -70,7 +70,7 @@ class Engine:
 
 
 @pytest.mark.parametrize("obstacle", OBSTACLES)
-def test_clearance_is_the_least_distance_to_what_is_not_the_robot(obstacle: str):
+def test_clearance_is_the_minimum_distance_between_robot_and_surroundings(obstacle: str):
     robot = beside(obstacle)
     engine = Engine(robot)
     low, high = np.array(robot.joint_limits).T

@@ -34,7 +34,7 @@ def test_every_column_is_h5pys(dataset: robocell.Dataset):
             assert np.dtype(column.dtype) == expected.dtype
 
 
-def test_what_is_known_of_a_column_is_in_the_file(dataset: robocell.Dataset):
+def test_column_metadata_matches_the_file(dataset: robocell.Dataset):
     episode = dataset[0]
     with h5py.File(episode.folder / "steps.h5") as steps:
         for name in episode.columns:
@@ -75,7 +75,7 @@ def random_key(rng: np.random.Generator, rows: int) -> Any:
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_rows_are_chosen_as_in_numpy(dataset: robocell.Dataset, seed: int):
+def test_rows_are_indexed_as_in_numpy(dataset: robocell.Dataset, seed: int):
     rng = np.random.default_rng(seed)
     episode = dataset[seed % 3]
     names = ["robots/rc7/arm/qpos", "reward", "success", "cameras/exo/extrinsics", "control/ctrl"]
@@ -90,7 +90,7 @@ def test_rows_are_chosen_as_in_numpy(dataset: robocell.Dataset, seed: int):
         assert np.shape(column[key]) == np.shape(expected[key])
 
 
-def test_rows_that_are_not_there_are_errors(dataset: robocell.Dataset):
+def test_rejects_rows_out_of_range(dataset: robocell.Dataset):
     episode = dataset[0]
     column = episode.column("reward")
     for row in (len(episode), -len(episode) - 1, [0, len(episode)]):
@@ -118,7 +118,7 @@ def bytes_read() -> int:
     return int(dict(line.split(": ") for line in lines)["rchar"])
 
 
-def test_only_the_rows_that_are_asked_for_are_read(dataset: robocell.Dataset):
+def test_reads_only_the_requested_rows(dataset: robocell.Dataset):
     episode = dataset[0]
     column = episode.column("control/ctrl")
     column[:1]  # opens and compares the file
@@ -163,7 +163,7 @@ def test_slices_of_a_dataset_are_datasets(dataset: robocell.Dataset):
         dataset[3]
 
 
-def test_pickles_are_paths_and_know_what_was_known(
+def test_pickles_store_the_path_and_the_episode_list(
     dataset: robocell.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     shutil.copytree(dataset.folder, tmp_path / "copy")

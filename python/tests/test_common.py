@@ -23,14 +23,14 @@ def ended(capsys: pytest.CaptureFixture[str], call) -> tuple[int, str]:
     return exit_.value.exit_code, capsys.readouterr().err
 
 
-def test_messages_go_to_standard_error_and_say_how_grave_they_are(capsys):
+def test_messages_go_to_stderr_with_their_severity(capsys):
     print_warning("it is slow")
     assert capsys.readouterr().err == "warning: it is slow\n"
     assert ended(capsys, lambda: fail("no robot")) == (ExitCode.USAGE, "error: no robot\n")
     assert ended(capsys, lambda: fail("x" * 300, ExitCode.OUTPUT)) == (3, f"error: {'x' * 300}\n")
 
 
-def test_a_spec_file_that_is_not_there_is_told_with_what_is(tmp_path: Path, capsys):
+def test_a_missing_spec_file_error_suggests_the_nearest_file(tmp_path: Path, capsys):
     (tmp_path / "arm.yaml").write_text("")
     require_spec_file(tmp_path / "arm.yaml", rc.RobotConfig)
     code, told = ended(capsys, lambda: require_spec_file(tmp_path / "amr.yaml", rc.RobotConfig))
@@ -39,7 +39,7 @@ def test_a_spec_file_that_is_not_there_is_told_with_what_is(tmp_path: Path, caps
     assert f"Did you mean '{tmp_path / 'arm.yaml'}'?" in told
 
 
-def test_pictures_are_png_files_in_folders_that_are_there(tmp_path: Path, capsys):
+def test_a_picture_path_must_be_a_png_in_an_existing_folder(tmp_path: Path, capsys):
     require_png(tmp_path / "a.png")
     require_png(tmp_path / "A.PNG")
     assert ended(capsys, lambda: require_png(tmp_path)) == (
@@ -53,7 +53,7 @@ def test_pictures_are_png_files_in_folders_that_are_there(tmp_path: Path, capsys
     assert "there is no folder" in told
 
 
-def test_long_paths_stay_in_one_piece(capsys, monkeypatch):
+def test_long_paths_are_not_wrapped(capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "40")
     path = "/data/" + "folder/" * 30 + "episode"
     table = Table(show_header=False)

@@ -28,7 +28,7 @@ def cache(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "cache" / "mj_kdl_wrapper"
 
 
-def test_fetching_fills_the_caches_and_paths_lead_there(cache: Path, monkeypatch, capsys):
+def test_fetching_fills_the_caches_and_paths_point_there(cache: Path, monkeypatch, capsys):
     monkeypatch.setattr("sys.argv", ["mj-kdl-fetch-menagerie"])
     with pytest.raises(SystemExit) as end:
         main()
@@ -45,13 +45,13 @@ def test_fetching_fills_the_caches_and_paths_lead_there(cache: Path, monkeypatch
         assert mujoco.MjModel.from_xml_path(path).nbody
 
 
-def test_without_a_cache_robocells_own_files_are_found(cache: Path):
+def test_without_a_cache_built_in_files_are_found(cache: Path):
     assert not cache.exists()
     assert Path(mjk.menagerie.asset_path("table.xml")).is_file()
     assert cache not in Path(mjk.menagerie.asset_path("table.xml")).parents
 
 
-def test_fetching_leaves_what_is_there(cache: Path):
+def test_fetching_keeps_existing_files(cache: Path):
     arm = cache / "menagerie" / "kinova_gen3" / "gen3.xml"
     table = cache / "assets" / "table.xml"
     for file in (arm, table):
@@ -76,7 +76,7 @@ def own_search(cache: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("own_search")
-def test_a_robot_of_an_interrupted_fetch_is_found_elsewhere_and_completed(cache: Path):
+def test_a_partially_fetched_robot_is_found_elsewhere_and_completed(cache: Path):
     arm = cache / "menagerie" / "kinova_gen3"
     (arm / "assets").mkdir(parents=True)
     (arm / "assets" / "base_link.obj").write_text("cut of")
@@ -93,7 +93,7 @@ def test_a_robot_of_an_interrupted_fetch_is_found_elsewhere_and_completed(cache:
 
 @pytest.mark.usefixtures("own_search")
 @pytest.mark.parametrize("copies", [0, 1, 12])
-def test_a_fetch_may_be_interrupted_at_any_file(cache: Path, monkeypatch, copies: int):
+def test_a_fetch_survives_interruption_at_any_file(cache: Path, monkeypatch, copies: int):
     copied, copyfile = [], shutil.copyfile
 
     def interrupted(source: Path, target: Path) -> None:
@@ -114,7 +114,7 @@ def test_a_fetch_may_be_interrupted_at_any_file(cache: Path, monkeypatch, copies
         assert mujoco.MjModel.from_xml_path(path).nbody
 
 
-def test_a_source_without_its_main_file_is_told(cache: Path, tmp_path: Path, monkeypatch):
+def test_rejects_a_source_without_its_main_file(cache: Path, tmp_path: Path, monkeypatch):
     (tmp_path / "kinova_gen3").mkdir()
     folder = menagerie.folder
     sources = {"kinova_gen3": str(tmp_path / "kinova_gen3"), "robotiq_2f85": folder("robotiq_2f85")}
@@ -124,7 +124,7 @@ def test_a_source_without_its_main_file_is_told(cache: Path, tmp_path: Path, mon
     assert not (cache / "menagerie" / "kinova_gen3").exists()
 
 
-def test_variables_come_before_the_cache(cache: Path, tmp_path: Path, monkeypatch):
+def test_variables_take_precedence_over_the_cache(cache: Path, tmp_path: Path, monkeypatch):
     mjk.menagerie.fetch()
     mine = tmp_path / "mine.xml"
     mine.write_text("<mujoco/>")
@@ -141,7 +141,7 @@ def test_variables_come_before_the_cache(cache: Path, tmp_path: Path, monkeypatc
         assert cache in Path(path()).parents, variable
 
 
-def test_a_robot_that_only_the_cache_has_is_known(cache: Path):
+def test_a_robot_in_the_cache_only_is_found(cache: Path):
     model = cache / "menagerie" / "my_arm" / "arm.xml"
     model.parent.mkdir(parents=True)
     model.write_text("<mujoco/>")

@@ -24,7 +24,7 @@ def message(use) -> str:
 
 
 @pytest.mark.parametrize("close", ["env", "scene"])
-def test_a_closed_robot_says_that_robot_is_closed(close: str):
+def test_a_closed_robot_raises_closed_error(close: str):
     env = env_of_rc7()
     robot = env.create_robot("base_link", "link7")
     (env if close == "env" else env.scene).close()
@@ -48,7 +48,7 @@ def test_a_closed_robot_says_that_robot_is_closed(close: str):
     assert robot.name
 
 
-def test_every_member_of_a_closed_robot_that_fails_says_so():
+def test_every_failing_member_of_a_closed_robot_raises_closed_error():
     env = env_of_rc7()
     robot = env.create_robot("base_link", "link7")
     env.close()
@@ -67,7 +67,7 @@ def test_every_member_of_a_closed_robot_that_fails_says_so():
     assert not [name for name, text in texts.items() if not text.startswith("robot is closed: ")]
 
 
-def test_a_closed_env_says_that_env_is_closed():
+def test_a_closed_env_raises_closed_error():
     env = env_of_rc7()
     env.close()
     env.close()
@@ -83,7 +83,7 @@ def test_a_closed_env_says_that_env_is_closed():
     assert (env.name, env.closed) == ("cell", True)
 
 
-def test_a_closed_recorder_says_that_recorder_is_closed(tmp_path):
+def test_a_closed_recorder_raises_closed_error(tmp_path):
     rc.diagnose.describe_gl()
     recorder = mjk.VideoRecorder.open(env_of_rc7(), tmp_path / "a.mp4", 64, 48, 30)
     recorder.record_frame()

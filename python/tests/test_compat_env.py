@@ -93,7 +93,7 @@ def test_the_number_of_a_keyframe_is_the_models(folder: Path, arm: str):
     assert options.keyframe == model.nkey - 1, "options stay as they are"
 
 
-def test_keyframes_of_several_models_are_counted_on(folder: Path):
+def test_keyframes_of_several_models_are_numbered_consecutively(folder: Path):
     env = env_of(folder, "one", "two", lid=True)
     reached = []
     for number in range(7):
@@ -112,7 +112,7 @@ def test_keyframes_of_several_models_are_counted_on(folder: Path):
     ]
 
 
-def test_a_number_that_no_model_has_is_told_with_all(folder: Path):
+def test_an_unknown_keyframe_number_error_lists_all_keyframes(folder: Path):
     env = env_of(folder, "one")
     for number in (3, -1):
         with pytest.raises(rc.NotFoundError) as error:
@@ -124,7 +124,7 @@ def test_a_number_that_no_model_has_is_told_with_all(folder: Path):
         env.reset(keyframe=True)
 
 
-def test_names_and_other_options_are_robocells(folder: Path):
+def test_names_and_other_options_match_robocell(folder: Path):
     env = env_of(folder, "one")
     assert env.reset(keyframe="reach").keyframe == env.keyframes().index("reach")
     assert env.reset().keyframe == 0
@@ -139,7 +139,7 @@ def test_a_model_without_keyframes_has_the_scenes_home(folder: Path):
     assert env_of(folder, "plain").reset(keyframe=0).keyframe == 0
 
 
-def test_a_hook_may_be_set_again_after_all_were_cleared(folder: Path):
+def test_a_hook_can_be_set_again_after_clearing(folder: Path):
     env = env_of(folder, "one")
     first, second = [], []
     for clear in (env.clear_reset_hooks, env.scene.clear_reset_hooks):

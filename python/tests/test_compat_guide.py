@@ -151,7 +151,7 @@ def test_frames_of_robots_are_those_of_kdl(scene: mjk.Scene, robot: mjk.Robot):
     assert not PyKDL.Equal(robot.fk_frame(q), robot.fk_frame(), 1e-3)
 
 
-def test_misspelt_names_and_wrong_values_are_refused(scene: mjk.Scene, robot: mjk.Robot):
+def test_rejects_misspelt_names_and_wrong_values(scene: mjk.Scene, robot: mjk.Robot):
     env = mjk.Env(scene)
     with pytest.raises(
         AttributeError, match=r"an Env has no 'on_rest'\. Did you mean 'on_reset'\?"
@@ -174,7 +174,7 @@ def test_misspelt_names_and_wrong_values_are_refused(scene: mjk.Scene, robot: mj
         mjk.scene_object_site_name("table", "table_top")
 
 
-def test_what_is_of_another_kind_is_told_by_its_name(scene: mjk.Scene, robot: mjk.Robot):
+def test_errors_name_the_argument_of_a_wrong_type(scene: mjk.Scene, robot: mjk.Robot):
     with pytest.raises(TypeError, match=r"model_path: expected a robot's name, .*; got 3"):
         mjk.menagerie.model_path(3)
     with pytest.raises(TypeError, match=r"VideoRecorder\.open\(\): width: expected .*, got 'a'"):
@@ -200,7 +200,7 @@ def test_an_env_is_closed_at_the_end_of_its_block():
         env.step()
 
 
-def test_misspelt_arguments_are_told_with_what_was_meant(scene: mjk.Scene):
+def test_misspelt_argument_errors_suggest_the_nearest_name(scene: mjk.Scene):
     for call, message in (
         (
             lambda: mjk.Robot.from_scene(scene, "base_link", "bracelet_link", prefx="r2_"),
@@ -554,7 +554,7 @@ def test_the_cameras_of_a_recorder():
     assert recording.probe(Path("cameras.mp4"))["nb_read_frames"] == "5"
 
 
-def test_a_recorder_takes_an_env_and_even_sizes_below_odd_ones(scene: mjk.Scene):
+def test_a_recorder_accepts_an_env_and_rounds_odd_sizes_down(scene: mjk.Scene):
     recorder = mjk.VideoRecorder.open(mjk.Env(scene), "odd.mp4", 65, 49, 30)
     recorder.record_frame()
     recorder.close()

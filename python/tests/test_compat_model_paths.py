@@ -25,7 +25,7 @@ def in_a_fetched_folder(tmp_path_factory: pytest.TempPathFactory):
 
 
 class TestModelPaths:
-    def test_files_of_ones_own_come_first(self, tmp_path, monkeypatch):
+    def test_user_files_take_precedence(self, tmp_path, monkeypatch):
         mine = tmp_path / "mine.xml"
         mine.write_text("<mujoco/>")
         for variable, path in (
@@ -39,11 +39,11 @@ class TestModelPaths:
             monkeypatch.setenv(variable, str(mine))
             assert path() == str(mine)
             monkeypatch.setenv(variable, "/nonexistent")
-            with pytest.raises(RuntimeError, match=f"^{variable} is '/nonexistent', which is no"):
+            with pytest.raises(RuntimeError, match=f"^{variable} is '/nonexistent', which is not"):
                 path()
             monkeypatch.delenv(variable)
 
-    def test_a_variable_of_ones_own_comes_before_all(self, tmp_path, monkeypatch):
+    def test_a_custom_variable_takes_precedence(self, tmp_path, monkeypatch):
         mine = tmp_path / "mine.xml"
         mine.write_text("<mujoco/>")
         paths = (
@@ -57,10 +57,10 @@ class TestModelPaths:
         assert [path() for path in paths] == [str(mine)] * 3
         monkeypatch.setenv("MY_ARM", "/nonexistent")
         for path in paths:
-            with pytest.raises(RuntimeError, match=r"^MY_ARM is '/nonexistent', which is no file"):
+            with pytest.raises(RuntimeError, match=r"^MY_ARM is '/nonexistent', which is not a f"):
                 path()
 
-    def test_a_root_of_ones_own_comes_next(self, in_a_fetched_folder, monkeypatch):
+    def test_a_user_root_comes_after_user_files(self, in_a_fetched_folder, monkeypatch):
         root = in_a_fetched_folder / "menagerie"
         monkeypatch.setenv("MJ_KDL_MENAGERIE", str(root))
         assert mjk.menagerie.model_path("kinova_gen3") == str(root / "kinova_gen3" / "gen3.xml")
@@ -69,7 +69,7 @@ class TestModelPaths:
             mjk.menagerie.model_path("kinova_gen3")
 
     @pytest.mark.parametrize("variable", ["MJ_KDL_MENAGERIE", "XDG_CACHE_HOME"])
-    def test_robots_of_ones_own_lie_in_a_root_or_the_cache(self, tmp_path, monkeypatch, variable):
+    def test_custom_robots_are_found_in_a_root_or_the_cache(self, tmp_path, monkeypatch, variable):
         monkeypatch.setenv(variable, str(tmp_path))
         cache = mjk.menagerie.cache_dir() / "menagerie"
         folder = (tmp_path if variable == "MJ_KDL_MENAGERIE" else cache) / "my_arm"
@@ -86,9 +86,7 @@ class TestModelPaths:
                 mjk.menagerie.model_path(name)
             assert "model_path('my_arm/left.xml')" in str(e.value)
 
-    def test_of_several_variables_the_nearest_to_the_file_counts(
-        self, in_a_fetched_folder, tmp_path, monkeypatch
-    ):
+    def test_the_most_specific_variable_wins(self, in_a_fetched_folder, tmp_path, monkeypatch):
         arm, gripper, mine = (tmp_path / f"{name}.xml" for name in ("arm", "gripper", "mine"))
         for file in (arm, gripper, mine):
             file.write_text("<mujoco/>")
@@ -111,14 +109,14 @@ class TestModelPaths:
             if expected:
                 assert models() == expected, variable
 
-    def test_unknown_robots_are_told_whatever_the_variables_say(self, tmp_path, monkeypatch):
+    def test_rejects_unknown_robots_with_any_variables(self, tmp_path, monkeypatch):
         for _ in range(2):
             with pytest.raises(RuntimeError, match=r"no robot 'kinova_gen4'.*mean 'kinova_gen3'\?"):
                 mjk.menagerie.model_path("kinova_gen4")
             (tmp_path / "mine.xml").write_text("<mujoco/>")
             monkeypatch.setenv("MJ_KDL_MODEL", str(tmp_path / "mine.xml"))
 
-    def test_unknown_assets_are_told_with_those_there_are(self):
+    def test_an_unknown_asset_error_lists_the_assets(self):
         with pytest.raises(RuntimeError, match=r"no asset 'tabel\.xml'\. The assets: table\.xml, "):
             mjk.menagerie.asset_path("tabel.xml")
 

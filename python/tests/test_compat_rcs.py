@@ -371,7 +371,7 @@ class BesideALamp(BaseTaskConfig):
         config.world_frame_objects["lamp"] = (OBJECT_PATHS["green_cube"], rc.Pose())
 
 
-def test_tasks_of_ones_own(fr3):
+def test_custom_tasks_run_in_an_environment(fr3):
     rc.register_task("wait")(Wait)
     env = SimEnvCreator()(minimal(fr3, task_cfg=BaseTaskConfig(task_id="wait"), headless=True))
     assert env.reset(seed=0)[1]["instruction"] == "wait beside the "
@@ -389,7 +389,7 @@ def test_tasks_of_ones_own(fr3):
     with pytest.raises(
         rc.NotFoundError,
         match=r"no task 'pour'. Known tasks: .*pick, pick_and_place, .*wait.*; "
-        r"those of one's own are add",
+        r"your own are add",
     ):
         minimal(fr3, task_cfg=BaseTaskConfig(task_id="pour")).to_env_config()
 
@@ -402,7 +402,7 @@ def told_by(make) -> list[str]:
     return [str(each.message) for each in caught]
 
 
-def test_fields_that_do_nothing_say_so_once_when_they_are_set():
+def test_ineffective_fields_warn_once_when_set():
     assert told_by(lambda: SimRobotConfig(seconds_between_callbacks=0.2).to_robot()) == [
         "SimRobotConfig.seconds_between_callbacks does nothing: whether the arm has arrived is "
         "looked at with every step of the engine; joint_rotational_tolerance says how near that is"
@@ -432,7 +432,7 @@ class Stacking(BaseTaskConfig):
     height: float = 0.1
 
 
-def test_fields_that_are_not_there(fr3):
+def test_unknown_fields_suggest_the_nearest(fr3):
     for config, name, meant in [
         (SimConfig(), "frequncy", "frequency"),
         (SimRobotConfig(), "atachment_site", "attachment_site"),
@@ -455,13 +455,13 @@ def test_fields_that_are_not_there(fr3):
         SimCameraConfig()
 
 
-def test_the_original_configuration_is_none(fr3):
+def test_rejects_an_original_configuration(fr3):
     assert minimal(fr3, _original_cfg=None).to_env_config() == minimal(fr3).to_env_config()
     with pytest.raises(rc.ArgumentError, match="_original_cfg: robocell prefixes nothing in place"):
         minimal(fr3, _original_cfg=minimal(fr3)).to_env_config()
 
 
-def test_every_field_becomes_one_of_robocells():
+def test_every_field_maps_to_a_robocell_field():
     own = rc.models.robot_file("rc7")
     limits = [[-1] * 2, [1] * 2]
     robot = SimRobotConfig(
@@ -531,7 +531,7 @@ def test_every_field_becomes_one_of_robocells():
     assert BaseCameraSet.DEPTH_SCALE == 1000
 
 
-def test_defaults_are_the_pages():
+def test_defaults_match_the_page():
     cfg = SimEnvCreatorConfig(robot_cfgs={}, sim_cfg=SimConfig(), control_mode=ControlMode.JOINTS)
     assert cfg.relative_to == RelativeTo.LAST_STEP
     assert (cfg.scene, cfg.add_gravcomp, cfg.headless) == ("empty_world", False, False)

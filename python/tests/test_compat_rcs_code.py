@@ -66,7 +66,7 @@ def test_the_minimal_scene_runs_as_printed(names: dict[str, Any]):
 
 
 @pytest.mark.parametrize("camera", ["fixed camera", "wrist camera"])
-def test_its_cameras_run_as_printed(names: dict[str, Any], camera: str):
+def test_the_cameras_of_the_minimal_scene_run_as_printed(names: dict[str, Any], camera: str):
     run(names, "minimal", camera)
     names["cfg"].camera_adds = names["camera_adds"]
     with warnings.catch_warnings():
@@ -92,7 +92,7 @@ def test_the_scene_of_two_arms_runs_as_printed(names: dict[str, Any]):
     assert "left_d405_mount_robotiq_d405_mount" in scene.body_names()
 
 
-def test_the_blocks_are_the_pages():
+def test_code_blocks_match_the_page():
     if not PAGE.is_file():
         pytest.skip(f"{PAGE} is not here")
     # The stored page has lost its line breaks.

@@ -24,7 +24,7 @@ from robocell.compat.rcs.sim import (
 __all__ = ["fr3"]  # a fixture
 
 
-def test_ready_made_configurations_are_the_pages():
+def test_ready_made_configurations_match_the_page():
     for creator in (EmptyWorldFR3(), EmptyWorldFR3Duo()):
         cfg = creator.config()
         assert cfg.sim_cfg == SimConfig(async_control=False, realtime=True, frequency=1)
@@ -40,7 +40,7 @@ def test_one_number_limits_cartesian_steps_in_metres_and_to_a_quarter_turn(fr3):
     assert joints.to_env_config().max_relative_movement == pytest.approx((0.05,))
 
 
-def test_a_free_camera_is_mujocos(fr3):
+def test_a_free_camera_matches_mujoco(fr3):
     root = rcs.common.Pose(translation=[1, 2, 3], rpy=[0, 0, 0.7])
     eye = SimCameraConfig(identifier="", type=CameraType.free, **SMALL)
     cfg = minimal(fr3, camera_cfgs={"eye": eye}, root_frame_to_world=root)
@@ -70,7 +70,7 @@ def test_cameras_of_every_type_take_images(fr3, kind: str):
     env.close()
 
 
-def test_widths_that_the_gripper_does_not_have_are_refused(fr3):
+def test_rejects_widths_out_of_the_grippers_range(fr3):
     for closed, opened, told in ((0.04, 0, "open and closed are swapped"), (5, 6, "correct it")):
         gripper = SimGripperConfig(min_joint_width=closed, max_joint_width=opened)
         with pytest.raises(rc.SpecError, match=f"min_joint_width, max_joint_width: .*{told}"):
@@ -90,7 +90,7 @@ def test_widths_and_collision_geoms_of_grippers_become_robocells():
 
 
 @pytest.mark.parametrize("root", ["menagerie:robotiq_2f85", "path"])
-def test_a_gripper_may_be_a_models_path(fr3, root: str):
+def test_a_gripper_can_be_given_by_model_path(fr3, root: str):
     folder = rc.menagerie.folder("robotiq_2f85") if root == "path" else root
     gripper = SimGripperConfig(
         gripper_type=f"{folder}/2f85.xml",

@@ -81,7 +81,7 @@ class TestMistakes:
         ]  # fmt: skip
         duo(fr3, **added, camera_cfgs={"above": camera("bird_eye")} | wrist).to_env_config()
 
-    def test_4_what_follows_a_wrist_in_world_objects(self, fr3):
+    def test_4_wrist_objects_among_world_objects(self, fr3):
         assert self.message(fr3, world_frame_objects={"left": {"mount": self.CUBE}}) == (
             "world_frame_objects.left is wrong: objects by name stand where one object is "
             "expected; those that follow a robot's wrist go into robot_frame_objects: "
@@ -117,13 +117,13 @@ class TestMistakes:
         assert "the names of robot 'left' must begin with 'robotleft_'; its bodies are " in text
         assert "arm_left_base_link" in text
 
-    def test_a_gripper_of_no_robot(self, fr3):
+    def test_a_gripper_without_a_robot(self, fr3):
         assert self.message(fr3, gripper_cfgs={"lfet": SimGripperConfig()}) == (
             "gripper_cfgs.lfet: no robot 'lfet'. Known robots: left, right"
         )
 
 
-def test_names_that_a_registry_does_not_have_are_told_with_the_nearest():
+def test_unknown_registry_names_suggest_the_nearest():
     for name in ("SCENE_PATHS", "OBJECT_PATHS", "GRIPPER_PATHS", "CAMERA_PATHS"):
         registry = getattr(rcs, name)
         known = next(iter(registry))

@@ -180,13 +180,13 @@ def message(cfg: SimEnvCreatorConfig, kind: type[Exception]) -> str:
     return str(error.value)
 
 
-def test_a_wrong_type_is_here_for_every_field():
+def test_every_field_has_a_wrong_type_case():
     for kind, wrong in WRONG.items():
         assert list(wrong) == [each.name for each in fields(kind) if each.name != "_original_cfg"]
 
 
 @pytest.mark.parametrize(("kind", "name"), [(kind, name) for kind in WRONG for name in WRONG[kind]])
-def test_a_wrong_type_is_told_with_the_pages_name(kind: type, name: str):
+def test_wrong_type_errors_use_the_documented_field_name(kind: type, name: str):
     value, told = WRONG[kind][name]
     place = f"{PLACES[kind]}{name}"
     assert message(with_field(kind, name, value), TypeError).startswith(f"{place}: {told}")
@@ -201,7 +201,7 @@ def test_a_wrong_type_is_told_with_the_pages_name(kind: type, name: str):
         (BaseTaskConfig(task_id=None), "as_read", "BaseTaskConfig.task_id: expected a text"),
     ],
 )
-def test_one_configuration_alone_is_called_by_its_class(config, call: str, told: str):
+def test_errors_of_a_single_configuration_name_its_class(config, call: str, told: str):
     with pytest.raises(TypeError, match=re.escape(told)):
         getattr(config, call)()
 
@@ -256,9 +256,17 @@ def test_one_configuration_alone_is_called_by_its_class(config, call: str, told:
             {"max_relative_movement": [0.1, "wide"]},
             "max_relative_movement[1]: expected a number, found 'wide'",
         ),
+        (
+            {"max_relative_movement": "0.05"},
+            "max_relative_movement: expected a number or two numbers, found '0.05'",
+        ),
+        (
+            {"max_relative_movement": b"0.05"},
+            "max_relative_movement: expected a number or two numbers, found b'0.05' (bytes)",
+        ),
     ],
 )
-def test_a_wrong_type_within_a_field_is_told_with_its_place(more: dict, told: str):
+def test_a_wrong_type_error_names_the_place_within_the_field(more: dict, told: str):
     if "set" in told:
         told = told.partition("{")[0]  # in any order
     assert message(cell(**more), TypeError).startswith(told)
@@ -284,7 +292,7 @@ def test_a_wrong_type_within_a_field_is_told_with_its_place(more: dict, told: st
         (SimEnvCreatorConfig, "control_mode", "jonts", "expected a ControlMode (JOINTS, CARTESIA"),
     ],
 )
-def test_a_value_that_is_not_possible_is_told_with_the_pages_name(
+def test_invalid_value_errors_use_the_documented_field_name(
     kind: type, name: str, value: object, told: str
 ):
     text = message(with_field(kind, name, value), rc.ArgumentError)
@@ -303,7 +311,7 @@ class TestJointLimits:
         robot.q_home = None
         return message(cell(robot_cfgs={"left": robot}), rc.ArgumentError)
 
-    def test_the_transpose_is_told(self):
+    def test_suggests_the_transpose_of_joint_limits(self):
         assert self.message(np.zeros((7, 2))) == (
             f"{self.PLACE}: {self.WORDS}, found numbers of shape (7, 2); its transpose has that"
         )
@@ -312,7 +320,7 @@ class TestJointLimits:
             "'fr3_joint2', found 2 and 1; the transpose of joint_limits has that"
         )
 
-    def test_another_number_of_joints_is_told(self):
+    def test_rejects_limits_for_another_number_of_joints(self):
         assert self.message(np.zeros((2, 4))) == (
             f"{self.PLACE}: expected (lower, upper) for each of its 7 joints (fr3_joint1, "
             "fr3_joint2, fr3_joint3, fr3_joint4, fr3_joint5, fr3_joint6, fr3_joint7), found "
@@ -320,16 +328,16 @@ class TestJointLimits:
         )
         assert self.message([1, 2]) == f"{self.PLACE}: {self.WORDS}, found numbers of shape (2,)"
 
-    def test_numbers_that_are_not_finite_are_told(self):
+    def test_rejects_limits_that_are_not_finite(self):
         assert self.message([[0] * 7, [1] * 6 + [np.inf]]) == (
             f"{self.PLACE}[1][6]: expected a finite number, found inf"
         )
 
-    def test_a_lower_limit_above_the_upper_one_is_told(self):
+    def test_rejects_a_lower_limit_above_the_upper_one(self):
         assert self.message([[1] * 7, [0] * 7]).endswith("of joint 'fr3_joint1', found 1 and 0")
 
 
-def test_what_means_the_same_is_read_as_it():
+def test_equivalent_values_are_read_alike():
     robot = SimRobotConfig(
         joints=tuple(f"fr3_joint{i}" for i in range(1, 8)),
         q_home=np.zeros(7, np.float32),
@@ -370,7 +378,7 @@ def test_reading_changes_nothing():
     assert cfg.gripper_cfgs["left"].joints == SimGripperConfig().joints
 
 
-def test_a_camera_of_the_name_that_a_free_one_gets_is_told():
+def test_rejects_an_added_camera_named_like_a_free_camera():
     streams = {"b": SimCameraConfig("b", type=CameraType.free), "own": SimCameraConfig("b_free")}
     cfg = cell(camera_cfgs=streams, camera_adds={"b_free": CameraAdderConfig(fovy=60.0)})
     assert message(cfg, rc.ArgumentError) == (
@@ -381,7 +389,7 @@ def test_a_camera_of_the_name_that_a_free_one_gets_is_told():
 
 
 @pytest.mark.parametrize("kind", ["tracking", "free", "default_free"])
-def test_a_camera_that_only_a_stream_of_another_type_names_is_told(kind: str):
+def test_rejects_an_added_camera_that_its_stream_cannot_show(kind: str):
     streams = {"eye": SimCameraConfig("eye", type=kind)}
     cfg = cell(camera_cfgs=streams, camera_adds={"eye": CameraAdderConfig(fovy=60.0)})
     assert message(cfg, rc.ArgumentError) == (
@@ -390,12 +398,12 @@ def test_a_camera_that_only_a_stream_of_another_type_names_is_told(kind: str):
     )
 
 
-def test_a_creator_takes_a_configuration():
+def test_a_creator_accepts_a_configuration():
     with pytest.raises(TypeError, match="cfg: expected a SimEnvCreatorConfig, found 'fr3'"):
         SimEnvCreator()("fr3")
 
 
-def test_fields_of_a_class_that_only_a_function_knows_are_its_own():
+def test_fields_of_a_locally_defined_class_are_accepted():
     class Local:
         pass
 

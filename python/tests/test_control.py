@@ -108,7 +108,7 @@ class TestModes:
         robots[1].ctrl_mode = "torque"
         assert drift(500, *robots, command=command_gravity_torques) < 1e-3
 
-    def test_nothing_of_the_servos_is_left_in_torque_mode(self):
+    def test_torque_mode_disables_the_servos(self):
         robot = rc7()
         bare = rc.RobotConfig.load(rc.models.robot_file("rc7"))
         for i in range(1, 8):
@@ -133,7 +133,7 @@ class TestModes:
         assert robot.ctrl_mode == rc.control.CtrlMode.TORQUE
         assert drift(100, robot) < 1e-3
 
-    def test_velocity_mode_moves_as_it_is_told(self):
+    def test_velocity_mode_tracks_the_commanded_velocity(self):
         robot = rc7(gravcomp=False, control_modes=MODES)
         robot.ctrl_mode = rc.control.CtrlMode.VELOCITY
         before = robot.arm.joint_pos
@@ -150,7 +150,7 @@ class TestModes:
             ('stiffness="20" springref="0.4"', 'motor gear="-30" ctrlrange="-3 3"'),
         ],
     )
-    def test_velocity_is_reached_against_what_resists(self, tmp_path, joint, actuator):
+    def test_velocity_is_reached_against_resistance(self, tmp_path, joint, actuator):
         robot = two_joints(tmp_path, joint, actuator)
         for velocity in ([0.1, 0.1], [-0.1, 0.0], [0.0, 0.2]):
             robot.jnt_vel_cmd = velocity
@@ -177,7 +177,7 @@ class TestModes:
         with pytest.raises(rc.ArgumentError, match=r"ctrl_mode must be one of position, velocity"):
             robot.ctrl_mode = "torq"
 
-    def test_ports_are_there_for_each_mode_of_the_arm(self):
+    def test_each_control_mode_of_the_arm_has_a_port(self):
         robot = rc7()
         with pytest.raises(rc.ArgumentError, match=r"no jnt_vel_cmd: .* add velocity to the contr"):
             robot.jnt_vel_cmd = np.zeros(7)
@@ -193,7 +193,7 @@ class TestModes:
         run(robot, 500)
         assert robot.arm.joint_pos[0] == pytest.approx(target, abs=0.02)
 
-    def test_ports_refuse_what_is_no_command(self):
+    def test_ports_reject_invalid_commands(self):
         robot = rc7()
         robot.set_controller("arm", "cartesian_pose")
         with pytest.raises(RuntimeError, match=r"no jnt_pos_cmd while .*set ctrl_mode to position"):
@@ -216,13 +216,13 @@ class TestModes:
         robot.apply({"arm": rc.control.GroupCommand.velocities([0.1] * 7)})
         assert robot.jnt_vel_cmd.tolist() == [0.1] * 7
 
-    def test_teleports_update_frames_at_once_or_when_asked(self):
+    def test_teleports_update_frames_at_once_or_on_demand(self):
         robot = rc7()
         for q, forward in ((np.linspace(0, 0.6, 7), True), (np.linspace(0.6, 0, 7), False)):
             robot.set_joint_pos(q, call_forward=forward)
             assert robot.tcp_in_world.is_close(robot.base_in_world * robot.fk_frame(q), 1e-7, 1e-9)
 
-    def test_stepping_by_the_robot_is_the_scenes(self):
+    def test_stepping_a_robot_steps_its_scene(self):
         robot = rc7()
         assert robot.step_n(10)
         assert robot.scene.time() == pytest.approx(0.02)
@@ -232,7 +232,7 @@ class TestSharedArms:
     """Several robots made of one arm."""
 
     @pytest.mark.parametrize("configured", [True, False])
-    def test_another_robot_of_an_arm_changes_nothing(self, configured):
+    def test_another_robot_handle_of_an_arm_changes_nothing(self, configured):
         scene = rc7().scene
         first = rc.Robot.from_scene(scene, "base_link", "link7")
         first.ctrl_mode = "torque"
@@ -272,7 +272,7 @@ class TestSharedArms:
         assert robot.ctrl_mode == rc.control.CtrlMode.TORQUE
         assert robot.jnt_trq_cmd.tolist() == robot.gravity_torques().tolist()
 
-    def test_a_part_of_an_arm_is_measured_beside_it_and_not_driven(self):
+    def test_a_part_of_an_arm_is_measured_but_not_driven(self):
         arm = rc7()
         part = rc.Robot.from_scene(arm.scene, "base_link", "link4")
         why = r"servo1 \.\.\. servo4 are driven by robot 'a' / group 'arm' already, an arm of other"
@@ -313,7 +313,7 @@ def push(robot: rc.Robot, joint: int, torque: float) -> None:
 
 
 class TestImpedance:
-    def test_a_joint_gives_way_as_a_spring(self):
+    def test_a_joint_yields_like_a_spring(self):
         robot = rc7(gravcomp=False)
         impedance = robot.set_controller("arm", "joint_impedance")
         assert isinstance(impedance, rc.control.JointImpedanceController)
@@ -328,7 +328,7 @@ class TestImpedance:
         with pytest.raises(rc.ArgumentError, match="stiffness has 2 values; give 1 or 7"):
             impedance.stiffness = [1, 2]
 
-    def test_the_leaf_gives_way_along_the_axes_of_the_base(self):
+    def test_the_tcp_yields_along_the_axes_of_the_base(self):
         robot = rc7(gravcomp=False, euler=[0, 40, 0])
         soft = robot.set_controller("arm", "cartesian_impedance")
         soft.stiffness = [500, 700, 900, 60, 60, 60]
@@ -339,7 +339,7 @@ class TestImpedance:
         moved = robot.fk_frame().translation - start.translation
         np.testing.assert_allclose(moved, [0.01, -0.01, 0.01], atol=1e-3)
 
-    def test_the_leaf_does_not_feel_the_posture(self):
+    def test_the_posture_does_not_move_the_tcp(self):
         robot = rc7(gravcomp=False)
         soft = robot.set_controller("arm", "cartesian_impedance")
         start, before = robot.fk_frame(), robot.arm.joint_pos
@@ -349,7 +349,7 @@ class TestImpedance:
         assert abs(robot.arm.joint_pos[0] - before[0]) > 0.02
 
     @needs_pykdl
-    def test_frames_and_wrenches_of_kdl_are_taken(self):
+    def test_accepts_frames_and_wrenches_of_kdl(self):
         soft = rc7().set_controller("arm", "cartesian_impedance")
         goal = rc.Pose(translation=[0.4, 0.1, 0.3])
         soft.pose = goal.to_kdl()
@@ -359,7 +359,7 @@ class TestImpedance:
 
 
 class TestCartesianPose:
-    def test_goes_straight_and_not_too_fast(self):
+    def test_moves_on_a_straight_line_within_its_speed_limit(self):
         robot = rc7()
         cartesian = robot.set_controller("arm", "cartesian_pose")
         cartesian.max_linear_speed = 0.1
@@ -379,17 +379,17 @@ class TestCartesianPose:
         assert np.linalg.norm(np.diff(path, axis=0), axis=1).max() / 0.002 < 0.13
         assert robot.fk_frame().is_close(goal, 5e-3, 1e-3)
 
-    def test_a_controller_may_outlive_its_robot(self):
+    def test_a_controller_can_outlive_its_robot(self):
         cartesian = rc7().set_controller("arm", "cartesian_pose")
         assert cartesian.kind == "cartesian_pose"
         assert cartesian.target.shape == (7,)
         cartesian.reset()
 
-    def test_unknown_controllers_list_those_that_are(self):
+    def test_an_unknown_controller_error_lists_the_controllers(self):
         with pytest.raises(rc.NotFoundError, match=r"no controller 'cartesian_impedence'.*mean"):
             rc7().set_controller("arm", "cartesian_impedence")
 
-    def test_the_configuration_chooses(self):
+    def test_the_configuration_selects_the_controller(self):
         config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
         config.control["arm"] = "joint_impedance"
         robot = build(rc.RobotSpec(name="a", config=config)).robot("a")

@@ -14,7 +14,12 @@ from robocell._extras import EXTRAS, install_command, needed_by
 
 SOURCES = only_core.ROOT / "python" / "robocell"
 # Packages that go by another name than their module.
-MODULES = {"mujoco-menagerie": "mujoco_menagerie", "stable-baselines3": "stable_baselines3"}
+MODULES = {
+    "mujoco-menagerie": "mujoco_menagerie",
+    "pillow": "PIL",
+    "pyyaml": "yaml",
+    "stable-baselines3": "stable_baselines3",
+}
 # Debian's, for which PyPI has no wheel: _pykdl.py has the command.
 SYSTEM = {"PyKDL"}
 BROUGHT_BY_MUJOCO = {"glfw"}
@@ -38,7 +43,7 @@ def imported() -> set[str]:
     return tops - set(sys.stdlib_module_names) - {"robocell"} - SYSTEM - BROUGHT_BY_MUJOCO
 
 
-def test_dependencies_are_what_the_package_imports():
+def test_dependencies_match_the_imports():
     project = only_core.project()
     core = modules_of(project["dependencies"])
     extras = {name: modules_of(list(EXTRAS[name].values())) for name in EXTRAS}

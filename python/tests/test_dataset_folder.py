@@ -68,7 +68,7 @@ class Told(Observer):
         self.warnings.append(text)
 
 
-def test_what_a_dead_worker_left_and_cannot_be_removed_is_told(
+def test_warns_about_leftovers_that_cannot_be_removed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     def fail(*_: object) -> None:
@@ -82,7 +82,7 @@ def test_what_a_dead_worker_left_and_cannot_be_removed_is_told(
     ]
 
 
-def test_what_comes_in_the_way_while_a_run_goes_on_does_not_take_its_report(
+def test_a_run_writes_its_report_despite_damage_found_meanwhile(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     job = Job(write_run(tmp_path), [])
@@ -119,7 +119,7 @@ def test_leftovers_of_the_dead_are_removed_and_never_those_of_the_living(tmp_pat
     assert [path.name for path in tmp_path.iterdir()] == ["e1"]
 
 
-def test_shards_of_different_counts_are_refused_together(tmp_path: Path):
+def test_rejects_shards_of_different_counts_together(tmp_path: Path):
     with DatasetLock(tmp_path, 0, 2):
         with pytest.raises(IoError, match="as a shard of 2"), DatasetLock(tmp_path, 0, 3):
             pass

@@ -56,7 +56,7 @@ def test_depth_is_the_renderers_in_every_row(dataset: Path):
     assert (depth[0] != depth[-1]).any()
 
 
-def test_any_decoder_reads_the_same_and_the_file_says_what_it_is(dataset: Path):
+def test_any_decoder_reads_the_same_depth_and_the_file_describes_it(dataset: Path):
     episode = robocell.Dataset(dataset)[0]
     with h5py.File(episode.folder / "steps.h5") as steps:
         attributes = steps["cameras/wrist"].attrs
@@ -70,7 +70,7 @@ def test_any_decoder_reads_the_same_and_the_file_says_what_it_is(dataset: Path):
     np.testing.assert_array_equal(pixels, episode.frames("wrist", kind="depth"))
 
 
-def test_depth_is_counted_verified_and_missed_by_name(dataset: Path):
+def test_depth_is_counted_and_verified_and_missing_depth_is_named(dataset: Path):
     assert robocell.data.verify(dataset, decode_videos=True).ok
     episode = robocell.Dataset(dataset)[0]
     assert (episode.cameras, episode.depth_cameras) == (["wrist", "exo"], ["wrist"])

@@ -14,7 +14,7 @@ from robocell.data import remove_leftovers
 from robocell.generate.disk import disk_trouble, flush, require_writable
 
 
-def test_a_folder_that_cannot_be_written_is_trouble_with_a_reason(tmp_path: Path):
+def test_reports_why_a_folder_cannot_be_written(tmp_path: Path):
     assert disk_trouble(tmp_path) is None
     assert list(tmp_path.iterdir()) == []
     assert disk_trouble(tmp_path / "none") == (
@@ -22,9 +22,7 @@ def test_a_folder_that_cannot_be_written_is_trouble_with_a_reason(tmp_path: Path
     )
 
 
-def test_what_is_written_to_try_the_disk_is_known_as_unfinished(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_disk_probe_files_count_as_leftovers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Whoever is killed there leaves what the next command removes."""
     removed: list[str] = []
     monkeypatch.setattr(os, "fsync", lambda file: removed.extend(remove_leftovers(tmp_path)))
@@ -33,7 +31,7 @@ def test_what_is_written_to_try_the_disk_is_known_as_unfinished(
     assert re.fullmatch(rf"\.probe\.{os.getpid()}\.\d+\.partial", name)
 
 
-def test_what_a_process_of_the_same_number_tries_is_in_nobodys_way(tmp_path: Path):
+def test_probe_files_of_a_process_with_the_same_id_do_not_collide(tmp_path: Path):
     """Containers that share a disk begin to count alike; one of them may have been killed."""
     number = int(_core.temporary_path(tmp_path, "probe").name.split(".")[3])
     taken = {f".probe.{os.getpid()}.{number + n}.partial" for n in range(1, 20)}
@@ -47,7 +45,7 @@ def test_what_a_process_of_the_same_number_tries_is_in_nobodys_way(tmp_path: Pat
 
 
 @pytest.mark.parametrize("number", [errno.EINVAL, errno.ENOTSUP, errno.EIO])
-def test_a_file_system_that_does_not_flush_folders_is_no_trouble(
+def test_accepts_a_file_system_that_cannot_flush_folders(
     number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     def refuse(descriptor: int) -> None:

@@ -67,7 +67,7 @@ def run(robot: rc.Robot, seconds: float) -> None:
         robot.step()
 
 
-def test_it_carries_what_its_gripper_holds(hand: rc.Robot):
+def test_a_driven_base_carries_the_grasped_object(hand: rc.Robot):
     base = hand.base
     assert base.is_driven
     assert (base.max_linear_speed, base.max_angular_speed) == (0.4, 2)
@@ -109,7 +109,7 @@ def test_speeds_belong_to_a_driven_base(robot_file: Path):
     assert "hand.yaml:3:" in str(caught.value)
 
 
-def test_a_gripper_takes_no_relative_steps(robot_file: Path, hand: rc.Robot):
+def test_a_gripper_rejects_relative_steps(robot_file: Path, hand: rc.Robot):
     message = (
         "a gripper cannot have the controller 'relative_joint_position'. It can have: "
         "joint_position, which takes its opening"
@@ -123,7 +123,7 @@ def test_a_gripper_takes_no_relative_steps(robot_file: Path, hand: rc.Robot):
     assert re.search(rf"hand\.yaml:7:\d+: control\.gripper: {message}", str(caught_in_file.value))
 
 
-def test_a_grippers_root_is_its_leaf(hand: rc.Robot):
+def test_the_root_frame_of_a_gripper_is_its_leaf_frame(hand: rc.Robot):
     gripper = hand.gripper
     assert gripper.root_frame_to_world == gripper.leaf_frame_to_world
     tcp = hand.scene.site_pose("tcp")

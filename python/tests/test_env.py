@@ -32,7 +32,7 @@ def env() -> rc.Env:
     return rc.Env(config())
 
 
-def test_a_step_moves_the_arm_that_is_told_to(env):
+def test_a_step_moves_only_the_commanded_arm(env):
     before, _ = env.reset(seed=1)
     after, reward, terminated, truncated, info = env.step(
         {"left": {"tquat": [0.01, 0, 0.02, 0, 0, 0, 1], "gripper": 0}, "right": STAY}
@@ -122,7 +122,7 @@ def test_observations_are_copies(env):
             assert not np.shares_memory(value, env.scene.data.qpos)
 
 
-def test_everything_lies_in_its_range(env):
+def test_observations_and_actions_stay_in_range(env):
     lower, upper = env.observation_range
     low, high = env.action_range
     rng = np.random.default_rng(0)
@@ -139,7 +139,7 @@ def test_everything_lies_in_its_range(env):
                 assert np.all(value <= upper[robot][key])
 
 
-def test_what_is_wrong_with_an_action_is_told(env):
+def test_errors_name_the_wrong_part_of_an_action(env):
     env.reset()
     time = env.scene.time()
 
@@ -182,7 +182,7 @@ def test_the_same_seed_is_the_same_episode():
     assert np.array_equal(*runs)
 
 
-def test_a_closed_environment_says_so():
+def test_a_closed_environment_raises_closed_error():
     env = rc.Env(config())
     env.close()
     with pytest.raises(rc.ClosedError, match="environment 'duo' is closed"):
@@ -190,7 +190,7 @@ def test_a_closed_environment_says_so():
     assert env.config.name == "duo"
 
 
-def test_quaternions_of_actions_may_be_as_long_as_numbers_go():
+def test_accepts_action_quaternions_of_any_finite_length():
     arms = rc.EnvConfig(
         robots={"arm": rc.models.robot_file("rc7")},
         control_mode=rc.ControlMode.CARTESIAN_TQUAT,
@@ -208,9 +208,11 @@ def test_quaternions_of_actions_may_be_as_long_as_numbers_go():
         np.testing.assert_allclose(joints, seen[0], atol=1e-9)
 
 
-def test_robots_have_names_and_built_in_ones_a_file(tmp_path, monkeypatch):
+def test_robots_need_names_and_built_in_ones_have_a_file(tmp_path, monkeypatch):
     with pytest.raises(rc.SpecError, match="robots: is required: a name for each robot, found ''"):
         rc.Env(rc.EnvConfig(robots={"": rc.models.robot_file("rc7")}))
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(rc.IoError, match=r"rc.models.robot_file\('rc7'\) .* is its file"):
+    with pytest.raises(
+        rc.IoError, match=r"built-in robot, give the path.*robocell.models.robot_file\('rc7'\)"
+    ):
         rc.EnvConfig(robots={"arm": "rc7"})

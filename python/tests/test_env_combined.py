@@ -60,7 +60,7 @@ def seen(env: rc.Env, steps: int) -> np.ndarray:
     return np.array([[*r[n]["tquat"], *r[n]["joints"], *r[n]["gripper"]] for r in rows for n in r])
 
 
-def test_they_are_the_same_robots(tmp_path):
+def test_a_combined_model_has_the_same_robots(tmp_path):
     apart = rc.Env(rc.EnvConfig(**fields(), robot_to_shared_base_frame=STANDS))
     together = rc.Env(
         rc.EnvConfig(**fields(), alternative_combined_robot_mjcf=str(model(tmp_path)))
@@ -74,7 +74,7 @@ def test_they_are_the_same_robots(tmp_path):
     assert np.all(lower < upper)
 
 
-def test_one_of_them_collides_and_not_the_other(tmp_path):
+def test_reports_the_collision_of_one_robot_only(tmp_path):
     config = rc.EnvConfig(**fields(), alternative_combined_robot_mjcf=str(model(tmp_path)))
     config.sim = {"async_control": True, "on_collision": "report"}
     config.world_frame_objects = {"wall": ("table", ROOT * rc.Pose(translation=[0.5, 0.6, 0.35]))}
@@ -89,7 +89,7 @@ def test_one_of_them_collides_and_not_the_other(tmp_path):
     assert hit == {"left"}
 
 
-def test_names_must_begin_with_those_of_the_robots(tmp_path):
+def test_element_names_must_start_with_robot_names(tmp_path):
     config = rc.EnvConfig(**fields(), alternative_combined_robot_mjcf=str(model(tmp_path, "arm_")))
     with pytest.raises(rc.SpecError) as error:
         rc.Scene.build(rc.envs.env_scene_spec(config))
@@ -99,7 +99,7 @@ def test_names_must_begin_with_those_of_the_robots(tmp_path):
     assert "arm_left_base_link" in str(error.value)
 
 
-def test_they_stand_where_the_model_has_them(tmp_path):
+def test_robots_keep_their_poses_in_the_combined_model(tmp_path):
     config = rc.EnvConfig(**fields(), robot_to_shared_base_frame=STANDS)
     config.alternative_combined_robot_mjcf = str(model(tmp_path))
     with pytest.raises(rc.SpecError, match="the robots stand where alternative_combined_robot_mj"):

@@ -83,20 +83,20 @@ def check_contract(env: GymEnv) -> None:
 
 @pytest.mark.parametrize("scene", SCENES)
 @pytest.mark.parametrize("mode", MODES)
-def test_every_cell_keeps_the_contract(cell: rc.EnvConfig, scene: str, mode: str):
+def test_every_cell_fulfils_the_contract(cell: rc.EnvConfig, scene: str, mode: str):
     env = made(cell, scene, mode)
     check_contract(env)
     env.close()
 
 
 @pytest.mark.parametrize("mode", MODES)
-def test_every_cell_keeps_it_about_a_configured_origin(cell: rc.EnvConfig, mode: str):
+def test_every_cell_fulfils_the_contract_with_a_configured_origin(cell: rc.EnvConfig, mode: str):
     env = made(cell, "empty_world", mode, "configured_origin")
     check_contract(env)
     env.close()
 
 
-def test_nothing_touches_anything_at_home(cell: rc.EnvConfig):
+def test_home_is_collision_free(cell: rc.EnvConfig):
     for scene in SCENES:
         env = made(cell, scene, "joints")
         env.reset(seed=3)
@@ -109,7 +109,7 @@ def test_nothing_touches_anything_at_home(cell: rc.EnvConfig):
         env.close()
 
 
-def test_the_cells_are_those_of_the_page():
+def test_the_cells_match_the_page():
     page = (Path(__file__).parents[2] / "docs" / "environments.md").read_text()
     assert rc.models.cells() == [file.stem for file in CELLS]
     assert len(CELLS) == 6

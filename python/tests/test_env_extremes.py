@@ -58,7 +58,7 @@ def test_absurd_numbers_are_clipped(mode: str, command: str, size: int, relative
                 assert (env.scene.data.ctrl[:7] <= limits[:, 1] + 1e-9).all()
 
 
-def test_of_batches_and_flat_vectors_too():
+def test_absurd_numbers_are_clipped_in_batches_and_flat_vectors():
     with closing(EnvBatch(config("cartesian_trpy", "last_step"), 2)) as batch:
         batch.reset([1, 2])
         observation, reward, *_ = batch.step(np.full((2, 7), HUGE))
@@ -73,7 +73,7 @@ def test_of_batches_and_flat_vectors_too():
     flat.close()
 
 
-def test_a_quaternion_without_direction_is_refused_where_it_is_a_rotation():
+def test_rejects_a_zero_quaternion_as_an_absolute_rotation():
     zero = np.array([0.4, 0, 0.3, 0, 0, 0, 0])
     with closing(rc.Env(config("cartesian_tquat", "none"))) as env:
         env.reset(seed=1)

@@ -18,7 +18,7 @@ from test_dataset_env import make
 STAY = {"robot": {"tquat": [0, 0.01, -0.02, 0, 0, 0, 1], "gripper": 1}}
 
 
-@rc.register_feature("env_test_tool", shape=(2,), unit="m", frame="world", names=["x", "z"])
+@rc.register_feature("env_test_tool", shape=(2,), units="m", frame="world", names=["x", "z"])
 def tool(scene: rc.Scene) -> np.ndarray:
     return scene.robot("robot").tcp_in_world.translation[[0, 2]]
 
@@ -30,7 +30,7 @@ def matrix(scene: rc.Scene) -> np.ndarray:
     return np.arange(6).reshape(2, 3)
 
 
-@rc.register_feature("env_test_number", unit="m")
+@rc.register_feature("env_test_number", units="m")
 def number(scene: rc.Scene) -> float:
     return 0.5
 
@@ -61,7 +61,7 @@ def env(config: rc.EnvConfig) -> Iterator[rc.Env]:
     made.close()
 
 
-def test_they_are_observed_like_what_is_built_in(env: rc.Env):
+def test_custom_features_are_observed_like_built_in_ones(env: rc.Env):
     observation, _ = env.reset(seed=1)
     seen = observation["features"]
     assert list(seen) == ["env_test_tool", "sensors/pad_weight", "robots/robot/arm/qvel"]
@@ -70,8 +70,8 @@ def test_they_are_observed_like_what_is_built_in(env: rc.Env):
     assert np.array_equal(observation["features"]["env_test_tool"], tool(env.scene))
     features = {feature.name: feature for feature in env.observed}
     own = features["observation/features/env_test_tool"]
-    assert (own.unit, own.frame, own.names) == ("m", "world", ["x", "z"])
-    assert features["observation/features/sensors/pad_weight"].unit == "N"
+    assert (own.units, own.frame, own.names) == ("m", "world", ["x", "z"])
+    assert features["observation/features/sensors/pad_weight"].units == "N"
     assert features["observation/robot/tquat"].frame == "shared base frame"
     assert [f.name for f in env.commanded] == ["action/robot/tquat", "action/robot/gripper"]
     assert [path for path, _, _ in env.observation_parts] == [
@@ -80,7 +80,7 @@ def test_they_are_observed_like_what_is_built_in(env: rc.Env):
     ]
 
 
-def test_in_gymnasium_and_in_vectors_they_are_the_same(config: rc.EnvConfig):
+def test_features_are_equal_in_gymnasium_and_in_vectors(config: rc.EnvConfig):
     single, flat = GymEnv(config), FlatGymEnv(config)
     vector = VectorGymEnv(config, 2, threads=2)
     observation, _ = single.reset(seed=1)
@@ -100,7 +100,7 @@ def test_in_gymnasium_and_in_vectors_they_are_the_same(config: rc.EnvConfig):
     vector.close()
 
 
-def test_in_lerobot_their_role_says_where_they_are(config: rc.EnvConfig):
+def test_in_lerobot_the_role_selects_the_key(config: rc.EnvConfig):
     plain, chosen = LeRobotEnv(pick_cube_config()), LeRobotEnv(config)
     config.features = [*config.features, "objects/cube/pose"]
     privileged = LeRobotEnv(config)
@@ -114,7 +114,7 @@ def test_in_lerobot_their_role_says_where_they_are(config: rc.EnvConfig):
     assert others == [[agent + 10, world], [agent + 10, world + 7]]
 
 
-def test_without_them_observations_are_as_they_were():
+def test_without_features_observations_are_unchanged():
     env = GymEnv(pick_cube_config())
     observation, _ = env.reset(seed=1)
     assert sorted(observation) == ["objects", "robot"]
@@ -122,12 +122,12 @@ def test_without_them_observations_are_as_they_were():
     env.close()
 
 
-def test_a_name_that_is_none_is_told_with_the_nearest():
+def test_an_unknown_feature_error_suggests_the_nearest():
     with pytest.raises(rc.NotFoundError, match=r"no feature 'env_test_tol'.*'env_test_tool'"):
         rc.Env(pick_cube_config(features=["env_test_tol"]))
 
 
-def test_they_are_recorded_and_the_dataset_gives_its_environment_back(env: rc.Env, tmp_path: Path):
+def test_the_environment_of_a_dataset_observes_recorded_features(env: rc.Env, tmp_path: Path):
     folder = tmp_path / "out"
     with EnvRecorder(env, folder):
         env.reset(seed=1)
@@ -163,7 +163,7 @@ def test_they_are_recorded_and_the_dataset_gives_its_environment_back(env: rc.En
     vector.step(np.concatenate([episode[n][0] for n in vector.actions]))
 
 
-def test_they_keep_their_shapes_and_ranges_everywhere(config: rc.EnvConfig, tmp_path: Path):
+def test_features_keep_their_shapes_and_ranges(config: rc.EnvConfig, tmp_path: Path):
     config.features = ["env_test_matrix", "env_test_number"]
     single, vector = GymEnv(config), VectorGymEnv(config, 2)
     whole = {"env_test_matrix": [[0, 1, 2], [3, 4, 4]], "env_test_number": 0.5}
@@ -213,7 +213,7 @@ def test_signals_of_a_task_are_features(tmp_path: Path):
             grid = rc.features.Feature(
                 "grid",
                 shape=[2, 2],
-                unit="m",
+                units="m",
                 frame="world",
                 names=["x", "y"],
                 lower=[0] * 4,
@@ -234,7 +234,7 @@ def test_signals_of_a_task_are_features(tmp_path: Path):
     assert observation["task"]["count"].shape == ()
     schema = {feature.name: feature for feature in env.observed}
     grid = schema["observation/task/grid"]
-    assert (grid.unit, grid.frame, grid.names, grid.shape) == ("m", "world", ["x", "y"], (2, 2))
+    assert (grid.units, grid.frame, grid.names, grid.shape) == ("m", "world", ["x", "y"], (2, 2))
     assert (grid.role, schema["observation/task/count"].role) == ("observation", "privileged")
     env.close()
     (episode,) = rc.Dataset(tmp_path / "out")

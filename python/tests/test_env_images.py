@@ -47,7 +47,7 @@ def test_frames_are_copies_with_their_time():
     assert (first["time"][0], second["time"][0]) == (0, pytest.approx(0.034))
 
 
-def test_depth_saturates_and_is_zero_where_nothing_is():
+def test_depth_saturates_and_is_zero_for_the_background():
     config = watched(wrappers={"include_depth": True})
     config.camera_adds["top"].offset = rc.Pose(translation=[3, 3, 80])
     config.camera_adds["up"] = {"offset": rc.Pose(translation=[3, 3, 1], rpy=[np.pi, 0, 0])}
@@ -87,7 +87,7 @@ def test_no_stream_is_faster_than_the_engine():
     rc.Env(config).close()
 
 
-def test_a_camera_that_is_not_there_is_told():
+def test_rejects_a_missing_camera():
     config = watched()
     config.cameras.streams[0].name = "eye"
     config.cameras.streams.append({"name": "hand", "camera": "wrst_camera"})
@@ -95,7 +95,7 @@ def test_a_camera_that_is_not_there_is_told():
         rc.Env(config)
 
 
-def test_a_saved_state_comes_back():
+def test_a_saved_state_restores_the_images():
     env = rc.Env(watched())
     env.reset(seed=0)
     action = {"robot": {"joints": np.full(7, 0.05), "gripper": 0}}

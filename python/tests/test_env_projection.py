@@ -92,7 +92,7 @@ def check(off: np.ndarray, at_least: int):
 
 
 @pytest.mark.parametrize(("width", "height"), [(320, 240), (428, 240), (200, 300)])
-def test_bodies_are_where_a_fixed_camera_projects_them(width: int, height: int):
+def test_projected_bodies_match_a_fixed_camera(width: int, height: int):
     env = watched("corner", width, height, {"corner": {}})
     frame = env.reset(seed=0)[0]["frames"]["corner"]
     check(off_by(env, frame), at_least=25)

@@ -22,6 +22,7 @@ from robocell.data import EnvRecorder, env_of_episode, replay_actions
 from robocell.dataset_run import run_of_dataset
 from robocell.gym import VectorGymEnv, pick_cube_config
 
+DEMO = Path(__file__).resolve().parents[2] / "examples" / "demo.yaml"
 DOWN = {"robot": {"tquat": [0, 0.02, -0.02, 0, 0, 0, 1], "gripper": 1}}
 
 
@@ -29,7 +30,7 @@ def config(**fields) -> rc.EnvConfig:
     return pick_cube_config(relative_to="last_step", **fields)
 
 
-def test_an_episode_holds_what_was_seen_and_done(tmp_path: Path):
+def test_an_episode_contains_observations_actions_and_rewards(tmp_path: Path):
     env = rc.Env(config())
     with EnvRecorder(env, tmp_path, metadata={"operator": "ann"}) as recorder:
         seen = [env.reset(seed=1)[0]]
@@ -67,7 +68,7 @@ def test_an_episode_holds_what_was_seen_and_done(tmp_path: Path):
     env.close()
 
 
-def test_who_records_decides_what_is_kept(tmp_path: Path):
+def test_the_caller_chooses_which_episodes_are_saved(tmp_path: Path):
     env = rc.Env(config())
     with EnvRecorder(env, tmp_path, prefix="teleop") as recorder:
         env.reset(seed=1)
@@ -94,7 +95,7 @@ def give_up(env: rc.Env, folder: Path) -> None:
         raise KeyError
 
 
-def test_a_replay_in_a_rig_that_stands_elsewhere(tmp_path: Path):
+def test_replays_at_another_root_pose(tmp_path: Path):
     env = rc.Env(config())
     with EnvRecorder(env, tmp_path):
         env.reset(seed=1)
@@ -110,7 +111,7 @@ def test_a_replay_in_a_rig_that_stands_elsewhere(tmp_path: Path):
     moved.close()
 
 
-def test_copies_of_a_vector_that_begin_anew_by_themselves(tmp_path: Path):
+def test_records_copies_of_a_vector_with_autoreset(tmp_path: Path):
     vector = VectorGymEnv(config(), 2, max_episode_steps=2, threads=2)
     actions = {"robot": {"tquat": [DOWN["robot"]["tquat"]] * 2, "gripper": [[1], [1]]}}
     with ExitStack() as stack:
@@ -143,7 +144,7 @@ def test_environments_of_gymnasium_with_their_wrappers(tmp_path: Path):
     env.close()
 
 
-def test_frames_are_recorded_as_they_were_shown(tmp_path: Path):
+def test_recorded_frames_match_the_observed_ones(tmp_path: Path):
     stream = {"name": "top", "camera": "top"}
     env = rc.Env(
         config(
@@ -164,12 +165,15 @@ def test_frames_are_recorded_as_they_were_shown(tmp_path: Path):
     env.close()
 
 
-def test_what_cannot_be_recorded_is_told(tmp_path: Path):
+def test_rejects_environments_that_cannot_be_recorded(tmp_path: Path):
     env = rc.Env(config())
     vector = VectorGymEnv(config(), 2)
     for told, record in {
         "int cannot be recorded: EnvRecorder takes an rc.Env": lambda: EnvRecorder(3, tmp_path),
         "copy says which of the copies is recorded, 0 to 1": lambda: EnvRecorder(vector, tmp_path),
+        r"RunEnv is the cell of a run, .*robocell evaluate RUN_OR_DATASET": lambda: EnvRecorder(
+            rc.envs.RunEnv(rc.RunConfig.load(DEMO)), tmp_path
+        ),
         "copy is for batches": lambda: EnvRecorder(env, tmp_path, copy=0),
         "copy 2 of a batch of environment 'pick_cube' of 2": lambda: EnvRecorder(
             vector, tmp_path, copy=2
@@ -177,6 +181,12 @@ def test_what_cannot_be_recorded_is_told(tmp_path: Path):
         "'a/b' cannot begin the ids": lambda: EnvRecorder(env, tmp_path, prefix="a/b"),
         "metadata cannot be kept with episodes": lambda: EnvRecorder(
             env, tmp_path, metadata={"weight": float("nan")}
+        ),
+        "18446744073709551616 does not fit in 64 bits": lambda: EnvRecorder(
+            env, tmp_path, metadata={"seeds": [1, {"of": 2**64}]}
+        ),
+        r"the text '\\udc80' is not valid Unicode": lambda: EnvRecorder(
+            env, tmp_path, metadata={"by": "\udc80"}
         ),
         "metadata cannot be kept with": lambda: EnvRecorder(env, tmp_path, metadata={"by": env}),
     }.items():
@@ -205,7 +215,7 @@ os.kill(os.getpid(), signal.SIGKILL)
 """
 
 
-def test_a_killed_process_leaves_whole_episodes_only(tmp_path: Path):
+def test_a_killed_process_leaves_only_complete_episodes(tmp_path: Path):
     killed = subprocess.run(
         [sys.executable, "-c", textwrap.dedent(KILLED), str(tmp_path)], check=False, env=os.environ
     )
@@ -222,7 +232,7 @@ def test_a_killed_process_leaves_whole_episodes_only(tmp_path: Path):
     env.close()
 
 
-def test_an_environment_may_be_closed_first(tmp_path: Path):
+def test_an_environment_can_be_closed_before_its_recorder(tmp_path: Path):
     env = rc.Env(config())
     with EnvRecorder(env, tmp_path) as recorder:
         env.reset(seed=1)
@@ -233,7 +243,7 @@ def test_an_environment_may_be_closed_first(tmp_path: Path):
         run_of_dataset(tmp_path)
 
 
-def test_a_full_disk_costs_the_episode_and_says_so(tmp_path: Path):
+def test_a_full_disk_loses_the_episode_and_raises(tmp_path: Path):
     env = rc.Env(config())
     folder = tmp_path / "out"
     with EnvRecorder(env, folder) as recorder:
@@ -274,11 +284,11 @@ assert recorder.episodes == ["episode-000000"]
 """
 
 
-def test_a_recorder_may_be_dropped_while_another_thread_steps(tmp_path: Path):
+def test_a_recorder_can_be_dropped_while_another_thread_steps(tmp_path: Path):
     subprocess.run([sys.executable, "-c", DROPPED_IN_A_STEP, str(tmp_path)], check=True)
 
 
-def test_a_recorder_may_be_dropped_by_the_task_that_it_records(tmp_path: Path):
+def test_a_recorder_can_be_dropped_by_the_recorded_task(tmp_path: Path):
     held: list[EnvRecorder] = []
 
     @rc.tasks.register_task("recorder_dropper")
@@ -317,7 +327,7 @@ def test_an_environment_of_the_dataset_observes_each_of_its_columns(tmp_path: Pa
         def observe(self, scene):
             return {"gap": [1.5]}
 
-    @rc.features.register_feature("recorded_time", unit="s")
+    @rc.features.register_feature("recorded_time", units="s")
     def recorded_time(scene):
         return [scene.time()]
 
@@ -332,7 +342,7 @@ def test_an_environment_of_the_dataset_observes_each_of_its_columns(tmp_path: Pa
     again.close()
 
 
-def test_other_code_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_rejects_changed_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     source = tmp_path / "edited_task.py"
     source.write_text(
         textwrap.dedent(
@@ -370,7 +380,7 @@ def test_other_code_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     env.close()
 
 
-def test_a_dataset_is_of_one_environment(tmp_path: Path):
+def test_a_dataset_belongs_to_one_environment(tmp_path: Path):
     env = rc.Env(config())
     with EnvRecorder(env, tmp_path):
         env.reset(seed=1)
@@ -390,9 +400,29 @@ def test_a_dataset_is_of_one_environment(tmp_path: Path):
     again.close()
 
 
+def test_an_environment_of_recorded_episodes_is_recorded(tmp_path: Path):
+    env = rc.Env(config())
+    with EnvRecorder(env, tmp_path / "first"):
+        env.reset(seed=1)
+        env.step(DOWN)
+    env.close()
+    again = rc.envs.from_dataset(tmp_path / "first")
+    action = {"action/robot/tquat": DOWN["robot"]["tquat"], "action/robot/gripper": [1]}
+    with EnvRecorder(again, tmp_path / "second") as recorder:
+        again.reset(seed=1)
+        again.step(action)
+    assert recorder.episodes == ["episode-000000"]
+    first, second = rc.Dataset(tmp_path / "first")[0], rc.Dataset(tmp_path / "second")[0]
+    assert set(first.columns) == set(second.columns)
+    for name in first.columns:
+        assert np.array_equal(first[name], second[name]), name
+    assert replay_actions(env_of_episode(second), second).ok
+    again.close()
+
+
 # The child inherits every open file, and ends after the parent has saved.
 FORKED = """
-import os, sys, time
+import os, sys
 import robocell as rc
 from robocell.data import EnvRecorder
 from robocell.gym import pick_cube_config
@@ -402,23 +432,27 @@ env = rc.Env(pick_cube_config(relative_to="last_step"))
 recorder = EnvRecorder(env, sys.argv[1])
 env.reset(seed=1)
 env.step(still)
+tried, tell_tried = os.pipe()
+saved, tell_saved = os.pipe()
 if os.fork() == 0:
     try:
         recorder.save()
     except rc.Error as error:
         print(error, flush=True)
     del recorder
-    time.sleep(1)
+    os.write(tell_tried, b"1")
+    os.read(saved, 1)
     os._exit(0)
 env.step(still)
-time.sleep(0.5)
+os.read(tried, 1)
 recorder.save(success=True)
 recorder.close()
+os.write(tell_saved, b"1")
 os.wait()
 """
 
 
-def test_a_fork_leaves_the_episode_of_its_parent_alone(tmp_path: Path):
+def test_a_fork_does_not_affect_the_episode_of_its_parent(tmp_path: Path):
     out = tmp_path / "out"
     ended = subprocess.run(
         [sys.executable, "-c", FORKED, str(out)], capture_output=True, text=True, check=True
@@ -450,7 +484,7 @@ def own_number(scene):
 """
 
 
-def test_replay_of_own_code_names_its_import_and_the_line_of_its_errors(
+def test_replay_errors_of_custom_code_name_the_import_and_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     source = tmp_path / "own_wait.py"
@@ -465,7 +499,10 @@ def test_replay_of_own_code_names_its_import_and_the_line_of_its_errors(
             env.reset(seed=1)
             env.step(DOWN)
         env.close()
-    for name, missing in (("task", "no task 'own_wait'"), ("f", "no feature 'own_number'")):
+    for name, missing in (
+        ("task", "no task 'own_wait'"),
+        ("f", "no registered feature 'own_number'"),
+    ):
         result = robocell_command("replay", folders[name], "--actions")
         assert result.returncode == 2, result.stderr
         assert "the environment that recorded" in result.stderr

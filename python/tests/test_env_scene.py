@@ -40,7 +40,7 @@ def duo() -> rc.EnvConfig:
 
 
 class TestConfig:
-    def test_robots_can_be_given_by_their_file(self, duo):
+    def test_robots_can_be_given_as_files(self, duo):
         assert duo.robots["left"] == duo.robots["right"]
         assert duo.robots["left"].name == "rc7"
 
@@ -76,7 +76,7 @@ class TestConfig:
         duo.control_mode = "cartesian_tquat"
         assert rc.EnvConfig.from_yaml(duo.to_yaml()) == duo
 
-    def test_a_pickled_one_finds_the_files_of_its_robots(self, tmp_path):
+    def test_a_pickled_configuration_finds_its_robot_files(self, tmp_path):
         folder = tmp_path / "arm"
         shutil.copytree(Path(RC7).parent, folder)
         (folder / "rc7.xml").rename(folder / "own.xml")
@@ -95,7 +95,7 @@ class TestMistakes:
             rc.envs.env_scene_spec(config)
         return str(error.value)
 
-    def test_an_object_of_the_room_and_of_the_rig(self, duo, box):
+    def test_rejects_one_object_in_two_frames(self, duo, box):
         duo.world_frame_objects = {"cube": (box, rc.Pose())}
         duo.root_frame_objects = {"cube": (box, rc.Pose())}
         assert (
@@ -119,7 +119,7 @@ class TestMistakes:
             "camera: bird_eye} to cameras.streams"
         ) in self.message(duo)
 
-    def test_objects_by_robot_in_world_objects_and_the_other_way_round(self, duo, box):
+    def test_suggests_the_right_dictionary_for_objects(self, duo, box):
         pair = (box, rc.Pose())
         for field in ("world_frame_objects", "root_frame_objects"):
             with pytest.raises(rc.ArgumentError) as error:
@@ -135,7 +135,7 @@ class TestMistakes:
             "robot_frame_objects.d405_mount must be a mapping of names to EnvObject, got tuple"
         )
 
-    def test_a_task_about_an_object_of_the_room(self, duo, box):
+    def test_rejects_a_task_with_a_world_object(self, duo, box):
         duo.world_frame_objects = {"cube": (box, rc.Pose())}
         duo.task = {"object": "cube"}
         assert (
@@ -143,7 +143,7 @@ class TestMistakes:
             "with the rig, and so do its objects: move it to root_frame_objects"
         ) in self.message(duo)
 
-    def test_what_follows_a_wrist_in_world_objects(self, duo, box):
+    def test_rejects_wrist_objects_among_world_objects(self, duo, box):
         duo.world_frame_objects = {"left": (box, rc.Pose())}
         assert (
             "world_frame_objects.left: is the name of a robot. What follows its wrist goes into "
@@ -155,7 +155,7 @@ def random_pose(rng: np.random.Generator) -> rc.Pose:
     return rc.Pose(translation=rng.uniform(-1, 1, 3), rpy=rng.uniform(-1.5, 1.5, 3))
 
 
-def test_robots_stand_at_the_product_of_the_three_transforms(duo):
+def test_robot_poses_are_the_product_of_three_transforms(duo):
     rng = np.random.default_rng(1)
     for _ in range(5):
         duo.root_frame_to_world = random_pose(rng)
@@ -173,7 +173,7 @@ def test_robots_stand_at_the_product_of_the_three_transforms(duo):
                 assert found.is_close(shared * pose, 1e-9, 1e-9)
 
 
-def test_moving_the_root_moves_the_rig_rigidly_and_nothing_else(duo, box):
+def test_moving_the_root_moves_only_the_rig(duo, box):
     duo.world_frame_objects = {"lamp": (box, at(1, 0, 2))}
     duo.root_frame_objects = {"mount": (box, at(0, 0, 0.2))}
     duo.robot_frame_objects = {"left": {"bracket": (box, at(0, 0.1, 0))}}

@@ -36,7 +36,7 @@ def same(a, b, tolerance=0.0):
             assert np.abs(value - b[key]).max() <= tolerance, key
 
 
-def test_a_state_goes_on_in_another_environment():
+def test_a_state_continues_in_another_environment():
     env, other = rc.Env(config()), rc.Env(config())
     env.reset(seed=1)
     act(env)
@@ -48,7 +48,7 @@ def test_a_state_goes_on_in_another_environment():
         other.set_state(state, frame="rot")
 
 
-def test_a_state_of_the_rig_elsewhere():
+def test_a_state_can_be_restored_at_another_root_pose():
     env, other = rc.Env(config()), rc.Env(config(root_frame_to_world=ELSEWHERE))
     env.reset(seed=1)
     state = env.get_state()
@@ -56,7 +56,7 @@ def test_a_state_of_the_rig_elsewhere():
     same(act(other), act(env), 1e-5)
 
 
-def test_a_scene_that_was_saved_is_simulated(tmp_path):
+def test_a_saved_scene_can_be_simulated(tmp_path):
     env = rc.Env(config())
     env.reset(seed=1)
     env.scene.save_xml(tmp_path / "cell.xml")
@@ -65,7 +65,7 @@ def test_a_scene_that_was_saved_is_simulated(tmp_path):
     same(act(saved), act(env), 1e-3)
 
 
-def test_copies_of_a_vector_have_objects_of_their_own():
+def test_copies_of_a_vector_vary_their_objects_independently():
     varied = config(variations={"cube": {"mass": [0.5, 2], "friction": [0.5, 1.5], "colour": 0.3}})
     vector = VectorGymEnv(varied, 2, threads=2)
     single = rc.Env(varied)
@@ -86,7 +86,7 @@ def test_copies_of_a_vector_have_objects_of_their_own():
     vector.close()
 
 
-def test_a_state_of_another_robot_is_told_from_ones_own():
+def test_rejects_the_state_of_another_robot():
     """Also where it has as many numbers."""
     env, other = rc.Env(config()), rc.Env(renamed())
     env.reset(seed=1)
@@ -109,7 +109,7 @@ def renamed() -> rc.EnvConfig:
     return config(root_frame_objects=objects, task={"object": "die"})
 
 
-def test_states_that_are_no_numbers_change_nothing():
+def test_invalid_states_change_nothing():
     env = rc.Env(config())
     env.reset(seed=1)
     whole = env.get_state().numbers
@@ -232,7 +232,7 @@ def test_fields_of_the_configuration_are_not_part_of_a_state():
     other.close()
 
 
-def test_what_cannot_be_kept_is_refused_when_a_state_is_saved():
+def test_rejects_attributes_that_a_state_cannot_store():
     class Draws(Pushed):
         def begin(self, scene):
             super().begin(scene)
@@ -251,7 +251,7 @@ def test_what_cannot_be_kept_is_refused_when_a_state_is_saved():
     env.close()
 
 
-def test_memory_without_recall_is_refused():
+def test_rejects_memory_without_recall():
     class Half(Pushed):
         def memory(self):
             return [1.0]
@@ -263,7 +263,7 @@ def test_memory_without_recall_is_refused():
     env.close()
 
 
-def test_attributes_are_not_taken_to_a_rig_that_stands_elsewhere():
+def test_rejects_task_attributes_at_another_root_pose():
     env = rc.Env(pushed_config())
     env.reset(seed=1)
     state = env.get_state()
@@ -294,7 +294,7 @@ def test_a_guarded_step_needs_no_memory():
         (lambda: dict.fromkeys(("one", "two"), np.zeros(3)), "'two' is the same object as 'one'"),
     ],
 )
-def test_what_would_be_another_value_after_a_restore_is_refused(made, told: str):
+def test_rejects_attributes_that_would_change_on_restore(made, told: str):
     class Keeps(Pushed):
         def begin(self, scene):
             super().begin(scene)
@@ -307,7 +307,7 @@ def test_what_would_be_another_value_after_a_restore_is_refused(made, told: str)
     env.close()
 
 
-def test_a_task_begins_where_an_environment_is_given_its_first_state():
+def test_a_first_state_starts_the_task():
     class Holds(Pushed):
         count = 2
 
@@ -341,7 +341,7 @@ def test_a_task_begins_where_an_environment_is_given_its_first_state():
     fresh.close()
 
 
-def test_an_error_where_a_task_begins_has_its_place():
+def test_an_error_in_begin_names_its_place():
     class Raises(Pushed):
         fails = False
 

@@ -44,7 +44,7 @@ WALL = {
 PUSHED_ON = {"max_target_lead": (1, 3)}
 
 
-def test_a_step_ends_where_a_robot_runs_into_something():
+def test_a_step_ends_at_a_collision():
     # The gripper, which may touch objects, meets the wall first: the arm is pushed on.
     env = make(world_frame_objects={"wall": WALL}, sim={"on_collision": "stop"}, **PUSHED_ON)
     reasons = []
@@ -79,7 +79,7 @@ def test_collisions_are_reported_or_looked_at_ahead():
     assert away[-1] == "arrived"
 
 
-def test_a_pose_without_solution_is_told_and_the_next_one_tried():
+def test_an_unreachable_pose_is_reported_and_the_next_action_works():
     env = make(relative_to="none")
     begin = env.reset(seed=1)[0]["robot"]["tquat"]
     _, upper = env.action_range
@@ -94,7 +94,7 @@ def test_a_pose_without_solution_is_told_and_the_next_one_tried():
     assert info["robots"]["robot"]["ik_success"]
 
 
-def test_infos_say_what_is_left_of_a_motion():
+def test_infos_contain_the_remaining_errors_and_speeds():
     env = make()
     _, info = move(env, [0, 0, 0.02])
     left = info["robots"]["robot"]
@@ -108,7 +108,7 @@ def test_infos_say_what_is_left_of_a_motion():
     assert info["robots"]["robot"]["position_error"] == pytest.approx(0.05, abs=0.01)
 
 
-def test_a_blocked_arm_leaves_at_once():
+def test_a_blocked_arm_retreats_at_once():
     env = make(world_frame_objects={"wall": WALL}, sim={"on_collision": "report"})
     for _ in range(30):
         seen, info = move(env, [0, -0.03, 0])
@@ -130,7 +130,7 @@ def test_the_slowest_ramp_arrives():
     assert seen["tquat"][2] - begin[2] == pytest.approx(0.03, abs=3e-3)
 
 
-def test_a_configured_origin_stays_until_it_is_set_anew():
+def test_a_configured_origin_stays_until_it_is_set_again():
     env = make(relative_to="configured_origin")
     begin = env.reset(seed=1)[0]["robot"]["tquat"]
     heights = [move(env, [0, 0, 0.03])[0]["tquat"][2] - begin[2] for _ in range(2)]
@@ -148,7 +148,7 @@ def sent_pose(env: rc.Env, name: str = "robot") -> rc.Pose:
     return env.scene.shared_base_frame_to_world.inverse() * world
 
 
-def test_a_configured_origins_target_is_limited_from_where_the_arm_was_sent():
+def test_configured_origin_steps_are_limited_from_the_last_target():
     env = make(relative_to="configured_origin", max_relative_movement=(0.02, 0.1))
     origin = sent_pose(env)
     ways = np.array([[0.05, 0, 0], [0, 0.03, -0.04]])
@@ -171,7 +171,7 @@ def test_a_configured_origins_target_is_limited_from_where_the_arm_was_sent():
     assert np.allclose(turned, [0.1, 0.2, 0.25, 0.25], atol=1e-4)
 
 
-def test_a_configured_origins_joints_are_limited_from_where_they_were_sent():
+def test_configured_origin_joints_are_limited_from_their_last_target():
     env = make(control_mode="joints", relative_to="configured_origin", max_relative_movement=0.1)
     begin = np.array(env.scene.robot("robot").jnt_pos_cmd)
     way = np.array([0.25, -0.25, 0.05, 0, 0, 0, -0.15])
@@ -215,7 +215,7 @@ def test_about_a_configured_origin_arms_turn_about_the_tcp_with_the_axes_of_the_
             assert np.allclose(sent.rotation, turn.rotation @ origins[name].rotation, atol=1e-4)
 
 
-def test_joints_are_limited_from_where_they_were_sent_and_by_the_robot():
+def test_joint_steps_are_limited_from_the_last_target_and_by_the_robot():
     env = make(
         control_mode="joints",
         relative_to="none",
@@ -235,7 +235,7 @@ def test_joints_are_limited_from_where_they_were_sent_and_by_the_robot():
     assert np.allclose(command, upper)
 
 
-def test_a_diverged_simulation_truncates_and_only_a_reset_goes_on():
+def test_a_diverged_simulation_truncates_and_requires_a_reset():
     env = make()
     last = env.reset(seed=1)[0]["robot"]["joints"]
     env.scene.data.qvel[0] = 1e12
@@ -253,7 +253,7 @@ def test_a_diverged_simulation_truncates_and_only_a_reset_goes_on():
 @pytest.mark.parametrize(
     "sim", [{"async_control": True, "frequency": 20}, {}], ids=["rate", "goal"]
 )
-def test_paced_steps_take_the_time_that_they_simulate(sim):
+def test_paced_steps_take_their_simulated_time(sim):
     env = make(sim={"realtime": True} | sim)
     begin = time.perf_counter()
     env.reset(seed=1)
@@ -282,7 +282,7 @@ def test_the_time_of_a_policy_passes_before_a_paced_step_not_in_it():
     assert min(took) < 0.05, "not the 0.3 s and its own time, and less than it simulates"
 
 
-def test_a_step_is_limited_from_where_the_arm_was_sent():
+def test_a_step_is_limited_from_the_last_target():
     env = make(relative_to="none", max_relative_movement=(0.01, 0.1))
     begin = env.reset(seed=1)[0]["robot"]["tquat"]
     above, turn = begin[:3] + np.array([0, 0, 0.06]), begin[3:]
@@ -290,7 +290,7 @@ def test_a_step_is_limited_from_where_the_arm_was_sent():
     assert np.allclose(heights, [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.06, 0.06], atol=0.006)
 
 
-def test_a_gripper_is_open_from_a_half_on_or_anything_between():
+def test_a_gripper_action_is_binary_or_continuous():
     env = make()
     told = [move(env, [0, 0, 0], gripper=g)[0]["gripper"][0] for g in (0.49, 0.5, 0, 1)]
     assert told == [0, 1, 0, 1]
@@ -298,7 +298,7 @@ def test_a_gripper_is_open_from_a_half_on_or_anything_between():
     assert move(env, [0, 0, 0], gripper=0.4)[0]["gripper"][0] == pytest.approx(0.4, abs=0.05)
 
 
-def test_arms_go_home_at_a_reset_or_stay_where_they_are():
+def test_a_reset_moves_arms_home_or_keeps_them():
     for home in (True, False):
         env = make(wrappers={"home_on_reset": home})
         start = env.reset(seed=1)[0]["robot"]["joints"]

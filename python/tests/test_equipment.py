@@ -49,7 +49,7 @@ def test_a_door_and_a_drawer_are_pulled_open():
     assert scene.data.joint("c_drawer_slide").qpos[0] == pytest.approx(0.28, abs=0.005)
 
 
-def test_a_variable_puts_a_file_in_the_models_place(tmp_path, monkeypatch):
+def test_a_variable_overrides_a_model_file(tmp_path, monkeypatch):
     mine = tmp_path / "mine.xml"
     mine.write_text(
         Path(rc.models.resolve("table")).read_text().replace("0.6 0.4 0.02", "1 1 0.02")

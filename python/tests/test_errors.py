@@ -19,14 +19,14 @@ import robocell as rc
         (rc.IoError, OSError),
     ],
 )
-def test_every_error_is_a_robocell_error_and_what_python_would_raise(error, also):
+def test_every_error_is_a_robocell_error_and_a_builtin_error(error, also):
     assert issubclass(error, rc.Error)
     assert issubclass(error, also)
     assert error.__module__ == "robocell"
     assert error.__doc__
 
 
-def test_c_plus_plus_errors_arrive_as_their_class():
+def test_cpp_errors_map_to_python_classes():
     with pytest.raises(rc.NotFoundError, match="Did you mean 'rc7'"):
         rc.models.robot_file("rc8")
     with pytest.raises(rc.IoError, match=r"nothing\.yaml"):
@@ -63,7 +63,7 @@ def cube(name: str) -> rc.SceneObject:
     )
 
 
-def test_a_robot_of_a_chain_says_what_has_a_gripper():
+def test_a_chain_robot_error_names_the_robot_with_a_gripper():
     robot = rc.Robot.from_scene(rc.Scene.build(cell()), "base_link", "link7")
     with pytest.raises(
         rc.NotFoundError,
@@ -73,7 +73,7 @@ def test_a_robot_of_a_chain_says_what_has_a_gripper():
         robot.gripper  # noqa: B018
 
 
-def test_an_object_called_like_a_body_of_a_robot_is_told():
+def test_rejects_an_object_named_like_a_robot_body():
     spec = cell()
     spec.objects = [cube("cube"), cube("link3")]
     with pytest.raises(
@@ -84,7 +84,7 @@ def test_an_object_called_like_a_body_of_a_robot_is_told():
         rc.Scene.build(spec)
 
 
-def test_an_object_of_two_bodies_is_not_asked_for_a_field_that_it_has_not(tmp_path):
+def test_rejects_an_object_model_with_two_root_bodies(tmp_path):
     model = tmp_path / "two.xml"
     bodies = '<body name="x"><geom size="1"/></body><body name="y"><geom size="1"/></body>'
     model.write_text(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>")
@@ -94,23 +94,25 @@ def test_an_object_of_two_bodies_is_not_asked_for_a_field_that_it_has_not(tmp_pa
         rc.Scene.build(spec)
 
 
-def test_a_robot_file_is_no_model():
+def test_rejects_a_robot_file_as_a_model():
     file = rc.models.robot_file("rc7")
-    with pytest.raises(rc.SpecError, match=r"is YAML, and models are MJCF\. .*RobotConfig\.load"):
+    with pytest.raises(
+        rc.SpecError, match=r"is YAML, and models are MJCF or URDF\. .*RobotConfig\.load"
+    ):
         rc.Scene.build(cell(path=str(file)))
 
 
-def test_a_teleport_beyond_the_limits_is_told_once(capfd):
+def test_warns_once_about_a_teleport_beyond_the_limits(capfd):
     robot = rc.Scene.build(cell()).robot("a")
     q = robot.arm.joint_pos.copy()
     q[3] = robot.joint_limits[3][1] + 1
     robot.set_joint_pos(q)
     robot.set_joint_pos(q)
-    assert capfd.readouterr().err.count("joint 'joint4' is put at ") == 1
+    assert capfd.readouterr().err.count("joint 'joint4' is set to ") == 1
     assert robot.arm.joint_pos[3] == q[3]
 
 
-def test_a_link_of_the_chain_is_no_tool():
+def test_rejects_a_link_of_the_chain_as_the_tool():
     scene = rc.Scene.build(cell())
     with pytest.raises(
         rc.ArgumentError, match="tool body 'link3' is a link of the chain itself, at or before"

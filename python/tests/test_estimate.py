@@ -39,7 +39,7 @@ def test_samples_are_spread_over_the_plan():
     assert len(set(spread(25, 24))) == 24
 
 
-def test_what_cameras_add_is_scaled_by_rows_and_by_episodes():
+def test_the_cost_of_cameras_scales_with_rows_and_episodes():
     blind = [sample(40), sample(60), sample(80), sample(60)]
     seeing = [sample(40, frames=80, extra=3000, seconds=5.0)]
     found = scaled(probe(blind, seeing), items=400, workers=3, cores=2, before_s=3.0, own_bytes=50)
@@ -69,7 +69,7 @@ def test_workers_that_use_several_cores_each_share_them():
     assert times == [2.0 + 100 * 2.0, 2.0 + 100 * 3.0 / 2, 2.0 + 100 * 3.0 / 2]
 
 
-def test_items_that_fail_take_time_and_leave_nothing():
+def test_failed_items_cost_time_and_leave_nothing():
     failed = Sample(
         success=False,
         kept=0,
@@ -91,7 +91,7 @@ def test_items_that_fail_take_time_and_leave_nothing():
     assert (nothing.episodes, nothing.frames, nothing.bytes) == (0, 0, 0)
 
 
-def test_an_estimate_is_near_what_two_episodes_take(tmp_path: Path):
+def test_an_estimate_is_close_to_the_cost_of_two_episodes(tmp_path: Path):
     run = write_run(tmp_path)
     result = robocell_command("generate", run, "--dry-run", "--progress", "jsonl")
     assert result.returncode == 0, result.stderr
@@ -104,11 +104,11 @@ def test_an_estimate_is_near_what_two_episodes_take(tmp_path: Path):
     stored = sum(file.stat().st_size for file in (tmp_path / "out").glob("s*/*"))
     assert expected["bytes"] == pytest.approx(stored, rel=0.02)
     again = robocell_command("generate", run, "--dry-run").stdout
-    assert "episodes: 2, 2 of them made, 0 to do" in again
-    assert "estimate from" not in again
+    assert "episodes: 2 planned, 2 on the disk, 0 to make" in again
+    assert "estimate (from" not in again
 
 
-def test_a_run_that_cannot_make_an_episode_is_told_so(tmp_path: Path):
+def test_a_dry_run_reports_that_no_episode_can_succeed(tmp_path: Path):
     # Everything is right about the run but that nothing encodes.
     run = write_run(tmp_path)
     environment = {"ROBOCELL_FFMPEG": tmp_path / "none"}

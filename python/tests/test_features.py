@@ -15,8 +15,8 @@ from test_dataset_env import make
 ROOT = Path(__file__).parents[2]
 
 
-def test_features_of_a_users_own_are_recorded_and_seen(tmp_path: Path):
-    @rc.register_feature("tcp_height_of_test", unit="m", frame="world")
+def test_custom_features_are_recorded_and_observed(tmp_path: Path):
+    @rc.register_feature("tcp_height_of_test", units="m", frame="world")
     def height(scene: rc.Scene) -> float:
         return scene.robot("rc7").tcp_in_world.translation[2]
 
@@ -33,7 +33,7 @@ def test_features_of_a_users_own_are_recorded_and_seen(tmp_path: Path):
     assert "a dataset imports none by itself: name it with --import" in result.stderr
 
 
-def test_features_that_are_not_right_are_refused(tmp_path: Path):
+def test_rejects_invalid_features(tmp_path: Path):
     with pytest.raises(rc.SpecError, match="no registered feature 'nothing_of_test'"):
         make(tmp_path / "out", 1, features=["nothing_of_test"])
 

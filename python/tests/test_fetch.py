@@ -20,7 +20,7 @@ __all__ = ["shop"]  # a fixture
 
 
 @pytest.mark.usefixtures("shop")
-def test_without_a_network_it_says_what_else_there_is(tmp_path, monkeypatch):
+def test_without_a_network_the_error_names_alternatives(tmp_path, monkeypatch):
     monkeypatch.setenv("MENAGERIE_BASE_URL", (tmp_path / "nowhere").as_uri())
     with pytest.raises(rc.IoError) as error:
         fetching.fetch("toy_arm")
@@ -31,9 +31,7 @@ def test_without_a_network_it_says_what_else_there_is(tmp_path, monkeypatch):
     assert fetching.read_record(fetching.record_path()) == {}
 
 
-def test_a_model_that_is_nowhere_is_told_with_the_command_that_fetches_it(
-    shop, tmp_path, monkeypatch
-):
+def test_a_missing_model_error_contains_the_fetch_command(shop, tmp_path, monkeypatch):
     shop("one", "kinova_gen3", "gen3")
     monkeypatch.setenv("MENAGERIE_BASE_URL", (tmp_path / "nowhere").as_uri())
     for name in ("toy_arm", "kinova_gen3"):
@@ -69,7 +67,7 @@ class TestTheGuidesCommand:
 
         return run
 
-    def test_it_downloads_and_records_what_is_not_here(self, run, tmp_path):
+    def test_the_command_downloads_and_records_missing_models(self, run, tmp_path):
         code, out, err = run()
         assert (code, err) == (0, "")
         paths = dict(line.split(": ") for line in out.splitlines())
@@ -82,12 +80,12 @@ class TestTheGuidesCommand:
         record = fetching.read_record(fetching.record_path())
         assert set(record) == {"kinova_gen3", "robotiq_2f85"}
 
-    def test_it_fills_a_folder_with_what_it_downloaded(self, run, tmp_path):
+    def test_the_command_fills_a_folder_with_downloads(self, run, tmp_path):
         assert run("--dest", str(tmp_path / "dest"))[0] == 0
         for file in ("menagerie/kinova_gen3/gen3.xml", "assets/robotiq_2f85/2f85.xml"):
             assert version_of(tmp_path / "dest" / file) == "one"
 
-    def test_without_a_network_it_fails_and_says_what_else_there_is(
+    def test_without_a_network_the_command_fails_and_names_alternatives(
         self, run, tmp_path, monkeypatch
     ):
         monkeypatch.setenv("MENAGERIE_BASE_URL", (tmp_path / "nowhere").as_uri())
@@ -104,12 +102,12 @@ class TestTheGuidesCommand:
         assert err.startswith("error: ")
         assert str(tmp_path / "file") in err
 
-    def test_a_wrong_variable_is_a_wrong_use(self, run, monkeypatch):
+    def test_a_wrong_variable_is_a_usage_error(self, run, monkeypatch):
         monkeypatch.setenv("MJ_KDL_MODEL", "/nonexistent")
         code, out, err = run()
         assert (code, out) == (2, "")
-        told = "error: MJ_KDL_MODEL is '/nonexistent', which is no file: correct it or unset it\n"
-        assert err == told
+        text = "MJ_KDL_MODEL is '/nonexistent', which is not a file: correct it or unset it"
+        assert err == f"error: {text}\n"
 
 
 def test_the_command_lists_and_fails_as_documented(tmp_path):

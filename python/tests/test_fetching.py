@@ -36,7 +36,7 @@ def test_a_robot_is_fetched_recorded_and_found():
     assert fetching.fetch("toy_arm") == fetched, "a second time nothing happens"
 
 
-def test_it_stays_at_its_version_until_it_is_updated(shop):
+def test_a_fetched_robot_keeps_its_version_until_updated(shop):
     first = fetching.fetch("toy_arm")
     shop("two")
     kept = fetching.fetch("toy_arm")
@@ -60,7 +60,7 @@ def test_a_pinned_version_is_found_though_the_cache_has_a_newer_one(shop):
     assert version_of(rc.menagerie.model_path("toy_arm")) == "two"
 
 
-def test_without_the_package_every_way_says_how_to_get_it(tmp_path, monkeypatch):
+def test_without_the_package_errors_have_the_install_command(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "mujoco_menagerie", None)
     (tmp_path / "kinova_gen3").mkdir()
     monkeypatch.setenv("MJ_KDL_MENAGERIE", str(tmp_path))
@@ -73,7 +73,7 @@ def test_without_the_package_every_way_says_how_to_get_it(tmp_path, monkeypatch)
             way()
 
 
-def test_a_pinned_version_that_is_gone_names_the_package_that_has_it(shop):
+def test_a_missing_pinned_version_error_names_its_package(shop):
     first = fetching.fetch("toy_arm")
     shop("two")
     (first.folder / ".complete").unlink()
@@ -105,7 +105,7 @@ def test_a_folder_filled_with_robots_is_a_root(shop, tmp_path, monkeypatch):
     assert version_of(root / "toy_arm" / "arm.xml") == "two"
 
 
-def test_robots_that_are_fetched_at_the_same_time_are_all_recorded(shop, tmp_path, monkeypatch):
+def test_concurrently_fetched_robots_are_all_recorded(shop, tmp_path, monkeypatch):
     names = [f"arm_{n}" for n in range(6)]
     for name in names:
         shop("one_of_" + name, name)
@@ -131,7 +131,7 @@ def test_robots_that_are_fetched_at_the_same_time_are_all_recorded(shop, tmp_pat
     assert sorted(os.listdir(tmp_path / "root")) == sorted([*names, fetching.RECORD, lock])
 
 
-def test_a_copy_that_fails_keeps_the_former_one(shop, tmp_path, monkeypatch):
+def test_a_failed_copy_keeps_the_previous_one(shop, tmp_path, monkeypatch):
     root = tmp_path / "root"
     fetching.copy_to(fetching.fetch("toy_arm"), root)
     shop("two")
@@ -162,7 +162,7 @@ def test_a_copy_that_fails_keeps_the_former_one(shop, tmp_path, monkeypatch):
         ("toy_arm/pipe", tarfile.FIFOTYPE),
     ],
 )
-def test_where_python_has_no_filters_an_archive_reaches_nowhere_else(
+def test_without_tar_filters_rejects_archives_that_leave_the_folder(
     name: str, kind: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     """Before 3.11.4; the archive's members are looked at before any is unpacked."""
@@ -175,7 +175,7 @@ def test_where_python_has_no_filters_an_archive_reaches_nowhere_else(
         tar.addfile(member)
     with (
         tarfile.open(tmp_path / "a.tar") as tar,
-        pytest.raises(OSError, match=f"the archive holds '{name}', which is no plain file in it"),
+        pytest.raises(OSError, match=f"archive holds '{name}', which is not a plain file in it"),
         fetching._extraction(),
     ):
         tar.extractall(folder, filter="data")
@@ -183,7 +183,7 @@ def test_where_python_has_no_filters_an_archive_reaches_nowhere_else(
     assert tarfile.TarFile.extractall is plain
 
 
-def test_where_python_has_no_filters_plain_archives_are_unpacked(
+def test_without_tar_filters_unpacks_plain_archives(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.delattr(tarfile, "data_filter", raising=False)
@@ -196,12 +196,12 @@ def test_where_python_has_no_filters_plain_archives_are_unpacked(
 
 
 @pytest.mark.usefixtures("shop")
-def test_unknown_robots_and_broken_records_are_told():
+def test_rejects_unknown_robots_and_broken_records():
     with pytest.raises(
         rc.NotFoundError, match=r"'toy_amr'. Did you mean 'toy_arm'\?.*fetch --list"
     ):
         fetching.fetch("toy_amr")
     fetching.record_path().parent.mkdir(parents=True)
     fetching.record_path().write_text("[]")
-    with pytest.raises(rc.IoError, match=r"menagerie\.json is no record of fetched robots"):
+    with pytest.raises(rc.IoError, match=r"menagerie\.json is not a record of fetched robots"):
         fetching.fetch("toy_arm")

@@ -98,7 +98,7 @@ def test_after_a_reset_it_reads_the_new_state_and_can_be_tared(robot: rc.Robot):
     np.testing.assert_allclose(robot.ft_sensor_wrench("wrist_ft"), np.zeros(6), atol=1e-9)
 
 
-def test_wrong_names_are_told(robot: rc.Robot):
+def test_rejects_unknown_sensor_names(robot: rc.Robot):
     with pytest.raises(rc.NotFoundError, match=r"no ft sensor 'wrist'.*Did you mean 'wrist_ft'\?"):
         robot.ft_sensor_wrench("wrist")
     tool = rc.robots.ToolFrameSpec(ft_sensors=[rc.robots.ForceTorqueSensorSpec(name="wrist")])

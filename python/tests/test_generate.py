@@ -24,7 +24,7 @@ from command_line import RUN, refused, robocell_command, write_run
 from contents import contents, of_episodes
 from made_once import made_once
 from robocell.generate import report as reports
-from robocell.generate.items import ItemResult
+from robocell.generate.items import ItemRecord
 from robocell.generate.procfs import children
 from robocell.generate.resume import result_of
 
@@ -88,7 +88,7 @@ def longer(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
-def test_the_disk_says_of_an_item_what_its_worker_reported(longer: Path):
+def test_results_on_disk_match_the_worker_reports(longer: Path):
     """It does where the worker died before it could."""
     run = robocell.RunConfig.load(longer.parent / "run.yaml", [f"output={longer}"])
     told = reports.load(longer / "report.json").episodes
@@ -96,7 +96,7 @@ def test_the_disk_says_of_an_item_what_its_worker_reported(longer: Path):
         # Times and places are in no episode.
         found = result_of(run, item)
         assert found == replace(told[item.id], seconds={}, redrawn={})
-        assert ItemResult.from_json(json.loads(json.dumps(found.to_json()))) == found
+        assert ItemRecord.from_json(json.loads(json.dumps(found.to_json()))) == found
     assert sum(result.attempts > result.accepted for result in told.values()) > 0
 
 
@@ -105,14 +105,29 @@ def processes(dataset: Path) -> set[int]:
     return {episode.json["run"]["process"] for episode in robocell.Dataset(dataset)}
 
 
-def test_seven_workers_make_the_same_bytes(longer: Path, tmp_path: Path):
+@pytest.mark.parametrize("workers", [1, 2])
+def test_images_rendered_afterwards_have_the_same_bytes(longer: Path, tmp_path: Path, workers: int):
+    run = write_run(tmp_path, **LONGER)
+    generate(run, tmp_path / "out", "--workers", workers, "--render-kept")
+    made, always = contents(tmp_path / "out"), contents(longer)
+    begun, expected = (json.loads(files.pop("dataset.json")) for files in (made, always))
+    assert begun["render"] == "kept", "for commands that say nothing of it"
+    assert begun["identity"] == expected["identity"]
+    assert made == always
+    field = tmp_path / "field.yaml"
+    field.write_text(run.read_text() + "render: kept\n")
+    again = generate(field, tmp_path / "out", "--workers", workers)
+    assert [event["event"] for event in again] == ["started", "finished"], "nothing is made again"
+
+
+def test_seven_workers_produce_the_same_bytes(longer: Path, tmp_path: Path):
     run = write_run(tmp_path, **LONGER)
     generate(run, tmp_path / "out", "--workers", 7)
     assert len(processes(tmp_path / "out")) >= 3
     assert contents(tmp_path / "out") == contents(longer)
 
 
-def test_ffmpeg_is_asked_for_its_version_once_by_all_processes(tmp_path: Path):
+def test_all_processes_together_query_the_ffmpeg_version_once(tmp_path: Path):
     asked, program = tmp_path / "asked", tmp_path / "ffmpeg"
     real = os.environ.get("ROBOCELL_FFMPEG") or shutil.which("ffmpeg")
     program.write_text(f"""#!/bin/sh
@@ -148,7 +163,7 @@ def going_on(run: Path, output: Path, *options: object) -> Iterator[subprocess.P
             process.kill()
 
 
-def test_workers_that_stand_still_now_and_then_make_the_same_bytes(longer: Path, tmp_path: Path):
+def test_workers_that_pause_produce_the_same_bytes(longer: Path, tmp_path: Path):
     run, out, chance = write_run(tmp_path, **LONGER), tmp_path / "out", random.Random(4)
     stops = 0
     with going_on(run, out, "--workers", 3) as process:
@@ -169,7 +184,7 @@ def test_workers_that_stand_still_now_and_then_make_the_same_bytes(longer: Path,
     assert contents(out) == contents(longer)
 
 
-def test_two_shards_make_the_same_bytes_into_one_folder(reference: Path, tmp_path: Path):
+def test_two_shards_produce_the_same_bytes_in_one_folder(reference: Path, tmp_path: Path):
     run = write_run(tmp_path)
     (tmp_path / "out/.s0000_e0000.7.1.partial").mkdir(parents=True)  # of a killed one
     for shard in ("0/2", "1/2"):
@@ -189,7 +204,7 @@ def other_seed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made_once(tmp_path_factory, "other_seed", make) / "out"
 
 
-def test_an_episode_of_another_run_is_named_and_not_counted(
+def test_an_episode_of_another_run_is_reported_and_not_counted(
     reference: Path, other_seed: Path, tmp_path: Path
 ):
     run, out = write_run(tmp_path), tmp_path / "out"
@@ -201,13 +216,13 @@ def test_an_episode_of_another_run_is_named_and_not_counted(
     assert IDS[1] not in refusal
 
 
-def test_another_seed_makes_other_bytes(reference: Path, other_seed: Path):
+def test_another_seed_produces_other_bytes(reference: Path, other_seed: Path):
     other, first = (of_episodes(contents(folder)) for folder in (other_seed, reference))
     assert other.keys() == first.keys()
     assert not set(other.values()) & set(first.values())
 
 
-def test_the_same_command_again_makes_what_is_missing_only(reference: Path, tmp_path: Path):
+def test_repeating_the_command_generates_only_missing_episodes(reference: Path, tmp_path: Path):
     run = write_run(tmp_path)
     generate(run, tmp_path / "out", "--episodes", 1)
     before = (tmp_path / "out" / IDS[0] / "episode.json").stat()
@@ -231,7 +246,7 @@ def test_the_summary_names_results_and_the_dataset(tmp_path: Path):
     assert "\x1b" not in result.stdout + result.stderr
 
 
-def test_what_cannot_be_made_is_listed_and_told_by_the_exit_code(tmp_path: Path):
+def test_episodes_that_fail_are_listed_and_the_exit_code_is_1(tmp_path: Path):
     run = write_run(tmp_path, episodes_per_scene=1, max_attempts=1)
     limits = ["--set", "rates.max_steps=3"]  # three actions lift nothing
     result = robocell_command("generate", run, *limits)
@@ -243,7 +258,7 @@ def test_what_cannot_be_made_is_listed_and_told_by_the_exit_code(tmp_path: Path)
     assert "0 of 1" in result.stdout
 
 
-def test_with_keep_all_failures_stay_and_are_not_made_again(tmp_path: Path):
+def test_keep_all_keeps_failures_and_does_not_repeat_them(tmp_path: Path):
     run = write_run(tmp_path, episodes_per_scene=1, max_attempts=2, keep="all")
     limits = ["--set", "rates.max_steps=3"]  # three actions lift nothing
     assert robocell_command("generate", run, *limits).returncode == 1
@@ -289,7 +304,7 @@ def interrupt(run: Path, number: signal.Signals) -> subprocess.CompletedProcess[
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupted_run_keeps_what_is_made_and_says_how_to_go_on(
+def test_an_interrupted_run_keeps_episodes_and_prints_how_to_resume(
     reference: Path, tmp_path: Path, number: signal.Signals
 ):
     run = write_run(tmp_path)
@@ -306,7 +321,7 @@ def test_an_interrupted_run_keeps_what_is_made_and_says_how_to_go_on(
     assert made[steps] == contents(reference)[steps]
 
 
-def test_a_killed_run_can_go_on(reference: Path, tmp_path: Path):
+def test_a_killed_run_can_resume(reference: Path, tmp_path: Path):
     run = write_run(tmp_path)
     assert interrupt(run, signal.SIGKILL).returncode == -signal.SIGKILL
     generate(run, tmp_path / "out")
@@ -317,7 +332,7 @@ def test_a_killed_run_can_go_on(reference: Path, tmp_path: Path):
     assert {name: made[name] for name in contents(reference)} == contents(reference)
 
 
-def test_a_second_run_is_refused_while_the_first_goes_on_unharmed(reference: Path, tmp_path: Path):
+def test_rejects_a_second_run_and_the_first_completes(reference: Path, tmp_path: Path):
     run, out = write_run(tmp_path), tmp_path / "out"
     with going_on(run, out, "--workers", 1) as first:
         first.send_signal(signal.SIGSTOP)  # so that it is there still
@@ -330,7 +345,7 @@ def test_a_second_run_is_refused_while_the_first_goes_on_unharmed(reference: Pat
     assert contents(out) == contents(reference)
 
 
-def test_another_shard_may_run_meanwhile_but_not_the_same(reference: Path, tmp_path: Path):
+def test_another_shard_can_run_concurrently_but_not_the_same(reference: Path, tmp_path: Path):
     run, out = write_run(tmp_path), tmp_path / "out"
     with going_on(run, out, "--shard", "0/2", "--workers", 1) as first:
         first.send_signal(signal.SIGSTOP)

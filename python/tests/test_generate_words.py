@@ -18,9 +18,7 @@ from robocell.generate.totals import Totals
 cli = importlib.import_module("robocell.cli.generate")
 
 
-def test_a_disk_that_is_too_small_is_told_before_the_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_warns_about_a_small_disk_before_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(cli, "free_bytes", lambda folder: 1_000_000)
     assert cli.too_little_room(1_000_000, tmp_path) == ""
     assert cli.too_little_room(3_500_000, tmp_path) == (
@@ -29,7 +27,7 @@ def test_a_disk_that_is_too_small_is_told_before_the_run(
     )
 
 
-def test_repair_is_advised_only_where_it_helps(tmp_path: Path):
+def test_repair_is_suggested_only_if_it_helps(tmp_path: Path):
     foreign = "'e1' is an episode of another run: repair leaves it alone, move it away yourself"
     assert cli.in_the_way(foreign, tmp_path).endswith(foreign)
     half = "'e2' is half an episode: episode.json is missing"
@@ -37,7 +35,7 @@ def test_repair_is_advised_only_where_it_helps(tmp_path: Path):
     assert told.endswith(f"{half}\nTo set damaged ones aside: robocell verify --repair {tmp_path}")
 
 
-def test_ctrl_c_before_there_are_workers_is_told_without_a_traceback(
+def test_ctrl_c_before_workers_start_prints_no_traceback(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
     def interrupted(*of: object) -> None:
@@ -49,13 +47,12 @@ def test_ctrl_c_before_there_are_workers_is_told_without_a_traceback(
         cli.generate(write_run(tmp_path))
     assert end.value.exit_code == 130
     assert capsys.readouterr().err == (
-        "warning: interrupted before an episode was begun.\n"
-        "To begin again: robocell generate run.yaml\n"
+        "warning: interrupted before the first episode.\nTo restart: robocell generate run.yaml\n"
     )
 
 
 @pytest.mark.parametrize(("on_disk", "kept"), [(0, ""), (1, "1 episode is"), (2, "2 episodes are")])
-def test_a_run_that_cannot_go_on_says_how_many_episodes_are_kept(
+def test_a_failed_run_reports_how_many_episodes_are_kept(
     on_disk: int, kept: str, capsys: pytest.CaptureFixture[str]
 ):
     full = Fatal("io", "the disk is full")
@@ -66,7 +63,7 @@ def test_a_run_that_cannot_go_on_says_how_many_episodes_are_kept(
 
 
 @pytest.mark.parametrize(("on_disk", "verb"), [(1, "is"), (2, "are")])
-def test_an_interrupted_run_says_how_many_episodes_are_kept(
+def test_an_interrupted_run_reports_how_many_episodes_are_kept(
     on_disk: int, verb: str, capsys: pytest.CaptureFixture[str]
 ):
     with pytest.raises(typer.Exit):

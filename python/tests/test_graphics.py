@@ -29,19 +29,19 @@ def describe(**environment: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-def test_it_is_described():
+def test_describes_the_graphics():
     said = describe().stdout
     assert said.startswith(("draws: egl: ", "draws: osmesa: "))
 
 
-def test_an_error_says_what_was_tried_when_nothing_draws():
+def test_a_rendering_error_lists_the_back_ends_tried():
     result = describe(ROBOCELL_GL="egl", __EGL_VENDOR_LIBRARY_FILENAMES="/no")
     assert result.returncode == 1
     assert "draws" not in result.stdout
     assert "Error: no OpenGL for off-screen rendering. Tried:\n  egl: " in result.stderr
 
 
-def test_a_run_with_cameras_says_once_that_a_card_is_idle(tmp_path: Path):
+def test_a_run_with_cameras_warns_once_about_an_idle_gpu(tmp_path: Path):
     run = rc.RunConfig.load(str(EXAMPLES / "demo.yaml"))
     assert run.cameras.streams
     assert run.cameras.renderer.backend == "soft"
@@ -64,7 +64,7 @@ def test_a_misspelt_back_end_is_named():
     assert issubclass(rc.NotFoundError, rc.Error)
 
 
-def test_a_bad_mujoco_gl_is_named_by_all_that_needs_mujoco_and_hinders_nothing_else(tmp_path: Path):
+def test_a_bad_mujoco_gl_is_reported_only_where_mujoco_is_needed(tmp_path: Path):
     # One process for all: the package is imported once in each.
     (tmp_path / ".quarantine").mkdir()  # a dataset, and nothing in it
     code = (
@@ -97,9 +97,12 @@ def test_a_bad_mujoco_gl_is_named_by_all_that_needs_mujoco_and_hinders_nothing_e
     assert "remedy='unset MUJOCO_GL, or export MUJOCO_GL=egl'" in result.stdout
     assert result.stderr.splitlines() == [
         f"error: {message}",
-        f"error: '{tmp_path}' holds no episodes and no report",
+        f"error: '{tmp_path}' holds no episodes and no report: give the `robocell generate` "
+        "command of this dataset again, it goes on",
     ]
-    assert "ended with 2\n0 episodes good, 0 bad\nended with 0\nended with 2\n" in result.stdout
+    assert (
+        "ended with 2\n0 episodes intact, 0 damaged\nended with 0\nended with 2\n" in result.stdout
+    )
 
 
 @pytest.mark.parametrize(
@@ -111,7 +114,7 @@ def test_a_bad_mujoco_gl_is_named_by_all_that_needs_mujoco_and_hinders_nothing_e
         (None, "got None"),
     ],
 )
-def test_a_picture_of_anything_but_bytes_is_refused(tmp_path: Path, image: object, message: str):
+def test_rejects_images_that_are_not_uint8(tmp_path: Path, image: object, message: str):
     with pytest.raises(TypeError) as caught:
         rc.render.write_png(tmp_path / "x.png", image)  # type: ignore[arg-type]
     expected = "write_png: `rgb` must be a uint8 array of shape (height, width, 3), "
@@ -119,14 +122,14 @@ def test_a_picture_of_anything_but_bytes_is_refused(tmp_path: Path, image: objec
     assert not (tmp_path / "x.png").exists()
 
 
-def test_a_picture_may_be_a_view(tmp_path: Path):
+def test_accepts_a_view_as_an_image(tmp_path: Path):
     image = np.arange(4 * 6 * 3, dtype=np.uint8).reshape(4, 6, 3)
     rc.render.write_png(tmp_path / "view.png", image[::2, ::-1])
     rc.render.write_png(tmp_path / "copy.png", image[::2, ::-1].copy())
     assert (tmp_path / "view.png").read_bytes() == (tmp_path / "copy.png").read_bytes()
 
 
-def test_a_png_is_not_written_under_the_name_of_another_kind(tmp_path: Path):
+def test_rejects_a_png_with_another_extension(tmp_path: Path):
     image = np.zeros((4, 6, 3), np.uint8)
     with pytest.raises(rc.ArgumentError, match=r"end in \.png or \.PNG: give '.*/a\.png' instead"):
         rc.render.write_png(tmp_path / "a.jpg", image)

@@ -16,7 +16,7 @@ from command_line import (
 from menagerie import require_menagerie
 
 
-def test_the_range_of_grippers_is_printed_in_this_form():
+def test_prints_the_range_of_grippers():
     result = robocell_command("gripper-range", RC7)
     assert result.returncode == 0, result.stderr
     first, second = result.stdout.splitlines()
@@ -31,7 +31,7 @@ def test_the_range_of_grippers_is_printed_in_this_form():
 
 
 @pytest.mark.parametrize("measured", [False, True])
-def test_the_range_of_a_linkage_gripper_is_said_or_measured(tmp_path: Path, measured: bool):
+def test_the_range_of_a_linkage_gripper_is_configured_or_measured(tmp_path: Path, measured: bool):
     require_menagerie("ufactory_xarm7")
     text = (REPOSITORY / "examples" / "xarm7.yaml").read_text()
     said = ", distance: {closed: 0.004, open: 0.089}"
@@ -68,7 +68,7 @@ def test_a_hand_without_an_arm_is_measured_and_checked(tmp_path: Path):
     assert "Gripper 'gripper': 0.000 - 0.088" in result.stdout
     result = robocell_command("check", path, "--picture", tmp_path / "hand.png")
     assert result.returncode == 0, result.stderr
-    assert "nothing found wrong" in result.stdout
+    assert "no problems found" in result.stdout
     assert "the experts pick and pick_and_place cannot use this robot" in result.stdout
     assert "reach:" not in result.stdout
     refused = robocell_command("reach", path, "--plane", "z=0.4")

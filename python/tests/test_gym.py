@@ -34,7 +34,7 @@ def config(**fields) -> rc.EnvConfig:
 
 
 @pytest.mark.parametrize(("mode", "relative_to"), MODES)
-def test_gymnasiums_checker_has_nothing_to_say(mode, relative_to):
+def test_passes_the_gymnasium_checker(mode, relative_to):
     env = GymEnv(config(control_mode=mode, relative_to=relative_to), render_mode="rgb_array")
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -64,7 +64,7 @@ def test_spaces_hold_everything_and_equal_seeds_give_equal_episodes(mode, relati
     assert np.ptp(episodes[0], axis=0)[:7].min() > 0, "nothing stands still"
 
 
-def test_pictures_are_of_the_size_that_was_asked_for():
+def test_render_returns_images_of_the_requested_size():
     env = GymEnv(config(), render_mode="rgb_array", render_size=(64, 48))
     assert env.metadata["render_fps"] == 30
     env.reset(seed=0)
@@ -161,7 +161,7 @@ def test_any_configuration_has_a_registered_name(tmp_path):
 
 
 @pytest.mark.parametrize("robot", ["xarm7", "fr3", "gen3_2f85", "panda"])
-def test_robots_of_the_cells_pick_by_their_name(menagerie, robot):
+def test_pick_cube_accepts_robots_by_cell_name(menagerie, robot):
     env = gym.make("robocell/PickCube-v0", robot=robot)
     observation, _ = env.reset(seed=0)
     assert set(observation["robot"]) == {"tquat", "xyzrpy", "joints", "gripper"}
@@ -170,7 +170,7 @@ def test_robots_of_the_cells_pick_by_their_name(menagerie, robot):
     env.close()
 
 
-def test_cells_and_robots_that_are_not_there(menagerie):
+def test_rejects_unknown_cells_and_robots(menagerie):
     duo = gym.make("robocell/Env-v0", config="fr3_duo")
     assert set(duo.observation_space.spaces) == {"left", "right"}
     duo.close()
@@ -201,7 +201,7 @@ def test_factories_are_pickled():
     env.close()
 
 
-def test_vectors_of_gymnasiums_own():
+def test_works_with_gymnasium_vectors():
     vector = gym.vector.SyncVectorEnv([partial(GymEnv, config())] * 2)
     observation, _ = vector.reset(seed=[1, 2])
     assert observation["robot"]["tquat"].shape == (2, 7)
@@ -246,7 +246,7 @@ env.reset(seed=0)
 """
 
 
-def test_forks_of_a_process_that_has_drawn_are_told():
+def test_warns_about_forking_after_rendering():
     """They waited for OpenGL's threads for ever."""
     done = subprocess.run(
         [sys.executable, "-c", FORKED],
@@ -306,7 +306,7 @@ def test_the_registered_environment_is_about_a_cube():
     env.close()
 
 
-def test_zeros_stand_still_and_grippers_are_any_number():
+def test_zero_actions_hold_still_and_the_gripper_takes_any_number():
     env = gym.make("robocell/PickCube-v0").unwrapped
     still = {"robot": {"tquat": np.zeros(7), "gripper": np.zeros(1)}}
     assert env.action_space.contains(still)
@@ -318,7 +318,7 @@ def test_zeros_stand_still_and_grippers_are_any_number():
     assert np.allclose(seen["robot"]["tquat"], start["robot"]["tquat"], atol=2e-3)
     for gripper, problem in [
         ("open", "action.robot.gripper must be a list of numbers, got str"),
-        ([1, 2], "action.robot.gripper must be 1 numbers, got 2"),
+        ([1, 2], "action.robot.gripper must be 1 number, got 2"),
         (None, "action.robot.gripper must be a number, got None"),
     ]:
         with pytest.raises((TypeError, rc.ArgumentError), match=problem):
@@ -367,7 +367,7 @@ def test_pictures_show_the_robot_from_the_side_and_in_front():
     assert (pictures[0] == pictures[1]).mean() > 0.98, "the same wherever the rig stands"
 
 
-def test_without_a_display_a_window_is_a_warning_once(monkeypatch):
+def test_without_a_display_warns_once(monkeypatch):
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(_window, "_warned", set())
@@ -416,7 +416,7 @@ def test_a_window_follows_every_step_until_it_is_closed(monkeypatch):
     env.close()
 
 
-def test_gymnasiums_own_video_recorder(tmp_path, monkeypatch):
+def test_works_with_the_gymnasium_video_recorder(tmp_path, monkeypatch):
     """With a stand-in for moviepy, which wants an older pillow than we do."""
     clips = []
 
@@ -464,7 +464,7 @@ def with_a_bent_keyframe(tmp_path):
     return given, name, next(k for k in scene.keyframes() if k.endswith("bent"))
 
 
-def test_a_reset_starts_at_a_keyframe_when_asked(tmp_path):
+def test_a_reset_can_start_at_a_keyframe(tmp_path):
     given, name, bent_key = with_a_bent_keyframe(tmp_path)
     env = GymEnv(given)
     scene = env.core.scene
@@ -497,7 +497,7 @@ def test_copies_in_a_vector_start_where_one_environment_does(tmp_path):
     env.close()
 
 
-def test_unknown_render_modes_and_options_are_refused():
+def test_rejects_unknown_render_modes_and_options():
     with pytest.raises(rc.ArgumentError, match="must be None, 'human' or 'rgb_array', got 'ansi'"):
         GymEnv(config(), render_mode="ansi")
     env = GymEnv(config())
@@ -509,7 +509,7 @@ def test_unknown_render_modes_and_options_are_refused():
 
 
 @pytest.mark.parametrize("mode", ["joints", rc.ControlMode.JOINTS])
-def test_the_registered_environment_takes_joints_too(mode):
+def test_the_registered_environment_supports_joint_control(mode):
     for name in ("robocell/PickCube-v0", "robocell/PickPlace-v0"):
         env = gym.make(name, control_mode=mode)
         env.reset(seed=0)

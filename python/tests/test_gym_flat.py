@@ -23,7 +23,7 @@ def rows(observation: dict) -> np.ndarray:
     return np.concatenate([*parts, cube["tquat"]], axis=-1)
 
 
-def test_it_is_the_same_environment_in_other_clothes():
+def test_matches_the_environment_with_dictionaries():
     arguments = (pick_cube_config(), COPIES, LIMIT, AutoresetMode.SAME_STEP)
     flat, dressed = FlatVectorGymEnv(*arguments), VectorGymEnv(*arguments)
     seen, _ = flat.reset(seed=4)
@@ -50,7 +50,7 @@ def test_it_is_the_same_environment_in_other_clothes():
     dressed.close()
 
 
-def test_final_observations_are_vectors_too():
+def test_final_observations_are_vectors():
     vector = FlatVectorGymEnv(pick_cube_config(), 2, 1, "SameStep")
     vector.reset(seed=0)
     action = np.ones((2, 8)) * [1, 0, 0, 0, 0, 0, 0, 1]
@@ -62,7 +62,7 @@ def test_final_observations_are_vectors_too():
     vector.close()
 
 
-def test_what_learning_code_does_with_it():
+def test_clips_actions_and_records_statistics():
     made = gym.make_vec("robocell/PickCube-v0", num_envs=2, flat=True, max_episode_steps=2)
     vector = RecordEpisodeStatistics(made)
     assert isinstance(vector.single_action_space, gym.spaces.Box)
@@ -77,7 +77,7 @@ def test_what_learning_code_does_with_it():
     gym.make_vec("robocell/PickPlace-v0", num_envs=1, flat=True).close()
 
 
-def test_what_is_no_vector_is_refused():
+def test_rejects_images_and_actions_of_a_wrong_shape():
     config = pick_cube_config()
     config.cameras.streams = [rc.render.CameraConfig(name="eye", camera="robotrobot_exo_camera")]
     with pytest.raises(rc.ArgumentError, match=r"flat observations have no images; .* \(eye\)"):
@@ -91,7 +91,7 @@ def test_what_is_no_vector_is_refused():
     vector.close()
 
 
-def test_one_is_a_copy_of_the_vector():
+def test_a_single_flat_environment_matches_a_copy_of_the_vector():
     """Also of a task with signals, whose dictionaries come in another order than the numbers."""
     for name in ("robocell/PickCube-v0", "robocell/PickPlace-v0"):
         one = gym.make(name, flat=True)
@@ -112,7 +112,7 @@ def test_one_is_a_copy_of_the_vector():
         vector.close()
 
 
-def test_gymnasiums_checker_has_nothing_at_all_to_say():
+def test_passes_the_gymnasium_checker_without_warnings():
     env = FlatGymEnv(pick_cube_config())
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -120,7 +120,7 @@ def test_gymnasiums_checker_has_nothing_at_all_to_say():
     env.close()
 
 
-def test_gymnasiums_own_vectors_take_it():
+def test_works_in_gymnasium_vectors():
     modes = {}
     for mode in ("sync", "async", None):
         vector = gym.make_vec(
@@ -135,7 +135,7 @@ def test_gymnasiums_own_vectors_take_it():
         assert np.array_equal(rewards, modes[None][1])
 
 
-def test_an_action_of_one_has_its_numbers():
+def test_a_single_environment_rejects_wrong_actions_and_images():
     env = FlatGymEnv(pick_cube_config())
     env.reset(seed=0)
     with pytest.raises(rc.ArgumentError, match=r"'pick_cube': action must be 8 numbers, .*\(7,\)"):
@@ -149,7 +149,7 @@ def test_an_action_of_one_has_its_numbers():
     env.close()
 
 
-def test_gymnasiums_wrappers_of_boxes_take_it():
+def test_works_with_gymnasium_box_wrappers():
     env = gym.make("robocell/PickCube-v0", flat=True)
     ends = np.full((2, 8), np.float32([[-2], [2]]))
     wrapped = gym.wrappers.ClipAction(gym.wrappers.RescaleAction(env, *ends))

@@ -58,7 +58,7 @@ def same(a: Any, b: Any) -> bool:
 
 
 @pytest.mark.parametrize("mode", AutoresetMode, ids=lambda mode: mode.name)
-def test_it_is_gymnasiums_vector_of_single_environments(mode: AutoresetMode):
+def test_matches_a_gymnasium_vector_of_single_environments(mode: AutoresetMode):
     ours = VectorGymEnv(pick_cube_config(), COPIES, LIMIT, mode, threads=2)
     theirs = SyncVectorEnv([partial(single)] * COPIES, autoreset_mode=mode)
     assert ours.action_space == theirs.action_space
@@ -143,7 +143,7 @@ def test_copies_have_no_windows(monkeypatch):
     vector.close()
 
 
-def test_it_is_made_by_its_registered_name():
+def test_make_vec_builds_it_by_its_registered_name():
     vector = gym.make_vec("robocell/PickCube-v0", num_envs=2, threads=1)
     observation, _ = vector.reset(seed=[7, 7])
     assert observation["objects"]["cube"]["tquat"].shape == (2, 7)
@@ -165,7 +165,7 @@ def test_it_is_made_by_its_registered_name():
         vector.reset()
 
 
-def test_infos_are_of_the_copies_that_made_a_step():
+def test_infos_cover_the_copies_that_stepped():
     """Three copies of which the middle one was reset later, so that it ends later."""
     for mode in (AutoresetMode.NEXT_STEP, AutoresetMode.SAME_STEP):
         vector = VectorGymEnv(pick_cube_config(), 3, 2, mode)
@@ -192,7 +192,7 @@ def test_infos_are_of_the_copies_that_made_a_step():
         vector.close()
 
 
-def test_without_a_seed_starts_are_by_chance_and_differ():
+def test_unseeded_starts_are_random():
     cubes = []
     for _ in range(2):
         vector = VectorGymEnv(pick_cube_config(), 2)
@@ -205,7 +205,7 @@ def test_without_a_seed_starts_are_by_chance_and_differ():
     assert len({cube.tobytes() for cube in cubes}) == len(cubes)
 
 
-def test_seeds_and_masks_are_what_they_say():
+def test_seeds_and_masks_apply_to_their_copies():
     vector = VectorGymEnv(pick_cube_config(), 2)
     first, _ = vector.reset(seed=np.int64(5))
     assert same(first, vector.reset(seed=[5, np.uint8(6)])[0])
@@ -225,7 +225,7 @@ def test_seeds_and_masks_are_what_they_say():
     vector.close()
 
 
-def test_actions_are_refused_that_one_environment_refuses():
+def test_rejects_the_actions_that_a_single_environment_rejects():
     vector = VectorGymEnv(pick_cube_config(), 2)
     vector.reset(seed=0)
     good = vector.action_space.sample()["robot"]
@@ -238,7 +238,10 @@ def test_actions_are_refused_that_one_environment_refuses():
         ({"robot": {"tquat": good["tquat"]}}, rf"{place}\.robot: 'gripper' is missing; it takes"),
         ({"robot": good | {"joints": 1}}, rf"{place}\.robot: no 'joints'; it takes tquat, gripper"),
         ({"robot": good | {"tquat": np.ones((7, 2))}}, r"it is of shape \(7, 2\)"),
-        ({"robot": good | {"tquat": np.ones(14)}}, "must have a row of 7 numbers for each of 2"),
+        (
+            {"robot": good | {"tquat": np.ones(14)}},
+            r"a row of 7 numbers for each copy \(2\)",
+        ),
         ({"robot": good | {"tquat": "far"}}, "it is no array: could not convert"),
     ]:
         with pytest.raises(rc.ArgumentError, match=problem):
@@ -246,7 +249,7 @@ def test_actions_are_refused_that_one_environment_refuses():
     vector.close()
 
 
-def test_an_autoreset_mode_that_is_none():
+def test_rejects_an_unknown_autoreset_mode():
     known = "must be 'NextStep', 'SameStep', 'Disabled', or an AutoresetMode of Gymnasium's"
     with pytest.raises(rc.ArgumentError, match=f"{known}, got 'same_step'"):
         gym.make_vec("robocell/PickCube-v0", num_envs=2, autoreset_mode="same_step")
@@ -255,7 +258,7 @@ def test_an_autoreset_mode_that_is_none():
     vector.close()
 
 
-def test_one_thread_at_a_time():
+def test_rejects_use_by_two_threads():
     vector = VectorGymEnv(pick_cube_config(), 2, threads=1)
     vector.reset(seed=0)
     only_one_may_use(
@@ -272,7 +275,7 @@ def test_one_thread_at_a_time():
     env.close()
 
 
-def test_what_is_wrong_is_told_by_the_copy():
+def test_errors_name_the_copy_with_a_wrong_action():
     vector = VectorGymEnv(pick_cube_config(), 2)
     vector.reset(seed=0)
     action = vector.action_space.sample()

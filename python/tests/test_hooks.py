@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import inspect
 import re
 from collections.abc import Callable
@@ -12,7 +13,9 @@ import numpy as np
 import pytest
 
 import robocell as rc
+from robocell._raised import LostPolicyError, UnmadePolicyError
 from robocell.control import GroupCommand
+from robocell.gym import pick_cube_config
 from test_task import Idle, load
 
 
@@ -137,6 +140,29 @@ class PreparesTimestep(Cube):
         return rc.tasks.TaskVerdict()
 
 
+def ball_of(radius: float) -> rc.SceneObject:
+    ball = rc.SceneObject(name="ball", shape=rc.Shape.SPHERE, size=[radius, 0, 0], mass=0.1)
+    ball.rgba, ball.friction = [1, 0.5, 0, 1], [1, 0.02, 0.001]
+    return ball
+
+
+class PreparesTwice(Touch):
+    def prepare(self, spec: rc.SceneSpec, rng: rc.tasks.Rng) -> None:
+        ball = ball_of(0.03)
+        spec.objects.append(ball)
+        spec.objects.append(ball)
+
+
+class PreparesMillimetres(Touch):
+    def prepare(self, spec: rc.SceneSpec, rng: rc.tasks.Rng) -> None:
+        spec.objects.append(ball_of(150))
+
+
+class Mute(Touch):
+    def instruction(self) -> str:
+        return " "
+
+
 class Prepares(Touch):
     def prepare(self, spec: rc.SceneSpec, rng: rc.tasks.Rng) -> None:
         spec.objects.append(rc.SceneObject(name="cube", shape=rc.Shape.BOX, size=[-1, 1, 1]))
@@ -188,7 +214,7 @@ def place(function: Callable[..., Any]) -> str:
         (Starts, "starts", "no body 'cubee'"),
         (Names, "objects", "no object 'cubee'"),
         (NamesTwice, "objects", "objects() names 'cube' twice"),
-        (SignalsNoPath, "signals", "'..' is no valid part of a path"),
+        (SignalsNoPath, "signals", "'..' is not a valid part of a path"),
         (SignalsInsideEachOther, "signals", "one name is a folder of the other"),
         (RangesBackwards, "base_range", "the distance of a base range is [0.5, 0.3]"),
         (RangesBehind, "base_range", "the distance of a base range is [-1, -0.5]"),
@@ -196,7 +222,7 @@ def place(function: Callable[..., Any]) -> str:
         (Prepares, "prepare", "prepare added object 'cube', which is not valid"),
     ],
 )
-def test_what_a_task_returns_wrongly_ends_the_attempt(
+def test_an_invalid_task_result_ends_the_rollout(
     tmp_path: Path, task: type[Cube], method: str, text: str
 ):
     said = failure_of(tmp_path, task, lambda *_: Idle())
@@ -238,6 +264,39 @@ def test_environments_reject_the_same_verdicts(
         env.step(action)
 
 
+class Lies(Touch):
+    def resting_objects(self) -> list[str]:
+        return ["cubee"]
+
+
+@pytest.mark.parametrize(
+    ("task", "method", "text"),
+    [
+        (Starts, "starts", "no body 'cubee'"),
+        (Lies, "resting_objects", "no object 'cubee'"),
+        (Arranges, "arrange", "Arranges.arrange() must return a Refusal or None, got 'no'"),
+        (Names, "objects", "no object 'cubee'"),
+        (RangesBackwards, "base_range", "the distance of a base range is [0.5, 0.3]"),
+    ],
+)
+def test_environments_and_runs_reject_a_start_alike(
+    tmp_path: Path, task: type[rc.tasks.Task], method: str, text: str
+):
+    def said(make: Callable[[], Any]) -> type:
+        with pytest.raises((TypeError, rc.Error)) as caught:
+            make()
+        assert text in str(caught.value)
+        assert str(caught.value).endswith(place(getattr(task, method)))
+        return caught.type
+
+    run = run_of(tmp_path / "run", task)
+    in_run = said(lambda: rc.envs.RunEnv(run).reset(0))
+    config = rc.EnvConfig(
+        robots={"robot": rc.models.robot_file("rc7")}, task=run.task, name="duo", add_floor=True
+    )
+    assert said(lambda: rc.Env(config).reset(seed=0)) is in_run
+
+
 @pytest.mark.parametrize(
     ("action", "text"),
     [
@@ -248,7 +307,7 @@ def test_environments_reject_the_same_verdicts(
         ({"rc7": {"arm": GroupCommand.joints(np.full(7, np.nan))}}, "nan"),
     ],
 )
-def test_an_action_that_is_none_ends_the_attempt(tmp_path: Path, action: Any, text: str):
+def test_an_invalid_action_ends_the_rollout(tmp_path: Path, action: Any, text: str):
     class Acts(Idle):
         def act(self, scene: rc.Scene, rng: rc.tasks.Rng) -> Any:
             return action
@@ -259,7 +318,7 @@ def test_an_action_that_is_none_ends_the_attempt(tmp_path: Path, action: Any, te
 
 
 @pytest.mark.parametrize("numbers", [[1.0, 2.0, 3.0], [float("nan"), 0.0], None])
-def test_what_a_feature_returns_wrongly_ends_the_attempt(tmp_path: Path, numbers: Any):
+def test_an_invalid_feature_value_ends_the_rollout(tmp_path: Path, numbers: Any):
     @rc.register_feature("pair_of_hooks", shape=[2])
     def pair(scene: rc.Scene) -> Any:
         return numbers
@@ -269,7 +328,7 @@ def test_what_a_feature_returns_wrongly_ends_the_attempt(tmp_path: Path, numbers
     assert said.endswith(place(pair))
 
 
-def test_a_wrong_result_once_costs_one_attempt(tmp_path: Path):
+def test_one_invalid_result_costs_one_rollout(tmp_path: Path):
     class Once(Idle):
         wrong: ClassVar = [True]
 
@@ -282,7 +341,7 @@ def test_a_wrong_result_once_costs_one_attempt(tmp_path: Path):
     assert result.failures == {text: 1, "idle": 1}
 
 
-def test_none_for_an_action_once_costs_one_attempt(tmp_path: Path):
+def test_one_none_action_costs_one_rollout(tmp_path: Path):
     class Once(Idle):
         wrong: ClassVar = [True]
 
@@ -295,7 +354,7 @@ def test_none_for_an_action_once_costs_one_attempt(tmp_path: Path):
     assert result.failures == {text: 1, "idle": 1}
 
 
-def test_the_function_that_makes_a_task_is_named(tmp_path: Path):
+def test_errors_name_the_function_that_makes_a_task(tmp_path: Path):
     @rc.register_task("nothing_of_hooks")
     def nothing() -> Any:
         return 7
@@ -310,7 +369,7 @@ def test_the_function_that_makes_a_task_is_named(tmp_path: Path):
 @pytest.mark.parametrize(
     "values", [np.zeros(6), np.zeros((3, 2)), [[0.0, 0.0]] * 3, 1.0, [1.0], np.zeros((1, 2, 3))]
 )
-def test_a_feature_of_another_shape_than_declared_ends_the_attempt(tmp_path: Path, values: Any):
+def test_a_feature_of_the_wrong_shape_ends_the_rollout(tmp_path: Path, values: Any):
     @rc.register_feature("table_of_hooks", shape=[2, 3])
     def table(scene: rc.Scene) -> Any:
         return values
@@ -322,7 +381,7 @@ def test_a_feature_of_another_shape_than_declared_ends_the_attempt(tmp_path: Pat
 
 
 @pytest.mark.parametrize("value", [True, np.True_, np.array(True)])
-def test_a_feature_may_be_true_or_false(tmp_path: Path, value: Any):
+def test_a_feature_can_be_boolean(tmp_path: Path, value: Any):
     rc.register_feature("flag_of_hooks")(lambda scene: value)
     run = run_of(tmp_path / "run", Touch, features=["flag_of_hooks"], max_attempts=1, keep="all")
     rc.generate.Runner(run, expert=lambda *_: Idle()).run(rc.generate.make_plan(run)[0])
@@ -330,30 +389,59 @@ def test_a_feature_may_be_true_or_false(tmp_path: Path, value: Any):
 
 
 @pytest.mark.parametrize(("shape", "value"), [((), [1.0]), ((1,), 1.0), ((1,), np.ones(1))])
-def test_a_single_number_may_be_a_row_of_one(tmp_path: Path, shape: Any, value: Any):
+def test_a_scalar_feature_can_have_shape_one(tmp_path: Path, shape: Any, value: Any):
     rc.register_feature("one_of_hooks", shape=shape)(lambda scene: value)
     run = run_of(tmp_path / "run", Touch, features=["one_of_hooks"], max_attempts=1, keep="all")
     rc.generate.Runner(run, expert=lambda *_: Idle()).run(rc.generate.make_plan(run)[0])
     assert rc.Dataset(run.output)[0]["features/one_of_hooks"].shape == (3, *shape)
 
 
-def test_a_task_that_changes_the_timestep_is_refused_before_the_first_episode(tmp_path: Path):
+@pytest.mark.parametrize(
+    ("task", "message"),
+    [
+        (PreparesTwice, r"prepare\(\) added object '\w+' twice to scene .*append each object once"),
+        (PreparesMillimetres, r"object 'ball' is 300 m large.*in millimetres it would be 0.3 m"),
+    ],
+)
+def test_objects_that_no_scene_can_have_are_refused_before_the_first_episode(
+    tmp_path: Path, task: type[rc.tasks.Task], message: str
+):
+    with pytest.raises(rc.ArgumentError, match=message) as caught:
+        run_of(tmp_path / "run", task)
+    name = f"{task.__name__.lower()}_of_hooks"
+    assert f"task '{name}': prepare() added" in str(caught.value)
+    assert "test_hooks.py:" in str(caught.value)
+    with pytest.raises(rc.Error, match=message):
+        rc.Env(pick_cube_config(task={"kind": name}))
+
+
+def test_an_instruction_without_words_is_warned_of(tmp_path: Path):
+    run = run_of(tmp_path / "run", Mute)
+    rc.register_expert("mute_of_hooks")(lambda run, start: Idle())
+    run.expert = "mute_of_hooks"
+    (warning,) = (line for line in rc.diagnose.check_run(run) if "words" in line)
+    assert "task 'mute_of_hooks': instruction() has no words" in warning
+    assert "such as 'pick up the mug'" in warning
+    assert "test_hooks.py:" in warning
+
+
+def test_rejects_a_task_that_changes_the_timestep_before_the_first_episode(tmp_path: Path):
     with pytest.raises(rc.ArgumentError) as caught:
         run_of(tmp_path / "run", PreparesTimestep)
-    assert "prepare() changed the timestep of scene 'scene' from unset to 0.01 s" in str(
+    assert "prepare() changed the timestep of scene 'tiny' from 0.002 s to 0.01 s" in str(
         caught.value
     )
     assert str(caught.value).endswith(place(PreparesTimestep.prepare))
 
 
-def test_sys_exit_in_a_hook_ends_the_attempt(tmp_path: Path):
+def test_sys_exit_in_a_hook_ends_the_rollout(tmp_path: Path):
     run = run_of(tmp_path / "run", Exits, max_attempts=2)
     result = rc.generate.Runner(run, expert=lambda *_: Idle()).run(rc.generate.make_plan(run)[0])
     line = Exits.judge.__code__.co_firstlineno + 1
     assert result.failures == {f"SystemExit: 3 ({__file__}:{line}, in judge)": 2}
 
 
-def test_a_sampler_whose_scene_has_another_timestep_ends_the_attempt(tmp_path: Path):
+def test_a_sampler_scene_with_another_timestep_ends_the_rollout(tmp_path: Path):
     class Slow(rc.tasks.TaskSampler):
         def __init__(self, run: rc.RunConfig) -> None:
             super().__init__()
@@ -372,7 +460,7 @@ def test_a_sampler_whose_scene_has_another_timestep_ends_the_attempt(tmp_path: P
     )
 
 
-def test_a_scene_source_with_another_timestep_is_refused(tmp_path: Path):
+def test_rejects_a_scene_source_with_another_timestep(tmp_path: Path):
     @rc.register_scene_source("slow_of_hooks")
     class Slow(rc.scenes.SceneSource):
         timestep = 0.003
@@ -393,7 +481,7 @@ def test_a_scene_source_with_another_timestep_is_refused(tmp_path: Path):
     rc.generate.prepare_dataset(run)
 
 
-def test_a_fixed_base_is_refused_before_the_first_episode(tmp_path: Path):
+def test_rejects_a_fixed_base_before_the_first_episode(tmp_path: Path):
     rc.register_task("fixed_of_hooks")(Touch)
     rc.register_expert("fixed_of_hooks")(lambda run, start: Idle())
     run = load(tmp_path)
@@ -407,6 +495,113 @@ def test_a_fixed_base_is_refused_before_the_first_episode(tmp_path: Path):
     )
 
 
-def test_a_slip_between_two_fields_names_both():
+def test_a_misspelt_field_suggests_both_candidates():
     with pytest.raises(rc.SpecError, match=r"'goalz'.* Did you mean 'goal' or 'goals'\?"):
         rc.RunConfig.from_yaml("run: a\ntask: {kind: pick_and_place, goalz: [tray]}\n", "a.yaml")
+
+
+class PanicError(BaseException):
+    """What extensions in Rust raise."""
+
+
+class Raises(Idle):
+    """Raises at the end of the first action."""
+
+    error: ClassVar[BaseException] = ValueError("two\nlines")
+
+    def done(self) -> bool:
+        raise self.error
+
+
+def evaluated(
+    folder: Path, expert: Callable[..., rc.tasks.Expert], task: type[rc.tasks.Task] = Touch
+) -> rc.generate.ItemResult:
+    """One rollout of an evaluation."""
+    run = run_of(folder / "run", task, keep="first")
+    return rc.generate.Runner(run, expert=expert).run(rc.generate.make_plan(run)[0])
+
+
+@pytest.mark.parametrize(
+    ("error", "text"),
+    [
+        (ValueError("two\nlines"), "ValueError: two lines"),
+        (rc.IoError("no disk"), "no disk"),
+        (asyncio.CancelledError("late"), "CancelledError: late"),
+        (PanicError("on a None value"), "PanicError: on a None value"),
+        (SystemExit(2), "SystemExit: 2"),
+    ],
+)
+def test_in_an_evaluation_an_error_of_the_expert_fails_the_rollout(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException, text: str
+):
+    monkeypatch.setattr(Raises, "error", error)
+    line = Raises.done.__code__.co_firstlineno + 1
+    result = evaluated(tmp_path, lambda *_: Raises())
+    assert result.committed
+    assert result.failures == {f"policy error: {text} ({__file__}:{line}, in done)": 1}
+
+
+def test_in_an_evaluation_an_expert_that_cannot_be_made_fails_the_rollout(tmp_path: Path):
+    def make(run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> rc.tasks.Expert:
+        raise ImportError("no weights")
+
+    line = make.__code__.co_firstlineno + 1
+    result = evaluated(tmp_path, make)
+    assert result.failures == {
+        f"policy error: ImportError: no weights ({__file__}:{line}, in make)": 1
+    }
+
+
+def test_a_spec_error_of_the_maker_ends_an_evaluation(tmp_path: Path):
+    def make(run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> rc.tasks.Expert:
+        raise rc.SpecError("no such weights")
+
+    with pytest.raises(rc.SpecError, match="no such weights"):
+        evaluated(tmp_path, make)
+
+
+@pytest.mark.parametrize(
+    "error",
+    [
+        KeyboardInterrupt(),
+        GeneratorExit(),
+        LostPolicyError("gone"),
+        UnmadePolicyError("no weights"),
+    ],
+)
+def test_an_interrupt_or_the_want_of_a_policy_is_no_failure(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: BaseException
+):
+    monkeypatch.setattr(Raises, "error", error)
+    with pytest.raises(type(error)):
+        evaluated(tmp_path, lambda *_: Raises())
+    assert not list(rc.Dataset(tmp_path / "run" / "hooks"))
+
+
+def test_the_trace_of_a_policy_error_is_logged_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+):
+    monkeypatch.setattr(Raises, "error", ValueError("of this test alone"))
+    for name in ("one", "two"):
+        (tmp_path / name).mkdir()
+        evaluated(tmp_path / name, lambda *_: Raises())
+    said = capfd.readouterr().err
+    assert said.count("policy error: ValueError: of this test alone") == 2
+    assert said.count("raise self.error") == 1
+
+
+class Judging(Touch):
+    def judge(self, scene: rc.Scene) -> Any:
+        raise RuntimeError("out of cubes")
+
+
+def test_in_an_evaluation_an_error_of_the_task_takes_no_other_start(tmp_path: Path):
+    with pytest.raises(rc.Error, match="something else than the policy raised") as raised:
+        evaluated(tmp_path, lambda *_: Idle(), Judging)
+    line = Judging.judge.__code__.co_firstlineno + 1
+    said = f"RuntimeError: out of cubes ({__file__}:{line}, in judge)"
+    assert str(raised.value).endswith(said)
+    cause = raised.value.__cause__
+    assert isinstance(cause, RuntimeError)
+    assert str(cause) == "out of cubes"
+    assert not list(rc.Dataset(tmp_path / "run" / "hooks"))

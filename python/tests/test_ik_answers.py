@@ -8,7 +8,7 @@ from command_line import (
 )
 
 
-def test_ik_test_solves_what_the_robot_can_reach():
+def test_ik_test_solves_reachable_poses():
     for parallel in ((), ("--parallel",)):
         result = robocell_command("ik-test", RC7, "--samples", 200, *parallel)
         assert result.returncode == 0, result.stdout + result.stderr

@@ -42,7 +42,7 @@ def seen_from(robot: rc.Robot, target: rc.Pose, q) -> rc.Pose:
 
 
 class TestTasks:
-    def test_an_axis_points_where_the_targets_points(self, robot):
+    def test_an_axis_points_like_that_of_the_target(self, robot):
         spin = rc.Pose(rpy=[0, 0, 2.5])
         targets = [robot.kinematics.fk(q) * spin for q in reachable(robot, 50)]
         found = robot.kinematics.ik_batch(targets, axis=[0, 0, 1])
@@ -53,6 +53,15 @@ class TestTasks:
             tip = seen_from(robot, target, q)
             assert np.linalg.norm(tip.translation) < NEAR
             assert np.linalg.norm(tip.rotation[:2, 2]) < NEAR
+
+    def test_an_axis_has_a_name_or_three_numbers(self, robot):
+        target = robot.kinematics.fk(reachable(robot, 1)[0]) * rc.Pose(rpy=[0, 0, 2.5])
+        for name, numbers in [("x", [1, 0, 0]), ("y", [0, 1, 0]), ("z", [0, 0, 1])]:
+            named, plain = (robot.kinematics.ik(target, axis=axis) for axis in (name, numbers))
+            np.testing.assert_array_equal(named.q, plain.q)
+        for wrong in ("w", "xy", ""):
+            with pytest.raises(rc.ArgumentError, match=f'axis must be "x".* got "{wrong}"'):
+                robot.kinematics.ik(target, axis=wrong)
 
     def test_a_cone_and_weights(self, robot):
         target = robot.kinematics.fk(reachable(robot, 1)[0])
@@ -66,7 +75,7 @@ class TestTasks:
         assert along.success
         assert np.linalg.norm(seen_from(robot, free, along.q).translation[[0, 2]]) < NEAR
 
-    def test_what_makes_no_sense_is_told(self, robot):
+    def test_rejects_contradictory_ik_options(self, robot):
         solve, target = robot.kinematics.ik, robot.fk_frame()
         with pytest.raises(rc.ArgumentError, match=r"cone is 0\.1 rad, but no axis is given"):
             solve(target, cone=0.1)
@@ -100,7 +109,7 @@ class TestTasks:
 
 class TestPreferences:
     @pytest.mark.parametrize("prefer", ["seed", "limits", "manipulability", "posture"])
-    def test_answers_are_better_than_the_first(self, robot, prefer):
+    def test_preferred_solutions_improve_on_the_first(self, robot, prefer):
         low, high = np.array(robot.joint_limits).T
         posture = 0.5 * (low + high) + 0.1
         seed = robot.arm.joint_pos
@@ -123,7 +132,7 @@ class TestPreferences:
         before = sum(badness(q) for q in first.q[both])
         assert sum(badness(q) for q in best.q[both]) < before
 
-    def test_near_the_seed_is_near_the_arm_without_one(self, robot):
+    def test_without_a_seed_solutions_are_near_the_arm(self, robot):
         targets = [robot.kinematics.fk(q) for q in reachable(robot, 5, 4)]
         near = robot.kinematics.ik_batch(targets, prefer="seed")
         same = robot.kinematics.ik_batch(targets, seeds=robot.arm.joint_pos, prefer="seed")
@@ -137,7 +146,7 @@ class TestPreferences:
 
 
 class TestFilters:
-    def test_the_ready_one_keeps_arms_out_of_a_wall(self, robot):
+    def test_the_collision_filter_keeps_arms_out_of_a_wall(self, robot):
         free = rc.kinematics.CollisionFilter(robot)
         q = reachable(robot, 300, 1)
         mask = free(q)
@@ -163,7 +172,7 @@ class TestFilters:
             for mask in pool.map(free, [q] * 12):
                 np.testing.assert_array_equal(mask, alone)
 
-    def test_a_function_is_given_rows(self, robot):
+    def test_a_filter_function_receives_rows(self, robot):
         shapes = []
 
         def positive(q):
@@ -183,7 +192,7 @@ class TestFilters:
         assert none.position_error < NEAR
 
 
-def test_all_solutions_are_apart_and_true(robot):
+def test_solutions_are_distinct_and_correct(robot):
     seed = robot.arm.joint_pos
     target = robot.kinematics.fk(reachable(robot, 1, 5)[0])
     q = robot.kinematics.ik_solutions(target, prefer="limits", separation=0.3)
@@ -199,7 +208,7 @@ def test_all_solutions_are_apart_and_true(robot):
 
 
 class TestReach:
-    def test_the_map_agrees_with_single_questions(self, robot):
+    def test_the_reach_map_agrees_with_single_queries(self, robot):
         found = robot.kinematics.reach_map([0.3, -0.1, 0.3], [0.5, 0.1, 0.3], cell=0.1, threads=2)
         assert found.fraction.shape == found.manipulability.shape == (2, 2, 1)
         np.testing.assert_allclose(found.x, [0.35, 0.45])
@@ -215,7 +224,7 @@ class TestReach:
 
 
 class TestDifferentialIk:
-    def test_velocities_move_the_tip_as_asked(self, robot):
+    def test_joint_velocities_produce_the_requested_twist(self, robot):
         q = robot.arm.joint_pos
         asked = np.array([0.05, -0.1, 0.02, 0.1, 0.2, -0.1])
         found = robot.kinematics.differential_ik(q, asked)
@@ -229,7 +238,7 @@ class TestDifferentialIk:
         linear = (robot.kinematics.jacobian(q) @ tip.velocity)[:3]
         np.testing.assert_allclose(linear, 0.1 * axis, atol=1e-3)
 
-    def test_twists_may_have_the_axes_of_the_world(self):
+    def test_accepts_twists_in_world_axes(self):
         spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=False, add_skybox=False)
         config = rc.RobotConfig.load(robot_file("rc7"))
         spec.robots.append(rc.RobotSpec(name="a", config=config, euler=[30, -50, 80]))
@@ -244,7 +253,7 @@ class TestDifferentialIk:
         jog.frame = "world"
         assert jog.frame == "world"
 
-    def test_bounds_hold(self, robot):
+    def test_joint_velocities_respect_their_bounds(self, robot):
         found = robot.kinematics.differential_ik(
             robot.arm.joint_pos, [5, 0, 0, 0, 0, 0], max_speed=[0.2] * 7, locked_groups=["gripper"]
         )
@@ -256,7 +265,7 @@ class TestDifferentialIk:
         with pytest.raises(rc.ArgumentError, match="max_speed of joint 'joint1' is 0"):
             robot.kinematics.differential_ik(np.zeros(7), np.zeros(6), max_speed=np.zeros(7))
 
-    def test_the_controller_is_told_a_twist(self, robot):
+    def test_the_controller_follows_a_commanded_twist(self, robot):
         jog = robot.set_controller("arm", "differential_ik")
         assert isinstance(jog, rc.control.DifferentialIkController)
         start = robot.fk_frame()
@@ -278,7 +287,7 @@ class TestDifferentialIk:
 class TestChains:
     """A chain on its own answers as the robot's kinematics."""
 
-    def test_takes_the_options_of_the_robots_kinematics(self, robot):
+    def test_accepts_the_options_of_the_robot_kinematics(self, robot):
         chain, kinematics = robot.chain, robot.kinematics
         seed = robot.arm.joint_pos
         target = kinematics.fk(seed + 0.1)
@@ -300,7 +309,7 @@ class TestChains:
         np.testing.assert_array_equal(every, expected)
         assert chain.manipulability(seed) == kinematics.manipulability(seed)
 
-    def test_reaches_and_moves_as_the_robots_kinematics(self, robot):
+    def test_matches_the_robot_kinematics(self, robot):
         chain, kinematics = robot.chain, robot.kinematics
         corners, options = ([0.2, -0.1, 0.3], [0.6, 0.1, 0.3]), {"cell": 0.1, "rotations": 8}
         ours, theirs = (k.reach_map(*corners, **options) for k in (chain, kinematics))
@@ -354,7 +363,7 @@ class TestChains:
 class TestRobots:
     """`robot.ik` is the one of its kinematics."""
 
-    def test_takes_all_options(self, robot):
+    def test_accepts_all_options(self, robot):
         seed = robot.arm.joint_pos
         target = robot.kinematics.fk(seed + 0.1)
         for options in (
@@ -413,7 +422,7 @@ class TestForms:
                     assert same.iterations == plain.iterations
                 assert ik(pose, seed, tolerance=1e-9).position_error < 1e-9
 
-    def test_end_with_the_scene_but_for_chains(self):
+    def test_become_invalid_with_the_scene_except_for_chains(self):
         spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=False)
         spec.robots.append(rc.RobotSpec(name="a", config=rc.RobotConfig.load(robot_file("rc7"))))
         scene = rc.Scene.build(spec)
@@ -433,7 +442,7 @@ class TestForms:
 class TestBatches:
     """Any batch, and what is no batch of poses."""
 
-    def test_answers_depend_on_their_questions_alone(self, robot):
+    def test_solutions_depend_only_on_their_queries(self, robot):
         rng = np.random.default_rng(4)
         low, high = np.array(robot.joint_limits).T
         corners = np.where(rng.random((20, 7)) < 0.5, low, high)
@@ -461,7 +470,7 @@ class TestBatches:
         np.testing.assert_allclose(off, all_of_them.position_error, atol=1e-9)
 
     @pytest.mark.parametrize("empty", [np.zeros((0, 4, 4)), []])
-    def test_nothing_is_answered_to_nothing(self, robot, empty):
+    def test_an_empty_batch_has_an_empty_result(self, robot, empty):
         found = robot.kinematics.ik_batch(empty)
         assert (found.q.shape, found.success.shape) == ((0, 7), (0,))
 
@@ -478,13 +487,13 @@ class TestBatches:
             (lambda t: np.vstack([t[:2], t[2:] + np.inf]), r"targets\[2\]"),
         ],
     )
-    def test_what_is_no_pose_is_named(self, robot, spoil, message):
+    def test_errors_name_the_invalid_pose_of_a_batch(self, robot, spoil, message):
         targets = robot.kinematics.fk(reachable(robot, 3))
         with pytest.raises(rc.ArgumentError, match=message):
             robot.kinematics.ik_batch(spoil(targets))
 
     @pytest.mark.parametrize("spoiled", [np.nan, np.inf])
-    def test_numbers_that_are_none_are_refused_alone_too(self, robot, spoiled):
+    def test_rejects_values_that_are_not_finite_in_single_queries(self, robot, spoiled):
         target = robot.kinematics.fk(reachable(robot, 1))[0]
         for row, column in ((0, 3), (1, 1)):
             wrong = target.copy()

@@ -43,7 +43,7 @@ class TestAnswers:
             {"filter": lambda q: q[:, 0] > -1},
         ],
     )
-    def test_are_those_of_ik(self, robot, options):
+    def test_the_solver_matches_ik(self, robot, options):
         solvers = [each.ik_solver(**options) for each in (robot, robot.kinematics, robot.chain)]
         for q in reachable(robot, 20, seed=5):
             target, seed = robot.kinematics.fk(q), np.clip(q + 0.1, *np.array(robot.joint_limits).T)
@@ -59,7 +59,7 @@ class TestAnswers:
                 assert found.iterations == expected.iterations
                 assert found.restarts == expected.restarts
 
-    def test_take_poses_and_seeds_of_every_kind(self, robot):
+    def test_accepts_poses_and_seeds_of_every_kind(self, robot):
         q = reachable(robot, 1)[0]
         pose, seed = robot.kinematics.fk(q), robot.arm.joint_pos
         solver = robot.ik_solver()
@@ -97,7 +97,7 @@ class TestAnswers:
 
 
 class TestOut:
-    def test_may_be_the_seed_and_stays_where_there_is_no_solution(self, robot):
+    def test_the_output_can_be_the_seed_and_is_kept_without_a_solution(self, robot):
         solver = robot.ik_solver()
         q = np.array(robot.arm.joint_pos)
         target = robot.kinematics.fk(q + 0.1)
@@ -109,7 +109,7 @@ class TestOut:
         assert not solver.result
         assert solver.result.position_error > 1
 
-    def test_is_refused_where_it_cannot_be_written_to(self, robot):
+    def test_rejects_a_read_only_output(self, robot):
         solver = robot.ik_solver()
         seed = np.array(robot.arm.joint_pos)
         target = robot.kinematics.fk(seed)
@@ -140,7 +140,7 @@ class TestOut:
 
 
 class TestErrors:
-    def test_options_are_refused_when_the_solver_is_made(self, robot):
+    def test_rejects_invalid_options_at_construction(self, robot):
         for options, text in (
             ({"tolerance": -1.0}, "tolerance is -1"),
             ({"max_restarts": -1}, "max_restarts"),
@@ -153,7 +153,7 @@ class TestErrors:
         with pytest.raises(TypeError, match="seed"):
             robot.ik_solver(seed=robot.arm.joint_pos)
 
-    def test_questions_are_refused_as_ik_refuses_them(self, robot):
+    def test_rejects_the_queries_that_ik_rejects(self, robot):
         solver, seed = robot.ik_solver(), np.array(robot.arm.joint_pos)
         pose = robot.kinematics.fk(seed)
         for target, start in (
@@ -177,7 +177,7 @@ class TestErrors:
 
 
 class TestLife:
-    def test_a_solver_works_on_the_chain_as_it_was(self):
+    def test_a_solver_uses_the_chain_of_its_construction(self):
         scene = build()
         robot = scene.robot("a")
         seed = np.array(robot.arm.joint_pos)
@@ -190,7 +190,7 @@ class TestLife:
         with pytest.raises(rc.ClosedError):
             robot.ik_solver()
 
-    def test_its_filter_lives_as_long_and_cycles_end(self, robot):
+    def test_the_solver_owns_its_filter_and_cycles_are_collected(self, robot):
         class Keep:
             solver: object = None
 
@@ -208,7 +208,7 @@ class TestLife:
         gc.collect()
         assert watched() is None
 
-    def test_an_error_in_the_filter_comes_out(self, robot):
+    def test_an_error_in_the_filter_propagates(self, robot):
         def fail(q: np.ndarray) -> np.ndarray:
             raise KeyError("mine")
 
@@ -216,7 +216,7 @@ class TestLife:
         with pytest.raises(KeyError, match="mine"):
             robot.ik_solver(filter=fail).solve(robot.kinematics.fk(seed), seed)
 
-    def test_threads_may_share_one_that_lets_go_of_the_lock(self, robot):
+    def test_threads_can_share_a_solver_that_releases_the_gil(self, robot):
         solver = robot.ik_solver(prefer="limits")
         questions = [(robot.kinematics.fk(q), q) for q in reachable(robot, 40, seed=7)]
         alone = []

@@ -34,7 +34,7 @@ def test_the_command_line_loads_neither_mujoco_nor_numpy():
     assert result.returncode == 0, result.stderr
 
 
-def test_a_command_is_loaded_without_the_others():
+def test_loading_a_command_loads_no_other_command():
     result = run(
         "import sys, robocell.cli; "
         "robocell.cli.load(['gripper-range', 'robot.yaml']); "
@@ -64,14 +64,14 @@ def test_importing_connects_to_nothing():
     assert result.returncode == 0, result.stderr
 
 
-def test_all_names_are_there_and_documented():
+def test_all_public_names_exist_and_are_documented():
     for name in rc.__all__:
         value = getattr(rc, name)
         if isinstance(value, type) or callable(value):
             assert value.__doc__, name
 
 
-def test_no_object_is_left_over_at_exit():
+def test_no_object_survives_at_exit():
     """nanobind reports leaked objects on stderr."""
     result = run(
         "import robocell as rc\n"

@@ -78,7 +78,7 @@ def resetting(scene: rc.Scene) -> Iterator[None]:
     scene.remove_reset_hook(hook)
 
 
-def test_handles_in_a_list_are_in_use_too():
+def test_handles_in_a_list_count_as_in_use():
     scenes = [cell() for _ in range(12)]
     robots = [scene.robot("a") for scene in scenes]
     busy = IN_USE.format("Scene.reset")
@@ -98,7 +98,7 @@ def refused(call: Callable[[], Any]) -> str:
     return str(caught.value)
 
 
-def test_whatever_a_second_thread_asks_for_is_refused(tmp_path: Path):
+def test_rejects_every_call_of_a_second_thread(tmp_path: Path):
     scene = cell()
     robot = scene.robot("a")
     handles = {
@@ -131,7 +131,7 @@ def test_whatever_a_second_thread_asks_for_is_refused(tmp_path: Path):
     handles["video"].finish()
 
 
-def test_so_it_is_when_it_is_an_argument_or_kept(tmp_path: Path):
+def test_arguments_and_kept_handles_count_as_in_use(tmp_path: Path):
     scene = cell()
     robot = scene.robot("a")
     task, kept = rc.tasks.Task(), rc.kinematics.CollisionFilter(robot)
@@ -176,7 +176,7 @@ def test_kinematics_are_shared_while_the_scene_rests_and_chains_always():
         assert chain.ik(target, seed=seed).success
 
 
-def test_long_kinematics_end_with_the_arm_that_they_began_with():
+def test_long_kinematics_calls_finish_with_their_initial_arm():
     scene = cell()
     robot = scene.robot("a")
     kinematics, q = robot.kinematics, robot.jnt_pos_msr
@@ -197,11 +197,11 @@ def test_long_kinematics_end_with_the_arm_that_they_began_with():
         assert np.array_equal(mine, other)
 
 
-def test_it_says_what_to_do():
+def test_the_error_explains_the_fix():
     scene = cell()
     with resetting(scene):
         text = refused(scene.step)
-    assert "is used by one thread at a time. Give each thread a scene of its own" in text
+    assert "is used by one thread at a time. Give each thread its own scene" in text
     assert "compile_scene, then freeze(), then Scene.from_compiled in each thread" in text
 
 
@@ -221,7 +221,7 @@ def test_hooks_use_the_scene_that_calls_them():
     assert np.allclose(scene.body_pose("cube").translation, [0.5, 0, 0.5])
 
 
-def test_a_hook_that_waits_for_another_thread_does_not_wait_for_ever():
+def test_a_hook_that_waits_for_another_thread_does_not_deadlock():
     scene, told = cell(), []
     with ThreadPoolExecutor(1) as pool:
         scene.on_reset(lambda context: told.append(pool.submit(refused, scene.step).result(WAIT_S)))
@@ -229,7 +229,7 @@ def test_a_hook_that_waits_for_another_thread_does_not_wait_for_ever():
     assert told[0].startswith(IN_USE.format("Scene.reset"))
 
 
-def test_what_a_call_raises_lets_go_of_the_scene_too():
+def test_an_exception_releases_the_scene():
     scene = cell()
 
     def sulk(context: rc.scene.ResetContext) -> None:
@@ -252,7 +252,7 @@ def test_what_a_call_raises_lets_go_of_the_scene_too():
         pool.submit(scene.step).result(WAIT_S)
 
 
-def test_threads_that_all_want_it_get_it_in_turns():
+def test_competing_threads_take_turns():
     """Or an Error; nothing else comes of it."""
     scene = cell()
     robot, renderer = scene.robot("a"), rc.render.Renderer(scene)

@@ -11,6 +11,8 @@ import init_models
 import robocell
 from command_line import refused, robocell_command
 
+LFS_POINTER = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a21\nsize 12345\n"
+
 
 def init(folder: Path, text: str, *options: object, name: str = "arm.xml") -> dict:
     """Runs it on a model in a folder of its own; the robot file as plain data."""
@@ -44,12 +46,12 @@ class TestRobots:
         assert edit["pos"] == pytest.approx([0, 0, 0.08], abs=0.005)
         assert [camera["name"] for camera in written["cameras"]] == ["wrist_camera", "exo_camera"]
 
-    def test_its_gripper_is_measured_as_it_is_in_the_model(self, tmp_path: Path):
+    def test_the_generated_file_gives_the_measured_gripper_range(self, tmp_path: Path):
         init(tmp_path, init_models.arm_with_hand())
         ranges = robocell_command("gripper-range", tmp_path / "out.yaml").stdout
         assert "0.002 - 0.062" in ranges
 
-    def test_a_scara_starts_with_room_at_every_limit(self, tmp_path: Path):
+    def test_a_scara_starts_away_from_its_limits(self, tmp_path: Path):
         written = init(tmp_path, init_models.scara())
         arm = written["move_groups"]["arm"]
         assert arm["joints"] == "j1..j4"
@@ -87,7 +89,7 @@ class TestRobots:
         assert written["root_body"] == "chest"
         assert written["move_groups"]["torso"]["joints"] == ["waist"]
 
-    def test_two_arms_beside_each_other_become_one_robot(self, tmp_path: Path):
+    def test_two_adjacent_arms_become_one_robot(self, tmp_path: Path):
         written = init(tmp_path, init_models.two_arms_apart())
         assert written["model"] == "out_model.xml"
         assert [name for name, kind in kinds(written).items() if kind == "arm"] == [
@@ -98,19 +100,19 @@ class TestRobots:
         assert "cube" not in made
         assert made.startswith("<!-- Made from arm.xml by `robocell init`")
 
-    def test_a_hand_alone_is_held_where_a_task_puts_it(self, tmp_path: Path):
+    def test_a_hand_without_an_arm_stays_at_its_task_pose(self, tmp_path: Path):
         written = init(tmp_path, init_models.hand_alone())
         assert kinds(written) == {"gripper": "gripper"}
         assert written["edits"][0]["delete"] == {"joint": "hand:joint0"}
         assert written["base"] == {"kind": "mocap"}
 
-    def test_of_a_suction_cup_it_says_what_is_not_there_yet(self, tmp_path: Path):
+    def test_a_suction_cup_is_noted_as_unsupported(self, tmp_path: Path):
         written = init(tmp_path, init_models.suction_arm())
         assert kinds(written) == {"arm": "arm"}
         assert written["move_groups"]["arm"]["leaf"] == {"site": "tip"}
         assert "suction cup" in (tmp_path / "out.yaml").read_text()
 
-    def test_an_arm_that_begins_at_the_models_root_gets_a_base(self, tmp_path: Path):
+    def test_an_arm_rooted_at_the_world_gets_a_base(self, tmp_path: Path):
         written = init(tmp_path, init_models.first_joint_at_the_root())
         assert written["root_body"] == "robot_base"
         assert written["move_groups"]["arm"]["joints"] == "j1..j6"
@@ -119,7 +121,7 @@ class TestRobots:
     def test_joints_without_actuators_get_servos_that_hold_them(self, tmp_path: Path, text: str):
         name = "arm.urdf" if "<robot" in text else "arm.xml"
         written = init(tmp_path, text, name=name)
-        assert written["model"] == "out_model.xml"
+        assert written["model"] == ("arm.urdf" if "<robot" in text else "out_model.xml")
         config = robocell.RobotConfig.load(tmp_path / "out.yaml")
         scene = robocell.Scene.build(_alone(config))
         findings = robocell.diagnose.check_robot(robocell.Robot.of(scene, "out"))
@@ -130,7 +132,7 @@ class TestRobots:
         assert written["root_body"] == "base_link"
         assert written["move_groups"]["arm"]["leaf"] == {"body": "tool0"}
 
-    def test_of_coupled_joints_it_says_that_they_are_no_arm_yet(self, tmp_path: Path):
+    def test_coupled_joints_are_noted_as_unsupported(self, tmp_path: Path):
         init(tmp_path, init_models.parallelogram())
         assert "'j3' follows 'j2'" in " ".join((tmp_path / "out.yaml").read_text().split())
 
@@ -151,7 +153,7 @@ class TestFile:
         assert any("[sure]" in line for line in lines)
         assert all(len(line) <= 100 for line in lines if line.lstrip().startswith("#"))
 
-    def test_a_keyframe_home_is_taken(self, tmp_path: Path):
+    def test_a_keyframe_named_home_is_used(self, tmp_path: Path):
         key = "<keyframe><key name='home' qpos='.1 .3 .9 0 .6 0 .03 .03'/></keyframe>"
         text = init_models.arm_with_hand().replace("</mujoco>", f"{key}</mujoco>")
         assert init(tmp_path, text)["home"]["arm"] == [0.1, 0.3, 0.9, 0, 0.6, 0]
@@ -164,12 +166,12 @@ class TestFile:
         text = " ".join((tmp_path / "out.yaml").read_text().replace("#", "").split())
         assert "not the keyframe 'home'" in text
 
-    def test_names_that_yaml_reads_otherwise_are_quoted(self, tmp_path: Path):
+    def test_ambiguous_yaml_names_are_quoted(self, tmp_path: Path):
         text = init_models.arm_with_hand().replace("'j1'", "'a: b'").replace("'m_j1'", "'#1'")
         written = init(tmp_path, text)
         assert written["move_groups"]["arm"]["joints"][0] == "a: b"
 
-    def test_the_run_file_beside_it_makes_picks(self, tmp_path: Path):
+    def test_the_generated_run_file_produces_picks(self, tmp_path: Path):
         init(tmp_path, init_models.arm_with_hand())
         run = yaml.safe_load((tmp_path / "out_pick.yaml").read_text())
         assert run["robot"] == "out.yaml"
@@ -190,11 +192,11 @@ class TestCommand:
         init(tmp_path, init_models.scara(), "--force")
         assert (tmp_path / "out.yaml").read_text() != "mine"
 
-    def test_nothing_else_is_left_beside_the_result(self, tmp_path: Path):
+    def test_leaves_no_other_files(self, tmp_path: Path):
         init(tmp_path, init_models.scara())
         assert sorted(file.name for file in tmp_path.iterdir()) == ["arm.xml", "out.yaml"]
 
-    def test_a_missing_model_names_those_that_are_there(self, tmp_path: Path):
+    def test_a_missing_model_error_lists_the_models_in_the_folder(self, tmp_path: Path):
         (tmp_path / "panda.xml").write_text(init_models.scara())
         assert "panda.xml" in refused("init", tmp_path / "pandas.xml")
 
@@ -209,16 +211,21 @@ class TestCommand:
             ("<mujoco><worldbody><body", "MuJoCo cannot read it: XML parse error"),
             ("<mujocoinclude/>", "A model file begins with <mujoco> or <robot>"),
             ("name: x", "not an XML file"),
+            (LFS_POINTER, "x.xml: a pointer of Git LFS, not the file itself: run `git lfs "),
+            (
+                "<mujoco><asset><mesh file='link.stl'/></asset><worldbody><body><joint/>"
+                "<geom type='mesh' mesh='link'/></body></worldbody></mujoco>",
+                "link.stl: a pointer of Git LFS, not the file itself: run `git lfs pull`",
+            ),
         ],
     )
-    def test_what_is_no_robot_is_refused_with_the_reason(
-        self, tmp_path: Path, text: str, said: str
-    ):
+    def test_rejects_a_model_that_is_not_a_robot(self, tmp_path: Path, text: str, said: str):
         (tmp_path / "x.xml").write_text(text)
+        (tmp_path / "link.stl").write_text(LFS_POINTER)
         assert said in refused("init", tmp_path / "x.xml", "-o", tmp_path / "x.yaml")
         assert not (tmp_path / "x.yaml").exists()
 
-    def test_it_asks_where_it_is_not_sure(self, tmp_path: Path):
+    def test_asks_about_ambiguous_choices(self, tmp_path: Path):
         (tmp_path / "arm.xml").write_text(
             init_models.scara().replace(
                 "<site name='tool'", "<site name='north'/><site name='south' pos='0 0 .01'/><site"
@@ -232,6 +239,6 @@ class TestCommand:
         leaf = yaml.safe_load((tmp_path / "out.yaml").read_text())["move_groups"]["arm"]["leaf"]
         assert leaf["site"] in ("north", "south")
 
-    def test_it_draws_the_robot(self, tmp_path: Path):
+    def test_draws_the_robot(self, tmp_path: Path):
         init(tmp_path, init_models.scara(), "--picture", tmp_path / "arm.png")
         assert (tmp_path / "arm.png").read_bytes().startswith(b"\x89PNG")

@@ -19,17 +19,18 @@ from robocell.gym import VectorGymEnv, pick_cube_config
 from test_robot import cell
 from test_task import Idle, load
 
-# Between the signal and the exception; generous for a busy machine, far below what the work takes.
-PROMPTLY_S = 1.0
+# Between the signal and the exception. Time on processors, far below what the work takes, does not
+# depend on what else the machine does; time on the clock bounds waits.
+PROMPTLY_S, SOON_S = 1.0, 20.0
 
 
 @contextmanager
 def interrupted(after_s: float = 0.3) -> Iterator[None]:
     """Sends Ctrl-C while the block runs; it must end promptly with KeyboardInterrupt."""
-    sent: list[float] = []
+    sent: list[tuple[float, float]] = []
 
     def send() -> None:
-        sent.append(time.monotonic())
+        sent.append((time.process_time(), time.monotonic()))
         os.kill(os.getpid(), signal.SIGINT)
 
     timer = threading.Timer(after_s, send)
@@ -38,7 +39,9 @@ def interrupted(after_s: float = 0.3) -> Iterator[None]:
         with pytest.raises(KeyboardInterrupt):
             yield
         assert sent, "the work ended before the signal"
-        assert time.monotonic() - sent[0] < PROMPTLY_S
+        worked, began = sent[0]
+        assert time.process_time() - worked < PROMPTLY_S
+        assert time.monotonic() - began < SOON_S
     finally:
         timer.cancel()
         timer.join()
@@ -128,7 +131,7 @@ class InterruptsTheSecond(rc.tasks.Task):
         return "be interrupted"
 
 
-def test_all_copies_of_an_interrupted_vector_want_a_reset():
+def test_an_interrupted_vector_requires_a_reset():
     rc.register_task("interrupts_the_second")(InterruptsTheSecond)
     config = pick_cube_config(
         sim={"async_control": True, "frequency": 0.01, "on_collision": "report"},
@@ -145,7 +148,7 @@ def test_all_copies_of_an_interrupted_vector_want_a_reset():
     vector.close()
 
 
-def test_parts_of_many_steps_are_one_answer():
+def test_interruptible_steps_return_one_result():
     one, other = cell(), cell()
     result = one.step_n(1000)
     assert result.ok
@@ -201,7 +204,7 @@ def endless(run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> rc.tasks.Expert:
     return Endless()
 
 
-def test_an_endless_episode_ends_and_finished_ones_stay(tmp_path):
+def test_interrupting_an_endless_episode_keeps_finished_ones(tmp_path):
     run = load(tmp_path, keep=rc.generate.Keep.ALL, max_attempts=2)
     run.rates.max_steps = 1_000_000
     made: list[rc.tasks.Expert] = []
@@ -220,7 +223,7 @@ def test_an_endless_episode_ends_and_finished_ones_stay(tmp_path):
     assert rc.data.verify(tmp_path / "out").ok
 
 
-def test_the_scripted_expert_is_interrupted_too(tmp_path):
+def test_the_scripted_expert_is_interruptible(tmp_path):
     run = load(tmp_path)
     runner = rc.generate.Runner(run)
     with interrupted(0.05):

@@ -191,7 +191,7 @@ def check_answers(case: Case, asked: SimpleNamespace, found: Any) -> None:
 
 @pytest.mark.parametrize("tiny", [False, True], ids=["wide", "tiny limits"])
 @pytest.mark.parametrize("joints", range(2, 13))
-def test_answers_are_true_and_their_own(joints: int, tiny: bool, tmp_path: Path):
+def test_solutions_are_correct_and_independent(joints: int, tiny: bool, tmp_path: Path):
     case = make_case(tmp_path, joints, tiny)
     asked = questions(case)
     found = case.chain.ik_batch(asked.targets, seeds=asked.seeds)

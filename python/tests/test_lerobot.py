@@ -17,7 +17,7 @@ from robocell.lerobot import LeRobotEnv
 ENV_PY = Path(__file__).parents[2] / "examples" / "lerobot" / "env.py"
 
 
-def test_gymnasiums_checker_has_nothing_to_say():
+def test_passes_the_gymnasium_checker():
     env = LeRobotEnv(pick_cube_config(), max_episode_steps=5)
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -25,7 +25,7 @@ def test_gymnasiums_checker_has_nothing_to_say():
     env.close()
 
 
-def test_it_is_the_same_environment_in_other_words():
+def test_matches_the_gymnasium_environment():
     flat, whole = LeRobotEnv(pick_cube_config(), max_episode_steps=3), GymEnv(pick_cube_config())
     (first, info), (other, _) = flat.reset(seed=3), whole.reset(seed=3)
     assert (flat.task, flat.task_description) == ("pick_cube", "pick up the cube")
@@ -51,7 +51,7 @@ def test_it_is_the_same_environment_in_other_words():
         assert (terminated, truncated, info["is_success"]) == (False, i == 2, False)
 
 
-def test_the_hubs_env_makes_vectors():
+def test_the_hub_environment_creates_vectors():
     spec = importlib.util.spec_from_file_location("hub_env", ENV_PY)
     assert spec is not None
     assert spec.loader is not None

@@ -37,7 +37,7 @@ def test_a_sink_gets_level_and_message(lines: Lines):
     assert "joint 'joint1'" in lines[0][1]
 
 
-def test_a_sink_gets_only_what_passes_the_level(lines: Lines):
+def test_a_sink_gets_only_messages_at_its_level(lines: Lines):
     before = rc.log.log_level()
     rc.log.set_log_level("error")
     try:
@@ -47,7 +47,7 @@ def test_a_sink_gets_only_what_passes_the_level(lines: Lines):
     assert lines == []
 
 
-def test_the_sink_before_is_returned(lines: Lines):
+def test_setting_a_sink_returns_the_previous_one(lines: Lines):
     def first(level: str, text: str) -> None:
         """Take it and keep nothing."""
 
@@ -58,7 +58,7 @@ def test_the_sink_before_is_returned(lines: Lines):
     assert rc.log.set_log_sink(ours) is None
 
 
-def test_what_cannot_be_called_is_refused(lines: Lines):
+def test_rejects_a_sink_that_is_not_callable(lines: Lines):
     message = r"set_log_sink\(\): `sink` must be a function \(level, message\) or None, got 7"
     with pytest.raises(TypeError, match=message):
         rc.log.set_log_sink(7)
@@ -66,7 +66,7 @@ def test_what_cannot_be_called_is_refused(lines: Lines):
     assert len(lines) == 1
 
 
-def test_what_a_sink_raises_is_told_and_the_call_goes_on(monkeypatch: pytest.MonkeyPatch):
+def test_an_exception_in_a_sink_is_reported_and_the_call_completes(monkeypatch: pytest.MonkeyPatch):
     told = []
     monkeypatch.setattr(
         sys, "unraisablehook", lambda each: told.append((each.object, str(each.exc_value)))
@@ -83,7 +83,7 @@ def test_what_a_sink_raises_is_told_and_the_call_goes_on(monkeypatch: pytest.Mon
     assert told == [(broken, "no warn wanted")]
 
 
-def test_ctrl_c_in_a_sink_is_heard():
+def test_ctrl_c_in_a_sink_interrupts():
     def interrupted(level: str, text: str) -> None:
         raise KeyboardInterrupt
 
@@ -99,7 +99,7 @@ def test_ctrl_c_in_a_sink_is_heard():
         rc.log.set_log_sink(before)
 
 
-def test_threads_that_log_at_once_all_reach_it(lines: Lines):
+def test_messages_of_all_threads_reach_the_sink(lines: Lines):
     scenes = [cell() for _ in range(4)]
     threads = [threading.Thread(target=command_beyond_limits, args=[s]) for s in scenes]
     for thread in threads:
@@ -109,7 +109,7 @@ def test_threads_that_log_at_once_all_reach_it(lines: Lines):
     assert len(lines) == len(scenes)
 
 
-def test_a_process_ends_with_a_sink_of_its_own_set():
+def test_a_process_exits_with_a_custom_sink_set():
     code = """
         import robocell as rc
         class Sink:

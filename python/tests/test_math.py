@@ -23,7 +23,7 @@ def test_the_default_is_the_identity():
 
 
 @pytest.mark.parametrize("sequence", [list, tuple, np.array, np.float32])
-def test_anything_with_numbers_is_taken(sequence):
+def test_accepts_any_sequence_of_numbers(sequence):
     pose = rc.Pose(translation=sequence([1, 2, 3]), quaternion=sequence([0, 0, 0, 1]))
     np.testing.assert_array_equal(pose.translation, [1, 2, 3])
 
@@ -82,13 +82,13 @@ def test_copies_and_pickles_are_exact():
     assert all(isinstance(number, float) for number in pose.__getstate__())
 
 
-def test_repr_gives_the_pose_back():
+def test_repr_round_trips():
     pose = random_pose()
     assert eval(repr(pose), {"Pose": rc.Pose}) == pose
     assert pose != "pose"
 
 
-def test_refusals_say_what_is_wrong():
+def test_errors_explain_invalid_poses():
     with pytest.raises(rc.ArgumentError, match=r"quaternion"):
         rc.Pose(quaternion=[1, 1, 0, 0])
     with pytest.raises(rc.ArgumentError, match="translation must be 3 numbers, got 2"):
@@ -107,7 +107,7 @@ def test_refusals_say_what_is_wrong():
         rc.Pose(translation=[np.nan, 0, 0])
 
 
-def test_kdl_frames_go_back_and_forth():
+def test_kdl_frames_round_trip():
     kdl = pytest.importorskip("PyKDL")
     for _ in range(20):
         pose = random_pose()
@@ -141,7 +141,7 @@ def test_minimum_jerk_is_a_motion_from_rest_to_rest():
         rc.control.minimum_jerk(0, -1)
 
 
-def test_durations_keep_the_limits_and_not_more():
+def test_durations_keep_the_limits_exactly():
     duration = rc.control.minimum_jerk_duration(0.3, 0.2, np.inf)
     fastest = max(
         rc.control.minimum_jerk(t, duration).velocity for t in np.linspace(0, duration, 1001)

@@ -23,7 +23,7 @@ def test_a_root_from_the_environment_is_used(tmp_path, monkeypatch):
     assert rule.require_menagerie("arm").path("arm", "arm.xml") == tmp_path / "arm" / "arm.xml"
 
 
-def test_without_a_root_the_cache_is_used_when_complete(tmp_path, monkeypatch):
+def test_without_a_root_a_complete_cache_is_used(tmp_path, monkeypatch):
     folder = make_model(tmp_path / "models" / "arm-0123456789abcdef")
     monkeypatch.setenv("MENAGERIE_ROOT", "")
     monkeypatch.setenv("MENAGERIE_CACHE_DIR", str(tmp_path))

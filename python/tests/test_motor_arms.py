@@ -102,7 +102,7 @@ NONE = "it has no actuators: no position servo on its joints, no velocity servo 
     ids=["none", "integrating", "half"],
 )
 @pytest.mark.parametrize("use", [read_mode, position_mode, torque_mode, command])
-def test_an_arm_that_nothing_drives_says_so_at_once(
+def test_an_undriven_arm_is_reported_at_once(
     tmp_path: Path, actuators: list[str], told: str, use: Callable[[rc.Robot], None]
 ):
     robot = bare(model(tmp_path, *actuators))
@@ -113,7 +113,7 @@ def test_an_arm_that_nothing_drives_says_so_at_once(
 
 
 @pytest.mark.parametrize("use", [position_mode, command])
-def test_motors_are_not_sent_to_positions(tmp_path: Path, use: Callable[[rc.Robot], None]):
+def test_rejects_position_commands_for_motors(tmp_path: Path, use: Callable[[rc.Robot], None]):
     robot = bare(model(tmp_path, MOTOR))
     with pytest.raises(rc.ArgumentError, match="'m1' is a motor, no position servo"):
         use(robot)
@@ -121,7 +121,7 @@ def test_motors_are_not_sent_to_positions(tmp_path: Path, use: Callable[[rc.Robo
 
 
 @pytest.mark.parametrize("actuators", ["", ", actuators: [m1, m2]"])
-def test_integrating_servos_are_refused_by_check(tmp_path: Path, actuators: str):
+def test_check_rejects_integrating_servos(tmp_path: Path, actuators: str):
     model(tmp_path, INTEGRATING)
     robot = tmp_path / "robot.yaml"
     robot.write_text(
@@ -155,7 +155,7 @@ def test_a_soft_arm_of_motors_picks_and_its_episodes_replay(tmp_path: Path):
     robot = motor_robot(tmp_path, "joint_impedance")
     checked = robocell_command("check", robot)
     assert checked.returncode == 0, checked.stderr
-    assert checked.stdout.splitlines()[-1] == "nothing found wrong"
+    assert checked.stdout.splitlines()[-1] == "no problems found"
     run = write_run(tmp_path, robot=str(robot), max_attempts=3)
     estimated = robocell_command("generate", run, "--dry-run")
     assert estimated.returncode == 0, estimated.stderr

@@ -60,7 +60,7 @@ def test_names_are_escaped(scene: rc.Scene):
     assert cells(shown(scene))["robots"] == "left &lt;b&gt;"
 
 
-def test_showing_a_scene_leaves_it_as_it_is(scene: rc.Scene):
+def test_showing_a_scene_changes_nothing(scene: rc.Scene):
     before = scene.state()
     shown(scene)
     shown(scene.robot("left <b>"))
@@ -76,7 +76,7 @@ def test_a_robot_shows_its_joints_and_where_its_tcp_is(scene: rc.Scene):
     assert page["TCP in base, x y z"] == " ".join(f"{x:.3f}" for x in tcp.translation) + " m"
 
 
-def test_a_robot_made_of_a_chain_shows_itself(scene: rc.Scene):
+def test_a_chain_robot_is_shown(scene: rc.Scene):
     bare = rc.Robot.from_scene(scene, "base_link", "link7")
     assert "joint7" in cells(shown(bare))
 
@@ -124,14 +124,14 @@ def test_a_scene_without_robots_shows_itself():
     assert len(pictures(page)) == 1
 
 
-def test_closed_scenes_say_so(scene: rc.Scene):
+def test_closed_scenes_are_shown_as_closed(scene: rc.Scene):
     robot = scene.robot("left <b>")
     scene.close()
     assert "closed" in shown(scene)
     assert "closed" in shown(robot)
 
 
-def test_without_a_renderer_the_table_is_still_there(scene: rc.Scene, monkeypatch):
+def test_without_a_renderer_the_table_is_shown(scene: rc.Scene, monkeypatch):
     def none(*_: object) -> None:
         raise rc.Error("no OpenGL")
 

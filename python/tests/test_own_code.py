@@ -37,7 +37,7 @@ def names(paths: list[Path] | list[str], folder: Path) -> set[str]:
     return {str(Path(path).relative_to(folder.resolve())) for path in paths}
 
 
-def test_nothing_is_imported_to_find_sources(write: Write, tmp_path: Path):
+def test_finding_sources_imports_nothing(write: Write, tmp_path: Path):
     write(
         {
             "lazy_code.py": "def show():\n"
@@ -60,7 +60,7 @@ def test_nothing_is_imported_to_find_sources(write: Write, tmp_path: Path):
     assert set(sys.modules) == loaded
 
 
-def test_packages_above_folders_without_code_count(write: Write, tmp_path: Path):
+def test_finds_packages_above_folders_without_code(write: Write, tmp_path: Path):
     write(
         {
             "top_code.py": "from pack_code.inner.part import X\n",
@@ -74,7 +74,7 @@ def test_packages_above_folders_without_code_count(write: Write, tmp_path: Path)
     assert names(own_sources("top_code"), tmp_path) == expected
 
 
-def test_modules_that_are_imported_by_a_call_count(write: Write, tmp_path: Path):
+def test_finds_modules_imported_by_a_call(write: Write, tmp_path: Path):
     write(
         {
             "calls_code/__init__.py": "",
@@ -99,7 +99,7 @@ def test_modules_that_are_imported_by_a_call_count(write: Write, tmp_path: Path)
     }
 
 
-def test_values_that_raise_when_they_are_asked_end_nothing(write: Write, tmp_path: Path):
+def test_ignores_values_whose_attributes_raise(write: Write, tmp_path: Path):
     write(
         {
             "proxy_code.py": "class Proxy:\n"
@@ -112,7 +112,7 @@ def test_values_that_raise_when_they_are_asked_end_nothing(write: Write, tmp_pat
     assert names(own_sources("proxy_code"), tmp_path) == {"proxy_code.py"}
 
 
-def test_installed_modules_and_robocell_are_not_own():
+def test_excludes_installed_modules_and_robocell():
     assert not is_own(Path(rc.__file__))
     assert not is_own(Path(pytest.__file__))
     assert not is_own(Path(importlib.__file__))
@@ -151,6 +151,45 @@ def test_the_module_that_registers_is_part_of_the_code(
             monkeypatch.setattr(module, in_core, lambda *args: given.append(args[-1]))
     importlib.import_module("registers_code").do(function)
     assert names(given[0](), tmp_path) == {"kinds_code.py", "registers_code.py"}
+
+
+@pytest.mark.parametrize("what", ["expert", "sampler", "scene_source", "policy"])
+def test_files_are_relative_to_the_module_that_registers(
+    what: str, write: Write, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    write(
+        {
+            "files_code.py": "import kinds_code\n"
+            "def do(register, policy, files):\n"
+            "    if policy:\n"
+            "        register('files_of_test', kinds_code.make, files=files)\n"
+            "    else:\n"
+            "        register('files_of_test', files=files)(kinds_code.make)\n",
+            "kinds_code.py": "def make(*_, **__): ...\n",
+            "w.pt": "1",
+            "more/a.pt": "2",
+            "more/in/b.pt": "3",
+            "more/__pycache__/c.pyc": "4",
+        }
+    )
+    monkeypatch.chdir("/")
+    given: list[Callable[[], list[str]]] = []
+    monkeypatch.setattr(rc.tasks, REGISTERS[what][1], lambda *args: given.append(args[-1]))
+    do = importlib.import_module("files_code").do
+    code = {"files_code.py", "kinds_code.py"}
+    in_folder = {"more/a.pt", "more/in/b.pt"}
+    for files, expected in (
+        ("w.pt", {"w.pt"}),
+        (Path("w.pt"), {"w.pt"}),
+        ([str(tmp_path / "w.pt")], {"w.pt"}),
+        (("w.pt", "more"), {"w.pt", *in_folder}),
+    ):
+        do(REGISTERS[what][0], what == "policy", files)
+        assert names(given[-1](), tmp_path) == code | expected
+    (tmp_path / "more/in/b.pt").unlink()
+    assert names(given[-1](), tmp_path) == {*code, "w.pt", "more/a.pt"}
+    with pytest.raises(TypeError, match="`files` lists paths of files and folders, got 3"):
+        do(REGISTERS[what][0], what == "policy", [3])
 
 
 def test_the_modules_of_a_run_are_part_of_its_code(write: Write, tmp_path: Path):

@@ -15,9 +15,12 @@ from test_task import load
 class Never(rc.tasks.PickTask):
     """Judges otherwise than PickTask, and asks it too."""
 
-    def __init__(self, target: str, kind: str, objects: list[str]) -> None:
-        super().__init__(target, kind, objects)
+    def __init__(self, fields: rc.tasks.PickTaskConfig) -> None:
+        super().__init__(fields)
         self.rewards: list[float] = []
+
+    def choose_kinds(self, rng: rc.tasks.Rng) -> list[str]:
+        return super().choose_kinds(rng)[:1]
 
     def reward(self, scene: rc.Scene) -> float:
         self.rewards.append(super().reward(scene))
@@ -30,7 +33,7 @@ class Never(rc.tasks.PickTask):
         return "do not " + super().instruction()
 
 
-class Recorder(rc.tasks.PickTaskSampler):
+class Recorder(rc.tasks.StartSampler):
     """Overrides every stage and hands on to the one it replaces."""
 
     def __init__(self, run: rc.RunConfig) -> None:
@@ -42,10 +45,6 @@ class Recorder(rc.tasks.PickTaskSampler):
     def make_base_scene(self, scene_index):
         self.stages.append("make_base_scene")
         return super().make_base_scene(scene_index)
-
-    def choose_kinds(self, request, rng):
-        self.stages.append("choose_kinds")
-        return super().choose_kinds(request, rng)[:1]
 
     def choose_base_placement(self, request, rng):
         self.stages.append("choose_base_placement")
@@ -69,15 +68,15 @@ class Recorder(rc.tasks.PickTaskSampler):
         self.stages.append("validate_base_pose")
         return super().validate_base_pose(scene, robot, target_body)
 
-    def make_task(self, target, kind, objects):
+    def make_task(self):
         self.stages.append("make_task")
-        self.made.append(Never(target, kind, objects))
+        assert type(super().make_task()) is rc.tasks.PickTask
+        self.made.append(Never(self.run.task))
         return self.made[-1]
 
 
 STAGES = [
     "make_base_scene",
-    "choose_kinds",
     "choose_base_placement",
     "place_objects",
     "propose_base_pose",
@@ -127,7 +126,7 @@ def test_episodes_carry_the_labels_of_a_subclass_of_pick_task(tmp_path: Path):
 
 
 def test_a_subclass_that_overrides_nothing_changes_nothing(tmp_path: Path):
-    class Same(rc.tasks.PickTaskSampler):
+    class Same(rc.tasks.StartSampler):
         pass
 
     run = load(tmp_path)
@@ -141,7 +140,7 @@ def test_a_subclass_that_overrides_nothing_changes_nothing(tmp_path: Path):
 
 
 def test_the_sample_of_a_subclass_runs_and_can_call_the_scripted_one(tmp_path: Path):
-    class Second(rc.tasks.PickTaskSampler):
+    class Second(rc.tasks.StartSampler):
         def sample(self, request, rng):
             if request.attempt == 0:
                 return rc.tasks.Refusal(rc.tasks.RefusalReason.CAMERA_CONSTRAINT, "as told")
@@ -154,7 +153,7 @@ def test_the_sample_of_a_subclass_runs_and_can_call_the_scripted_one(tmp_path: P
 
 
 def test_refusals_of_a_stage_are_counted_with_the_places_tried(tmp_path: Path):
-    class Picky(rc.tasks.PickTaskSampler):
+    class Picky(rc.tasks.StartSampler):
         def validate_base_pose(self, scene, robot, target_body):
             return rc.tasks.Refusal(rc.tasks.RefusalReason.BASE_IN_COLLISION, "as told")
 
@@ -163,6 +162,29 @@ def test_refusals_of_a_stage_are_counted_with_the_places_tried(tmp_path: Path):
     reason = "base: no base pose is free of collisions"
     assert (report.attempts, report.accepted, dict(report.refusals)) == (2, 0, {reason: 2})
     assert dict(report.redrawn) == {reason: 2 * 7}  # of 8 places each, the last is the refusal
+
+
+def test_check_start_of_a_task_refuses_and_can_ask_the_scripted_one(tmp_path: Path):
+    asked: list[rc.tasks.Refusal | None] = []
+
+    class Choosy(rc.tasks.PickTask):
+        def check_start(self, scene):
+            asked.append(super().check_start(scene))
+            return None if len(asked) > 1 else rc.tasks.Refusal("too dull", "as told")
+
+    class Sampler(rc.tasks.StartSampler):
+        def make_task(self):
+            return Choosy(self.run.task)
+
+    start = sample(Sampler(load(tmp_path)))
+    assert dict(start.redrawn)["task: too dull"] == 1
+    assert asked[-1] is None
+    assert start.task.kind_of("target") == start.object_kinds[0]
+    robot = start.scene.robot("rc7")
+    assert rc.tasks.check_grasps(start.scene, robot, "target") is None
+    refusal = rc.tasks.check_grasps(start.scene, robot, "target", lift_height=2)
+    assert refusal is not None
+    assert refusal.detail.startswith("grasps: ")
 
 
 def test_the_scripted_expert_can_be_extended(tmp_path: Path):
@@ -192,19 +214,23 @@ def test_the_scripted_expert_can_be_extended(tmp_path: Path):
     assert len(slow) >= len(plain) + 4
 
 
-def test_what_a_stage_must_not_do_is_told(tmp_path: Path):
-    class NoTask(rc.tasks.PickTaskSampler):
-        def make_task(self, target, kind, objects):
+def test_rejects_invalid_results_of_a_stage(tmp_path: Path):
+    class NoTask(rc.tasks.StartSampler):
+        def make_task(self):
             return 7
 
-    class Fewer(rc.tasks.PickTaskSampler):
+    class Fewer(rc.tasks.StartSampler):
         def place_objects(self, support, objects, rng):
             objects.clear()
             return True
 
-    class Swapped(rc.tasks.PickTaskSampler):
-        def choose_kinds(self, request, rng):
+    class Two(rc.tasks.PickTask):
+        def choose_kinds(self, rng):
             return ["box", "cylinder"]
+
+    class Swapped(rc.tasks.StartSampler):
+        def make_task(self):
+            return Two(self.run.task)
 
         def place_objects(self, support, objects, rng):
             placed = super().place_objects(support, objects, rng)
@@ -220,8 +246,8 @@ def test_what_a_stage_must_not_do_is_told(tmp_path: Path):
         sample(Swapped(run))
 
 
-def test_a_stage_that_returns_nothing_is_named(tmp_path: Path):
-    class Nowhere(rc.tasks.PickTaskSampler):
+def test_errors_name_a_stage_that_returns_none(tmp_path: Path):
+    class Nowhere(rc.tasks.StartSampler):
         def choose_base_placement(self, request, rng):
             return None
 
@@ -238,7 +264,7 @@ def test_a_stage_that_returns_nothing_is_named(tmp_path: Path):
         rc.generate.Runner(run, sampler=Nowhere).run(rc.generate.make_plan(run)[0])
 
 
-class BesideAPool(rc.tasks.PickTaskSampler):
+class BesideAPool(rc.tasks.StartSampler):
     """A second mug and a block as large as the room, both parked."""
 
     def make_base_scene(self, scene_index: int) -> rc.SceneSpec:
@@ -253,9 +279,9 @@ class BesideAPool(rc.tasks.PickTaskSampler):
         return spec
 
 
-def test_what_is_parked_is_not_sampled_and_in_nobodys_way(tmp_path: Path):
+def test_parked_objects_are_not_sampled_and_collide_with_nothing(tmp_path: Path):
     run = load(tmp_path)
-    start, alone = sample(BesideAPool(run)), sample(rc.tasks.PickTaskSampler(run))
+    start, alone = sample(BesideAPool(run)), sample(rc.tasks.StartSampler(run))
     assert start.object_kinds == alone.object_kinds
     assert start.task.objects() == alone.task.objects()
     assert start.scene.parked_objects == ["spare", "block"]

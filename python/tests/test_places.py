@@ -22,7 +22,7 @@ def pick() -> rc.RunConfig:
 
 
 def first_start(run: rc.RunConfig, seed: int = 3) -> rc.tasks.EpisodeStart:
-    sampler, refusals = rc.tasks.PickTaskSampler(run), []
+    sampler, refusals = rc.tasks.StartSampler(run), []
     for attempt in range(30):
         request = rc.tasks.SampleRequest(scene=0, episode=0, attempt=attempt)
         result = sampler.sample(request, rc.tasks.Rng.stream(seed, f"attempt {attempt}"))
@@ -32,7 +32,7 @@ def first_start(run: rc.RunConfig, seed: int = 3) -> rc.tasks.EpisodeStart:
     raise AssertionError(refusals)
 
 
-def test_a_run_puts_objects_where_it_says():
+def test_a_run_places_objects_as_configured():
     run = pick()
     run.start.places = {"object_1": {"next_to": "target", "gap": [0.02, 0.06]}}
     scenes = [first_start(run, seed).scene for seed in range(6)]
@@ -53,7 +53,7 @@ def test_places_are_part_of_a_run_file():
         run.validate()
 
 
-def test_a_place_that_is_not_there_is_named_with_its_neighbours():
+def test_an_unknown_place_error_suggests_the_nearest():
     run = pick()
     run.start.places = {"target": {"next_to": "object_11"}}
     with pytest.raises(
@@ -90,7 +90,7 @@ class Tower(rc.tasks.Task):
 
 
 @pytest.mark.parametrize("runs_own", [False, True])
-def test_a_task_says_places_that_a_run_may_replace(tmp_path: Path, runs_own: bool):
+def test_a_run_can_replace_the_places_of_a_task(tmp_path: Path, runs_own: bool):
     rc.register_task("tower_of_test")(Tower)
     run = pick()
     run.task = {"kind": "tower_of_test"}
@@ -109,7 +109,7 @@ def test_a_task_says_places_that_a_run_may_replace(tmp_path: Path, runs_own: boo
     ("places", "named"),
     [({"cube": "brick"}, "places"), ({"cube": {"onto": "brick"}}, "onto"), (3, "places")],
 )
-def test_wrong_places_of_a_task_are_named(tmp_path: Path, places: object, named: str):
+def test_errors_name_wrong_places_of_a_task(tmp_path: Path, places: object, named: str):
     class Odd(Tower):
         def places(self):
             return places
@@ -152,7 +152,7 @@ def test_environments_have_the_places_of_their_task():
     env.close()
 
 
-def test_what_an_environment_says_of_places_comes_before_its_task():
+def test_places_of_an_environment_override_its_task():
     config = tower_env(places={"cube": {"next_to": "brick", "gap": [0.02, 0.05]}})
     again = rc.EnvConfig.from_yaml(config.to_yaml())
     assert again.places["cube"].next_to == "brick"
@@ -163,7 +163,7 @@ def test_what_an_environment_says_of_places_comes_before_its_task():
     env.close()
 
 
-def test_wrong_places_of_an_environment_are_found_when_it_is_made():
+def test_wrong_places_of_an_environment_are_reported_at_construction():
     config = tower_env(places={"cube": {"on_top_of": "brik"}})
     with pytest.raises(rc.SpecError, match=r"places\.cube: .*Did you mean 'brick'"):
         rc.Env(config)

@@ -32,7 +32,7 @@ def places(env: rc.Env) -> np.ndarray:
     return np.array([env.scene.body_pose(name).translation for name in CUBES])
 
 
-def test_the_cubes_of_the_example_start_apart_at_rest_and_in_reach(config: rc.EnvConfig):
+def test_the_cubes_of_the_example_start_separated_at_rest_and_in_reach(config: rc.EnvConfig):
     env = rc.Env(config)
     seen = []
     for seed in range(8):
@@ -82,7 +82,7 @@ class AtTheOrigin(rc.tasks.Task):
         return "look at the cube"
 
 
-def test_a_pose_that_was_given_is_a_pose_also_at_the_origin(config: rc.EnvConfig):
+def test_a_given_pose_at_the_origin_is_kept(config: rc.EnvConfig):
     rc.register_task("at_the_origin_of_test")(AtTheOrigin)
     base = rc.Pose(translation=[-0.5, 0, 0])
     env = rc.Env(
@@ -117,12 +117,77 @@ class InRooms(AtTheOrigin):
         super().prepare(spec, rng)
 
 
-def test_a_task_prepares_by_the_annotations_of_its_scene():
+def test_a_task_prepares_from_scene_annotations():
     rc.register_task("in_rooms_of_test")(InRooms)
     rc7 = rc.RobotConfig.load(rc.models.robot_file("rc7"))
     config = rc.EnvConfig(robots={"rc7": rc7}, scene="tabletop", task={"kind": "in_rooms_of_test"})
     config.shared_base_frame_to_root_frame = rc.Pose(translation=[-0.5, 0, 0.2])
     rc.Env(config).close()
     assert InRooms.seen[0] == "table"
-    with pytest.raises(rc.Error, match=r"asked for in prepare\(\) first"):
+    with pytest.raises(rc.Error, match=r"in prepare\(\) first"):
         _ = InRooms().annotations
+
+
+BUTTON = """<mujoco model="button"><worldbody><body name="case">
+<geom type="box" size="0.03 0.03 0.01" mass="0.2"/>
+<body name="cap" pos="0 0 0.015"><joint name="travel" type="slide" axis="0 0 1" range="-0.01 0"
+ stiffness="200" damping="1"/><geom type="cylinder" size="0.01 0.005" mass="0.01"/></body>
+</body></worldbody></mujoco>"""
+
+
+class Button(rc.tasks.Task):
+    """A button whose model slides and does not move freely; `fixed` and `pos` as given."""
+
+    model: ClassVar[str]
+    fixed: ClassVar[bool | None] = None
+    pos: ClassVar[list[float] | None] = None
+    named: ClassVar[list[str]] = ["button"]
+
+    def prepare(self, spec, rng):
+        button = rc.SceneObject(name="button", mjcf_path=self.model)
+        button.fixed, button.pos = self.fixed, self.pos
+        spec.objects.append(button)
+
+    def objects(self):
+        return self.named
+
+    def instruction(self):
+        return "press"
+
+    def judge(self, scene):
+        return rc.tasks.TaskVerdict(success=False)
+
+
+@pytest.mark.parametrize("world", ["environment", "run"])
+@pytest.mark.parametrize(
+    ("fields", "text"),
+    [
+        ({}, r"'button' has no `pos`, and no place can be drawn for it.*`fixed: false`.*prepare\)"),
+        ({"fixed": True}, r"added object 'button' .* as fixed and without `pos`.*in prepare\)"),
+        ({"pos": [0.4, 0, 0.01], "named": ["knob"]}, r"no object 'knob'.*button.*in objects\)"),
+        ({"pos": [0.4, 0, 0.01]}, ""),
+    ],
+)
+def test_an_object_without_a_place_is_an_error_of_its_hook(
+    tmp_path: Path, world: str, fields: dict[str, object], text: str
+):
+    model = tmp_path / "button.xml"
+    model.write_text(BUTTON)
+    kind = f"button_of_test_{world}_{len(fields)}_{'fixed' in fields}"
+    made = type("Made", (Button,), {**fields, "model": str(model)})
+    rc.register_task(kind)(made)
+    rc7 = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+
+    def begin() -> None:
+        if world == "environment":
+            rc.Env(rc.EnvConfig(robots={"rc7": rc7}, task={"kind": kind})).close()
+            return
+        run = rc.RunConfig(run="button", task={"kind": kind}, output=str(tmp_path / "out"))
+        run.robot, run.max_attempts = rc7, 50
+        rc.envs.RunEnv(run).reset(0)
+
+    if not text:
+        begin()
+        return
+    with pytest.raises(rc.ArgumentError, match=text):
+        begin()

@@ -69,9 +69,7 @@ def helper_of(command: subprocess.Popen[str], module: str) -> int:
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
-def test_the_process_that_looks_a_run_through_ends_with_its_command(
-    tmp_path: Path, number: signal.Signals
-):
+def test_the_check_process_ends_with_its_command(tmp_path: Path, number: signal.Signals):
     """While the engine is at a model that takes it hours."""
     scenes = {"source": "files", "files": [str(STALLS)]}
     command = start(write_run(tmp_path, scenes=scenes, episodes_per_scene=1))
@@ -83,7 +81,7 @@ def test_the_process_that_looks_a_run_through_ends_with_its_command(
     if number is signal.SIGKILL:
         return
     assert command.returncode == 130, said
-    assert "interrupted before an episode was begun" in said
+    assert "interrupted before the first episode" in said
     assert "Traceback" not in said
     assert not (tmp_path / "out").exists()
 
@@ -98,7 +96,7 @@ def test_a_dry_run_that_is_ended_leaves_no_folder(tmp_path: Path):
     assert list(tmp_path.glob(f"{PREFIX}*")) == []
 
 
-def test_what_a_killed_dry_run_left_is_swept_away_by_the_next(
+def test_the_next_run_removes_leftovers_of_a_killed_dry_run(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
@@ -119,7 +117,7 @@ def test_what_a_killed_dry_run_left_is_swept_away_by_the_next(
     assert not living.exists()
 
 
-def test_a_folder_that_is_swept_away_as_it_is_made_is_made_again(
+def test_a_folder_removed_during_creation_is_created_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))

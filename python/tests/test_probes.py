@@ -12,7 +12,7 @@ from robocell.cli.doctor import advice
 from robocell.cli.probes import State
 
 
-def test_the_doctor_does_not_take_an_error_for_a_description(monkeypatch: pytest.MonkeyPatch):
+def test_the_doctor_does_not_show_an_error_as_a_description(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setenv("__EGL_VENDOR_LIBRARY_FILENAMES", "/no")
     monkeypatch.setenv("PYTHONPATH", ":".join(sys.path))
     egl = next(finding for finding in probes.graphics() if finding.what == "graphics: egl")

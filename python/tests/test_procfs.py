@@ -35,7 +35,7 @@ def start() -> subprocess.Popen[bytes]:
     return process
 
 
-def test_memory_of_children_is_seen_while_they_live():
+def test_memory_of_live_children_is_counted():
     others = children_peak_bytes()  # that earlier tests of this process left running
     with MemoryWatch(children_peak_bytes) as watch:
         processes = [start(), start()]
@@ -52,7 +52,7 @@ def test_memory_of_children_is_seen_while_they_live():
     assert not {process.pid for process in processes} & set(children(os.getpid()))
 
 
-def test_a_child_that_is_no_other_program_yet_is_not_counted():
+def test_a_child_before_exec_is_not_counted():
     pid = os.fork()
     if pid == 0:
         time.sleep(10)
@@ -64,7 +64,7 @@ def test_a_child_that_is_no_other_program_yet_is_not_counted():
         os.waitpid(pid, 0)
 
 
-def test_a_peak_stays_and_goes_with_its_process():
+def test_peak_memory_lasts_as_long_as_its_process():
     before = peak_bytes()
     held = bytearray(LARGE)
     held[::4096] = b"x" * len(held[::4096])
@@ -76,7 +76,7 @@ def test_a_peak_stays_and_goes_with_its_process():
     assert peak_bytes(process.pid) == 0
 
 
-def test_the_age_of_a_process_counts_from_before_it_was_python():
+def test_the_age_of_a_process_includes_the_time_before_python():
     code = (
         "import time; from robocell.generate.procfs import age_s; time.sleep(0.5); print(age_s())"
     )

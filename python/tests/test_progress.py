@@ -7,7 +7,7 @@ import json
 
 from rich.console import Console
 
-from robocell.generate.items import ItemResult
+from robocell.generate.items import ItemRecord
 from robocell.generate.progress import Bar, JsonLines, PlainLines, beginning, status
 from robocell.generate.totals import Unmade
 from test_totals import RESULT, totals_after_one
@@ -19,10 +19,10 @@ def test_the_status_has_rate_time_left_success_and_reasons():
         status(totals)
         == "360/h, 2 min 20 s left, success 50 %, refused: too far 2, failed: dropped 1"
     )
-    assert beginning(totals) == "20 episodes (5 are there), 2 workers"
+    assert beginning(totals) == "20 episodes (5 on the disk), 2 workers"
 
 
-def test_plain_lines_come_seldom_and_say_what_happened():
+def test_plain_lines_are_rare_and_describe_events():
     file = io.StringIO()
     lines = PlainLines(file, interval_s=1000)
     totals = totals_after_one()
@@ -36,7 +36,7 @@ def test_plain_lines_come_seldom_and_say_what_happened():
     lines.stopping("Ctrl-C", totals)
     lines.finished(totals)
     assert file.getvalue().splitlines() == [
-        "20 episodes (5 are there), 2 workers",
+        "20 episodes (5 on the disk), 2 workers",
         f"6/20 episodes, {status(totals)}",
         "s0000_e0002 is made again: worker 1 (pid 7) was killed by SIGSEGV",
         "s0000_e0003 could not be made: dropped 20",
@@ -87,7 +87,7 @@ def test_json_lines_are_one_object_per_event():
     assert [event["event"] for event in events] == [
         *("started", "episode", "retry", "unmade", "warning", "stopping", "finished")
     ]
-    assert ItemResult.from_json(events[1]["result"]) == RESULT
+    assert ItemRecord.from_json(events[1]["result"]) == RESULT
     assert events[1]["totals"]["made"] == 1
     assert events[1]["totals"]["refusals"] == {"too far": 2}
     assert events[3] == {

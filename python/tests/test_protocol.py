@@ -6,7 +6,7 @@ import robocell as rc
 from robocell.generate.protocol import Failure, LineReader, ProtocolError, encode
 
 
-def test_messages_come_out_as_they_went_in_however_they_are_cut():
+def test_messages_round_trip_for_any_chunking():
     sent = [{"ready": True}, {"done": {"id": "s0_e1", "text": "a\nb \u00e9"}}, {"stop": True}]
     data = b"".join(encode(message) for message in sent)
     assert data.count(b"\n") == len(sent)
@@ -24,7 +24,7 @@ def test_an_unfinished_line_waits_for_its_end():
 
 
 @pytest.mark.parametrize("line", [b"hello\n", b"[1]\n", b"\xff\n", b"\n"])
-def test_what_is_no_message_is_shown(line):
+def test_rejects_and_quotes_an_invalid_message(line):
     with pytest.raises(ProtocolError, match="not a message: b"):
         list(LineReader().feed(line))
 
@@ -46,7 +46,7 @@ def test_an_exception_arrives_with_its_kind_and_text(error, kind, raised):
     assert str(failure.error()) == str(error)
 
 
-def test_what_a_users_code_raises_comes_with_file_and_line():
+def test_an_exception_in_user_code_has_file_and_line():
     try:
         raise KeyError("mug")
     except KeyError as error:

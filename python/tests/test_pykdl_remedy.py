@@ -51,7 +51,7 @@ def test_without_root_the_library_comes_along_where_the_system_has_none(
     assert "pykdl.pth" not in _pykdl.remedy()
 
 
-def test_another_python_is_told_which_one_the_package_is_for(no_system_module, monkeypatch):
+def test_the_remedy_names_the_python_version_of_the_package(no_system_module, monkeypatch):
     monkeypatch.setattr(_pykdl, "system_version", lambda: "3.9")
     assert _pykdl.remedy() == (
         f"The package python3-pykdl is for the system's Python 3.9, and this is Python {HERE}. "
@@ -59,7 +59,7 @@ def test_another_python_is_told_which_one_the_package_is_for(no_system_module, m
     )
 
 
-def test_other_systems_build_it(no_system_module, monkeypatch):
+def test_other_systems_build_pykdl_from_source(no_system_module, monkeypatch):
     monkeypatch.setattr(_pykdl.shutil, "which", lambda command: None)
     assert sysconfig.get_path("platlib") in _pykdl.remedy()
     assert "orocos_kinematics_dynamics" in _pykdl.remedy()

@@ -48,7 +48,7 @@ def test_a_rate_that_does_not_fit_names_the_nearest_and_the_timestep(tmp_path: P
     assert "For exactly 30 Hz set policy_hz: 30 and sim_hz: 480" in text
 
 
-def test_rates_are_fields_with_exact_results_in_python_too():
+def test_rates_are_exact_in_python():
     rates = robocell.control.Rates(policy_hz=30, sim_hz=480)
     assert rates.policy_rate() == (30, 1)
     assert rates.timestep() == 1 / 480

@@ -23,7 +23,7 @@ def scene() -> rc.Scene:
     return rc.Scene.build(rc.SceneSpec(name="s", timestep=0.002, add_floor=True, add_skybox=True))
 
 
-def test_soft_draws_what_gl_draws(scene: rc.Scene):
+def test_soft_matches_gl(scene: rc.Scene):
     gl, soft = (
         rc.render.Renderer(scene, backend=name).render("", 160, 120, depth=True, segmentation=True)
         for name in ("gl", "soft")
@@ -32,7 +32,7 @@ def test_soft_draws_what_gl_draws(scene: rc.Scene):
     assert np.abs(gl["rgb"].astype(int) - soft["rgb"]).mean() < 3
 
 
-def test_an_unknown_back_end_lists_those_that_there_are(scene: rc.Scene):
+def test_an_unknown_back_end_error_lists_the_back_ends(scene: rc.Scene):
     with pytest.raises(rc.NotFoundError, match=r"no back end 'sofd'.*auto, gl, soft.*'soft'"):
         rc.render.Renderer(scene, backend="sofd")
 
@@ -60,6 +60,6 @@ def test_the_environment_chooses():
     assert description(ROBOCELL_RENDERER="soft").startswith("soft: ")
 
 
-def test_without_egl_another_one_draws():
+def test_without_egl_another_back_end_draws():
     found = description(__EGL_VENDOR_LIBRARY_FILENAMES="/no")
     assert found.startswith(("soft: ", "gl: osmesa"))  # OSMesa may be installed

@@ -54,7 +54,7 @@ def test_the_recorded_controls_give_the_recorded_episodes(dataset: Path):
     for name, line in zip(IDS, result.stdout.splitlines(), strict=True):
         episode = robocell.Dataset(dataset)[name]
         ticks = episode.rows("control")
-        assert line == f"{name}: {len(episode)} rows, {ticks} control ticks: the same"
+        assert line == f"{name}: {len(episode)} rows, {ticks} control ticks: identical"
 
 
 def test_the_first_difference_is_named_with_row_tick_and_joint(changed: Path):
@@ -62,7 +62,7 @@ def test_the_first_difference_is_named_with_row_tick_and_joint(changed: Path):
     assert result.returncode == 1, result.stdout + result.stderr
     assert f"{IDS[0]}: " in result.stdout.splitlines()[0]
     assert f"{IDS[1]}: differs first in row 9 (control tick 891, t = " in result.stdout
-    assert "joint 'robot_0/joint2' of rc7/arm: " in result.stdout
+    assert "joint 'joint2' of rc7/arm: " in result.stdout
     assert "1 of 2 episodes differ" in result.stdout
     assert robocell_command("replay", changed, "--tolerance", 1e-5).returncode == 0
     assert robocell_command("replay", changed, IDS[0]).returncode == 0
@@ -85,14 +85,14 @@ def test_the_scene_of_an_episode_is_read_with_the_folders_of_its_models(dataset:
     assert [robot.name for robot in scene.robots] == ["rc7"]
 
 
-def test_wrong_commands_are_told(dataset: Path, tmp_path: Path):
+def test_rejects_invalid_replay_arguments(dataset: Path, tmp_path: Path):
     assert "no dataset" in refused("replay", tmp_path / "none")
     text = refused("replay", "--check", dataset, "s0000_e0009")  # as it had to be written once
     assert "s0000_e0009" in text
     assert IDS[1] in text
     around = refused("replay", dataset.parent)
     assert (
-        f"is no dataset: it has neither a dataset.json nor episodes, it holds {dataset.name}"
+        f"is not a dataset: it has neither a dataset.json nor episodes, it holds {dataset.name}"
         in (around)
     )
     assert f". Did you mean '{dataset}'?" in around
@@ -100,7 +100,7 @@ def test_wrong_commands_are_told(dataset: Path, tmp_path: Path):
     assert "has no episodes" in refused("replay", tmp_path)
 
 
-def test_a_damaged_episode_is_named_and_does_not_stop_the_others(dataset: Path, tmp_path: Path):
+def test_a_damaged_episode_is_reported_and_the_others_are_replayed(dataset: Path, tmp_path: Path):
     copy = shutil.copytree(dataset, tmp_path / "copy")
     described = copy / IDS[0] / "episode.json"
     described.write_bytes(described.read_bytes()[:100])
@@ -122,9 +122,7 @@ def test_a_damaged_episode_is_named_and_does_not_stop_the_others(dataset: Path, 
     assert f"Did you mean '{copy}'?" in refused("report", tmp_path)
 
 
-def test_the_code_is_compared_only_where_a_dataset_json_says_what_it_was(
-    dataset: Path, tmp_path: Path
-):
+def test_replay_with_code_rejects_a_damaged_manifest(dataset: Path, tmp_path: Path):
     copy, module = shutil.copytree(dataset, tmp_path / "copy"), tmp_path / "mine_of_test.py"
     module.touch()
     words = ("replay", copy, IDS[0], "--import", module)
@@ -166,13 +164,25 @@ def test_episodes_of_an_environment_are_replayed(recorded: Path, tmp_path: Path)
     for options in ((), ("--actions",), ("--env", env)):
         result = robocell_command("replay", recorded, *options, "--tolerance", 0)
         assert result.returncode == 0, result.stdout
-        assert re.fullmatch(r"episode-000000: 3 rows, \d+ control ticks: the same\n", result.stdout)
+        assert re.fullmatch(
+            r"episode-000000: 3 rows, \d+ control ticks: identical\n", result.stdout
+        )
     shorter = tmp_path / "shorter.yaml"
     shorter.write_text(env.read_text().replace("frequency: 10", "max_convergence_time: 0.004"))
     result = robocell_command("replay", recorded, "--env", shorter)
     assert result.returncode == 1
     assert "episode-000000: differs first in row 2" in result.stdout
     assert ": robot.tquat[" in result.stdout
+
+
+def test_a_recorded_dataset_has_a_report_and_no_run(recorded: Path):
+    result = robocell_command("report", recorded)
+    assert result.returncode == 0
+    assert "no report.json" not in result.stderr
+    assert "0 % (1 episode)" in result.stdout
+    for policy in ("expert", "replay"):
+        said = refused("evaluate", recorded, "--policy", policy)
+        assert "Evaluate a run, or a dataset that one generated" in said
 
 
 def test_a_replay_does_not_wait_for_real_time(tmp_path: Path):
@@ -195,11 +205,10 @@ def test_a_replay_does_not_wait_for_real_time(tmp_path: Path):
     assert time.monotonic() - started < 40, "the step alone is 50 s"
 
 
-def test_what_a_replay_of_actions_needs_is_told(dataset: Path, recorded: Path):
+def test_errors_explain_what_replaying_actions_requires(dataset: Path, recorded: Path):
     for options in (("--actions",), ("--env", "rc7")):
-        result = robocell_command("replay", dataset, *options)
-        assert result.returncode == 2
-        assert "was not recorded in an environment; generated ones are" in result.stderr
+        (said,) = refused("replay", dataset, *options).splitlines()
+        assert f"was generated by a run: leave out {options[0]}, so that the recorded" in said
     assert "no cell 'none'" in refused("replay", recorded, "--env", "none")
     result = robocell_command("replay", recorded, "--env", "xarm7")
     assert result.returncode == 2
@@ -232,7 +241,7 @@ OWN_MEMORY = """
 
 
 @pytest.mark.parametrize("hook", ["", OWN_MEMORY], ids=["attributes", "memory"])
-def test_a_task_that_keeps_its_start_is_replayed(tmp_path: Path, hook: str):
+def test_replays_a_task_that_keeps_its_start(tmp_path: Path, hook: str):
     """In a process whose task has never begun."""
     module = tmp_path / "push_of_replay.py"
     module.write_text(PUSH.format(hook=hook))
@@ -264,7 +273,7 @@ env.close()
     assert starts == ["reset", "state"]
 
 
-def test_an_error_of_a_task_in_a_replay_is_told_with_its_line(tmp_path: Path):
+def test_a_task_error_during_replay_names_its_line(tmp_path: Path):
     module = tmp_path / "push_of_replay.py"
     module.write_text(PUSH.format(hook=""))
     code = f"""

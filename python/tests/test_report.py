@@ -16,7 +16,7 @@ import robocell
 from command_line import refused, robocell_command, write_run
 from robocell.generate import report as reports
 from robocell.generate.check import Found
-from robocell.generate.items import ItemResult
+from robocell.generate.items import ItemRecord
 from robocell.generate.job import Job
 from robocell.generate.observer import Observer
 from robocell.generate.report import Command, DamagedReportError, RunReport
@@ -31,8 +31,8 @@ from robocell.generate.totals import (
 IDS = ["s0000_e0000", "s0000_e0001"]
 
 
-def made(name: str) -> ItemResult:
-    return ItemResult(
+def made(name: str) -> ItemRecord:
+    return ItemRecord(
         name,
         success=True,
         attempts=3,
@@ -68,7 +68,7 @@ def a_report(*commands: tuple[str, ...]) -> RunReport:
     return report
 
 
-def test_a_report_is_read_as_it_was_written(tmp_path: Path):
+def test_a_report_round_trips(tmp_path: Path):
     written = a_report(("b",), ("c", "a"))
     reports.save(tmp_path / "report.json", written)
     read = reports.load(tmp_path / "report.json")
@@ -79,7 +79,7 @@ def test_a_report_is_read_as_it_was_written(tmp_path: Path):
     assert [path.name for path in tmp_path.iterdir()] == ["report.json"]
 
 
-def test_a_command_that_tries_an_item_again_adds_no_item():
+def test_retrying_an_item_adds_no_item():
     whole_run = a_report(("a", "b", "c", "d"))
     again = RunReport("demo", "hash", (4, 5), {})
     again.add(command("z", planned=1, seconds=2.0), [replace(made("z"), success=False)], ["z"])
@@ -98,14 +98,16 @@ def test_a_report_without_commands_counts_nothing():
     assert reports.whole([nothing, a_report(("a",))]).made == 1
 
 
-def test_more_episodes_than_the_last_command_asked_for_are_told_so():
+def test_reports_more_episodes_than_the_last_command_requested():
     totals = a_report(("a",)).totals
     assert Summary("r", Path(), 4, totals).rows()["episodes"] == "4 of 5"
-    assert Summary("r", Path(), 7, totals).rows()["episodes"] == ("7, the last command asked for 5")
+    assert Summary("r", Path(), 7, totals).rows()["episodes"] == (
+        "7 (the last command requested 5)"
+    )
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"format": "robocell-report"}', "\0"])
-def test_what_is_no_report_is_named_with_its_path(tmp_path: Path, text: str):
+def test_rejects_a_damaged_report_and_names_its_path(tmp_path: Path, text: str):
     path = tmp_path / "report.json"
     path.write_text(text)
     with pytest.raises(DamagedReportError, match=r"report\.json' is damaged: "):
@@ -156,14 +158,14 @@ def test_a_run_leaves_its_report_and_going_on_adds_to_it(dataset: Path):
         assert entry.rows == len(robocell.Dataset(dataset)[name])
 
 
-def test_a_command_with_nothing_to_do_is_not_listed(dataset: Path):
+def test_a_command_without_work_is_not_listed(dataset: Path):
     before = (dataset / "report.json").read_bytes()
     run = dataset.parent / "run.yaml"
     assert robocell_command("generate", run).returncode == 0
     assert (dataset / "report.json").read_bytes() == before
 
 
-def test_a_dataset_with_a_report_is_as_intact_as_one_without(dataset: Path):
+def test_a_report_does_not_affect_verification(dataset: Path):
     verified = robocell.data.verify(dataset)
     assert (verified.ok, verified.good, verified.others) == (
         True,
@@ -179,7 +181,7 @@ def test_the_table_is_counted_on_the_disk(dataset: Path, tmp_path: Path):
     rows = sum(len(episode) for episode in robocell.Dataset(copy))
     assert "2 of 2" in text
     assert f"2 episodes, {rows} rows, {rows} frames, " in text
-    assert "complete, complete" in text
+    assert "2 complete" in text
     assert "mujoco 4.0.0" in text
     assert text.count("success  ") >= 2, "a line for each episode"
     content = as_json(copy)
@@ -189,7 +191,7 @@ def test_the_table_is_counted_on_the_disk(dataset: Path, tmp_path: Path):
     assert "1 of 2" in robocell_command("report", copy).stdout
 
 
-def test_without_a_report_the_disk_still_counts(dataset: Path, tmp_path: Path):
+def test_without_a_report_episodes_are_counted_on_disk(dataset: Path, tmp_path: Path):
     copy = shutil.copytree(dataset, tmp_path / "copy")
     (copy / "report.json").unlink()
     result = robocell_command("report", copy)
@@ -198,11 +200,13 @@ def test_without_a_report_the_disk_still_counts(dataset: Path, tmp_path: Path):
     assert "a Runner writes none" in result.stderr
     assert "2 episodes, " in result.stdout
     assert " of 2" not in result.stdout, "nobody knows how many were planned"
+    assert "100 % (2 episodes)" in result.stdout
 
 
-def test_what_cannot_be_reported_is_told(dataset: Path, tmp_path: Path):
+def test_the_report_command_rejects_missing_and_damaged_input(dataset: Path, tmp_path: Path):
     (tmp_path / "empty" / ".quarantine").mkdir(parents=True)
-    assert "holds no episodes and no report" in refused("report", tmp_path / "empty")
+    said = refused("report", tmp_path / "empty")
+    assert "holds no episodes and no report: give the `robocell generate` command" in said
     assert "no dataset" in refused("report", tmp_path / "none")
     copy = shutil.copytree(dataset, tmp_path / "copy")
     (copy / "report.json").write_text("{")
@@ -217,7 +221,7 @@ def test_what_cannot_be_reported_is_told(dataset: Path, tmp_path: Path):
     assert "report.json' is damaged: " in refused("report", copy, code=3)
 
 
-def test_reports_beside_a_damaged_one_count(dataset: Path, tmp_path: Path):
+def test_a_damaged_report_does_not_hide_the_others(dataset: Path, tmp_path: Path):
     copy = shutil.copytree(dataset, tmp_path / "copy")
     (copy / "report-0-of-2.json").write_text("{")
     result = robocell_command("report", "--json", copy)
@@ -228,7 +232,7 @@ def test_reports_beside_a_damaged_one_count(dataset: Path, tmp_path: Path):
     assert content["totals"]["counts"]["made"] == 2
 
 
-def test_what_was_copied_into_a_dataset_is_told_and_does_not_count(dataset: Path, tmp_path: Path):
+def test_copied_episodes_are_reported_and_not_counted(dataset: Path, tmp_path: Path):
     copy = shutil.copytree(dataset, tmp_path / "copy")
     shutil.copytree(copy / IDS[0], copy / "best")
     other = replace(reports.load(copy / "report.json"), run="other", identity="0" * 64)
@@ -259,7 +263,7 @@ def test_a_damaged_report_does_not_stop_a_run(dataset: Path, tmp_path: Path):
     assert "1 episode, made by commands that were killed" in text
 
 
-def test_shards_have_reports_of_their_own_and_one_table(tmp_path: Path):
+def test_shards_have_separate_reports_and_one_table(tmp_path: Path):
     run = write_run(tmp_path, cameras={"streams": []})
     for shard in ("0/2", "1/2"):
         assert robocell_command("generate", run, "--shard", shard).returncode == 0
@@ -273,7 +277,7 @@ def test_shards_have_reports_of_their_own_and_one_table(tmp_path: Path):
     assert "2 of 2" in robocell_command("report", out).stdout
 
 
-def test_a_run_that_fails_says_so_in_its_report(tmp_path: Path):
+def test_a_failed_run_records_the_failure_in_its_report(tmp_path: Path):
     run = write_run(tmp_path, cameras={"streams": []}, max_attempts=1)
     result = robocell_command("generate", run, "--set", "task.lift_height=1", "--episodes", 1)
     assert result.returncode == 1, result.stderr
@@ -291,7 +295,7 @@ def test_a_run_that_fails_says_so_in_its_report(tmp_path: Path):
     assert words[:5] == [IDS[0], "rc7", kind, "given", "up"]
 
 
-def test_a_signal_after_the_last_worker_does_not_take_the_report(
+def test_a_signal_after_the_last_worker_keeps_the_report(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     job = Job(write_run(tmp_path), [f"output={tmp_path / 'out'}"])

@@ -26,7 +26,7 @@ def test_attempts_follow_their_numbers(tmp_path: Path, monkeypatch: pytest.Monke
     assert resume._success_of(run, item) == tmp_path / "out" / item.id
 
 
-def test_what_is_broken_is_named_and_never_taken_for_made(tmp_path: Path):
+def test_broken_episodes_are_reported_and_not_counted(tmp_path: Path):
     run = RunConfig.load(write_run(tmp_path))
     out = tmp_path / "out"
     first, second = make_plan(run)

@@ -56,18 +56,18 @@ ACTION = "Mine.act() must return {robot: {group: GroupCommand}}: "
             {"rc7": {"arm": np.zeros(7)}},
             ACTION + "['rc7']['arm'] is a numpy.ndarray, not a GroupCommand such as ",
         ),
-        ("act", {1: {}}, ACTION + "[1] is no name of a robot"),
+        ("act", {1: {}}, ACTION + "[1] is not the name of a robot"),
         ("done", None, "Mine.done() must return True or False, got None"),
         ("failure", None, "Mine.failure() must return a str, got None"),
         ("phase", "grasp", "Mine.phase() must return a whole number, got 'grasp'"),
         ("phase_names", "grasp", "Mine.phase_names() must return a list of str, got 'grasp'"),
     ],
 )
-def test_what_an_expert_returns_is_told(run: rc.RunConfig, method: str, value: Any, message: str):
+def test_rejects_invalid_expert_results(run: rc.RunConfig, method: str, value: Any, message: str):
     assert message in told(run, expert=expert_returning(method, value))
 
 
-def test_numpys_own_bool_is_one(run: rc.RunConfig):
+def test_accepts_a_numpy_bool(run: rc.RunConfig):
     result = rc.generate.Runner(run, expert=expert_returning("done", np.True_)).run(
         rc.generate.make_plan(run)[0]
     )
@@ -91,8 +91,8 @@ def test_a_method_that_is_missing_is_named(run: rc.RunConfig):
     )
 
 
-def test_an_instance_in_the_place_of_a_factory_is_told(run: rc.RunConfig):
-    class Own(rc.tasks.PickTaskSampler):
+def test_rejects_an_instance_instead_of_a_factory(run: rc.RunConfig):
+    class Own(rc.tasks.StartSampler):
         pass
 
     text = "an instance of {0}; give the function that makes it, such as lambda *_: {0}(...)"
@@ -112,7 +112,7 @@ def test_an_instance_in_the_place_of_a_factory_is_told(run: rc.RunConfig):
         (1, [], "phase() is 1; phase_names() is empty, so it must be 0"),
     ],
 )
-def test_a_phase_without_a_name_is_not_recorded(
+def test_rejects_a_phase_without_a_name(
     run: rc.RunConfig, phase: int, names: list[str], message: str
 ):
     class Mine(Idle):
@@ -126,14 +126,14 @@ def test_a_phase_without_a_name_is_not_recorded(
 
 
 @pytest.mark.parametrize("reward", [float("nan"), float("-inf")])
-def test_a_reward_that_is_no_number_is_not_recorded(run: rc.RunConfig, reward: float):
+def test_rejects_a_reward_that_is_not_a_number(run: rc.RunConfig, reward: float):
     class Task(rc.tasks.PickTask):
         def reward(self, scene: rc.Scene) -> float:
             return reward
 
-    class Sampler(rc.tasks.PickTaskSampler):
-        def make_task(self, target: str, kind: str, objects: list[str]) -> rc.tasks.Task:
-            return Task(target, kind, objects)
+    class Sampler(rc.tasks.StartSampler):
+        def make_task(self) -> rc.tasks.Task:
+            return Task(self.run.task)
 
     text = told(run, sampler=Sampler, expert=lambda *_: Idle())
     assert re.search(f"reward\\(\\) is {reward} at t = .* must be finite", text)
@@ -144,7 +144,7 @@ def test_a_forgotten_super_init_is_named(run: rc.RunConfig):
         def __init__(self) -> None:
             pass
 
-    class Sampler(rc.tasks.PickTaskSampler):
+    class Sampler(rc.tasks.StartSampler):
         def __init__(self, run: rc.RunConfig) -> None:
             pass
 
@@ -155,16 +155,16 @@ def test_a_forgotten_super_init_is_named(run: rc.RunConfig):
     assert str(caught.value) == text.format("Sampler")
 
 
-def test_stages_and_tasks_are_told_too(run: rc.RunConfig):
+def test_errors_name_the_stage_or_task_with_an_invalid_result(run: rc.RunConfig):
     class Task(rc.tasks.PickTask):
         def reward(self, scene: rc.Scene) -> float:
             return None  # type: ignore[return-value]
 
-    class Sampler(rc.tasks.PickTaskSampler):
-        def make_task(self, target: str, kind: str, objects: Any) -> rc.tasks.Task:
-            return Task(target, kind, objects)
+    class Sampler(rc.tasks.StartSampler):
+        def make_task(self) -> rc.tasks.Task:
+            return Task(self.run.task)
 
-    class Placed(rc.tasks.PickTaskSampler):
+    class Placed(rc.tasks.StartSampler):
         def choose_base_placement(self, request: rc.tasks.SampleRequest, rng: rc.tasks.Rng) -> Any:
             return (0.4, 0.0)
 
@@ -173,7 +173,7 @@ def test_stages_and_tasks_are_told_too(run: rc.RunConfig):
     assert told(run, sampler=Placed) == expected
 
 
-def test_what_makes_the_parts_must_be_a_function(run: rc.RunConfig):
+def test_rejects_factories_that_are_not_functions(run: rc.RunConfig):
     message = (
         "Runner: `expert` must be a function (run, start) -> Expert, got an instance of Idle; "
     )

@@ -25,7 +25,7 @@ def scene() -> rc.Scene:
 
 
 class TestState:
-    def test_a_target_outlives_the_handle_it_was_given_to(self, scene):
+    def test_a_target_outlives_its_handle(self, scene):
         target = scene.robot("a").jnt_pos_msr + 0.2
         scene.robot("a").jnt_pos_cmd = target
         gc.collect()
@@ -46,7 +46,7 @@ class TestState:
         assert robot.step()
         assert robot.scene.robot("a").joint_names == robot.joint_names
 
-    def test_scenes_go_when_the_last_handle_goes(self):
+    def test_the_last_handle_frees_the_scene(self):
         scene = cell()
         data = weakref.ref(scene.data)
         robot = scene.robot("a")
@@ -123,7 +123,7 @@ class TestOwnGroups:
         scene.robot("a").update()
         assert lamp.commands == [0.5]
 
-    def test_limits_that_change_hold_from_the_next_update_on_as_those_of_the_model(self, scene):
+    def test_changed_limits_apply_from_the_next_update(self, scene):
         lamp = Lamp()
         robot = scene.robot("a")
         robot.set_group(lamp)
@@ -142,7 +142,7 @@ class TestOwnGroups:
         scene.robot("a").update()
         assert group.commands == [0.0]
 
-    def test_it_may_outlive_scene_and_robot(self):
+    def test_a_group_can_outlive_scene_and_robot(self):
         scene, lamp = cell(), Lamp()
         scene.robot("a").set_group(lamp)
         del scene
@@ -164,21 +164,21 @@ class TestOwnGroups:
         assert ref() is None
         assert data() is None
 
-    def test_says_its_kind(self, scene):
+    def test_reports_its_kind(self, scene):
         assert KindLamp("arm").kind == "arm"
         assert KindLamp(rc.robots.MoveGroupKind.ARM).kind == "arm"
         robot = scene.robot("a")
         robot.set_group(KindLamp("generic"))
         assert robot.group("lamp").kind == "generic"
 
-    def test_a_kind_that_does_not_exist_lists_those_that_do(self):
+    def test_an_unknown_kind_error_lists_the_kinds(self):
         message = r"KindLamp.get_kind: no kind 'amr'.*arm, gripper, base, generic.*mean 'arm'"
         with pytest.raises(rc.NotFoundError, match=message):
             KindLamp("amr").kind  # noqa: B018
         with pytest.raises(TypeError, match=r"get_kind\(\) must return a MoveGroupKind or its"):
             KindLamp(7).kind  # noqa: B018
 
-    def test_a_gripper_must_be_one(self, scene):
+    def test_rejects_a_gripper_group_that_is_not_a_gripper(self, scene):
         with pytest.raises(rc.ArgumentError, match="kind gripper derives from GripperGroup"):
             scene.robot("a").set_group(KindLamp("gripper"))
 
@@ -190,7 +190,7 @@ class TestOwnGroups:
         robot = scene.robot("a")
         robot.set_group(Short())
         message = (
-            "group 'lamp' has no controller: Short.ctrl_for_joint_pos: expected 1 values, got 3"
+            "group 'lamp' has no controller: Short.ctrl_for_joint_pos: expected 1 value, got 3"
         )
         with pytest.raises(rc.NotFoundError, match=message):
             robot.apply({"lamp": rc.control.GroupCommand.joints([0.5])})
@@ -259,7 +259,7 @@ class TestOwnGroups:
         with pytest.raises(rc.Error, match=message):
             Lamp().integrate([1.0], [0.25])
 
-    def test_a_gripper_that_measures_nan_is_told_by_name(self, scene):
+    def test_rejects_a_gripper_that_measures_nan(self, scene):
         class Vague(rc.robots.GripperGroup):
             get_name = lambda self: "vague"  # noqa: E731
             get_joint_names = get_actuator_names = get_joint_pos = lambda self: []
@@ -275,7 +275,7 @@ class TestOwnGroups:
         with pytest.raises(rc.ArgumentError, match=r"Vague.get_inter_finger_dist\(\) must return"):
             _ = gripper.inter_finger_dist
 
-    def test_nothing_but_a_group_is_taken(self, scene):
+    def test_rejects_values_that_are_not_groups(self, scene):
         with pytest.raises(TypeError):
             scene.robot("a").set_group(object())
 
@@ -324,7 +324,7 @@ class OwnGripper(rc.robots.GripperGroup):
         return body == "cube"
 
 
-def test_a_gripper_of_ones_own_is_the_robots_gripper(scene):
+def test_a_custom_gripper_replaces_the_robots_gripper(scene):
     mine = OwnGripper()
     robot = scene.robot("a")
     robot.set_group(mine)
@@ -351,7 +351,7 @@ def settle(robot: rc.Robot, seconds: float = 1.0) -> float:
 
 class TestGripper:
     @pytest.mark.parametrize("controlled", [True, False], ids=["update", "steps alone"])
-    def test_opens_and_closes_when_told(self, scene, controlled):
+    def test_the_gripper_opens_and_closes_on_command(self, scene, controlled):
         robot = scene.robot("a")
 
         def after() -> float:
@@ -368,7 +368,7 @@ class TestGripper:
         robot.gripper.open()
         assert after() > 0.95
 
-    def test_raw_controls_are_kept_to(self, scene):
+    def test_the_gripper_follows_raw_controls(self, scene):
         robot = scene.robot("a")
         robot.gripper.close()
         closed = robot.gripper.ctrl
@@ -377,7 +377,7 @@ class TestGripper:
         robot.gripper.ctrl = closed
         assert settle(robot) < 0.05
 
-    def test_whoever_commands_last_is_obeyed(self, scene):
+    def test_the_last_command_wins(self, scene):
         robot = scene.robot("a")
         robot.gripper.opening = 1
         assert settle(robot) > 0.95
@@ -404,7 +404,7 @@ class TestLockedGroups:
         scene.reset()
         return scene.robot("a")
 
-    def test_a_group_within_the_arm_stays_where_the_seed_has_it(self, robot):
+    def test_a_locked_group_within_the_arm_keeps_the_seed(self, robot):
         seed = robot.arm.joint_pos
         moved = seed + np.array([0.2, 0.1, -0.2, 0.1, 0.3, 0, 0])
         target = robot.kinematics.fk(moved)
@@ -417,7 +417,7 @@ class TestLockedGroups:
         assert batch.success.all()
         np.testing.assert_array_equal(batch.q[:, 5:], [seed[5:]] * 2)
 
-    def test_a_group_that_is_commanded_shares_nothing_with_another(self):
+    def test_rejects_an_actuator_commanded_by_two_groups(self):
         config = rc.RobotConfig.load(robot_file("rc7"))
         config.move_groups["wrist"] = rc.robots.MoveGroupConfig(
             joints=["joint7"], actuators=["servo7"]
@@ -447,7 +447,7 @@ class TestLockedGroups:
         one = robot.kinematics.ik(target, seed=seed, prefer="seed")
         np.testing.assert_allclose(near.q[0], one.q, atol=1e-12)
 
-    def test_numbers_are_read_wherever_they_are_and_answers_are_arrays_of_their_own(self, robot):
+    def test_accepts_strided_input_and_returns_new_arrays(self, robot):
         seed = robot.arm.joint_pos.round(3)
         target = robot.kinematics.fk(seed + 0.1)
         found = robot.kinematics.ik(target, seed=seed)
@@ -502,7 +502,7 @@ class TestLockedGroups:
         with pytest.raises(TypeError, match="`target` must be a Pose or numbers, got 'up'"):
             solve("up")
 
-    def test_groups_outside_the_chain_stand_still_anyway(self, robot):
+    def test_locking_groups_outside_the_chain_has_no_effect(self, robot):
         target = robot.kinematics.fk(robot.arm.joint_pos + 0.1)
         free = robot.kinematics.ik(target)
         locked = robot.kinematics.ik(target, locked_groups=["gripper", "base"])
@@ -525,7 +525,7 @@ def test_groups_and_controllers_that_were_replaced_are_released():
 
 
 class TestWrittenModel:
-    def test_what_is_written_to_the_model_is_in_the_chain_after_forward_or_a_reset(self, scene):
+    def test_the_chain_follows_model_edits_after_forward_or_reset(self, scene):
         robot = scene.robot("a")
         dofs = [scene.model.joint(name).dofadr[0] for name in robot.joint_names]
         last = scene.model.jnt_bodyid[scene.model.joint(robot.joint_names[-1]).id]
@@ -538,7 +538,7 @@ class TestWrittenModel:
             np.testing.assert_allclose(robot.gravity_torques(), needed, atol=1e-9)
             assert not np.allclose(before, needed)
 
-    def test_limits_that_are_written_to_the_model_hold_for_commands_and_kinematics(self, scene):
+    def test_limits_edited_in_the_model_apply_to_commands_and_kinematics(self, scene):
         robot = scene.robot("a")
         joint = scene.model.joint(robot.joint_names[1])
         lower, upper = joint.range

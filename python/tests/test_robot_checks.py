@@ -22,7 +22,7 @@ from robocell.cli import reach_map
 from robocell.cli.robot_scene import load_robot
 
 
-def test_check_of_a_file_that_only_names_a_model_says_what_the_model_has(tmp_path: Path):
+def test_check_of_a_minimal_file_lists_the_elements_of_the_model(tmp_path: Path):
     path = tmp_path / "new.yaml"
     path.write_text(f"name: new\nmodel: {RC7.parent / 'rc7.xml'}\n")
     text = refused("check", path)
@@ -33,7 +33,7 @@ def test_check_of_a_file_that_only_names_a_model_says_what_the_model_has(tmp_pat
     assert "Robot::FromScene" not in text
 
 
-def test_a_gripper_that_cannot_be_measured_does_not_hide_what_was_found_before(tmp_path: Path):
+def test_a_gripper_that_cannot_be_measured_hides_no_earlier_finding(tmp_path: Path):
     (tmp_path / "arm.xml").write_text("""<mujoco><worldbody><body name="base"><body name="hand">
         <joint name="roll" axis="0 0 1"/><geom name="palm" type="box" size="40 40 130" mass="1"/>
         <body name="jaw"><joint name="jaw" axis="0 1 0" range="-60 0"/>
@@ -62,13 +62,13 @@ move_groups:
         (set_in("home", "arm", 0, value=float("nan")), "home.arm[0]: nan is not a finite number"),
     ],
 )
-def test_a_wrong_robot_file_is_told_with_the_place(
+def test_errors_in_a_robot_file_have_their_place(
     tmp_path: Path, change: Callable[[dict[str, Any]], object], told: str
 ):
     assert told in refused("check", write_robot(tmp_path, change))
 
 
-def test_what_is_wrong_with_the_model_is_told_with_the_line_of_the_robot_file(tmp_path: Path):
+def test_model_errors_name_the_line_of_the_robot_file(tmp_path: Path):
     path = write_robot(tmp_path, set_in("move_groups", "arm", "leaf", value={"site": "tpc"}))
     number = 1 + next(i for i, line in enumerate(path.read_text().splitlines()) if "tpc" in line)
     text = refused("check", path)
@@ -77,7 +77,7 @@ def test_what_is_wrong_with_the_model_is_told_with_the_line_of_the_robot_file(tm
     assert "scene" not in text
 
 
-def test_a_missing_mesh_is_told_with_robot_and_model(tmp_path: Path):
+def test_a_missing_mesh_error_names_robot_and_model(tmp_path: Path):
     model = tmp_path / "arm.xml"
     model.write_text(
         '<mujoco><asset><mesh name="link" file="link.stl"/></asset><worldbody><body name="b">'
@@ -91,7 +91,7 @@ def test_a_missing_mesh_is_told_with_robot_and_model(tmp_path: Path):
     assert "Get the model with all its files" in text
 
 
-def test_a_picture_is_a_png_or_refused_before_anything_is_done(tmp_path: Path):
+def test_rejects_a_picture_that_is_not_a_png_at_once(tmp_path: Path):
     text = refused("check", RC7, "--picture", tmp_path / "rc7.jpg")
     assert f"pictures are PNG files: give '{tmp_path}/rc7.png'" in text
     assert not list(tmp_path.iterdir())
@@ -102,7 +102,7 @@ def test_a_picture_is_a_png_or_refused_before_anything_is_done(tmp_path: Path):
     assert f"'{tmp_path}' is a folder; give the picture a name: '{tmp_path}/picture.png'" in text
 
 
-def test_lights_of_a_model_are_a_note_and_nothing_wrong(tmp_path: Path):
+def test_lights_of_a_model_are_only_a_note(tmp_path: Path):
     lit = tmp_path / "lit.xml"
     text = (RC7.parent / "rc7.xml").read_text()
     lit.write_text(text.replace("<worldbody>", '<worldbody><light name="lamp"/>', 1))
@@ -110,11 +110,11 @@ def test_lights_of_a_model_are_a_note_and_nothing_wrong(tmp_path: Path):
     assert result.returncode == 0, result.stderr
     assert "note: robot 'rc7': only body 'base_link' of " in result.stdout
     assert "light 'lamp'; the scene has its own" in result.stdout
-    assert "nothing found wrong" in result.stdout
+    assert "no problems found" in result.stdout
     assert result.stderr == ""
 
 
-def test_a_robot_without_gripper_is_told_with_its_groups(tmp_path: Path):
+def test_reports_a_missing_gripper_and_lists_the_groups(tmp_path: Path):
     def remove_gripper(config: dict[str, Any]) -> None:
         for field in ("move_groups", "home", "control", "home_noise"):
             config[field].pop("gripper")
@@ -172,7 +172,7 @@ def write_torso(folder: Path, grippers: tuple[str, ...]) -> Path:
 
 
 @pytest.mark.parametrize("grippers", [("l", "r"), ("r", "l")])
-def test_of_several_arms_and_grippers_it_is_told_which_are_used(
+def test_notes_which_of_several_arms_and_grippers_is_used(
     tmp_path: Path, grippers: tuple[str, str]
 ):
     path = write_torso(tmp_path, grippers)
@@ -185,10 +185,10 @@ def test_of_several_arms_and_grippers_it_is_told_which_are_used(
     assert (robot.arm.name, robot.gripper.name) == ("l_arm", "l_hand")
     assert "use that of the first arm, 'l_hand', and hold the others still" in result.stdout
     assert (robot.gripper_of("l_arm"), robot.gripper_of("r_arm")) == ("l_hand", "r_hand")
-    assert "nothing found wrong" in result.stdout
+    assert "no problems found" in result.stdout
 
 
-def test_a_first_arm_without_gripper_is_told(tmp_path: Path):
+def test_warns_about_a_first_arm_without_gripper(tmp_path: Path):
     result = robocell_command("check", write_torso(tmp_path, ("r",)))
     assert result.returncode == 0, result.stderr
     told = "the first arm, 'l_arm', which environments and pick tasks use, carries no gripper"
@@ -211,7 +211,7 @@ def test_actuators_that_were_added_for_a_controller_are_not_idle(tmp_path: Path,
     assert told[0].endswith("has the actuators gripper: nothing will command them")
 
 
-def test_check_warns_of_what_is_valid_but_looks_wrong(tmp_path: Path):
+def test_check_warns_about_valid_but_suspicious_values(tmp_path: Path):
     def spoil(config: dict[str, Any]) -> None:
         config.update(gravcomp=False, stiffness=20.0)
 
@@ -219,7 +219,7 @@ def test_check_warns_of_what_is_valid_but_looks_wrong(tmp_path: Path):
     assert result.returncode == 0, result.stderr
     assert "drifts by" in result.stderr
     assert "gravcomp: true" in result.stderr
-    assert "nothing found wrong" not in result.stdout
+    assert "no problems found" not in result.stdout
 
 
 SUCTION = """<mujoco><compiler angle="radian"/><worldbody><body name="base" mocap="false">
@@ -241,7 +241,7 @@ def write_suction(folder: Path) -> Path:
     return robot
 
 
-def test_check_and_runs_say_the_same_of_a_group_that_nothing_commands(tmp_path: Path):
+def test_check_and_runs_report_an_undriven_group_alike(tmp_path: Path):
     robot = write_suction(tmp_path)
     checked = robocell_command("check", robot)
     assert checked.returncode == 0, checked.stderr
@@ -251,7 +251,7 @@ def test_check_and_runs_say_the_same_of_a_group_that_nothing_commands(tmp_path: 
     assert "SetActuatorCtrl" in checked.stderr
     # A suction cup is no arm.
     assert "joint_impedance" not in checked.stderr
-    assert "nothing found wrong" not in checked.stdout
+    assert "no problems found" not in checked.stdout
     unfit = "has no gripper group"
     assert "note: the experts pick and pick_and_place cannot use this robot: " in checked.stdout
     assert unfit in checked.stdout
@@ -271,7 +271,7 @@ def test_check_and_runs_say_the_same_of_a_group_that_nothing_commands(tmp_path: 
     )  # is recorded without
 
 
-def test_a_distance_that_the_gripper_does_not_have_is_refused_by_check_and_by_runs(tmp_path: Path):
+def test_check_and_runs_reject_a_wrong_finger_distance(tmp_path: Path):
     distance = {"closed": 0.0, "open": 0.9}
     robot = write_robot(tmp_path, set_in("move_groups", "gripper", "distance", value=distance))
     text = "move_groups.gripper.distance: the fingers are 0.002 m apart when closed and 0.090 m "
@@ -282,7 +282,7 @@ def test_a_distance_that_the_gripper_does_not_have_is_refused_by_check_and_by_ru
     assert not (tmp_path / "out").exists()
 
 
-def test_what_check_warns_of_runs_warn_of_and_say_from_where_the_robot_would_reach(tmp_path: Path):
+def test_runs_repeat_the_warnings_of_check_and_advise_on_reach(tmp_path: Path):
     robot = write_robot(tmp_path, set_in("force_limit", value=0.01))
     warned = "pushes with all it may, 0.01 N m"
     assert warned in robocell_command("check", robot).stderr
@@ -304,7 +304,7 @@ def test_what_check_warns_of_runs_warn_of_and_say_from_where_the_robot_would_rea
 
 
 @pytest.mark.parametrize("control", ["", "control: {arm: joint_position}\n"])
-def test_an_arm_of_motors_is_refused_by_check_and_by_runs(tmp_path: Path, control: str):
+def test_check_and_runs_reject_an_arm_of_motors(tmp_path: Path, control: str):
     (tmp_path / "bob.xml").write_text(
         '<mujoco><worldbody><body name="base"><geom size="0.05"/><body name="link" pos="0 0 0.1">'
         '<joint name="hip" axis="0 1 0" range="-90 90"/><geom type="capsule" size="0.02" '
@@ -381,7 +381,7 @@ move_groups: {arm: {kind: arm, joints: [a, b, c], leaf: {site: tip}}}
 """
 
 
-def test_reach_of_a_short_arm_asks_for_less_than_a_pose(tmp_path: Path):
+def test_reach_suggests_an_axis_or_positions_for_a_short_arm(tmp_path: Path):
     (tmp_path / "scara.xml").write_text(SCARA)
     (tmp_path / "scara.yaml").write_text(SCARA_YAML)
     ask = ("reach", tmp_path / "scara.yaml", "--plane", "z=0.2", "-o", tmp_path / "map")
@@ -416,18 +416,18 @@ def test_reach_of_a_short_arm_asks_for_less_than_a_pose(tmp_path: Path):
     )
 
 
-def test_reach_tells_what_it_cannot_do(tmp_path: Path):
+def test_reach_rejects_invalid_arguments(tmp_path: Path):
     assert "give one of --plane AXIS=METRES (as --plane z=0.4) and --volume" in refused(
         "reach", RC7
     )
-    assert "--plane 'q=1' is no plane: write x, y or z" in refused("reach", RC7, "--plane", "q=1")
+    assert "--plane 'q=1' is not a plane: write x, y" in refused("reach", RC7, "--plane", "q=1")
     nowhere = tmp_path / "no" / "map"
     text = refused("reach", RC7, "--volume", "-o", nowhere, code=3)
     assert f"there is no folder '{nowhere.parent}'" in text
 
 
 @pytest.mark.parametrize("command", ["check", "generate"])
-def test_a_model_file_in_the_place_of_a_yaml_file_is_told(command: str):
+def test_rejects_a_model_file_instead_of_yaml(command: str):
     model = RC7.with_suffix(".xml")
     text = refused(command, model)
     assert f"{model}: this is XML, a model file; a YAML file is wanted here" in text

@@ -22,7 +22,7 @@ MAST = """<mujoco><worldbody><body name="mast">
 
 
 @pytest.mark.parametrize(("tall", "reach"), [(6, 0.5), (0.4, 3)])
-def test_a_picture_has_the_whole_robot_and_what_is_near_it(
+def test_a_picture_shows_the_whole_robot_and_its_surroundings(
     tmp_path: Path, tall: float, reach: float
 ):
     (tmp_path / "mast.xml").write_text(MAST.format(half=tall / 2, top=tall, reach=reach))

@@ -3,21 +3,19 @@
 import argparse
 import contextlib
 import json
+import os
 import sys
 from pathlib import Path
 
 import pytest
 
 import robocell as rc
-from robocell.dataset_run import _run_of_text
-from robocell.generate.protocol import Failure
+from robocell.evaluate import evaluate
+from robocell.generate.job import Job
 from robocell.generate.run_source import (
     RunSource,
     import_module,
     import_named,
-    is_of_users,
-    place_of,
-    where,
 )
 
 MODULE = """
@@ -62,13 +60,13 @@ def test_a_function_and_a_value_of_a_module_or_its_file_are_runs(module):
         ("broken", rc.SpecError, "cannot be made: ValueError: not today ("),
     ],
 )
-def test_what_is_no_run_is_told(module, name, error, told):
+def test_rejects_values_that_are_not_runs(module, name, error, told):
     with pytest.raises(error) as raised:
         RunSource(f"{module}:{name}").load()
     assert told in str(raised.value)
 
 
-def test_what_a_module_raises_is_told_with_file_and_line(tmp_path, monkeypatch):
+def test_an_exception_in_a_module_names_file_and_line(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "path", list(sys.path))
     (tmp_path / "half_a_task.py").write_text("value = 1\n\nraise KeyError('mug')\n")
     with pytest.raises(rc.SpecError) as raised:
@@ -80,7 +78,7 @@ def test_what_a_module_raises_is_told_with_file_and_line(tmp_path, monkeypatch):
         import_module("no_python.py", tmp_path)
 
 
-def test_modules_that_are_nowhere_are_told_with_the_next_step(tmp_path):
+def test_a_missing_module_error_explains_the_next_step(tmp_path):
     with pytest.raises(rc.SpecError, match=r"no such module in .* or install it"):
         import_module("nowhere_to_be_found", tmp_path)
     with pytest.raises(rc.SpecError, match="there is no such file"):
@@ -104,7 +102,7 @@ def test_the_nearest_file_or_module_is_suggested(tmp_path):
         import_named("libstak.so", tmp_path)
 
 
-def test_folders_are_no_modules(tmp_path, monkeypatch):
+def test_rejects_folders_as_modules(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "path", list(sys.path))
     folder = tmp_path / "folder_of_tasks"
     folder.mkdir()
@@ -121,7 +119,39 @@ def test_folders_are_no_modules(tmp_path, monkeypatch):
     assert import_module("folder_of_tasks", tmp_path).__name__ == "folder_of_tasks"
 
 
-def test_imports_of_a_run_file_are_told_with_their_place(tmp_path):
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        (".", r"is a folder without an __init__\.py; name a file in it, such as .*stack\.py"),
+        ("press.yaml", r"it is no Python file; name a module \(tasks\) or its file \(tasks\.py\)"),
+        ("./press.yaml", "it is no Python file"),
+        ("..stack", "it is no module's name; name a module"),
+        ("my-tasks", "it is no module's name; name a module"),
+    ],
+)
+def test_rejects_names_that_are_no_modules(tmp_path: Path, name: str, said: str):
+    (tmp_path / "stack.py").write_text("")
+    (tmp_path / "press.yaml").write_text("")
+    with pytest.raises(rc.SpecError, match=f"cannot import '.*': .*{said}"):
+        import_named(name, tmp_path)
+
+
+def test_a_python_file_is_no_run_file(module):
+    with pytest.raises(rc.SpecError, match=rf"is Python: write {module}\.py:NAME, .*RunConfig"):
+        RunSource(f"{module}.py").load()
+    Path("tasks_alone.py").write_text("")
+    with pytest.raises(rc.NotFoundError, match=r"no 'run'\. Name a RunConfig in it, or a function"):
+        RunSource("tasks_alone.py:run").load()
+
+
+def test_an_unknown_kind_names_the_imports_of_the_run_file(tmp_path):
+    file = tmp_path / "run.yaml"
+    file.write_text("run: a\nrobot: rc7\ntask: {kind: press}\noutput: out\n")
+    with pytest.raises(rc.SpecError, match=r"--import, or in the run file: imports: \[tasks\.py\]"):
+        RunSource(str(file)).load()
+
+
+def test_import_errors_name_the_place_in_the_run_file(tmp_path):
     file = tmp_path / "run.yaml"
     file.write_text("run: a\nimports:\n  - nowhere.py\n  - gone.so\n")
     with pytest.raises(rc.SpecError) as raised:
@@ -134,21 +164,7 @@ def test_imports_of_a_run_file_are_told_with_their_place(tmp_path):
         RunSource(str(file)).load()
 
 
-def test_the_text_of_a_dataset_has_no_lines_and_columns():
-    robot = rc.models.robot_file("rc7")
-    text = f"run: a\nrobot: {robot}\ntask:\n  kind: stack_of_nobody\nepisods: 3\n"
-    with pytest.raises(rc.SpecError) as raised:
-        _run_of_text(text, "out/folder")
-    said = str(raised.value)
-    assert said.startswith("the run that made 'out/folder': 2 problems:")
-    assert "  task.kind: no task 'stack_of_nobody'" in said
-    assert "name it with --import" in said
-    assert "folder:" not in said
-    with pytest.raises(rc.SpecError, match=r"^the run that made 'out/folder': task\.kind: no task"):
-        _run_of_text(text.replace("episods: 3", ""), "out/folder")
-
-
-def test_another_file_of_the_name_of_a_loaded_module_is_refused(tmp_path):
+def test_rejects_another_file_with_the_name_of_a_loaded_module(tmp_path):
     (tmp_path / "pytest.py").write_text("")
     with pytest.raises(rc.SpecError, match="a module 'pytest' is loaded from"):
         import_module("pytest.py", tmp_path)
@@ -159,10 +175,6 @@ def test_another_process_gets_the_same_source():
     parser = argparse.ArgumentParser()
     RunSource.add_options(parser)
     assert RunSource.of(parser.parse_args([*source.options(), "--", source.run])) == source
-
-
-def test_an_error_without_code_of_a_user_has_no_place():
-    assert place_of(ValueError("text")) == "ValueError: text"
 
 
 @pytest.mark.parametrize(
@@ -176,7 +188,7 @@ def test_an_error_without_code_of_a_user_has_no_place():
         ("typer.py", "that robocell needs"),
     ],
 )
-def test_names_of_modules_that_others_need_are_refused(tmp_path: Path, name: str, whose: str):
+def test_rejects_names_of_modules_in_use(tmp_path: Path, name: str, whose: str):
     (tmp_path / name).write_text("x = 1\n")
     module = name.removesuffix(".py")
     before = sys.modules.get(module)
@@ -188,51 +200,7 @@ def test_names_of_modules_that_others_need_are_refused(tmp_path: Path, name: str
     assert sys.modules.get(module) is before
 
 
-def raised_in(tmp_path: Path, call: str) -> Exception:
-    """What a function of a user's module raised."""
-    name = f"raises_{abs(hash(tmp_path))}"
-    text = f"import json\nimport numpy as np\n\n\ndef judge():\n    return {call}\n"
-    (tmp_path / f"{name}.py").write_text(text)
-    module = import_module(f"{name}.py", tmp_path)
-    try:
-        with pytest.raises(BaseException) as raised:
-            module.judge()
-        return raised.value
-    finally:
-        sys.modules.pop(name)
-
-
-@pytest.mark.parametrize(
-    "call", ["json.loads('x')", "np.linalg.inv(np.zeros((2, 2)))", "eval('x y')", "[][0]", "exit()"]
-)
-def test_the_place_of_an_error_is_in_the_users_own_source(tmp_path, monkeypatch, call):
-    monkeypatch.setattr(sys, "path", list(sys.path))
-    error = raised_in(tmp_path, call)
-    assert is_of_users(error)
-    assert where(error).startswith(f" ({tmp_path}/")
-    assert where(error).endswith(".py:6, in judge)")
-
-
-def test_frames_of_pythons_own_library_are_no_users():
-    with pytest.raises(ValueError) as raised:
-        json.loads("x")
-    error = raised.value
-    assert "test_run_source.py" in where(error)
-    error.__traceback__ = error.__traceback__.tb_next  # as when robocell calls it
-    assert not is_of_users(error)
-    assert where(error) == ""
-
-
-def test_an_error_whose_text_cannot_be_made_is_told_by_its_class(tmp_path):
-    class MuteError(Exception):
-        def __str__(self) -> str:
-            raise RuntimeError("no text")
-
-    assert place_of(MuteError()) == "MuteError: (its text cannot be made)"
-    assert Failure.of(MuteError()).message == "MuteError: (its text cannot be made)"
-
-
-def test_a_module_that_exits_is_told_with_file_and_line(tmp_path, monkeypatch):
+def test_reports_file_and_line_of_a_module_that_exits(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "path", list(sys.path))
     file = tmp_path / "exits_at_once.py"
     file.write_text("import sys\n\n\nsys.exit(0)\n")
@@ -241,7 +209,7 @@ def test_a_module_that_exits_is_told_with_file_and_line(tmp_path, monkeypatch):
     assert f"SystemExit: 0 ({file}:4, in <module>)" in str(raised.value)
 
 
-def test_an_import_leaves_the_working_folder_as_it_was(tmp_path, monkeypatch):
+def test_an_import_keeps_the_working_folder(tmp_path, monkeypatch):
     monkeypatch.setattr(sys, "path", list(sys.path))
     monkeypatch.chdir(tmp_path)
     for name, then in (("goes_away", ""), ("goes_and_raises", "raise KeyError('a')\n")):
@@ -251,8 +219,41 @@ def test_an_import_leaves_the_working_folder_as_it_was(tmp_path, monkeypatch):
         assert Path.cwd() == tmp_path
 
 
-def test_a_source_may_be_made_independent_of_the_working_folder(module, tmp_path):
+def test_a_source_can_be_made_absolute(module, tmp_path):
     (tmp_path / "run.yaml").touch()
     source = RunSource("run.yaml", ("a.py",))
     assert source.absolute() == RunSource(str(tmp_path / "run.yaml"), ("a.py",))
     assert RunSource(f"{module}:run").absolute() == RunSource(f"{module}:run")
+
+
+def test_errors_beside_exception_in_a_module_have_a_place_too(tmp_path, monkeypatch):
+    monkeypatch.setattr(sys, "path", list(sys.path))
+    (tmp_path / "cancelled_task.py").write_text(
+        "import asyncio\nraise asyncio.CancelledError('late')\n"
+    )
+    with pytest.raises(rc.SpecError, match=r"CancelledError: late \(.*cancelled_task\.py:2"):
+        import_module("cancelled_task.py", tmp_path)
+    (tmp_path / "interrupted_task.py").write_text("raise KeyboardInterrupt\n")
+    with pytest.raises(KeyboardInterrupt):
+        import_module("interrupted_task.py", tmp_path)
+
+
+def test_rejects_paths_that_are_not_utf_8(tmp_path, monkeypatch):
+    said = r"the path '.*b\\xffd.*' is not valid UTF-8, in which datasets and run files are written"
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "run.yaml").write_text("run: a\n")
+    folder = os.fsdecode(b"b\xffd")
+    (tmp_path / folder).mkdir()
+    for make in (
+        lambda: RunSource(f"{folder}/run.yaml"),
+        lambda: RunSource("run.yaml", (f"{folder}/tasks.py",)),
+        lambda: Job(Path("run.yaml"), [f"output={json.dumps(folder)}"]),
+        lambda: Job(Path("run.yaml"), [f"output={folder}"]),
+        lambda: evaluate("run.yaml", "random", output=folder),
+        lambda: evaluate(folder, "random"),
+    ):
+        with pytest.raises(rc.ArgumentError, match=said):
+            make()
+    monkeypatch.chdir(tmp_path / folder)
+    with pytest.raises(rc.ArgumentError, match=said):
+        RunSource("../run.yaml")

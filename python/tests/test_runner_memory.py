@@ -26,9 +26,9 @@ WITH_A_SAMPLER = f"""
 import robocell as rc
 
 
-class Mine(rc.tasks.PickTaskSampler):
-    def make_task(self, target, kind, objects):
-        return Judge(target, kind, objects)
+class Mine(rc.tasks.StartSampler):
+    def make_task(self):
+        return Judge(self.run.task)
 
 
 class Judge(rc.tasks.PickTask):
@@ -49,8 +49,132 @@ assert type(start.task) is Judge
 """
 
 
-@pytest.mark.parametrize("text", [SCRIPT, WITH_A_SAMPLER])
-def test_a_script_that_ends_with_a_runner_says_nothing_of_leaks(tmp_path: Path, text: str):
+WITH_A_SOURCE = f"""
+import robocell as rc
+
+
+@rc.register_scene_source("source_of_test")
+class Mine(rc.scenes.SceneSource):
+    def size(self):
+        return 1
+
+    def make(self, index):
+        return runner and rc.SceneSpec(name="empty")
+
+
+run = rc.RunConfig.load({str(DEMO)!r})
+run.scenes = {{"source": "source_of_test"}}
+runner = rc.generate.Runner(run)
+environment = rc.envs.RunEnv(run)
+sampler = rc.tasks.StartSampler(run)
+"""
+
+WITH_A_REGISTERED_SAMPLER = f"""
+import robocell as rc
+
+
+@rc.register_sampler("sampler_of_test")
+class Mine(rc.tasks.StartSampler):
+    def choose_base_placement(self, request, rng):
+        return runner and rc.tasks.BasePlacement(0.35, -0.2)
+
+
+run = rc.RunConfig.load({str(DEMO)!r})
+run.sampler = "sampler_of_test"
+runner = rc.generate.Runner(run)
+"""
+
+WITH_FEATURES = """
+import robocell as rc
+
+
+class Mine(rc.tasks.Task):
+    def judge(self, scene):
+        return features and rc.tasks.TaskVerdict(reward=1.0)
+
+    def instruction(self):
+        return "wait"
+
+
+spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=False)
+spec.robots = [rc.RobotSpec(name="r", config=rc.RobotConfig.load(rc.models.robot_file("rc7")))]
+scene = rc.Scene.build(spec)
+scene.on_reset(lambda context: print(features))
+task = Mine()
+features = rc.features.CellFeatures(scene, task)
+assert features.read()
+"""
+
+WITH_A_RECORDER = """
+import tempfile
+import robocell as rc
+from robocell.data import EnvRecorder
+from robocell.gym import pick_cube_config
+
+
+@rc.register_task("task_of_test")
+class Mine(rc.tasks.Task):
+    def judge(self, scene):
+        return recorder and rc.tasks.TaskVerdict(reward=1.0)
+
+    def instruction(self):
+        return "wait"
+
+
+folder = tempfile.TemporaryDirectory()
+env = rc.Env(pick_cube_config(relative_to="last_step", task={"kind": "task_of_test"}))
+recorder = EnvRecorder(env, folder.name)
+env.reset(seed=1)
+env.step({"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1], "gripper": 1}})
+recorder.save()
+again = rc.envs.from_dataset(folder.name)
+again.reset(seed=1)
+"""
+
+WITH_A_HOOK_THAT_RAISES = f"""
+import robocell as rc
+
+
+@rc.register_task("task_of_test")
+class Mine(rc.tasks.Task):
+    def prepare(self, spec, rng):
+        cube = rc.SceneObject(name="cube", shape=rc.Shape.BOX, size=[0.02] * 3, mass=0.1)
+        cube.rgba, cube.friction = [1, 0.5, 0, 1], [1, 0.02, 0.001]
+        spec.objects.append(cube)
+
+    def arrange(self, scene, rng):
+        raise ValueError("no place for " + str(environment and "it"))
+
+    def judge(self, scene):
+        return rc.tasks.TaskVerdict()
+
+    def instruction(self):
+        return "wait"
+
+
+run = rc.RunConfig.load({str(DEMO)!r})
+run.cameras.streams.clear()
+run.task = {{"kind": "task_of_test"}}
+environment = rc.envs.RunEnv(run)
+try:
+    environment.reset(0)
+except ValueError as error:
+    assert "no place for it" in str(error)
+"""
+
+SCRIPTS = [
+    SCRIPT,
+    WITH_A_HOOK_THAT_RAISES,
+    WITH_A_SAMPLER,
+    WITH_A_SOURCE,
+    WITH_A_REGISTERED_SAMPLER,
+    WITH_FEATURES,
+    WITH_A_RECORDER,
+]
+
+
+@pytest.mark.parametrize("text", SCRIPTS)
+def test_a_script_that_exits_reports_no_leaks(tmp_path: Path, text: str):
     script = tmp_path / "script.py"
     script.write_text(text)
     result = subprocess.run(

@@ -79,7 +79,7 @@ def runner(run: rc.RunConfig, samplers: list[Waiting], refused: int = 0) -> rc.g
     return rc.generate.Runner(run, expert=lambda run, start: Patient(3), sampler=sampler)
 
 
-def test_a_sampler_and_a_task_in_python_make_episodes(tmp_path: Path):
+def test_a_python_sampler_and_task_generate_episodes(tmp_path: Path):
     run = load(tmp_path)
     samplers: list[Waiting] = []
     result = runner(run, samplers, refused=2).run(rc.generate.make_plan(run)[0])
@@ -91,6 +91,7 @@ def test_a_sampler_and_a_task_in_python_make_episodes(tmp_path: Path):
     episode = rc.Dataset(run.output)[0]
     assert episode.metadata["instruction"] == "wait"
     assert episode.metadata["task"] == "custom"
+    assert episode.metadata["unregistered"] == ["sampler", "expert"]
     assert episode.metadata["target_object"] == "cube"
     assert episode["objects/cube/pose"][0, 0] == pytest.approx(asked[2][3], abs=1e-9)
     assert episode["reward"][-1] == pytest.approx(3 * run.rates.policy_ms / 1000, abs=1e-9)
@@ -98,7 +99,29 @@ def test_a_sampler_and_a_task_in_python_make_episodes(tmp_path: Path):
     assert episode["success"][-1]
 
 
-def test_the_task_that_was_given_is_the_task_of_the_start():
+def test_episodes_of_an_unregistered_sampler_do_not_pass_for_those_of_the_run(tmp_path: Path):
+    run = load(tmp_path)
+    plan = rc.generate.make_plan(run)
+    runner(run, []).run(plan[0])
+    other_parts = r"unregistered sampler and expert.*registered parts"
+    with pytest.raises(rc.ArgumentError, match=other_parts):
+        rc.generate.Runner(run).run(plan[1])
+    assert len(rc.Dataset(run.output)) == 1
+    with pytest.raises(rc.ArgumentError, match=r"no name in the dataset stands for it.*Register"):
+        rc.envs.from_dataset(run.output)
+    assert runner(run, []).run(plan[1]).success
+
+
+def test_an_unregistered_expert_does_not_go_on_with_the_runs_own(tmp_path: Path):
+    run = load(tmp_path)
+    plan = rc.generate.make_plan(run)
+    assert rc.generate.Runner(run).run(plan[0]).committed
+    waiting = rc.generate.Runner(run, expert=lambda run, start: Patient(3))
+    with pytest.raises(rc.ArgumentError, match=r"registered parts.*an unregistered expert"):
+        waiting.run(plan[1])
+
+
+def test_a_start_has_the_given_task():
     scene = rc.Scene.build(rc.SceneSpec(name="s", timestep=0.002, add_floor=True, add_skybox=False))
     task = Wait()
     assert rc.tasks.EpisodeStart(scene, task).task is task
@@ -106,9 +129,9 @@ def test_the_task_that_was_given_is_the_task_of_the_start():
         rc.tasks.EpisodeStart(scene, 7)  # type: ignore[arg-type]
 
 
-def test_the_scripted_sampler_can_be_asked_and_wrapped(tmp_path: Path):
+def test_the_scripted_sampler_can_be_called_and_wrapped(tmp_path: Path):
     run = load(tmp_path)
-    own = rc.tasks.PickTaskSampler(run)
+    own = rc.tasks.StartSampler(run)
 
     class First(rc.tasks.TaskSampler):
         """Hands on what the scripted one makes."""
@@ -128,9 +151,9 @@ def test_the_scripted_sampler_can_be_asked_and_wrapped(tmp_path: Path):
     assert (Path(run.output) / item.id / "steps.h5").read_bytes() == steps
 
 
-def test_a_wrapped_sampler_hears_that_somebody_asks_for_an_end(tmp_path: Path):
+def test_a_wrapped_sampler_sees_the_stop_request(tmp_path: Path):
     run = load(tmp_path)
-    own = rc.tasks.PickTaskSampler(run)
+    own = rc.tasks.StartSampler(run)
     stop = rc.generate.StopFlag()
     kept: list[rc.tasks.SampleRequest] = []
 
@@ -154,9 +177,9 @@ def test_a_wrapped_sampler_hears_that_somebody_asks_for_an_end(tmp_path: Path):
     assert not kept[0].stopped, "the call is over"
 
 
-def test_other_threads_go_on_while_a_start_is_sampled(tmp_path: Path):
+def test_other_threads_run_while_a_start_is_sampled(tmp_path: Path):
     run = load(tmp_path)
-    own = rc.tasks.PickTaskSampler(run)
+    own = rc.tasks.StartSampler(run)
     turns: list[int] = []
     during: list[int] = []
     done = threading.Event()
@@ -190,7 +213,7 @@ def test_other_threads_go_on_while_a_start_is_sampled(tmp_path: Path):
     assert max(during) >= 3, "the interpreter was not held"
 
 
-def test_what_is_no_sampler_or_no_start_is_told(tmp_path: Path):
+def test_rejects_invalid_samplers_and_starts(tmp_path: Path):
     class Wrong(rc.tasks.TaskSampler):
         def sample(self, request, rng):
             return "here"
@@ -214,7 +237,7 @@ class Bound(Wait):
         return self.robot.name == "rc7"
 
 
-def test_the_task_of_a_start_is_bound_by_who_runs_it(tmp_path: Path):
+def test_the_runner_binds_the_task_of_a_start(tmp_path: Path):
     class Sampler(Waiting):
         def sample(
             self, request: rc.tasks.SampleRequest, rng: rc.tasks.Rng
@@ -228,7 +251,7 @@ def test_the_task_of_a_start_is_bound_by_who_runs_it(tmp_path: Path):
     assert runner.run(rc.generate.make_plan(run)[0]).success
 
 
-def test_a_task_says_why_it_is_not_done(tmp_path: Path):
+def test_a_task_explains_why_it_failed(tmp_path: Path):
     class Never(Wait):
         def success(self, scene: rc.Scene) -> bool:
             return False

@@ -25,7 +25,7 @@ def vec_env() -> Iterator[Any]:
     sb3_stand_in.leave()
 
 
-def test_it_is_the_vector_environment(vec_env):
+def test_matches_the_vector_environment(vec_env):
     env = vec_env(pick_cube_config(), 2, max_episode_steps=2)
     vector = FlatVectorGymEnv(pick_cube_config(), 2, 2, "SameStep")
     env.seed(5)
@@ -51,7 +51,7 @@ def test_it_is_the_vector_environment(vec_env):
     vector.close()
 
 
-def test_seeds_hold_for_one_reset_and_options_for_none(vec_env):
+def test_a_seed_applies_to_one_reset_and_options_are_validated(vec_env):
     env = vec_env(pick_cube_config(), 2)
     env.seed(5)
     first, second = env.reset(), env.reset()
@@ -87,18 +87,18 @@ def test_pictures_are_those_of_the_vector(vec_env):
     without.close()
 
 
-def test_copies_have_nothing_of_their_own(vec_env):
+def test_copies_have_no_separate_attributes(vec_env):
     env = vec_env(pick_cube_config(), 2)
     assert env.get_attr("num_envs") == [2, 2]
     assert env.env_is_wrapped(object, indices=[0]) == [False]
-    with pytest.raises(rc.ArgumentError, match="no attributes of their own, speed"):
+    with pytest.raises(rc.ArgumentError, match="no separate attributes, speed"):
         env.set_attr("speed", 1)
-    with pytest.raises(rc.ArgumentError, match="no methods of their own, such as jump"):
+    with pytest.raises(rc.ArgumentError, match="no separate methods, such as jump"):
         env.env_method("jump")
     env.close()
 
 
-def test_without_the_package_one_is_told_how_to_get_it(monkeypatch):
+def test_without_the_package_the_error_has_the_install_command(monkeypatch):
     monkeypatch.delitem(sys.modules, "robocell.sb3", raising=False)
     monkeypatch.setitem(sys.modules, "stable_baselines3", None)
     with pytest.raises(ModuleNotFoundError, match=r"pip install gymnasium stable-base") as told:

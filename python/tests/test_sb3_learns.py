@@ -22,7 +22,7 @@ def test_in_copies_on_threads():
     env.close()
 
 
-def test_in_environments_that_it_makes_itself():
+def test_in_environments_created_by_sb3():
     check_env(gym.make("robocell/PickCube-v0", flat=True).unwrapped)
     options = {"flat": True, "max_episode_steps": 4}
     env = make_vec_env("robocell/PickCube-v0", n_envs=2, seed=0, env_kwargs=options)

@@ -38,7 +38,7 @@ def scene() -> rc.Scene:
 
 
 class TestSharing:
-    def test_model_and_data_are_the_real_ones_and_always_the_same(self, scene):
+    def test_model_and_data_are_mujoco_objects_and_stay_identical(self, scene):
         assert isinstance(scene.model, mujoco.MjModel)
         assert isinstance(scene.data, mujoco.MjData)
         assert scene.model is scene.model
@@ -87,7 +87,7 @@ class TestSharing:
         scene.step()
         assert scene.data._address == address
 
-    def test_many_scenes_come_and_go(self):
+    def test_many_scenes_can_be_created_and_freed(self):
         for _ in range(30):
             scene = rc.Scene.build(small_spec())
             scene.model, scene.data.qpos[0]
@@ -121,7 +121,7 @@ class TestSharing:
             scene.step_n(50)
         np.testing.assert_array_equal(scenes[0].data.qpos, scenes[1].data.qpos)
 
-    def test_two_scenes_on_a_model_that_is_not_frozen_are_refused(self):
+    def test_rejects_two_scenes_on_an_unfrozen_model(self):
         compiled = rc.scene.compile_scene(small_spec())
         first = rc.Scene.from_compiled(compiled)
         message = "scene 'small': its compiled scene is used by another scene.*freeze.*compile"
@@ -132,7 +132,7 @@ class TestSharing:
         second = rc.Scene.from_compiled(compiled)
         assert second.timestep() == 0.001
 
-    def test_the_next_scene_on_a_model_has_the_pool_as_the_spec_says(self):
+    def test_the_next_scene_on_a_model_has_the_pool_of_the_spec(self):
         spec = small_spec()
         for name, parked in (("outside", True), ("inside", False)):
             spec.objects.append(
@@ -153,7 +153,7 @@ class TestSharing:
         second.close()
         compiled.freeze()
 
-    def test_a_scene_holds_no_python_object_for_what_it_was_made_from(self):
+    def test_a_scene_holds_no_reference_to_its_compiled_scene(self):
         """Letting go of one would need the interpreter, on whatever thread the scene dies."""
         compiled = rc.scene.compile_scene(small_spec())
         references = sys.getrefcount(compiled)
@@ -163,7 +163,7 @@ class TestSharing:
         gc.collect()
         assert scene.step()
 
-    def test_a_model_is_free_again_when_its_scene_is_gone_or_closed(self):
+    def test_closing_or_freeing_a_scene_releases_its_model(self):
         compiled = rc.scene.compile_scene(small_spec())
         rc.Scene.from_compiled(compiled).step()
         gc.collect()
@@ -190,7 +190,7 @@ class TestSharing:
         scene.model.geom_rgba[:] = 0.5
         scene.model.opt.gravity[2] = -1
 
-    def test_a_copy_of_a_compiled_scene_has_a_model_of_its_own(self):
+    def test_a_copy_of_a_compiled_scene_has_its_own_model(self):
         compiled = rc.scene.compile_scene(small_spec())
         compiled.freeze()
         copy = compiled.copy()
@@ -204,7 +204,7 @@ class TestSharing:
         assert scene.step().ok
         assert "<mujoco" in scene.to_xml()
 
-    def test_a_compiled_scene_tells_what_became_of_its_spec(self):
+    def test_a_compiled_scene_lists_its_robots_and_objects(self):
         spec = arm_spec()
         spec.objects[0].parked = True
         compiled = rc.scene.compile_scene(spec)
@@ -233,7 +233,7 @@ class TestSharing:
         config.name = "other"
         assert robot.copy_config() == spec.robots[0].config
 
-    def test_threads_that_ask_for_the_model_at_once_get_the_same_one(self, monkeypatch):
+    def test_concurrent_threads_get_the_same_model(self, monkeypatch):
         """Python may change threads at any line of the hand-over."""
         version = mujoco.mj_versionString
         monkeypatch.setattr(mujoco, "mj_versionString", lambda: (time.sleep(0.05), version())[1])
@@ -250,7 +250,7 @@ class TestSharing:
 
 
 class TestThreads:
-    def test_a_scene_may_die_on_another_thread(self):
+    def test_a_scene_can_be_freed_on_another_thread(self):
         scenes = [rc.Scene.build(small_spec()) for _ in range(3)]
         data = scenes[0].data
         thread = threading.Thread(target=scenes.clear)
@@ -316,7 +316,7 @@ class TestReset:
         assert not scene.reset(use_keyframe=False).used_keyframe
 
     @pytest.mark.parametrize("wrong", [True, False, {"cube": True}, 1.0, {"cube": 0.5}, ["home"]])
-    def test_what_is_no_keyframe_is_refused_by_its_type(self, scene, wrong):
+    def test_rejects_keyframes_of_a_wrong_type(self, scene, wrong):
         for call in (
             lambda: scene.reset(keyframe=wrong),
             lambda: rc.scene.ResetOptions(keyframe=wrong),
@@ -348,7 +348,7 @@ class TestReset:
         assert scene.body_pose("cube").translation.tolist() == [0, 0, 0.5]
         assert seen == [(5, True)]
 
-    def test_hooks_can_all_be_taken_away(self, scene):
+    def test_all_hooks_can_be_removed(self, scene):
         called = []
         for i in range(3):
             scene.on_reset(lambda reset, i=i: called.append(i))
@@ -357,7 +357,7 @@ class TestReset:
         scene.reset()
         assert called == [0, 1, 2]
 
-    def test_bodies_start_where_a_reset_puts_them(self, scene):
+    def test_bodies_start_at_the_poses_of_the_reset(self, scene):
         there = rc.Pose(translation=[0.1, 0, 1], rpy=[0, 0, 1])
         scene.reset(body_poses={"cube": there})
         assert scene.body_pose("cube").is_close(there, 1e-12, 1e-12)
@@ -382,7 +382,7 @@ class TestReset:
         options.body_poses = None
         assert options.body_poses == {}
 
-    def test_an_error_in_a_hook_comes_out_of_reset(self, scene):
+    def test_an_error_in_a_hook_propagates_from_reset(self, scene):
         def fail(reset: rc.scene.ResetContext) -> None:
             raise KeyError("mine")
 
@@ -444,7 +444,7 @@ class TestCalls:
         with pytest.raises(rc.Error, match="world"):
             scene.set_body_pose("world", [1, 2, 3])
 
-    def test_state_goes_back_and_forth(self, scene):
+    def test_a_state_can_be_saved_and_restored(self, scene):
         scene.step_n(20)
         state = scene.state()
         scene.step_n(20)
@@ -488,7 +488,7 @@ class TestCalls:
         pytest.importorskip("PyKDL")
         assert rc.Pose(scene.body_frame("cube")) == scene.body_pose("cube")
 
-    def test_everything_is_refused_after_close(self, scene):
+    def test_every_call_fails_after_close(self, scene):
         data = weakref.ref(scene.data)
         with scene:
             pass
@@ -525,7 +525,7 @@ class TestCalls:
         scene.reset()
         assert "cube" in scene.body_names()
 
-    def test_an_invalid_spec_is_refused_with_everything_wrong(self):
+    def test_an_invalid_spec_error_lists_all_problems(self):
         spec = small_spec()
         spec.timestep = None
         spec.objects[0].mass = -1
@@ -540,7 +540,7 @@ class TestCalls:
         assert scene != rc.Scene.build(small_spec())
 
 
-def test_another_mujoco_is_refused_by_name(monkeypatch):
+def test_rejects_another_mujoco_version(monkeypatch):
     monkeypatch.setattr(mujoco, "mj_versionString", lambda: "3.9.9")
     with pytest.raises(rc.EngineError, match=r"version 3\.9\.9, robocell was built for 4\.0\.0"):
         rc.Scene.build(small_spec())

@@ -98,7 +98,7 @@ def test_a_handle_that_is_held_keeps_the_hooks(name: str):
     assert gone() is None
 
 
-def test_a_handle_of_cpp_keeps_the_hooks():
+def test_a_cpp_handle_keeps_the_hooks():
     """A command port keeps its robot without Python's knowing."""
     scene, token = build(), Token()
     port = robot_of(scene).jnt_pos_cmd
@@ -146,7 +146,7 @@ def test_a_group_that_refers_to_its_robot_is_collected():
     assert token() is None
 
 
-def test_many_scenes_with_hooks_come_and_go():
+def test_many_scenes_with_hooks_can_be_created_and_freed():
     tokens = []
     for _ in range(10):
         tokens.append(alive_after_collection(robot_of))

@@ -55,7 +55,7 @@ def test_segmentation_is_the_renderers_in_every_row(dataset: Path):
     assert (recorded[0] != recorded[-1]).any()
 
 
-def test_labels_name_every_body_and_whose_it_is(dataset: Path):
+def test_labels_name_every_body_and_its_owner(dataset: Path):
     episode = robocell.Dataset(dataset)[0]
     scene = robocell.Scene.build(robocell.data.recorded_scene(episode))
     labels = episode.segment_labels
@@ -78,7 +78,7 @@ def test_labels_name_every_body_and_whose_it_is(dataset: Path):
     assert described["segmentation"]["labels"][0] == {"name": "world", "owner": ""}
 
 
-def test_segmentation_is_counted_verified_and_missed_by_name(dataset: Path):
+def test_segmentation_is_counted_and_verified_and_missing_segmentation_is_named(dataset: Path):
     assert robocell.data.verify(dataset, decode_videos=True).ok
     episode = robocell.Dataset(dataset)[0]
     assert episode.segmentation_cameras == ["wrist", "exo"]

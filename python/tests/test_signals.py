@@ -13,7 +13,7 @@ from robocell.generate.signals import STOP_SIGNALS, interrupted_by_signals, stop
     ("number", "name"),
     [(signal.SIGINT, "Ctrl-C"), (signal.SIGTERM, "SIGTERM"), (signal.SIGHUP, "SIGHUP")],
 )
-def test_each_signal_asks_to_stop_by_its_name(number, name):
+def test_each_signal_requests_a_stop_by_name(number, name):
     before = [signal.getsignal(each) for each in STOP_SIGNALS]
     asked: list[str] = []
     with stop_on_signals(asked.append):
@@ -40,14 +40,14 @@ def test_a_signal_that_is_ignored_stays_ignored():
     assert asked == []
 
 
-def test_handlers_are_back_after_an_exception():
+def test_handlers_are_restored_after_an_exception():
     before = signal.getsignal(signal.SIGTERM)
     with pytest.raises(ValueError, match="mine"), stop_on_signals(lambda name: None):
         raise ValueError("mine")
     assert signal.getsignal(signal.SIGTERM) is before
 
 
-def test_other_threads_leave_them_alone():
+def test_other_threads_keep_the_handlers():
     before = signal.getsignal(signal.SIGTERM)
     seen: list[object] = []
 

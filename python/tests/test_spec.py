@@ -81,11 +81,11 @@ class TestValues:
             assert config == loaded
             rc.Env(config).close()
 
-    def test_repr_gives_the_spec_back(self):
+    def test_repr_round_trips(self):
         spec = rc.SceneSpec(timestep=0.002, objects=[cube()], robots=[{"config": arm_config()}])
         assert eval(repr(spec), {**vars(rc.scene), **vars(rc.robots), **vars(rc.control)}) == spec
 
-    def test_yaml_gives_the_spec_back(self):
+    def test_yaml_round_trips(self):
         spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=True, objects=[cube()])
         assert rc.SceneSpec.from_yaml(spec.to_yaml()) == spec
 
@@ -96,14 +96,14 @@ class TestValues:
         with pytest.raises(TypeError):
             hash(cube())
 
-    def test_load_takes_overrides(self):
+    def test_load_accepts_overrides(self):
         file = rc.models.robot_file("rc7")
         robot = rc.RobotConfig.load(pathlib.Path(file), ["home.arm[1]=0.5"])
         assert robot.home["arm"][1] == 0.5
         with pytest.raises(rc.SpecError, match=r"--set hme=1: hme: .*mean 'home'"):
             rc.RobotConfig.load(file, ["hme=1"])
 
-    def test_numbers_of_all_kinds_are_taken(self):
+    def test_accepts_numbers_of_all_types(self):
         spec = rc.SceneSpec(timestep=np.float32(0.5), add_floor=np.bool_(True))
         spec.options.iterations = np.int64(7)
         assert (spec.timestep, spec.add_floor, spec.options.iterations) == (0.5, True, 7)
@@ -123,12 +123,19 @@ class TestValues:
             setattr(config, name, number)
             assert getattr(config, name) == (float(number),)
 
-    @pytest.mark.parametrize("wrong", [True, np.True_, 1j, np.complex64(1), "1", None])
-    def test_what_is_no_number_is_no_list_of_one(self, wrong):
+    @pytest.mark.parametrize(
+        "wrong", [True, np.True_, 1j, np.complex64(1), "1", b"1", bytearray(b"1"), None]
+    )
+    def test_rejects_a_single_value_that_is_not_a_number(self, wrong):
         with pytest.raises((TypeError, ValueError), match="max_target_lead"):
             rc.EnvConfig(max_target_lead=wrong)
 
-    def test_defaults_of_a_tasks_fields_may_be_numpys(self):
+    def test_rejects_a_string_and_names_the_expected_type(self):
+        told = "max_relative_movement must be a number or a list of numbers, got str"
+        with pytest.raises(TypeError, match=told):
+            rc.EnvConfig(max_relative_movement="0.05")
+
+    def test_defaults_of_task_fields_can_be_numpy_values(self):
         @rc.register_task("corrected_numbers")
         class Numbers(rc.tasks.Task):
             @dataclasses.dataclass
@@ -140,12 +147,18 @@ class TestValues:
             def __init__(self, fields):
                 super().__init__()
 
+            def judge(self, scene):
+                return rc.tasks.TaskVerdict()
+
+            def instruction(self):
+                return "wait"
+
         config = rc.EnvConfig(task={"kind": "corrected_numbers"})
         assert (config.task.whole, config.task.real, config.task.flag) == (3, 0.5, True)
 
 
 class TestPlaces:
-    def test_what_was_added_in_python_has_no_place_in_the_file(self):
+    def test_elements_added_in_python_have_no_place_in_the_file(self):
         config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
         config.edits.append(rc.robots.Edit(joint="joint9", damping=1.0))
         spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=False)
@@ -155,7 +168,7 @@ class TestPlaces:
         place = f"scene 'scene' / robot 'q' / edits[{len(config.edits) - 1}]: the model: no joint"
         assert str(caught.value).startswith(place)
 
-    def test_a_spec_says_where_its_fields_stood(self, tmp_path: pathlib.Path):
+    def test_a_spec_reports_the_places_of_its_fields(self, tmp_path: pathlib.Path):
         path = tmp_path / "run.yaml"
         path.write_text(f"run: a\nrobot: {rc.models.robot_file('rc7')}\noutput: out\n")
         run = rc.RunConfig.load(path)

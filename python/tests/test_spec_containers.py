@@ -45,7 +45,7 @@ LIST_STEPS = [
 
 
 class TestLists:
-    def test_an_element_stays_the_object_that_was_put_in(self):
+    def test_list_elements_keep_their_identity(self):
         spec = rc.SceneSpec()
         robot = rc.RobotSpec(path="a.xml")
         spec.robots.append(robot)
@@ -56,7 +56,7 @@ class TestLists:
         robot.prefix = "left_"
         assert spec.robots[0].prefix == "left_"
 
-    def test_subclasses_stay_what_they_are(self):
+    def test_elements_keep_their_subclass(self):
         class Labelled(rc.RobotSpec):
             label = "mine"
 
@@ -89,7 +89,7 @@ class TestLists:
         b.robots.append(a.robots[0])
         assert b.robots[1] is robot
 
-    def test_it_does_everything_that_a_list_does(self):
+    def test_supports_all_list_operations(self):
         mine, other = rc.SceneSpec().objects, []
         for step in LIST_STEPS:
             items = {name: cube(name) for name in "abcd"}
@@ -106,9 +106,9 @@ class TestLists:
         assert mine.index(other[1]) == 1
         assert list(reversed(mine)) == other[::-1]
 
-    def test_what_a_list_refuses(self):
+    def test_a_list_rejects_invalid_elements(self):
         objects = rc.SceneSpec(objects=[cube()]).objects
-        with pytest.raises(IndexError, match=r"objects\[3\] is out of range, it has 1 elements"):
+        with pytest.raises(IndexError, match=r"objects\[3\] is out of range, it has 1 element"):
             objects[3]
         with pytest.raises(ValueError, match="objects does not hold that SceneObject"):
             objects.remove(cube("other"))
@@ -131,7 +131,7 @@ class TestLists:
 
 
 class TestMaps:
-    def test_values_stay_the_objects_that_were_put_in(self):
+    def test_mapping_values_keep_their_identity(self):
         config = rc.RobotConfig()
         group = rc.robots.MoveGroupConfig(kind="arm")
         config.move_groups["arm"] = group
@@ -149,7 +149,7 @@ class TestMaps:
         assert held.tolist() == [0, 0.5, 2]
         assert config.home["arm"].tolist() == [7]
 
-    def test_it_does_everything_that_a_mapping_does(self):
+    def test_supports_all_mapping_operations(self):
         control = rc.RobotConfig(control={"a": "joint_position"}).control
         assert control["a"] is rc.control.ControlKind.JOINT_POSITION
         control.update({"b": rc.control.ControlKind.RELATIVE_JOINT_POSITION})
@@ -163,7 +163,7 @@ class TestMaps:
         assert len(control) == 0
         assert isinstance(control, collections.abc.MutableMapping)
 
-    def test_what_a_mapping_refuses(self):
+    def test_a_mapping_rejects_invalid_keys_and_values(self):
         config = arm_config()
         with pytest.raises(KeyError, match=r"home: no key 'amr'.*Did you mean 'arm'"):
             config.home["amr"]
@@ -195,12 +195,12 @@ class TestMaps:
             ({"x": {3: {}}}, ".x must be keyed by names, got int"),
         ],
     )
-    def test_what_a_mapping_of_mappings_refuses(self, given, text):
+    def test_a_mapping_of_mappings_rejects_invalid_values(self, given, text):
         config = rc.EnvConfig()
         with pytest.raises(TypeError, match=f"^robot_frame_objects{re.escape(text)}$"):
             config.robot_frame_objects = given
 
-    def test_a_mapping_in_a_mapping_knows_its_name(self):
+    def test_errors_of_a_nested_mapping_have_its_name(self):
         config = rc.EnvConfig(robot_frame_objects={"left": {"cup": {}}})
         of_left = config.robot_frame_objects["left"]
         with pytest.raises(TypeError, match=r"^robot_frame_objects\.left\.mug must be an Env"):

@@ -62,7 +62,7 @@ class TestFields:
         assert spec.options.impratio == 3
         assert options.integrator == rc.scene.Integrator.EULER
 
-    def test_optional_specs_keep_the_object_that_was_put_in(self):
+    def test_optional_specs_keep_their_identity(self):
         config = arm_config()
         robot = rc.RobotSpec(config=config)
         assert robot.config is config
@@ -72,7 +72,7 @@ class TestFields:
         assert robot.config is None
         assert config.name == "arm"
 
-    def test_what_cannot_be_edited_is_immutable(self):
+    def test_values_that_cannot_be_edited_are_immutable(self):
         spec = rc.SceneSpec()
         assert spec.options.disable == ()
         spec.options.disable = ["contact"]
@@ -88,7 +88,7 @@ class TestFields:
         assert group.joints == ("a", "b")
         assert rc.scenes.SceneSourceSpec(houses=range(4)).houses == (0, 1, 2, 3)
 
-    def test_enums_are_taken_by_value_and_by_name(self):
+    def test_enums_accept_values_and_names(self):
         spec = cube()
         spec.shape = "sphere"
         assert spec.shape is rc.Shape.SPHERE
@@ -120,7 +120,7 @@ class TestFields:
             rc.scene.ElementRef("right", kind="site"),
         )
 
-    def test_paths_are_taken_as_text(self):
+    def test_paths_are_stored_as_strings(self):
         assert rc.RobotSpec(path=pathlib.Path("a") / "b.xml").path == "a/b.xml"
 
     def test_gravity_z_is_the_third_component(self):
@@ -169,7 +169,7 @@ class TestMessages:
             ("root_frame_to_world", [0, 0, 0], "root_frame_to_world must be a Pose, got list"),
         ],
     )
-    def test_wrong_types_say_what_and_where(self, field, value, message):
+    def test_wrong_type_errors_name_field_and_type(self, field, value, message):
         spec = rc.SceneSpec()
         with pytest.raises(TypeError, match=message):
             setattr(spec, field, value)
@@ -183,7 +183,7 @@ class TestMessages:
             ("options", {"iterations": 2**40}, "options.iterations must lie between"),
         ],
     )
-    def test_wrong_values_say_what_and_where(self, field, value, message):
+    def test_wrong_value_errors_name_field_and_value(self, field, value, message):
         with pytest.raises(rc.ArgumentError, match=message):
             setattr(rc.SceneSpec(), field, value)
 

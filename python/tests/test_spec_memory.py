@@ -69,7 +69,7 @@ def test_a_cycle_below_an_element_made_in_c_plus_plus_is_collected():
     assert ref() is None
 
 
-def test_an_element_that_is_still_held_keeps_what_it_holds():
+def test_a_held_element_keeps_its_contents():
     """Its owner is garbage, it is not: nothing of it may be cleared."""
     spec = rc.SceneSpec.from_yaml(
         "timestep: 0.1\nadd_floor: true\nadd_skybox: true\nrobots: [{path: a.xml}]\n"
@@ -128,7 +128,7 @@ def test_dropping_an_element_that_edits_the_list_in_its_finaliser_is_safe():
     assert [robot.path for robot in spec.robots] in ([], ["late.xml"])
 
 
-def test_nothing_is_left_behind():
+def test_leaves_no_garbage():
     def count() -> int:
         gc.collect()
         return sum(isinstance(o, rc.SceneSpec | rc.RobotSpec) for o in gc.get_objects())

@@ -86,7 +86,7 @@ def test_windows_are_filled_at_both_ends(dataset: robocell.Dataset, seed: int):
             assert item[f"{name}_is_pad"].tolist() == pads, name
 
 
-def test_several_items_are_those_that_were_asked_for(dataset: robocell.Dataset):
+def test_a_batch_contains_the_requested_items(dataset: robocell.Dataset):
     steps = Steps(dataset, {ARM: 0, "wrist.segmentation": 0})
     indices = np.random.default_rng(0).permutation(len(steps))[:20].tolist()
     for index, item in zip(indices, steps.__getitems__(indices), strict=True):
@@ -110,7 +110,7 @@ def test_few_episodes_stay_open_and_pickles_hold_none(dataset: robocell.Dataset)
     assert len(pickle.dumps(steps)) < 3000
 
 
-def test_keys_that_are_none_are_explained(dataset: robocell.Dataset, tmp_path: Path):
+def test_errors_explain_invalid_keys(dataset: robocell.Dataset, tmp_path: Path):
     with pytest.raises(robocell.NotFoundError, match=f"Did you mean '{ARM}'"):
         Steps(dataset, [ARM + "s"])
     with pytest.raises(robocell.NotFoundError, match=r"Did you mean 'wrist\.depth'"):
@@ -151,7 +151,7 @@ def test_without_torch_the_command_that_installs_it_is_named(
     assert error.value.name == "torch"
 
 
-def test_the_module_is_there_and_loads_nothing_large():
+def test_the_module_is_lazy_and_does_not_import_torch():
     code = (
         "import sys, robocell; robocell.data.Dataset; "
         "assert robocell.data.Dataset is robocell.Dataset; "
@@ -166,7 +166,7 @@ def test_the_module_is_there_and_loads_nothing_large():
         robocell.data.Stepz  # noqa: B018
 
 
-def test_a_star_stands_for_any_part_of_a_name(dataset: robocell.Dataset):
+def test_a_star_matches_any_part_of_a_name(dataset: robocell.Dataset):
     first = dataset[0]
     groups = [name for name in first.columns if name.startswith("robots/") and "/qpos" in name]
     assert len(groups) > 1

@@ -68,7 +68,7 @@ def close_after_first_episode(terminal: int, run: Path) -> None:
     os.close(terminal)
 
 
-def test_a_run_goes_on_when_its_terminal_is_gone(tmp_path: Path):
+def test_a_run_continues_when_its_terminal_closes(tmp_path: Path):
     """Of a command that was disowned: no signal comes."""
     run = write_run(tmp_path, episodes_per_scene=3, cameras={"streams": []})
     command, terminal = on_a_terminal(run, controlling=False)
@@ -108,11 +108,11 @@ def without_reader(*arguments: object) -> tuple[int, str]:
     return done.returncode, done.stderr
 
 
-def test_a_reader_that_has_gone_changes_no_exit_code(dataset: Path, tmp_path: Path):
+def test_a_closed_pipe_does_not_change_the_exit_code(dataset: Path, tmp_path: Path):
     run = dataset.parent / "run.yaml"
     assert without_reader("generate", run) == (
         0,
-        "1 episode (1 is there), 0 workers\n1/1 episodes, 0/h, - left, success -\n",
+        "1 episode (1 on the disk), 0 workers\n1/1 episodes, 0/h, - left, success -\n",
     )
     for command in ("report", "verify"):
         assert without_reader(command, dataset) == (0, ""), command
@@ -128,7 +128,7 @@ def test_a_reader_that_has_gone_changes_no_exit_code(dataset: Path, tmp_path: Pa
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
-def test_a_full_disk_is_told_all_the_same(dataset: Path):
+def test_a_full_disk_is_reported_without_a_traceback(dataset: Path):
     with open("/dev/full", "w") as full:
         done = subprocess.run(
             [sys.executable, "-m", "robocell", "report", str(dataset), "--json"],
@@ -144,7 +144,7 @@ def test_a_full_disk_is_told_all_the_same(dataset: Path):
     assert "Traceback" not in done.stderr
 
 
-def test_what_nobody_reads_is_dropped_and_closing_does_not_fail():
+def test_unread_output_is_dropped_and_close_does_not_fail():
     ours, theirs = os.pipe()
     file = os.fdopen(theirs, "w")
     stream = Forgiving(file, reader_is_gone)
@@ -157,7 +157,7 @@ def test_what_nobody_reads_is_dropped_and_closing_does_not_fail():
     file.close()
 
 
-def test_only_readers_can_be_gone(tmp_path: Path):
+def test_only_pipe_errors_mean_a_closed_reader(tmp_path: Path):
     with (tmp_path / "file").open("w") as file, open(os.devnull, "w") as device:
         for number, gone in ((errno.EPIPE, True), (errno.EIO, True), (errno.ENOSPC, False)):
             error = OSError(number, os.strerror(number))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from rich.console import Console
 
-from robocell.generate.items import ItemResult
+from robocell.generate.items import ItemRecord
 from robocell.generate.summary import Summary
 from robocell.generate.totals import (
     Totals,
@@ -17,15 +17,15 @@ from robocell.generate.totals import (
 from test_totals import totals_after_one
 
 
-def test_the_summary_counts_from_the_disk_and_leaves_out_what_did_not_happen():
+def test_the_summary_counts_on_disk_and_omits_empty_rows():
     totals = totals_after_one()
     rows = Summary("demo", Path("out/demo"), on_disk=6, totals=totals).rows()
     assert rows == {
         "episodes": "6 of 20 (5 made before)",
         "success": "50 % of 2 rollouts",
         "starts accepted": "50 % of 4 sampled",
-        "places accepted": "20 % of 10 tried",
-        "placed again": "no base pose is free of collisions 6",
+        "placements": "20 % of 10 accepted",
+        "placements rejected": "no base pose is free of collisions 6",
         "rate": "360 episodes/h: 1 in 10 s on 2 workers",
         "refusals": "too far 2",
         "failures": "dropped 1",
@@ -44,16 +44,16 @@ def test_the_summary_counts_from_the_disk_and_leaves_out_what_did_not_happen():
     assert "s0000_e0003" in text
 
 
-def test_success_is_told_by_object_when_there_are_several():
+def test_the_summary_lists_success_per_object_kind():
     totals = Totals(planned=3)
     totals.add(
-        ItemResult("a", success=True, object_kind="mug", kinds={"mug": 1}, rollouts={"mug": 1})
+        ItemRecord("a", success=True, object_kind="mug", kinds={"mug": 1}, rollouts={"mug": 1})
     )
     assert "success by object" not in Summary("r", Path(), 1, totals).rows()
     totals.add(
-        ItemResult("b", success=True, object_kind="box", kinds={"box": 3}, rollouts={"box": 2})
+        ItemRecord("b", success=True, object_kind="box", kinds={"box": 3}, rollouts={"box": 2})
     )
-    totals.add(ItemResult("c", object_kind="can", kinds={"can": 4}))
+    totals.add(ItemRecord("c", object_kind="can", kinds={"can": 4}))
     totals.attempts, totals.accepted = 8, 3
     read = Totals.from_record(totals.record())
     for told in (totals, side_by_side([read])):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -18,7 +19,7 @@ import pytest
 
 import fake_worker
 from robocell.generate.disk import with_trouble
-from robocell.generate.items import Item, ItemResult
+from robocell.generate.items import Item, ItemRecord
 from robocell.generate.observer import Observer
 from robocell.generate.supervisor import Limits, Supervisor
 from robocell.generate.totals import Totals, Unmade
@@ -34,7 +35,7 @@ class Recorder(Observer):
         self.on_episode: Callable[[], None] = lambda: None
         self.on_tick: Callable[[], None] = lambda: None
 
-    def episode(self, result: ItemResult, totals: Totals) -> None:
+    def episode(self, result: ItemRecord, totals: Totals) -> None:
         self.events.append(("episode", result.id))
         self.on_episode()
 
@@ -107,7 +108,7 @@ def wait_for(condition: Callable[[], bool]) -> None:
         time.sleep(0.02)
 
 
-def test_every_item_is_made_once_whatever_the_number_of_workers(tmp_path: Path):
+def test_every_item_is_generated_once_for_any_number_of_workers(tmp_path: Path):
     for workers in (1, 3):
         folder = tmp_path / str(workers)
         folder.mkdir()
@@ -122,13 +123,13 @@ def test_every_item_is_made_once_whatever_the_number_of_workers(tmp_path: Path):
         assert outcome.fatal is None
 
 
-def test_no_more_workers_than_items_and_none_without_items(tmp_path: Path):
+def test_starts_no_more_workers_than_items(tmp_path: Path):
     supervise(tmp_path, {}, count=1, workers=5).run()
     assert [path.name for path in tmp_path.glob("worker-*.log")] == ["worker-0.log"]
     assert supervise(tmp_path, {}, count=1, workers=5).run().totals.made == 0
 
 
-def test_a_killed_worker_is_named_with_its_signal_and_its_item_made_again(tmp_path: Path):
+def test_a_killed_worker_is_reported_and_its_item_is_repeated(tmp_path: Path):
     recorder = Recorder()
     outcome = supervise(tmp_path, {"e1": ["kill", "make"]}, observer=recorder).run()
     assert episodes(tmp_path) == ids(4)
@@ -152,7 +153,21 @@ def test_a_killed_worker_is_found_although_a_process_that_it_forked_lives(tmp_pa
     assert outcome.totals.elapsed_s < fake_worker.Maker.FORKED_S / 2
 
 
-def test_an_item_that_always_kills_is_listed_after_three_tries_and_stops_nobody(tmp_path: Path):
+def test_the_input_of_an_item_and_its_children_is_empty(tmp_path: Path):
+    outcome = supervise(tmp_path, {"*": ["read"]}).run()
+    assert episodes(tmp_path) == ids(4)
+    assert not outcome.totals.deaths
+    assert not outcome.totals.again
+
+
+def test_errors_beside_exception_are_told_like_others(tmp_path: Path):
+    outcome = supervise(tmp_path, {"e1": ["cancel"]}).run()
+    assert episodes(tmp_path) == ["e0", "e2", "e3"]
+    (unmade,) = outcome.totals.unmade
+    assert "CancelledError: late" in unmade.reason
+
+
+def test_an_item_that_always_crashes_is_listed_after_three_tries(tmp_path: Path):
     recorder = Recorder()
     outcome = supervise(tmp_path, {"e1": ["kill"]}, observer=recorder).run()
     assert episodes(tmp_path) == ["e0", "e2", "e3"]
@@ -165,7 +180,7 @@ def test_an_item_that_always_kills_is_listed_after_three_tries_and_stops_nobody(
     assert not outcome.interrupted
 
 
-def test_what_was_given_up_before_is_tried_once(tmp_path: Path):
+def test_an_item_given_up_before_is_tried_once(tmp_path: Path):
     script = {"e1": ["kill"], "e2": ["kill", "make"]}
     outcome = supervise(tmp_path, script, tried_once={"e1"}).run()
     assert episodes(tmp_path) == ["e0", "e2", "e3"]
@@ -173,7 +188,7 @@ def test_what_was_given_up_before_is_tried_once(tmp_path: Path):
     assert [unmade.id for unmade in outcome.totals.unmade] == ["e1"]
 
 
-def test_a_worker_that_dies_between_commit_and_report_loses_and_doubles_nothing(tmp_path: Path):
+def test_a_worker_that_dies_after_a_commit_loses_and_duplicates_nothing(tmp_path: Path):
     recorder = Recorder()
     outcome = supervise(tmp_path, {"e1": ["commit, kill"]}, observer=recorder).run()
     assert fake_worker.tries_of(tmp_path).count("e1") == 1
@@ -183,7 +198,7 @@ def test_a_worker_that_dies_between_commit_and_report_loses_and_doubles_nothing(
     assert recorder.of("retry") == []
 
 
-def test_an_episode_that_is_there_but_may_not_be_on_the_disk_is_flushed_again(tmp_path: Path):
+def test_an_episode_that_may_not_be_on_disk_is_flushed_again(tmp_path: Path):
     recorder, flushed = Recorder(), []
     supervisor = supervise(
         tmp_path, {"e1": ["commit, io"]}, observer=recorder, flush=lambda: flushed.append(1)
@@ -210,7 +225,7 @@ def test_an_episode_that_cannot_be_brought_to_the_disk_is_not_acknowledged(tmp_p
     assert outcome.totals.made == 1
 
 
-def test_a_folder_of_logs_that_somebody_removed_is_made_again(tmp_path: Path):
+def test_a_removed_log_folder_is_created_again(tmp_path: Path):
     recorder, logs = Recorder(), tmp_path / "a/logs"
     recorder.on_episode = lambda: shutil.rmtree(logs, ignore_errors=True)
     script = {"e1": ["kill", "make"]}
@@ -227,7 +242,7 @@ def test_a_worker_that_cannot_be_started_ends_the_run_with_the_reason(tmp_path: 
     assert str(tmp_path / "logs") in outcome.fatal.message
 
 
-def test_an_exception_costs_a_try_and_the_worker(tmp_path: Path):
+def test_an_exception_uses_a_try_and_replaces_the_worker(tmp_path: Path):
     recorder = Recorder()
     supervise(tmp_path, {"e0": ["raise", "make"]}, workers=1, observer=recorder).run()
     assert episodes(tmp_path) == ids(4)
@@ -239,7 +254,7 @@ def test_an_exception_costs_a_try_and_the_worker(tmp_path: Path):
     assert "Traceback" in (tmp_path / "worker-0.log").read_text(), "for whoever looks into it"
 
 
-def test_an_exception_of_a_users_code_is_shown_without_robocells_own_lines(tmp_path: Path):
+def test_a_user_exception_is_shown_without_internal_frames(tmp_path: Path):
     outcome = supervise(tmp_path, {"e0": ["raise"]}, workers=1).run()
     (unmade,) = outcome.totals.unmade
     first, *lines = unmade.reason.splitlines()
@@ -248,7 +263,7 @@ def test_an_exception_of_a_users_code_is_shown_without_robocells_own_lines(tmp_p
     assert not any("Traceback" in line or "generate/worker.py" in line for line in lines)
 
 
-def test_an_exit_in_a_users_code_is_an_error_with_file_and_line(tmp_path: Path):
+def test_an_exit_in_user_code_is_an_error_with_file_and_line(tmp_path: Path):
     recorder = Recorder()
     outcome = supervise(tmp_path, {"e0": ["exit", "make"]}, workers=1, observer=recorder).run()
     (said,) = recorder.of("retry")
@@ -256,7 +271,7 @@ def test_an_exit_in_a_users_code_is_an_error_with_file_and_line(tmp_path: Path):
     assert not outcome.totals.deaths
 
 
-def test_attempts_used_up_are_no_reason_to_try_again(tmp_path: Path):
+def test_an_item_without_success_is_not_retried(tmp_path: Path):
     outcome = supervise(tmp_path, {"e2": ["fail"]}).run()
     assert fake_worker.tries_of(tmp_path).count("e2") == 1
     (unmade,) = outcome.totals.unmade
@@ -264,17 +279,28 @@ def test_attempts_used_up_are_no_reason_to_try_again(tmp_path: Path):
     assert outcome.totals.success_rate == 3 / 8
 
 
-def test_a_hung_item_meets_its_deadline(tmp_path: Path):
+def test_a_hung_item_is_stopped_at_its_deadline(tmp_path: Path):
     recorder = Recorder()
-    limits = Limits(tries=2, item_timeout_s=1.5)
+    limits = Limits(tries=2, item_timeout_s=4)
     outcome = supervise(tmp_path, {"e1": ["hang"]}, observer=recorder, limits=limits).run()
     assert episodes(tmp_path) == ["e0", "e2", "e3"]
     assert len(recorder.of("retry")) == 1
-    assert "was killed: e1 took more than 1.5 s" in recorder.of("retry")[0]
-    assert "was killed: e1 took more than 1.5 s" in outcome.totals.unmade[0].reason
+    assert "was killed: e1 took more than 4 s" in recorder.of("retry")[0]
+    reason = outcome.totals.unmade[0].reason
+    assert re.search(r"was killed: e1 took more than 4 s \(.*fake_worker.py:\d+, in act\)$", reason)
+    assert 'fake_worker.py", line' in (tmp_path / "worker-0.log").read_text(), "the stacks"
 
 
-def test_what_libraries_print_goes_to_the_log(tmp_path: Path):
+def test_a_crash_names_the_place_in_user_code(tmp_path: Path):
+    outcome = supervise(tmp_path, {"e1": ["crash"]}, workers=1, limits=Limits(tries=1)).run()
+    (death,) = outcome.totals.deaths
+    assert re.fullmatch(r"was killed by SIGSEGV \(.*fake_worker.py:\d+, in act\)", death.reason)
+    reason = outcome.totals.unmade[0].reason
+    assert reason.endswith("\nabout to crash"), "without the stacks"
+    assert "Segmentation fault" in (tmp_path / "worker-0.log").read_text()
+
+
+def test_library_output_goes_to_the_log(tmp_path: Path):
     outcome = supervise(tmp_path, {"*": ["print"]}, workers=1).run()
     assert outcome.totals.made == 4
     log = (tmp_path / "worker-0.log").read_text()
@@ -282,7 +308,7 @@ def test_what_libraries_print_goes_to_the_log(tmp_path: Path):
     assert "chatter of a child" in log
 
 
-def test_a_stop_request_ends_present_items_and_keeps_what_is_made(tmp_path: Path):
+def test_a_stop_request_ends_running_items_and_keeps_finished_ones(tmp_path: Path):
     recorder = Recorder()
     supervisor = supervise(tmp_path, {"e1": ["patient"]}, workers=1, observer=recorder)
 
@@ -321,7 +347,7 @@ def test_the_second_stop_request_does_not_wait(tmp_path: Path):
     assert supervisor.run().interrupted
 
 
-def test_a_stop_when_everything_is_made_is_no_interruption(tmp_path: Path):
+def test_a_stop_after_the_last_item_is_not_an_interruption(tmp_path: Path):
     recorder = Recorder()
     supervisor = supervise(tmp_path, {}, count=1, observer=recorder)
     recorder.on_episode = supervisor.request_stop
@@ -336,7 +362,7 @@ def test_a_run_that_cannot_be_loaded_ends_at_once_with_the_message(tmp_path: Pat
     assert not outcome.interrupted
 
 
-def test_workers_that_cannot_start_end_the_run_with_their_last_words(tmp_path: Path):
+def test_workers_that_cannot_start_end_the_run_with_their_output(tmp_path: Path):
     outcome = supervise(tmp_path, {"crash": []}).run()
     assert outcome.fatal is not None
     assert "ended with exit code 7 before it could take an item" in outcome.fatal.message
@@ -344,7 +370,7 @@ def test_workers_that_cannot_start_end_the_run_with_their_last_words(tmp_path: P
     assert "worker-" in outcome.fatal.message
 
 
-def test_a_wrong_spec_that_no_item_can_do_with_ends_the_run(tmp_path: Path):
+def test_a_spec_that_is_wrong_for_every_item_ends_the_run(tmp_path: Path):
     outcome = supervise(tmp_path, {"*": ["spec"]}).run()
     assert outcome.fatal is not None
     assert outcome.fatal.kind == "spec"
@@ -354,7 +380,7 @@ def test_a_wrong_spec_that_no_item_can_do_with_ends_the_run(tmp_path: Path):
 
 @pytest.mark.parametrize("workers", [1, 3])
 @pytest.mark.parametrize("bad", ["e0", "e3"])
-def test_a_wrong_spec_of_one_item_concerns_that_item_only(tmp_path: Path, workers: int, bad: str):
+def test_a_wrong_spec_of_one_item_fails_only_that_item(tmp_path: Path, workers: int, bad: str):
     outcome = supervise(tmp_path, {bad: ["spec"]}, workers=workers).run()
     assert outcome.fatal is None
     assert episodes(tmp_path) == [name for name in ids(4) if name != bad]
@@ -383,7 +409,7 @@ def test_when_no_item_of_the_first_works_the_run_ends(tmp_path: Path):
 
 
 @pytest.mark.parametrize("workers", [1, 3])
-def test_one_of_them_that_works_is_enough_to_go_on(tmp_path: Path, workers: int):
+def test_one_success_is_enough_to_continue(tmp_path: Path, workers: int):
     outcome = supervise(tmp_path, {"*": ["spec"], "e8": ["make"]}, count=10, workers=workers).run()
     assert outcome.fatal is None
     assert episodes(tmp_path) == ["e8"]
@@ -391,20 +417,20 @@ def test_one_of_them_that_works_is_enough_to_go_on(tmp_path: Path, workers: int)
     assert len(outcome.totals.unmade) == 9
 
 
-def test_attempts_used_up_are_no_sign_that_nothing_works(tmp_path: Path):
+def test_items_without_success_do_not_end_the_run(tmp_path: Path):
     outcome = supervise(tmp_path, {"*": ["fail"]}, count=10).run()
     assert outcome.fatal is None
     assert len(outcome.totals.unmade) == 10
 
 
-def test_when_some_were_made_before_all_others_are_tried(tmp_path: Path):
+def test_with_earlier_successes_all_items_are_tried(tmp_path: Path):
     (tmp_path / "e0").mkdir()
     outcome = supervise(tmp_path, {"*": ["spec"]}, count=8, already=1).run()
     assert outcome.fatal is None
     assert sorted(fake_worker.tries_of(tmp_path)) == ids(8)[1:]
 
 
-def test_a_worker_whose_log_is_on_a_full_disk_tells_its_failure_all_the_same():
+def test_a_worker_reports_its_failure_with_a_full_log_disk():
     command = [sys.executable, "-m", "robocell.generate.work", "--", "/no/such/run.yaml"]
     with Path("/dev/full").open("wb") as log:
         worker = subprocess.run(
@@ -428,7 +454,7 @@ def test_a_full_disk_ends_the_run_at_once(tmp_path: Path):
     assert len(fake_worker.tries_of(tmp_path)) <= 2
 
 
-def test_the_room_on_a_full_disk_is_told_once():
+def test_the_free_space_of_a_full_disk_is_reported_once():
     said = "cannot write 'x': No space left on device. More than 9 bytes are needed, 9 are free"
     hint = f"{said} there. Make room and try again."
     assert with_trouble(hint, "the disk of 'out' is full: 0 kB are free") == hint
@@ -437,7 +463,7 @@ def test_the_room_on_a_full_disk_is_told_once():
     assert with_trouble(hint, other) == f"{hint}\n{other}"
 
 
-def test_a_passing_write_error_is_tried_again_and_a_lasting_one_ends_the_run(tmp_path: Path):
+def test_a_transient_write_error_is_retried_and_a_permanent_one_ends_the_run(tmp_path: Path):
     passing, lasting = tmp_path / "passing", tmp_path / "lasting"
     passing.mkdir()
     lasting.mkdir()
@@ -449,7 +475,7 @@ def test_a_passing_write_error_is_tried_again_and_a_lasting_one_ends_the_run(tmp
     assert fake_worker.tries_of(lasting).count("e0") == 3
 
 
-def test_a_worker_that_talks_nonsense_is_replaced_and_never_believed(tmp_path: Path):
+def test_a_worker_that_sends_garbage_is_replaced(tmp_path: Path):
     command = [sys.executable, "-c", "print('hello'); input()"]
     supervisor = Supervisor(
         [Item("e0", 0)], command, workers=1, logs=tmp_path, on_disk=lambda name: None
@@ -476,7 +502,7 @@ def test_an_error_in_the_observer_leaves_no_worker_behind(tmp_path: Path):
 # rich ends the process where a pipe was closed.
 @pytest.mark.parametrize("error", [BrokenPipeError("nobody reads"), SystemExit(1)])
 @pytest.mark.parametrize("event", ["on_episode", "on_tick"])
-def test_an_observer_that_cannot_be_told_any_more_does_not_end_the_run(
+def test_a_failing_observer_does_not_end_the_run(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], error: BaseException, event: str
 ):
     recorder, calls = Recorder(), []
@@ -490,7 +516,8 @@ def test_an_observer_that_cannot_be_told_any_more_does_not_end_the_run(
     assert outcome.totals.made == 4
     assert episodes(tmp_path) == ids(4)
     assert calls == [event], "it is not told again"
-    assert capsys.readouterr().err == f"progress cannot be shown any more ({error}); going on\n"
+    text = f"progress cannot be shown any more ({error}); the run continues"
+    assert capsys.readouterr().err == f"{text}\n"
 
 
 # A test run in the background may have SIGINT ignored, which children inherit.
@@ -551,7 +578,7 @@ def test_workers_end_when_their_supervisor_is_killed(tmp_path: Path):
     assert episodes(tmp_path) == ["e0", "e1"]
 
 
-def test_a_worker_told_to_end_by_the_system_gives_its_item_back(tmp_path: Path):
+def test_a_worker_terminated_by_the_system_returns_its_item(tmp_path: Path):
     recorder = Recorder()
     supervisor = supervise(tmp_path, {"e0": ["patient", "make"]}, workers=1, observer=recorder)
 

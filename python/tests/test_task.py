@@ -65,7 +65,7 @@ def make(
     return rc.generate.Runner(run, expert=expert).run(rc.generate.make_plan(run)[0])
 
 
-def test_what_an_expert_factory_gets_may_be_kept(tmp_path):
+def test_arguments_of_an_expert_factory_can_be_kept(tmp_path):
     kept: list[tuple[rc.RunConfig, rc.tasks.EpisodeStart]] = []
 
     def expert(run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> rc.tasks.Expert:
@@ -85,7 +85,7 @@ def test_what_an_expert_factory_gets_may_be_kept(tmp_path):
         assert start.scene.time() > 0
 
 
-def test_an_expert_lives_as_long_as_it_is_used(tmp_path):
+def test_an_expert_stays_alive_while_in_use(tmp_path):
     alive: list[weakref.ref] = []
 
     def expert(run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> rc.tasks.Expert:
@@ -101,7 +101,7 @@ def test_an_expert_lives_as_long_as_it_is_used(tmp_path):
     assert [ref() for ref in alive] == [None] * result.accepted
 
 
-def test_a_kept_stream_says_that_it_was_lent(tmp_path):
+def test_a_kept_stream_raises_an_error(tmp_path):
     experts: list[Idle] = []
 
     def expert(run: rc.RunConfig, start: rc.tasks.EpisodeStart) -> rc.tasks.Expert:
@@ -138,7 +138,7 @@ def test_a_factory_must_return_an_expert(tmp_path):
         make(load(tmp_path), lambda run, start: 7)
 
 
-def test_what_a_method_returned_is_told_when_it_is_of_no_use(tmp_path):
+def test_errors_quote_the_invalid_result_of_a_method(tmp_path):
     class Wordless(Idle):
         def failure(self):
             return None
@@ -164,7 +164,7 @@ def test_numbers_of_numpy_are_numbers(tmp_path):
     assert make(load(tmp_path), lambda run, start: Counting()).failures["idle"] > 0
 
 
-def test_an_experts_exception_comes_through(tmp_path):
+def test_an_exception_of_an_expert_propagates(tmp_path):
     class Broken(Idle):
         def act(self, scene, rng):
             raise KeyError("no such idea")
@@ -182,3 +182,24 @@ def test_experts_called_from_python_draw_from_the_stream_given():
     )
     assert expert.draws == [same.uniform()]
     assert rng.uniform() == same.uniform()
+
+
+def test_judge_of_the_base_class_uses_reward_and_success():
+    class Parts(rc.tasks.Task):
+        def instruction(self) -> str:
+            return "wait"
+
+        def reward(self, scene: rc.Scene) -> float:
+            return 0.25
+
+        def success(self, scene: rc.Scene) -> bool:
+            return True
+
+    class Whole(Parts):
+        def judge(self, scene: rc.Scene) -> rc.tasks.TaskVerdict:
+            verdict = super().judge(scene)
+            return rc.tasks.TaskVerdict(reward=2 * verdict.reward, success=verdict.success)
+
+    spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=False)
+    verdict = Whole().judge(rc.Scene.build(spec))
+    assert (verdict.reward, verdict.success) == (0.5, True)

@@ -23,15 +23,17 @@ ERRORS = [
 ]
 # Only the package itself uses these.
 OWN = {
-    "SpecT", "atomic_write", "changed_code", "ffmpeg_answer", "import_mujoco",
+    "SpecT", "advice_about_pointers", "atomic_write", "ffmpeg_answer", "first_episode_of_run",
+    "import_mujoco",
     "imports_of_run_file", "json_damage", "load_plugin", "make_task", "missing_spec_file",
-    "other_run_of", "override_file", "require_dataset", "set_aside", "sign_json", "temporary_path",
+    "other_run_of", "override_file", "plan_numbers", "require_dataset", "run_of_dataset",
+    "set_aside", "sign_json", "temporary_path", "urdf_to_mjcf",
 }  # fmt: skip
 SHORTER_ELSEWHERE = ("builtin_", "menagerie_", "models_root", "resolve_model")  # robocell.models
 
 
 @pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.__name__)
-def test_a_topic_says_what_it_is_for_and_what_it_has(topic):
+def test_a_topic_documents_its_purpose_and_names(topic):
     assert topic.__doc__
     assert len(topic.__all__) == len(set(topic.__all__))
     for name in topic.__all__:
@@ -50,7 +52,7 @@ def test_every_name_of_the_core_is_in_one_topic():
     assert {name: found for name, found in homes.items() if len(found) > 1} == {}
 
 
-def test_the_top_has_everyday_names_which_are_the_ones_of_the_topics():
+def test_common_names_are_also_at_the_top_level():
     modules = {name for name in rc.__all__ if inspect.ismodule(getattr(rc, name))}
     assert modules == set(_elsewhere.TOPICS)
     names = (
@@ -73,14 +75,16 @@ def test_the_top_has_everyday_names_which_are_the_ones_of_the_topics():
         ("from_dataset", "It is in a topic: robocell.envs.from_dataset"),
         ("model_path", "It is in a topic: robocell.menagerie.model_path"),
         ("gym", "It is a module to import: import robocell.gym"),
+        ("Policy", "It is in a topic: robocell.policy.Policy"),
+        ("polcy", "Did you mean robocell.policy?"),
         ("iksolver", "Did you mean robocell.kinematics.IkSolver?"),
         ("SceneSpek", "Did you mean robocell.SceneSpec?"),
         ("Scen", "Did you mean robocell.Scene?"),
         ("scen", "Did you mean robocell.scene?"),
-        ("zzz", f"Its topics: {', '.join(_elsewhere.TOPICS)}"),
+        ("zzz", f"Its topics: {', '.join((*_elsewhere.TOPICS, *_elsewhere.ON_FIRST_USE))}"),
     ],
 )
-def test_a_name_that_is_not_at_the_top_is_shown_the_way(name, told):
+def test_a_missing_top_level_name_points_to_its_topic(name, told):
     # A process that imports nothing else.
     program = f"import robocell\ntry: robocell.{name}\nexcept AttributeError as error: print(error)"
     result = subprocess.run(
@@ -99,7 +103,7 @@ def test_a_name_that_is_not_at_the_top_is_shown_the_way(name, told):
         ("menagerie", "model_pth", "Did you mean model_path?"),
     ],
 )
-def test_a_name_that_a_topic_lacks_is_told_with_the_nearest(topic, name, told):
+def test_an_unknown_name_in_a_topic_suggests_the_nearest(topic, name, told):
     module = getattr(rc, topic)
     with pytest.raises(AttributeError) as error:
         getattr(module, name)
@@ -142,14 +146,14 @@ def test_python_adds_no_second_suggestion_to_wrapped_objects(capsys):
 
 
 @pytest.mark.parametrize("topic", _elsewhere.TOPICS)
-def test_every_topic_refuses_what_it_does_not_have(topic):
+def test_every_topic_rejects_unknown_names(topic):
     module = importlib.import_module(f"robocell.{topic}")
     assert not hasattr(module, "zzz")
     with pytest.raises(AttributeError, match=f"module 'robocell.{topic}' has no attribute 'zzz'$"):
         module.zzz  # noqa: B018
 
 
-def test_asking_whether_there_is_a_name_is_no_error():
+def test_hasattr_with_an_unknown_name_is_false():
     assert not hasattr(rc, "Nope")
     with pytest.raises(ImportError, match="cannot import name 'Nope' from 'robocell'"):
         exec("from robocell import Nope")
@@ -158,7 +162,7 @@ def test_asking_whether_there_is_a_name_is_no_error():
 @pytest.mark.parametrize(
     "topic", ["control", "diagnose", "kinematics", "log", "render", "robots", "scene"]
 )
-def test_what_a_topic_shows_of_itself_runs(topic):
+def test_examples_of_topics_run(topic):
     spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=True)
     config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
     spec.robots.append(rc.RobotSpec(name="rc7", config=config))
@@ -183,7 +187,7 @@ def test_what_a_topic_shows_of_itself_runs(topic):
 
 
 @pytest.mark.parametrize("name", _elsewhere.OF_EXTRAS)
-def test_a_class_of_an_extra_is_where_the_message_says(name):
+def test_a_class_of_an_extra_is_in_the_named_module(name):
     module = _elsewhere.OF_EXTRAS[name]
     with pytest.raises(AttributeError, match=rf"import: {module}\.{name}"):
         getattr(rc, name)
@@ -197,8 +201,8 @@ def test_a_class_of_an_extra_is_where_the_message_says(name):
     assert name in names
 
 
-def test_dir_lists_what_is_public_and_not_what_modules_import():
+def test_dir_lists_public_names_and_no_imports():
     for topic in TOPICS:
         assert dir(topic) == sorted(topic.__all__)
     assert set(rc.__all__) <= set(dir(rc))
-    assert set(dir(rc)) <= {*rc.__all__, *_elsewhere.BESIDE}
+    assert set(dir(rc)) <= {*rc.__all__, *_elsewhere.BESIDE, *_elsewhere.ON_FIRST_USE}

@@ -34,7 +34,7 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> robocell.Dataset:
     return robocell.Dataset(read_back_dataset(tmp_path_factory))
 
 
-def test_items_are_the_arrays_as_tensors(dataset: robocell.Dataset):
+def test_items_match_the_arrays_as_tensors(dataset: robocell.Dataset):
     tensors, arrays = torch_dataset(dataset, KEYS), Steps(dataset, KEYS)
     assert isinstance(tensors, torch.utils.data.Dataset)
     assert len(tensors) == len(arrays)
@@ -66,7 +66,7 @@ def test_items_are_the_arrays_as_tensors(dataset: robocell.Dataset):
         assert (int(item["episode"]), int(item["row"])) == arrays.locate(index)
 
 
-def test_real_numbers_have_the_type_that_is_wanted(dataset: robocell.Dataset):
+def test_floats_have_the_requested_dtype(dataset: robocell.Dataset):
     exact = torch_dataset(dataset, KEYS, dtype="float64")[3]
     np.testing.assert_array_equal(exact[ARM].numpy(), Steps(dataset, KEYS)[3][ARM])
     assert torch_dataset(dataset, [ARM], dtype="float16")[3][ARM].dtype == torch.float16
@@ -78,7 +78,7 @@ def shapes_only(item: dict[str, Any]) -> list[int]:
     return list(item[ARM].shape)
 
 
-def test_a_transform_makes_what_is_wanted_of_an_item(dataset: robocell.Dataset):
+def test_a_transform_is_applied_to_each_item(dataset: robocell.Dataset):
     steps = torch_dataset(dataset, [ARM], transform=shapes_only)
     assert steps[0] == [7]
     assert steps.__getitems__([0, 5]) == [[7], [7]]
@@ -86,7 +86,7 @@ def test_a_transform_makes_what_is_wanted_of_an_item(dataset: robocell.Dataset):
 
 @pytest.mark.parametrize("method", ["fork", "spawn", "forkserver", None])
 @pytest.mark.filterwarnings("ignore:.*fork.*:DeprecationWarning")
-def test_loaders_give_every_item_once_and_whole(dataset: robocell.Dataset, method: str | None):
+def test_loaders_yield_every_item_once(dataset: robocell.Dataset, method: str | None):
     steps = torch_dataset(dataset[:2], KEYS)
     expected = [steps[index] for index in range(0, len(steps), 3)]  # with decoders that are open
     part = torch.utils.data.Subset(steps, range(0, len(steps), 3))

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 from robocell.generate import report as reports
-from robocell.generate.items import ItemResult
+from robocell.generate.items import ItemRecord
 from robocell.generate.report import Command, RunReport
 from robocell.generate.summary import Summary
 from robocell.generate.totals import (
@@ -21,7 +21,7 @@ from robocell.generate.totals import (
     size,
 )
 
-RESULT = ItemResult(
+RESULT = ItemRecord(
     "s0000_e0001",
     success=True,
     attempts=4,
@@ -41,20 +41,20 @@ def totals_after_one() -> Totals:
     return totals
 
 
-def test_what_an_interruption_ended_is_no_failure():
+def test_interrupted_items_are_not_failures():
     totals = totals_after_one()
     before = (totals.attempts, totals.success_rate, totals.acceptance_rate)
-    totals.add(ItemResult("s0000_e0002", stopped=True, undecided=1))
+    totals.add(ItemRecord("s0000_e0002", stopped=True, undecided=1))
     assert (totals.attempts, totals.success_rate, totals.acceptance_rate) == before
     assert totals.to_json()["undecided"] == 1
     rows = Summary("demo", Path("out"), 6, totals).rows()
     assert rows["dropped"] == (
-        "1 attempt under way when the run stopped; made again by the next command"
+        "1 attempt interrupted by the end of the run; repeated by the next command"
     )
     assert "dropped" not in Summary("demo", Path("out"), 6, totals_after_one()).rows()
 
 
-def test_durations_and_shares_read_like_words():
+def test_durations_and_shares_are_readable():
     assert [duration(s) for s in (None, 0.4, 59, 61, 3900)] == [
         "-",
         "0 s",
@@ -65,8 +65,8 @@ def test_durations_and_shares_read_like_words():
     assert [percent(s) for s in (None, 0, 0.955)] == ["-", "0 %", "96 %"]
 
 
-def made(name: str) -> ItemResult:
-    return ItemResult(
+def made(name: str) -> ItemRecord:
+    return ItemRecord(
         name,
         success=True,
         attempts=3,
@@ -102,7 +102,7 @@ def a_report(*commands: tuple[str, ...]) -> RunReport:
     return report
 
 
-def test_the_counts_of_commands_add_up():
+def test_counts_of_commands_are_summed():
     totals = a_report(("b",), ("c", "a")).totals
     assert (totals.planned, totals.made, totals.attempts, totals.rows) == (5, 3, 9, 210)
     assert (totals.elapsed_s, totals.workers, totals.retries, len(totals.deaths)) == (20.0, 2, 2, 2)
@@ -113,7 +113,7 @@ def test_the_counts_of_commands_add_up():
     assert (both.planned, both.made, both.elapsed_s, both.workers) == (10, 6, 20.0, 4)
 
 
-def test_advice_survives_every_sum_and_is_told_while_something_is_missing():
+def test_sums_keep_the_advice_until_the_run_is_complete():
     totals = a_report(("b",)).totals
     totals.advice = "stand nearer"
     whole = one_after_the_other([side_by_side([a_report(("a",)).totals, totals])])
@@ -125,7 +125,7 @@ def test_advice_survives_every_sum_and_is_told_while_something_is_missing():
     assert "hint" not in Summary("r", Path(), 0, whole).rows()
 
 
-def test_totals_come_back_from_their_record_in_every_field():
+def test_totals_round_trip_through_their_record():
     totals = a_report(("b",), ("c", "a")).commands[1].totals
     totals.already, totals.undecided, totals.advice = 1, 2, "stand nearer"
     nothing = Totals(planned=0, workers=0, started=-1.0)
@@ -143,9 +143,12 @@ def test_shards_add_up_side_by_side():
     assert (totals.planned, totals.made, totals.elapsed_s, totals.workers) == (5, 3, 12.0, 4)
 
 
-def test_sizes_read_like_words():
+def test_sizes_are_readable():
     assert [size(n) for n in (0, 999, 1234, 5_600_000, 7e12)] == [
         *("0 B", "999 B", "1.23 kB", "5.6 MB", "7 TB")
+    ]
+    assert [size(n) for n in (999.6, 999_499, 999_600, 999.7e6, 999.9e9, 1234e12)] == [
+        *("1 kB", "999 kB", "1 MB", "1 GB", "1 TB", "1234 TB")
     ]
 
 

@@ -171,7 +171,7 @@ def test_cameras_by_name(tmp_path: Path):
     assert max(psnr(exo, wrist), psnr(wrist, side), psnr(side, exo)) < 20
 
 
-def test_images_take_the_same_cameras(scene: rc.Scene):
+def test_images_accept_the_same_cameras(scene: rc.Scene):
     renderer = rc.render.Renderer(scene)
     whole = renderer.render("", 64, 48)["rgb"]
     assert not np.isnan(height_of_red(whole))
@@ -182,7 +182,7 @@ def test_images_take_the_same_cameras(scene: rc.Scene):
         renderer.render(rc.render.TrackingCamera("bal"), 64, 48)
 
 
-def test_cameras_are_found_again_when_objects_come_and_go(scene: rc.Scene, tmp_path: Path):
+def test_cameras_survive_added_and_removed_objects(scene: rc.Scene, tmp_path: Path):
     with rc.VideoRecorder(scene, tmp_path / "a.mp4", 64, 48, fps=30) as video:
         video.set_tracking_camera("ball", distance=3, elevation=0)
         scene.add_object(
@@ -209,7 +209,7 @@ def test_cameras_are_found_again_when_objects_come_and_go(scene: rc.Scene, tmp_p
     assert np.abs(np.array(seen)[[0, 1, 2, 4]]).max() < 1.5
 
 
-def test_wrong_cameras_sizes_and_places_are_named(scene: rc.Scene, tmp_path: Path):
+def test_errors_name_wrong_cameras_sizes_and_paths(scene: rc.Scene, tmp_path: Path):
     video = rc.VideoRecorder(scene, tmp_path / "a.mp4", 64, 48)
     with pytest.raises(
         rc.NotFoundError,
@@ -249,7 +249,7 @@ except rc.Error as error:
     ],
     ids=["encoder", "GL"],
 )
-def test_a_missing_encoder_and_missing_gl_are_told(
+def test_reports_a_missing_encoder_and_missing_gl(
     missing: dict[str, str], message: str, tmp_path: Path
 ):
     path = tmp_path / "a.mp4"
@@ -274,6 +274,6 @@ def test_a_missing_encoder_and_missing_gl_are_told(
         lambda fovy: rc.render.TrackingCamera("ball", fovy=fovy),
     ],
 )
-def test_fields_of_view_that_no_camera_has_are_refused(make, fovy):
+def test_rejects_impossible_fields_of_view(make, fovy):
     with pytest.raises(rc.ArgumentError, match=f"fovy is {fovy:g}; it must be above 0 and below"):
         make(fovy)

@@ -2,7 +2,8 @@
 
 Public are `robocell/robocell.h`, the bridge to KDL, and the headers that these include, as
 cmake/RobocellHeaders.cmake installs them. A page has the header's first comment, then each
-declaration with the comment above it. Private members and the bodies of functions are left out.
+declaration with the comment above it and its examples from cpp_examples.cc. Private members and the
+bodies of functions are left out.
 """
 
 from __future__ import annotations
@@ -10,17 +11,24 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import cache
 from pathlib import Path
 
 SRC = Path(__file__).resolve().parents[2] / "src"
+EXAMPLES = Path(__file__).with_name("cpp_examples.cc")
 START = ("robocell/robocell.h", "robocell/kinematics/kdl_bridge.h")
 INCLUDE = re.compile(r'^#include "(robocell/[^"]+)"', re.MULTILINE)
 TYPE = re.compile(
-    r"^(?:template <[^;{]*?>\s*)?(class|struct|enum class|enum|union|concept)\s+(\w+)"
+    r"^(?:template <[^;{]*?>\s*)?(class|struct|enum class|enum|union|concept)\s+(\w+(?:::\w+)*)"
 )
 ALIAS = re.compile(r"^(?:template <[^;{]*?>\s*)?(?:using|concept)\s+(\w+)\s*=")
 FUNCTION = re.compile(r"([\w~]+|operator\s*[^\s(]+|operator\(\))\s*\(")
 CONSTANT = re.compile(r"(\w+)\s*(?:\[[^\]]*\])?\s*[={;]")
+EXAMPLE = re.compile(
+    r"^// (?P<names>\w+(?:,(?: |\n// )\w+)*):(?P<about>[^\n]*(?:\n// [^\n]*)*)\n"
+    r"EXAMPLE\((?P<title>\w+)\) \{\n(?P<body>.*?)^\}",
+    re.DOTALL | re.MULTILINE,
+)
 SCOPE = re.compile(r"^(?:inline )?namespace ([\w:]+) \{$")
 
 
@@ -36,6 +44,45 @@ class Declaration:
         """What is declared, each name once, types with their keyword."""
         found = [name_of(code) for code in self.code]
         return list(dict.fromkeys(name for name in found if name and not name.startswith("__")))
+
+
+@dataclass(frozen=True)
+class Example:
+    """A few lines that compile and run, and the names that they are an example of."""
+
+    title: str
+    names: tuple[str, ...]
+    about: str
+    code: str
+
+    def uses(self, name: str) -> bool:
+        """Whether it is an example of a name, such as 'Scene' or 'Scene::Step'."""
+        owner, _, member = name.rpartition("::")
+        if not owner:
+            return name in self.names
+        return owner in self.names and bool(re.search(rf"(?:\.|->|::){member}\b", self.code))
+
+
+@cache
+def examples() -> list[Example]:
+    """The examples of the reference."""
+    return [
+        Example(
+            found["title"],
+            tuple(re.findall(r"\w+", found["names"])),
+            found["about"].replace("\n// ", " ").strip(),
+            re.sub(r"^  ", "", found["body"], flags=re.MULTILINE).rstrip(),
+        )
+        for found in EXAMPLE.finditer(EXAMPLES.read_text())
+    ]
+
+
+def examples_start() -> str:
+    """The lines that all examples continue."""
+    text = EXAMPLES.read_text()
+    includes = re.findall(r"^#include <(?:mujoco|robocell)/.*", text, re.MULTILINE)
+    shown = text[text.index("// begin:") : text.index("\n// end")].partition("\n")[2]
+    return "\n".join([*includes, "", "using namespace robocell;", "using std::cout;", "", shown])
 
 
 def public_headers() -> list[str]:
@@ -99,7 +146,7 @@ def declarations(lines: list[str]) -> Iterator[Declaration]:
                 yield group
             group = Declaration(comment, [lines[i - 1] if "\\" not in line else line])
             comment = []
-        elif not inside or line.startswith("#") or re.match(r"^\}\s*// namespace", line):
+        elif not inside or line.startswith("#") or re.match(r"^\}(?:\s*// namespace.*)?$", line):
             comment = []
         elif line.startswith("//"):
             if group:
@@ -227,7 +274,14 @@ def page(header: str) -> str:
     """The page of a header."""
     lines = (SRC / header).read_text().split("\n")
     name = header.removeprefix("robocell/")
-    parts = [f"# {name}", prose(head_comment(lines)), f'```cpp\n#include "{header}"\n```']
+    shown: set[str] = set()
+    index = "../" * header.count("/") + "headers.md"
+    parts = [
+        f"# {name}",
+        f"[All headers]({index})",
+        prose(head_comment(lines)),
+        f'```cpp\n#include "{header}"\n```',
+    ]
     for declaration in declarations(lines[len(head_comment(lines)) :]):
         if declaration.names:
             heading = ", ".join(f"`{name}`" for name in declaration.names[:4])
@@ -235,7 +289,18 @@ def page(header: str) -> str:
         parts.append(prose(declaration.comment))
         code = "\n".join(declaration.code)
         parts.append(f"```cpp\n{code}\n```")
+        for example in new_examples(declaration, shown):
+            parts.append(f"Example: {escaped(example.about)}\n\n```cpp\n{example.code}\n```")
     return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def new_examples(declaration: Declaration, shown: set[str]) -> Iterator[Example]:
+    """The examples of what is declared that the page does not have yet."""
+    names = {name.split(" ")[-1] for name in declaration.names}
+    for example in examples():
+        if example.title not in shown and names & {*example.names}:
+            shown.add(example.title)
+            yield example
 
 
 def summary(header: str) -> str:
@@ -255,7 +320,10 @@ def pages() -> dict[str, str]:
         by_folder.setdefault(str(Path(header).parent), []).append(header)
     out = {}
     index = ["# C++ headers", "", "`#include <robocell/robocell.h>` includes the whole interface."
-             " Each header can also be included alone.", ""]  # fmt: skip
+             " Each header can also be included alone.", "", "## What the examples start with", "",
+             "The examples of these pages are inside a function of a struct that is derived from"
+             " `Start`. A comment on a line that prints says what it prints.", "",
+             f"```cpp\n{examples_start()}\n```", ""]  # fmt: skip
     for folder, headers in by_folder.items():
         index += [
             f"## {folder.removeprefix('robocell/')}",

@@ -1,9 +1,8 @@
 import numpy as np
 
 import robocell as rc
-import robocell.evaluate
+import robocell.export
 import robocell.gym
-import robocell.policy
 
 spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=True)
 config = rc.RobotConfig.load(rc.models.robot_file("rc7"))

@@ -29,6 +29,8 @@ from check_docs import anchor
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build" / "site"
 EXTERNAL = re.compile(r"<(?:script|link|img|iframe|source)\b[^>]*?(?:src|href)=\"(https?:[^\"]+)")
+# A page that a docstring names, in plain text or as code.
+NAMED_PAGE = re.compile(r"(?<![\w/\">.])docs/([\w/]+\.md)")
 repository = Repository()
 
 
@@ -68,6 +70,20 @@ def on_page_markdown(markdown: str, page: Page, **_: Any) -> str:
     if page.file.src_uri.startswith(("reference/python", "files/")):
         return markdown
     return for_python_markdown(repository.rewritten(markdown, page.file.src_uri))
+
+
+def on_page_content(html: str, page: Page, files: Files, **_: Any) -> str:
+    """Links the pages that docstrings name, `docs/scenes.md`."""
+    if not page.file.src_uri.startswith("reference/python"):
+        return html
+
+    def link(match: re.Match[str]) -> str:
+        target = files.get_file_from_path(match[1])
+        if target is None:
+            return match[0]
+        return f'<a href="{target.url_relative_to(page.file)}">{match[0]}</a>'
+
+    return NAMED_PAGE.sub(link, html)
 
 
 def external_resources(html: str) -> list[str]:

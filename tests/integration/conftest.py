@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from commands import ROOT, generate
 from generated_run import GeneratedRun
-from memory import all_resident_bytes
+from memory import resident_bytes_from_now
 
 import robocell
 from made_once import made_once
@@ -76,8 +76,9 @@ def generated_once(
     """The dataset of a run, made by the first process that asks."""
 
     def make(folder: Path) -> None:
-        with MemoryWatch(all_resident_bytes) as watch:
-            events = generate(run_file, folder / "out", "--workers", 2, *options)
+        with MemoryWatch(resident_bytes_from_now()) as watch:
+            words = ("--workers", 2, *options)
+            events = generate(run_file, folder / "out", *words, as_a_person=True)
         made = {"totals": events[-1]["totals"], "peak_bytes": watch.bytes}
         (folder / "counts.json").write_text(json.dumps(made))
 

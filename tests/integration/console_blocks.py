@@ -2,17 +2,25 @@
 
 A line that begins with ``$ `` is a command; the lines below it, up to the next command, are what it
 prints. In a printed line ``…`` stands for anything; a line ``...`` stands for any lines. A block
-with a title (```` ```yaml title="run.yaml" ````) is a file of that name.
+with a title (```` ```yaml title="run.yaml" ````) is a file of that name; further blocks with that
+title continue it.
 """
 
 from __future__ import annotations
 
+import os
 import re
+import shlex
 import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 
+from command_line import command_server, environment_with
+
+LONGEST_S = 900
+# Words and quoted words: such a command needs no shell.
+PLAIN = re.compile(r"robocell [\w ./:=,@%+'\[\]-]+")
 FILE = re.compile(r'^```\w+ title="([^"]+)"\n(.*?)^```', re.DOTALL | re.MULTILINE)
 CONSOLE = re.compile(r"^```console\n(.*?)^```", re.DOTALL | re.MULTILINE)
 
@@ -27,7 +35,10 @@ class Command:
 
 def files(page: Path) -> dict[str, str]:
     """The files that a page shows, by name."""
-    return dict(FILE.findall(page.read_text()))
+    found: dict[str, str] = {}
+    for name, content in FILE.findall(page.read_text()):
+        found[name] = found.get(name, "") + content
+    return found
 
 
 def write_files(page: Path, folder: Path) -> None:
@@ -56,6 +67,18 @@ def commands(page: Path) -> list[Command]:
 
 def run(line: str, folder: Path) -> list[str]:
     """What a command prints, standard error included, without colours."""
+    environment = environment_with({})
+    if "COLUMNS" not in os.environ:
+        del environment["COLUMNS"]  # the pages show lines as they are without a terminal
+    if PLAIN.fullmatch(line) and command_server().serves(environment):
+        done = command_server().run(
+            *shlex.split(line)[1:],
+            environment=environment,
+            timeout_s=LONGEST_S,
+            folder=folder,
+            merged=True,
+        )
+        return _lines(done.stdout)
     python = f'python() {{ "{sys.executable}" "$@"; }}\n'
     robocell = 'robocell() { python -m robocell "$@"; }\n'
     done = subprocess.run(
@@ -67,7 +90,11 @@ def run(line: str, folder: Path) -> list[str]:
         text=True,
         check=False,
     )
-    return [part.rstrip() for part in done.stdout.rstrip("\n").split("\n")] if done.stdout else []
+    return _lines(done.stdout)
+
+
+def _lines(text: str) -> list[str]:
+    return [part.rstrip() for part in text.rstrip("\n").split("\n")] if text else []
 
 
 def agrees(shown: list[str], printed: list[str]) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 from robocell.generate.procfs import children
@@ -21,6 +22,15 @@ def resident_bytes(pid: int) -> int:
         return 0
 
 
-def all_resident_bytes() -> int:
-    """Memory of all processes that this one started."""
-    return sum(map(resident_bytes, descendants(os.getpid())))
+def resident_bytes_from_now() -> Callable[[], int]:
+    """Returns a function that counts the memory of the processes started from now on.
+
+    Earlier tests of this process may have left some that go on, such as a command server.
+    """
+    earlier = set(descendants(os.getpid()))
+
+    def count() -> int:
+        started = set(descendants(os.getpid())) - earlier
+        return sum(map(resident_bytes, started))
+
+    return count

@@ -16,6 +16,7 @@ import numpy as np
 
 FULL_STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 TARGET = "target"
+PREFIX = "robot_0/"  # of the robot in scenes of runs; features have the names of its own model
 
 
 def load(scene_file: Path | str) -> tuple[mujoco.MjModel, mujoco.MjData]:
@@ -55,7 +56,7 @@ def joint_error(model: mujoco.MjModel, data: mujoco.MjData, steps: h5py.File, ro
             if "qpos" not in group:
                 continue
             names = group["qpos"].attrs["names"]
-            addresses = [int(model.joint(name).qposadr[0]) for name in names]
+            addresses = [int(model.joint(PREFIX + name).qposadr[0]) for name in names]
             worst = max(worst, np.abs(data.qpos[addresses] - group["qpos"][row]).max())
     return float(worst)
 

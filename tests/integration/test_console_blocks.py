@@ -21,6 +21,12 @@ two
 """
 
 
+def test_a_block_with_the_title_of_another_one_continues_its_file(tmp_path: Path):
+    page = tmp_path / "page.md"
+    page.write_text(PAGE + '```yaml title="a/run.yaml"\nepisodes: 2\n```\n')
+    assert console_blocks.files(page) == {"a/run.yaml": "run: a\nepisodes: 2\n"}
+
+
 def test_files_and_commands_of_a_page(tmp_path: Path):
     page = tmp_path / "page.md"
     page.write_text(PAGE)
@@ -32,14 +38,14 @@ def test_files_and_commands_of_a_page(tmp_path: Path):
         assert console_blocks.run(command.line, tmp_path) == command.printed
 
 
-def test_an_ellipsis_stands_for_text_and_dots_for_lines():
+def test_an_ellipsis_matches_text_and_dots_match_lines():
     printed = ["rate 12 episodes/h", "x", "y", "end"]
     assert console_blocks.agrees(["rate … episodes/h", "...", "end"], printed)
     assert console_blocks.agrees(["...", "end"], printed)
     assert console_blocks.agrees(["rate 12 episodes/h", "...", "x", "y", "end"], printed)
 
 
-def test_another_output_is_found():
+def test_a_different_output_is_reported():
     assert not console_blocks.agrees(["one"], ["two"])
     assert not console_blocks.agrees(["one"], ["one", "two"])
     assert not console_blocks.agrees([], ["error"])

@@ -60,7 +60,7 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(page: Path, tmp_path: Path
 
 
 @pytest.mark.parametrize("page", WITH_COMMANDS, ids=name_of)
-def test_the_commands_of_a_page_print_what_it_shows(page: Path, tmp_path: Path):
+def test_the_commands_of_a_page_print_the_shown_output(page: Path, tmp_path: Path):
     prepare(page, tmp_path)
     for command in console_blocks.commands(page):
         printed = console_blocks.run(command.line, tmp_path)
@@ -76,5 +76,5 @@ def test_each_how_to_shows_a_command_or_a_program():
     assert without == []
 
 
-def test_the_list_of_all_fields_is_as_the_specs_have_them():
+def test_the_list_of_all_fields_matches_the_specs():
     run(sys.executable, ROOT / "docs" / "make_spec_fields.py", "--check")

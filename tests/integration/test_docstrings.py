@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import doctest
+import re
 import sys
 from pathlib import Path
 
@@ -11,10 +12,15 @@ from test_docs_snippets import make_demo
 from test_packaging import ROOT
 
 sys.path.append(str(ROOT / "scripts" / "docsite"))
-from public_docstrings import docstrings
+import most_used_names
+from public_docstrings import docstrings, returned_types
 from python_reference import EXAMPLES_START
 
 DOCSTRINGS = docstrings()
+# (n,), (4, 4), a matrix, a row of each copy, or lists for each group.
+SHAPE = re.compile(
+    r"\(\s*(?:\d+|[a-zA-Z]\w*|\.\.\.)\s*,|\b\d+x\d+\b|\brow|\bmatrix|\(\)|\bshape\b|\bper group\b"
+)
 WITH_EXAMPLE = {name: text for name, text in DOCSTRINGS.items() if ">>> " in text}
 
 
@@ -33,12 +39,31 @@ def test_every_public_name_has_a_docstring():
     assert [name for name, text in DOCSTRINGS.items() if not text] == []
 
 
-def test_the_hundred_names_that_people_use_most_have_an_example():
-    assert len(WITH_EXAMPLE) >= 100
+def test_every_array_has_its_shape_in_the_docstring():
+    missing = []
+    for name, returned in returned_types().items():
+        if "NDArray" in returned and not SHAPE.search(DOCSTRINGS.get(name, "")):
+            missing.append(name)
+    assert missing == []
+
+
+def has_example(name: str) -> bool:
+    """Whether the name has an example: its own, or for a member one of its class that uses it."""
+    owner, _, member = name.rpartition(".")
+    example = "\n".join(
+        re.findall(r"^ *(?:>>>|\.\.\.) .*", DOCSTRINGS.get(owner, ""), re.MULTILINE)
+    )
+    return name in WITH_EXAMPLE or bool(re.search(rf"\.{member}\b", example))
+
+
+def test_the_hundred_most_used_names_have_an_example():
+    names = most_used_names.most_used(most_used_names.python_counts())
+    assert len(names) == most_used_names.MOST
+    assert [name for name in names if not has_example(name)] == []
 
 
 @pytest.mark.parametrize("name", WITH_EXAMPLE)
-def test_an_example_prints_what_it_shows(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch):
+def test_an_example_prints_its_output(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(folder)
     names: dict[str, object] = {}
     exec(EXAMPLES_START.read_text(), names)

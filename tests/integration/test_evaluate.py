@@ -13,7 +13,13 @@ import robocell as rc
 from robocell.data import EnvRecorder
 from robocell.dataset_run import run_of_dataset
 from robocell.envs import from_dataset
-from robocell.evaluate import default_output, evaluate, wilson_interval
+from robocell.evaluate import (
+    Evaluation,
+    compare,
+    default_output,
+    evaluate,
+    wilson_interval,
+)
 from robocell.gym import pick_cube_config
 
 DEMO = ROOT / "examples" / "demo.yaml"
@@ -77,9 +83,9 @@ def test_the_interval_is_wilsons():
     assert wilson_interval(0, 0) == (0.0, 1.0)
 
 
-def test_an_expert_is_evaluated_from_starts_of_its_own(dataset: Path, tmp_path: Path):
+def test_an_expert_is_evaluated_from_new_starts(dataset: Path, tmp_path: Path):
     result = evaluate(dataset, "expert", episodes=4, workers=2, output=tmp_path / "out")
-    assert result.trials == 4
+    assert result.rollouts == 4
     assert result.successes >= 3
     rollouts = rc.Dataset(tmp_path / "out")
     assert {episode.id: episode.success for episode in rollouts} == result.outcomes
@@ -93,7 +99,7 @@ def test_policies_see_the_same_starts_and_failures_are_kept(dataset: Path, tmp_p
     (tmp_path / "mine.py").write_text(REPLAYER)
     expert = evaluate(dataset, "expert", episodes=2, output=tmp_path / "expert")
     stay = evaluate(dataset, f"{tmp_path / 'mine.py'}:Stay", episodes=2, output=tmp_path / "stay")
-    assert (stay.successes, stay.trials) == (0, 2)
+    assert (stay.successes, stay.rollouts) == (0, 2)
     assert stay.failures == {"timeout": 2}
     for name in expert.outcomes:
         a, b = rc.Dataset(tmp_path / "expert")[name], rc.Dataset(tmp_path / "stay")[name]
@@ -102,13 +108,62 @@ def test_policies_see_the_same_starts_and_failures_are_kept(dataset: Path, tmp_p
         assert np.abs(still - still[0]).max() < 0.05
 
 
-def test_the_command_says_rate_and_interval(dataset: Path, tmp_path: Path):
+def evaluation(outcomes: dict[str, bool], seed: int = 1) -> Evaluation:
+    """An evaluation with these outcomes."""
+    successes = sum(outcomes.values())
+    return Evaluation(
+        policy="mine",
+        successes=successes,
+        rollouts=len(outcomes),
+        interval=wilson_interval(successes, len(outcomes)),
+        mean_length=1.0,
+        unmade=0,
+        failures={},
+        policy_errors=0,
+        outcomes=outcomes,
+        dataset="out",
+        seed=seed,
+        errors={},
+    )
+
+
+def test_policies_are_compared_by_their_common_starts():
+    first = {f"s0_e{i}": i < 12 for i in range(20)}
+    second = {f"s0_e{i}": i < 3 or i == 19 for i in range(1, 21)}
+    found = compare(evaluation(first), evaluation(second))
+    # 12 starts of the first alone or both: 1 to 11 are common; the second has 1, 2 and 19.
+    assert (found.both, found.first_only, found.second_only, found.neither) == (2, 9, 1, 7)
+    assert found.p_value == pytest.approx(2 * (1 + 10) / 2**10)
+    same = compare(evaluation(first), evaluation(first))
+    assert (same.first_only, same.second_only, same.p_value) == (0, 0, 1.0)
+
+
+def test_evaluations_without_common_starts_are_not_compared():
+    mine = evaluation({"s0_e0": True})
+    with pytest.raises(rc.ArgumentError, match="the seeds of the evaluations are 1 and 2"):
+        compare(mine, evaluation({"s0_e0": True}, seed=2))
+    with pytest.raises(rc.ArgumentError, match=r"have no start in common; evaluate both"):
+        compare(mine, evaluation({"s0_e1": True}))
+
+
+def test_a_stored_evaluation_is_read_again(tmp_path: Path):
+    mine = evaluation({"s0_e0": True, "s0_e1": False})
+    with pytest.raises(rc.IoError, match="`robocell evaluate` writes it"):
+        Evaluation.load(tmp_path)
+    (tmp_path / "evaluation.json").write_text(mine.to_json())
+    assert Evaluation.load(tmp_path) == mine
+    (tmp_path / "evaluation.json").write_text('{"interval": [0, 1]}')
+    with pytest.raises(rc.IoError, match=r"no evaluation of this version.*repeat the command"):
+        Evaluation.load(tmp_path)
+
+
+def test_the_command_prints_rate_and_interval(dataset: Path, tmp_path: Path):
     out = tmp_path / "out"
     words = ("evaluate", dataset, "--policy", "expert", "-n", "2", "--output", out)
     said = robocell_command(*words)
     assert said.returncode == 0, said.stderr
     result = json.loads((out / "evaluation.json").read_text())
-    assert result["trials"] == 2
+    assert result["rollouts"] == 2
     lengths = [len(episode) for episode in rc.Dataset(out)]
     assert result["mean_length"] == pytest.approx(sum(lengths) / 2)
     head, row = (line for line in said.stdout.splitlines() if line.startswith("  "))
@@ -128,17 +183,17 @@ def test_the_command_says_rate_and_interval(dataset: Path, tmp_path: Path):
         ("picks", "package.mine:Mine", "picks_evaluation/package.mine.Mine-7"),
     ],
 )
-def test_rollouts_go_beside_the_source(tmp_path: Path, source: str, policy: str, expected: str):
+def test_rollouts_are_next_to_the_source(tmp_path: Path, source: str, policy: str, expected: str):
     (tmp_path / "picks").mkdir()
     (tmp_path / "run.yaml").touch()
     assert default_output(tmp_path / source, policy, 7) == tmp_path / expected
 
 
-def test_rollouts_of_a_configuration_go_to_the_working_folder():
+def test_the_default_output_of_a_configuration_is_in_the_working_folder():
     assert default_output("a/cells.py:demo", "expert", 7) == Path("cells.demo_evaluation/expert-7")
 
 
-def test_a_command_without_output_goes_on_in_its_own_folder(dataset: Path):
+def test_an_evaluation_without_output_continues_in_its_own_folder(dataset: Path):
     words = ("evaluate", dataset, "--policy", "expert", "-n", "1", "--seed", "7")
     said = robocell_command(*words)
     assert said.returncode == 0, said.stderr
@@ -159,7 +214,7 @@ def test_a_killed_worker_costs_no_rollout(dataset: Path, tmp_path: Path):
     file = policy_file(tmp_path, "dying")
     result = evaluate(dataset, f"{file}:Dying", episodes=3, workers=2, output=tmp_path / "out")
     assert (tmp_path / "died").exists()
-    assert (result.trials, result.unmade) == (3, 0)
+    assert (result.rollouts, result.unmade) == (3, 0)
     assert result.failures == {"timeout": 3}
 
 
@@ -182,7 +237,7 @@ def test_scenes_of_files_come_from_the_dataset(tmp_path: Path, monkeypatch: pyte
     (here / "lab.xml").unlink()
     monkeypatch.chdir(tmp_path)
     result = evaluate(out, "expert", episodes=1, output=tmp_path / "trials")
-    assert result.trials == 1
+    assert result.rollouts == 1
 
 
 def test_chosen_scenes_are_those_of_the_dataset(tmp_path: Path):
@@ -208,7 +263,7 @@ def test_chosen_scenes_are_those_of_the_dataset(tmp_path: Path):
     assert first.outcomes == {"s0003_e0000": True}
 
 
-def test_without_a_report_the_episodes_say_which_scenes_there_are(tmp_path: Path):
+def test_without_a_report_scenes_come_from_the_episodes(tmp_path: Path):
     out = tmp_path / "out"
     words = ("--set", "scenes.houses=[5,3]", "--set", "cameras.streams=[]")
     generate(DEMO, out, "--episodes", 2, *words)
@@ -236,7 +291,7 @@ def test_other_weights_are_another_evaluation(dataset: Path, tmp_path: Path):
 
 
 @pytest.mark.parametrize("policy", ["expert", "random", "replay"])
-def test_what_no_run_made_is_refused_with_the_reason(policy: str, tmp_path: Path):
+def test_rejects_a_dataset_that_no_run_generated(policy: str, tmp_path: Path):
     env = rc.Env(pick_cube_config(relative_to="last_step"))
     with EnvRecorder(env, tmp_path / "recorded"):
         env.reset(seed=0)

@@ -56,7 +56,7 @@ BLACK_TABLE = """<mujoco><worldbody><body name="table">
 </body></worldbody></mujoco>"""
 
 
-def test_an_example_has_the_model_that_a_variable_puts_in_anothers_place(tmp_path: Path) -> None:
+def test_an_example_uses_an_overridden_model(tmp_path: Path) -> None:
     """The table of the frames: where it stands is the example's, what it is is ours."""
     example = EXAMPLES / "14_frames.py"
     languages = {"python": (sys.executable, example), "cpp": (program_of(example),)}
@@ -70,7 +70,7 @@ def test_an_example_has_the_model_that_a_variable_puts_in_anothers_place(tmp_pat
             pictures[language, name] = [file.read_bytes() for file in steps_of(folder)]
         wrong = start(*command, tmp_path / "wrong", ROBOCELL_OVERRIDE_TABLE=str(none))
         assert wrong.returncode != 0
-        told = f"ROBOCELL_OVERRIDE_TABLE is '{none}', which is no file; it takes the place of"
+        told = f"ROBOCELL_OVERRIDE_TABLE is '{none}', which is not a file; it replaces"
         assert told in wrong.stderr
     own, black = pictures["python", "own"], pictures["python", "black"]
     assert [a == b for a, b in zip(own, black, strict=True)] == [True] + [False] * 5, (
@@ -85,7 +85,7 @@ def steps_of(folder: Path) -> list[Path]:
     return [folder / f"step_{number}.png" for number in range(1, 7)]
 
 
-def test_every_example_is_there_in_both_languages_and_listed() -> None:
+def test_every_example_exists_in_both_languages_and_is_listed() -> None:
     names = [path.stem for path in PYTHON]
     assert names == sorted(p.stem for p in EXAMPLES.glob("[0-9]*.cc"))
     page = (EXAMPLES / "README.md").read_text()

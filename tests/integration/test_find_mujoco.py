@@ -95,25 +95,25 @@ def test_the_python_package_is_the_last_resort(tmp_path):
     assert f"include=[{PACKAGE}/include]" in said
 
 
-def test_without_a_python_of_the_project_the_first_on_the_path_is_asked(tmp_path):
+def test_without_a_project_python_the_first_on_the_path_is_used(tmp_path):
     path = f"{Path(sys.executable).parent}:{os.environ['PATH']}"
     assert f"dir=[{PACKAGE}]" in find(tmp_path, env={"PATH": path}, python="")
 
 
-def test_an_install_comes_before_the_python_package(tmp_path):
+def test_an_install_takes_precedence_over_the_python_package(tmp_path):
     prefix = installed(tmp_path)
     said = find(tmp_path, f"-DCMAKE_PREFIX_PATH={prefix}")
     assert f"dir=[{prefix}/lib] problem=[]" in said
 
 
-def test_an_install_of_another_version_is_passed_over(tmp_path):
+def test_an_install_of_another_version_is_skipped(tmp_path):
     prefix = installed(tmp_path, version="3.2.0")
     said = find(tmp_path, f"-DCMAKE_PREFIX_PATH={prefix}", python="/nowhere/python")
     assert "dir=[]" in said
     assert f"MuJoCo {mujoco.__version__} not found" in said
 
 
-def test_mujoco_root_comes_before_all_else(tmp_path, archive):
+def test_mujoco_root_takes_precedence(tmp_path, archive):
     prefix = installed(tmp_path)
     said = find(
         tmp_path,
@@ -125,9 +125,7 @@ def test_mujoco_root_comes_before_all_else(tmp_path, archive):
     assert f"include=[{archive}/include]" in said
 
 
-def test_mujoco_root_may_be_an_environment_variable_and_the_folder_of_the_package(
-    tmp_path, archive
-):
+def test_mujoco_root_can_be_an_environment_variable_or_the_package_folder(tmp_path, archive):
     said = find(tmp_path, env={"MUJOCO_ROOT": str(archive)})
     assert f"dir=[{archive}/lib]" in said
     other = tmp_path / "other"
@@ -135,20 +133,20 @@ def test_mujoco_root_may_be_an_environment_variable_and_the_folder_of_the_packag
     assert f"dir=[{PACKAGE}]" in find(other, f"-DMUJOCO_ROOT={PACKAGE}")
 
 
-def test_a_wrong_mujoco_root_is_an_error_and_nothing_else_is_taken(tmp_path):
+def test_a_wrong_mujoco_root_is_an_error_without_fallback(tmp_path):
     said = find(tmp_path, f"-DMUJOCO_ROOT={tmp_path}")
     assert "dir=[]" in said
     assert f"MUJOCO_ROOT is {tmp_path}, which holds no MuJoCo {mujoco.__version__}" in said
     assert "unset MUJOCO_ROOT" in said
 
 
-def test_places_of_the_caller_come_before_find_package(tmp_path, archive):
+def test_places_of_the_caller_take_precedence_over_find_package(tmp_path, archive):
     prefix = installed(tmp_path)
     said = find(tmp_path, f"-DCMAKE_PREFIX_PATH={prefix}", places=f"/nowhere {archive}")
     assert f"dir=[{archive}/lib]" in said
 
 
-def test_a_target_of_the_project_is_taken_as_it_is(tmp_path, archive):
+def test_an_existing_target_is_used_unchanged(tmp_path, archive):
     own = (
         "add_library(mujoco::mujoco SHARED IMPORTED)\n"
         "set_target_properties(mujoco::mujoco PROPERTIES IMPORTED_LOCATION /own/libmujoco.so"
@@ -159,7 +157,7 @@ def test_a_target_of_the_project_is_taken_as_it_is(tmp_path, archive):
     assert "include=[/own/include]" in said
 
 
-def test_what_is_missing_says_where_it_was_looked_for_and_what_to_do(tmp_path):
+def test_a_missing_mujoco_error_lists_the_searched_places_and_the_fix(tmp_path):
     said = find(tmp_path, version="9.9.9", places="/nowhere")
     assert "MuJoCo 9.9.9 not found" in said
     assert f"/nowhere, find_package(mujoco), {PACKAGE}" in said

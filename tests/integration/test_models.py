@@ -46,7 +46,7 @@ def pad_gap(model: mujoco.MjModel, data: mujoco.MjData) -> float:
     return mujoco.mj_geomDistance(model, data, *pads, 0.2, None)
 
 
-def test_the_generator_writes_the_objects_that_are_in_the_repository(tmp_path, monkeypatch):
+def test_the_generator_reproduces_the_objects_of_the_repository(tmp_path, monkeypatch):
     monkeypatch.setattr("sys.argv", ["make_objects.py", "--out", str(tmp_path)])
     make_objects.main()
     written = sorted(p.relative_to(tmp_path) for p in tmp_path.rglob("*.*"))
@@ -57,7 +57,7 @@ def test_the_generator_writes_the_objects_that_are_in_the_repository(tmp_path, m
         assert (tmp_path / path).read_bytes() == (MODELS / "objects" / path).read_bytes(), path
 
 
-def test_the_generator_writes_the_vessels_that_are_in_the_repository(tmp_path, monkeypatch):
+def test_the_generator_reproduces_the_vessels_of_the_repository(tmp_path, monkeypatch):
     monkeypatch.setattr("sys.argv", ["make_equipment.py", "--out", str(tmp_path)])
     make_equipment.main()
     written = sorted(p.relative_to(tmp_path) for p in tmp_path.rglob("*.*"))
@@ -67,7 +67,7 @@ def test_the_generator_writes_the_vessels_that_are_in_the_repository(tmp_path, m
 
 
 @pytest.mark.parametrize("name", OBJECTS)
-def test_an_object_has_one_root_named_after_it_that_is_free(name):
+def test_an_object_has_one_free_root_with_its_name(name):
     model = mujoco.MjModel.from_xml_path(str(object_file(name)))
     assert (model.nbody, model.njnt) == (2, 1)
     assert model.jnt_type[0] == mujoco.mjtJoint.mjJNT_FREE
@@ -76,7 +76,7 @@ def test_an_object_has_one_root_named_after_it_that_is_free(name):
 
 
 @pytest.mark.parametrize("name", OBJECTS)
-def test_an_object_is_centred_and_its_shapes_for_touch_and_sight_agree(name):
+def test_an_object_is_centred_and_its_collision_and_visual_shapes_agree(name):
     model = mujoco.MjModel.from_xml_path(str(object_file(name)))
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
@@ -92,7 +92,7 @@ def test_an_object_is_centred_and_its_shapes_for_touch_and_sight_agree(name):
 
 
 @pytest.mark.parametrize("name", OBJECTS)
-def test_an_object_that_is_put_on_the_table_stays_there(name):
+def test_an_object_on_the_table_stays_there(name):
     spec = mujoco.MjSpec.from_file(str(MODELS / "scenes" / "tabletop.xml"))
     child = mujoco.MjSpec.from_file(str(object_file(name)))
     body = spec.worldbody.add_frame().attach_body(child.body(name), "object_", "")
@@ -106,7 +106,7 @@ def test_an_object_that_is_put_on_the_table_stays_there(name):
     assert np.abs(data.qvel).max() < 0.02
 
 
-def test_rc7_stands_at_home_with_the_gripper_pointing_down_and_x_away_from_the_base(rc7):
+def test_rc7_at_home_points_its_gripper_down_and_its_x_axis_outwards(rc7):
     _, data = rc7
     rotation = data.site("tcp").xmat.reshape(3, 3)
     np.testing.assert_allclose(rotation[:, 2], [0, 0, -1], atol=1e-4)

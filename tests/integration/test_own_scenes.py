@@ -54,7 +54,7 @@ class Desks(rc.scenes.SceneSource):
 
 
 @rc.register_sampler("near")
-class Near(rc.tasks.PickTaskSampler):
+class Near(rc.tasks.StartSampler):
     def choose_base_placement(self, request, rng):
         return rc.tasks.BasePlacement(0.35, -0.2)
 '''
@@ -77,7 +77,7 @@ def files_of(folder: Path) -> dict[str, bytes]:
     return {file.parent.name: file.read_bytes() for file in sorted(folder.glob("s*/steps.h5"))}
 
 
-def test_episodes_take_place_in_scenes_of_ones_own(run_file: Path, tmp_path: Path):
+def test_episodes_are_generated_in_custom_scenes(run_file: Path, tmp_path: Path):
     assert robocell_command("generate", run_file, "--dry-run").returncode == 0
     generate(run_file, tmp_path / "two", "--workers", 2, "--episodes", 4)
     generate(run_file, tmp_path / "one", "--workers", 1, "--episodes", 2)
@@ -116,7 +116,7 @@ def test_code_of_scenes_is_part_of_a_dataset(run_file: Path, tmp_path: Path):
         ("objects: [box]", "base_distance: [1, 2]", "start.base_distance"),
     ],
 )
-def test_mistakes_are_told_with_their_place(
+def test_errors_name_the_place_in_the_run_file(
     run_file: Path, tmp_path: Path, old: str, new: str, message: str
 ):
     run_file.write_text(run_file.read_text().replace(old, new))
@@ -126,7 +126,7 @@ def test_mistakes_are_told_with_their_place(
     assert not (tmp_path / "out").exists()
 
 
-def test_what_a_source_knows_may_be_left_to_the_geometry(run_file: Path, tmp_path: Path):
+def test_annotations_can_be_derived_from_geometry(run_file: Path, tmp_path: Path):
     words = ("--set", "scenes.known=false", "--workers", 1, "--episodes", 1)
     generate(run_file, tmp_path / "out", *words)
     (episode,) = rc.Dataset(tmp_path / "out")
@@ -152,7 +152,7 @@ def test_an_exception_names_its_line(run_file: Path, tmp_path: Path, line: str, 
     assert f"own_desks.py:{number}, in {method}" in said
 
 
-def test_a_camera_has_to_see_the_object(run_file: Path, tmp_path: Path):
+def test_a_start_requires_a_camera_that_sees_the_object(run_file: Path, tmp_path: Path):
     start = "start: {visible_from: [exo_camera], visible_share: 0.3, "
     run_file.write_text(run_file.read_text().replace("start: {", start))
     generate(run_file, tmp_path / "out", "--workers", 1, "--episodes", 2)
@@ -201,7 +201,7 @@ def counted(tmp_path: Path) -> rc.RunConfig:
     return rc.RunConfig.load(file)
 
 
-def test_scenes_that_are_not_there_are_told_with_their_number(counted: rc.RunConfig):
+def test_rejects_scene_numbers_out_of_range(counted: rc.RunConfig):
     for index in (5, -1, 2):
         with pytest.raises(rc.NotFoundError, match=f"no scene {index}; it has 2 \\(0 ... 1\\)"):
             rc.scenes.base_scene(counted, index)
@@ -215,7 +215,7 @@ def test_scenes_that_are_not_there_are_told_with_their_number(counted: rc.RunCon
 @pytest.mark.parametrize(
     ("many", "told"), [(-3, "says that it has -3 scenes"), (10**9, "a run takes 1000000 at most")]
 )
-def test_numbers_of_scenes_that_no_run_takes(counted: rc.RunConfig, many: int, told: str):
+def test_rejects_scene_counts_out_of_range(counted: rc.RunConfig, many: int, told: str):
     Count.many = many
     with pytest.raises(rc.SpecError, match=told) as error:
         rc.diagnose.check_run(counted)
@@ -227,13 +227,13 @@ def test_a_source_gets_the_folder_of_the_run_file(counted: rc.RunConfig, tmp_pat
     assert Path(Count.directory) == tmp_path
 
 
-def test_scenes_that_differ_each_time_are_refused(counted: rc.RunConfig):
+def test_rejects_scenes_that_differ_between_calls(counted: rc.RunConfig):
     Count.random = True
     with pytest.raises(rc.SpecError, match="gave another scene 0 when it was asked again"):
         rc.diagnose.check_run(counted)
 
 
-def test_annotations_that_are_no_numbers_are_named(counted: rc.RunConfig):
+def test_rejects_annotations_that_are_not_finite(counted: rc.RunConfig):
     room = rc.scenes.Room("kitchen", floor_height=float("nan"))
     Count.annotated = rc.scenes.SceneAnnotations(rooms=[room])
     told = r"annotations of scene 0: rooms\[0\].floor_height is nan; it must be finite"

@@ -41,7 +41,7 @@ def files_of(folder: Path) -> dict[str, bytes]:
     }
 
 
-def test_cubes_are_stacked_by_any_number_of_workers(run_file: Path, tmp_path: Path):
+def test_any_number_of_workers_stacks_cubes(run_file: Path, tmp_path: Path):
     generate(run_file, tmp_path / "two", "--workers", 2, "--episodes", 3)
     generate(run_file, tmp_path / "one", "--workers", 1, "--episodes", 3)
     dataset = rc.Dataset(tmp_path / "two")
@@ -56,7 +56,56 @@ def test_cubes_are_stacked_by_any_number_of_workers(run_file: Path, tmp_path: Pa
     assert files_of(tmp_path / "two") == files_of(tmp_path / "one")
 
 
-def test_a_killed_run_goes_on_where_it_was(run_file: Path, tmp_path: Path):
+def test_a_dataset_of_a_custom_task_has_an_environment(run_file: Path, tmp_path: Path):
+    """In an environment of its own, the recorded actions give the recorded rows and success."""
+    out = tmp_path / "out"
+    generate(run_file, out, "--workers", 1, "--episodes", 2)
+    script = tmp_path / "act.py"
+    script.write_text(
+        "import json\nimport sys\nimport numpy as np\nimport robocell as rc\n"
+        "from robocell.envs import from_dataset\n"
+        "dataset = rc.Dataset(sys.argv[1])\n"
+        "env = from_dataset(dataset, imports=[sys.argv[2]], privileged=True)\n"
+        "for index, episode in enumerate(dataset):\n"
+        "    row, info = env.reset(seed=index)\n"
+        "    assert info['instruction'] == episode.metadata['instruction']\n"
+        "    columns = {name: episode[name] for name in [*env.observations, *env.actions]}\n"
+        "    equal = done = 0\n"
+        "    while not done:\n"
+        "        for name in env.observations:\n"
+        "            assert np.array_equal(columns[name][equal], row[name]), (equal, name)\n"
+        "        action = {name: columns[name][equal] for name in env.actions}\n"
+        "        row, _, terminated, truncated, info = env.step(action)\n"
+        "        done, equal = terminated or truncated, equal + 1\n"
+        "    print(json.dumps([equal, len(episode), info['is_success'], len(env.observations)]))\n"
+    )
+    words = [sys.executable, script, out, run_file.with_name("stack_cubes.py")]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    acted = [json.loads(line) for line in done.stdout.splitlines()]
+    assert len(acted) == 2
+    for equal, rows, success, observations in acted:
+        assert (equal, success) == (rows, True)
+        assert observations > 5
+
+
+def test_a_custom_task_can_be_sharded_and_planned(run_file: Path, tmp_path: Path):
+    """Shards of one output make what one command makes, and a dry run makes nothing."""
+    words = ("--workers", 1, "--episodes", 3)
+    generate(run_file, tmp_path / "whole", *words)
+    for shard in ("0/2", "1/2"):
+        generate(run_file, tmp_path / "shards", *words, "--shard", shard)
+    assert len(files_of(tmp_path / "shards")) == 3
+    assert files_of(tmp_path / "shards") == files_of(tmp_path / "whole")
+    dry = tmp_path / "dry"
+    result = robocell_command("generate", run_file, "--output", dry, "--dry-run", *map(str, words))
+    assert result.returncode == 0, result.stderr
+    said = " ".join(result.stdout.split())
+    assert "3 episodes" in said
+    assert not dry.exists()
+
+
+def test_a_killed_run_resumes(run_file: Path, tmp_path: Path):
     out = tmp_path / "out"
     words = ["generate", str(run_file), "--output", str(out), "--workers", "2", "--episodes", "4"]
     process = subprocess.Popen(
@@ -78,7 +127,7 @@ def test_a_killed_run_goes_on_where_it_was(run_file: Path, tmp_path: Path):
     assert made.items() <= again.items()
 
 
-def test_a_dataset_knows_what_its_code_held(run_file: Path, tmp_path: Path):
+def test_a_dataset_records_the_hash_of_its_code(run_file: Path, tmp_path: Path):
     out = tmp_path / "out"
     generate(run_file, out, "--workers", 1, "--episodes", 1)
     module = run_file.with_name("stack_cubes.py")
@@ -91,7 +140,7 @@ def test_a_dataset_knows_what_its_code_held(run_file: Path, tmp_path: Path):
     assert "1 episode" in robocell_command("report", out).stdout
 
 
-def test_a_module_may_be_named_on_the_command_line(run_file: Path, tmp_path: Path):
+def test_a_module_can_be_imported_from_the_command_line(run_file: Path, tmp_path: Path):
     text = run_file.read_text().replace("imports: [stack_cubes.py]\n", "")
     run_file.write_text(text)
     said = refusal("generate", run_file, "--output", tmp_path / "out")
@@ -102,7 +151,7 @@ def test_a_module_may_be_named_on_the_command_line(run_file: Path, tmp_path: Pat
     assert len(rc.Dataset(tmp_path / "out")) == 1
 
 
-def test_a_configuration_may_be_made_in_python(run_file: Path, tmp_path: Path):
+def test_a_configuration_can_be_built_in_python(run_file: Path, tmp_path: Path):
     module = run_file.with_name("cell.py")
     module.write_text(
         "import robocell as rc\nimport stack_cubes\n\n\n"
@@ -152,7 +201,7 @@ def test_an_exception_of_a_task_names_its_line(run_file: Path, tmp_path: Path):
     assert f"stack_cubes.py:{line}, in judge" in said
 
 
-def test_a_result_that_is_none_names_its_function(run_file: Path, tmp_path: Path):
+def test_a_none_result_error_names_the_function(run_file: Path, tmp_path: Path):
     module = run_file.with_name("stack_cubes.py")
     text = module.read_text().replace(
         "return rc.tasks.TaskVerdict(", "return None and rc.tasks.TaskVerdict("
@@ -166,14 +215,14 @@ def test_a_result_that_is_none_names_its_function(run_file: Path, tmp_path: Path
     assert f"stack_cubes.py:{line}, in judge" in said
 
 
-def test_a_run_source_imports_only_what_it_is_told(tmp_path: Path):
+def test_a_run_source_imports_only_the_given_modules(tmp_path: Path):
     with pytest.raises(rc.SpecError, match="there is no such file"):
         RunSource(str(tmp_path / "run.yaml"), ("gone.py",)).load()
     with pytest.raises(rc.SpecError, match="no such module"):
         RunSource(str(tmp_path / "run.yaml"), ("gone_module",)).load()
 
 
-def test_robocells_errors_in_a_users_code_name_its_line(run_file: Path, tmp_path: Path):
+def test_errors_raised_in_user_code_name_its_line(run_file: Path, tmp_path: Path):
     module = run_file.with_name("stack_cubes.py")
     text = module.read_text().replace(
         "aside = float(np", 'scene.body_pose("cubee")\n        aside = float(np'
@@ -186,7 +235,7 @@ def test_robocells_errors_in_a_users_code_name_its_line(run_file: Path, tmp_path
     assert f"stack_cubes.py:{line}, in judge" in said
 
 
-def test_an_exception_ends_an_attempt_and_the_next_one_is_tried(run_file: Path, tmp_path: Path):
+def test_an_exception_ends_a_rollout_and_the_next_one_starts(run_file: Path, tmp_path: Path):
     module = run_file.with_name("stack_cubes.py")
     text = module.read_text().replace(
         "def act(\n",
@@ -233,7 +282,7 @@ def test_in_an_evaluation_an_expert_that_raises_fails(run_file: Path, tmp_path: 
     module.write_text(broken)
     line = 1 + broken[: broken.index("raise RuntimeError")].count("\n")
     result = evaluated(run_file, tmp_path / "broken", 3, 0)
-    assert (result["trials"], result["unmade"]) == (3, 0)
+    assert (result["rollouts"], result["unmade"]) == (3, 0)
     assert 0 < result["policy_errors"] < 3
     for episode in rc.Dataset(tmp_path / "broken"):
         twin = rc.Dataset(tmp_path / "whole")[episode.id]
@@ -274,7 +323,7 @@ def test_overrides_of_a_configuration_keep_the_folders_of_its_files(tmp_path: Pa
     rc.diagnose.check_run(run)
 
 
-def test_a_dataset_is_acted_in_with_the_code_that_made_it_only(run_file: Path, tmp_path: Path):
+def test_a_dataset_environment_requires_the_original_code(run_file: Path, tmp_path: Path):
     out = tmp_path / "out"
     generate(run_file, out, "--workers", 1, "--episodes", 1)
     module = run_file.with_name("stack_cubes.py")
@@ -293,7 +342,7 @@ def test_a_dataset_is_acted_in_with_the_code_that_made_it_only(run_file: Path, t
     assert robocell_command("replay", out).returncode == 0, "it needs no code"
 
 
-def test_a_module_that_is_missing_is_asked_for(run_file: Path, tmp_path: Path):
+def test_a_missing_task_error_explains_how_to_import_it(run_file: Path, tmp_path: Path):
     out = tmp_path / "out"
     generate(run_file, out, "--workers", 1, "--episodes", 1)
     code = f"from robocell.envs import from_dataset\nfrom_dataset({str(out)!r})"
@@ -304,7 +353,7 @@ def test_a_module_that_is_missing_is_asked_for(run_file: Path, tmp_path: Path):
         assert "or with imports=['my_tasks.py'] in Python" in said
 
 
-def test_all_that_a_module_imports_is_its_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_imported_modules_are_part_of_the_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     for name, text in {
         "sizes_of_test.py": "EDGE = 0.04\n",
         "late_of_test.py": "LATE = 1\n",
@@ -331,7 +380,7 @@ def test_all_that_a_module_imports_is_its_code(tmp_path: Path, monkeypatch: pyte
     }
 
 
-def test_code_files_of_one_name_are_all_remembered(tmp_path: Path):
+def test_code_files_with_equal_names_are_all_recorded(tmp_path: Path):
     (tmp_path / "a").mkdir()
     (tmp_path / "b").mkdir()
     for folder in ("a", "b"):
@@ -423,7 +472,7 @@ def mini(tmp_path: Path) -> Path:
     return tmp_path / "mini.yaml"
 
 
-def test_every_module_that_a_run_names_is_part_of_it(mini: Path, tmp_path: Path):
+def test_every_imported_module_is_part_of_the_run(mini: Path, tmp_path: Path):
     out = tmp_path / "out"
     generate(mini, out, "--episodes", 1)
     files = json.loads((out / "dataset.json").read_text())["files"]
@@ -442,7 +491,7 @@ def test_every_module_that_a_run_names_is_part_of_it(mini: Path, tmp_path: Path)
     assert len(rc.Dataset(out)) == 2
 
 
-def test_code_may_change_the_working_folder(
+def test_code_can_change_the_working_folder(
     mini: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     """At its import and in its methods; the command's paths stay those of its own folder."""

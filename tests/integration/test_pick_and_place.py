@@ -53,7 +53,7 @@ def test_the_example_puts_objects_on_the_tray(tmp_path: Path):
         ("{kind: pick_and_place}\nstart: {base_distance: [3, 4]}", "goes beyond"),
     ],
 )
-def test_what_cannot_be_is_told_before_the_first_episode(tmp_path: Path, task: str, message: str):
+def test_rejects_impossible_tasks_before_the_first_episode(tmp_path: Path, task: str, message: str):
     assert message in refusal("generate", run_file(tmp_path, task), "--output", tmp_path / "out")
 
 

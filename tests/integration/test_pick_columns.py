@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 from recorded_scene import ROBOT_PREFIX, RecordedScene
 
 ROBOT = "robots/xarm7"
-ARM = [f"{ROBOT_PREFIX}joint{i}" for i in range(1, 8)]
-FINGERS = [f"{ROBOT_PREFIX}{side}_driver_joint" for side in ("left", "right")]
+ARM = [f"joint{i}" for i in range(1, 8)]
+FINGERS = [f"{side}_driver_joint" for side in ("left", "right")]
 POSE = ["x", "y", "z", "qx", "qy", "qz", "qw"]
-TWIST = ["vx", "vy", "vz", "wx", "wy", "wz"]
+DISPLACEMENT = ["x", "y", "z", "rx", "ry", "rz"]
 BASE = "base of xarm7"
 
 # Column -> (shape of a row, units, frame, names); None: the attribute does not apply.
@@ -43,7 +43,7 @@ COLUMNS = {
     f"{ROBOT}/action/gripper": ((1,), "1", None, ["opening"]),
     f"{ROBOT}/action/gripper_relative": ((1,), "1", None, ["opening"]),
     f"{ROBOT}/action/tcp_pose": ((7,), "m, 1", BASE, POSE),
-    f"{ROBOT}/action/tcp_twist": ((6,), "m, rad", BASE, TWIST),
+    f"{ROBOT}/action/tcp_displacement": ((6,), "m, rad", BASE, DISPLACEMENT),
     "objects/target/pose": ((7,), "m, 1", "world", POSE),
     "cameras/wrist/extrinsics": ((4, 4), "m, 1", "world -> camera, OpenCV axes", None),
     "cameras/exo/extrinsics": ((4, 4), "m, 1", "world -> camera, OpenCV axes", None),
@@ -153,7 +153,7 @@ def test_a_row_is_the_state_before_its_action(scene: RecordedScene):
     assert np.abs(np.diff(steps[f"{arm}/qpos"][:], axis=0)).max() > 0.01
 
 
-def test_targets_go_from_action_to_action(every_steps: dict[Path, h5py.File]):
+def test_targets_interpolate_between_actions(every_steps: dict[Path, h5py.File]):
     for steps in every_steps.values():
         for group in ("arm", "gripper"):
             target = steps[f"{ROBOT}/{group}/target"][:]
@@ -189,7 +189,7 @@ def engine_pose(position: Array, rotation: Array) -> Array:
     return result
 
 
-def test_pose_columns_are_those_of_the_row_s_joints(scene: RecordedScene):
+def test_pose_columns_match_the_joints_of_their_row(scene: RecordedScene):
     steps = scene.steps
     for row, _, data in poses_of_engine(scene):
         tcp, base = data.site(f"{ROBOT_PREFIX}link_tcp"), data.body(f"{ROBOT_PREFIX}link_base")
@@ -204,13 +204,16 @@ def test_pose_columns_are_those_of_the_row_s_joints(scene: RecordedScene):
         np.testing.assert_allclose(matrix(steps[f"{ROBOT}/tcp_pose_in_base"][row]), X_BT, **close)
 
 
-def test_the_tcp_action_is_where_the_commanded_joints_put_the_tcp(scene: RecordedScene):
+def test_the_tcp_action_matches_the_commanded_joints(scene: RecordedScene):
     steps = scene.steps
-    action, twist = steps[f"{ROBOT}/action/tcp_pose"][:], steps[f"{ROBOT}/action/tcp_twist"][:]
+    action, twist = (
+        steps[f"{ROBOT}/action/tcp_pose"][:],
+        steps[f"{ROBOT}/action/tcp_displacement"][:],
+    )
     present = steps[f"{ROBOT}/tcp_pose_in_base"][:]
     commanded = steps[f"{ROBOT}/action/arm"][:]
     for row, model, data in poses_of_engine(scene):
-        data.qpos[[model.joint(name).qposadr[0] for name in ARM]] = commanded[row]
+        data.qpos[[model.joint(ROBOT_PREFIX + name).qposadr[0] for name in ARM]] = commanded[row]
         mujoco.mj_kinematics(model, data)
         tcp, base = data.site(f"{ROBOT_PREFIX}link_tcp"), data.body(f"{ROBOT_PREFIX}link_base")
         X_BT = np.linalg.inv(engine_pose(base.xpos, base.xmat)) @ engine_pose(tcp.xpos, tcp.xmat)
@@ -223,7 +226,7 @@ def test_the_tcp_action_is_where_the_commanded_joints_put_the_tcp(scene: Recorde
         np.testing.assert_allclose(twist[row, 3:], vector, rtol=0, atol=1e-7)
 
 
-def test_reward_success_and_end_are_those_of_the_physics(every_steps: dict[Path, h5py.File]):
+def test_reward_success_and_end_match_the_physics(every_steps: dict[Path, h5py.File]):
     for episode, steps in every_steps.items():
         risen = steps["objects/target/pose"][:, 2] - steps["objects/target/pose"][0, 2]
         reward, success = steps["reward"][:], steps["success"][:]
@@ -242,7 +245,7 @@ def test_reward_success_and_end_are_those_of_the_physics(every_steps: dict[Path,
         assert not steps["ik_failed"][:].any()
 
 
-def test_phases_follow_each_other_by_name(every_steps: dict[Path, h5py.File]):
+def test_phases_are_named_and_ordered(every_steps: dict[Path, h5py.File]):
     for steps in every_steps.values():
         names = list(steps["phase"].attrs["values"])
         assert names == ["open", "pregrasp", "grasp", "close", "lift", "done"]

@@ -56,7 +56,7 @@ def test_the_expert_lifts_nearly_every_accepted_start(twenty: GeneratedRun):
     assert totals["accepted"] - totals["made"] == sum(totals["failures"].values())
 
 
-def test_the_sampler_accepts_enough_of_what_it_tries(twenty: GeneratedRun):
+def test_the_sampler_accepts_enough_samples(twenty: GeneratedRun):
     totals = twenty.totals
     assert totals["accepted"] / totals["attempts"] >= 0.4, totals["refusals"]
     assert totals["attempts"] - totals["accepted"] == sum(totals["refusals"].values())
@@ -112,7 +112,7 @@ OTHERS = {
 
 @pytest.mark.soak
 @pytest.mark.parametrize("name", OTHERS)
-def test_other_robots_lift_nearly_every_accepted_start_too(name: str, tmp_path: Path):
+def test_other_robots_lift_nearly_every_accepted_start(name: str, tmp_path: Path):
     """Without cameras: they see the same episodes."""
     require_menagerie(*OTHERS[name])
     run = ROOT / "examples" / f"{name}.yaml"

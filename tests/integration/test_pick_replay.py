@@ -40,13 +40,13 @@ def test_recorded_controls_lift_the_object_again_in_stock_mujoco(
     assert all(body.startswith(ROBOT_PREFIX) for body in result["touching"]), result["touching"]
 
 
-def test_the_command_finds_no_difference_either(any_run: GeneratedRun):
+def test_the_command_reports_no_difference(any_run: GeneratedRun):
     result = robocell_command("replay", "--check", any_run.dataset)
     assert result.returncode == 0, result.stdout + result.stderr
-    assert result.stdout.count(": the same") == len(any_run.episodes())
+    assert result.stdout.count(": identical") == len(any_run.episodes())
 
 
-def test_an_episode_of_the_built_in_robot_is_lifted_again_too(
+def test_replaying_an_episode_of_the_built_in_robot_lifts_the_object(
     rc7_run: GeneratedRun, tmp_path: Path
 ):
     for episode in rc7_run.episodes():
@@ -56,7 +56,7 @@ def test_an_episode_of_the_built_in_robot_is_lifted_again_too(
         assert result["rise"] >= rc7_run.run.task.lift_height
 
 
-def test_a_dataset_names_no_folder_of_the_machine_as_the_place_of_a_model(any_run: GeneratedRun):
+def test_a_dataset_contains_no_model_path_of_the_machine(any_run: GeneratedRun):
     for episode in any_run.episodes():
         metadata = read_json(episode)["metadata"]
         assert str(ROOT) not in metadata["scene_spec"]
@@ -65,7 +65,7 @@ def test_a_dataset_names_no_folder_of_the_machine_as_the_place_of_a_model(any_ru
         assert set(models) >= {robot.config.model for robot in scene_spec(episode).robots}
 
 
-def test_without_the_gripper_the_replay_lifts_nothing(xarm7_run: GeneratedRun, tmp_path: Path):
+def test_a_replay_without_the_gripper_lifts_nothing(xarm7_run: GeneratedRun, tmp_path: Path):
     # Shows that the test above can fail: the rise comes from the grasp.
     scene = RecordedScene(xarm7_run.episodes()[0], tmp_path)
     model, data = plain_replay.load(scene.binary)

@@ -50,9 +50,7 @@ def test_videos_hold_exactly_one_frame_per_row(scenes: dict[Path, RecordedScene]
 
 
 @pytest.mark.parametrize("camera", CAMERAS)
-def test_a_frame_is_the_picture_of_its_row_and_of_no_other(
-    scenes: dict[Path, RecordedScene], camera: str
-):
+def test_a_frame_shows_its_row_and_no_other(scenes: dict[Path, RecordedScene], camera: str):
     for episode in list(scenes)[::5]:
         scene = scenes[episode]
         frames, renderer = decode(episode / f"{camera}.mp4", *size(scene, camera)), scene.renderer()

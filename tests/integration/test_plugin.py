@@ -108,11 +108,11 @@ def load_lab(lab: Path, output: Path, **environment: str) -> str:
     return done.stdout
 
 
-def test_what_a_source_in_a_library_knows_is_known_in_python(lab: Path, tmp_path: Path):
+def test_annotations_of_a_library_source_are_visible_in_python(lab: Path, tmp_path: Path):
     assert load_lab(lab, tmp_path / "out") == "rooms ['kitchen']\n"
 
 
-def test_a_library_that_fails_halfway_stays_known(lab: Path, tmp_path: Path):
+def test_a_library_that_fails_halfway_stays_registered(lab: Path, tmp_path: Path):
     first, second, rooms = load_lab(lab, tmp_path / "out", LAB_FAILS="1").splitlines()
     assert first.startswith("Error plugin '")
     assert first.endswith("libstack.so' failed to register: second kind failed")
@@ -133,7 +133,7 @@ def files_of(folder: Path) -> dict[str, bytes]:
     return {file.parent.name: file.read_bytes() for file in sorted(folder.glob("s*/steps.h5"))}
 
 
-def test_cubes_are_stacked_by_a_library(plugin: Path, run_file: Path, tmp_path: Path):
+def test_a_library_stacks_cubes(plugin: Path, run_file: Path, tmp_path: Path):
     named = ("--import", plugin, "--episodes", 2)
     generate(run_file, tmp_path / "two", *named, "--workers", 2)
     generate(run_file, tmp_path / "one", *named, "--workers", 1)
@@ -153,7 +153,7 @@ def test_cubes_are_stacked_by_a_library(plugin: Path, run_file: Path, tmp_path: 
     assert said.returncode == 0, said.stderr
 
 
-def test_a_dataset_knows_what_its_library_held(plugin: Path, run_file: Path, tmp_path: Path):
+def test_a_dataset_records_the_hash_of_its_library(plugin: Path, run_file: Path, tmp_path: Path):
     mine = Path(shutil.copy(plugin, tmp_path))
     generate(run_file, tmp_path / "out", "--import", mine, "--workers", 1, "--episodes", 1)
     with mine.open("ab") as library:
@@ -164,7 +164,7 @@ def test_a_dataset_knows_what_its_library_held(plugin: Path, run_file: Path, tmp
     assert "code file libstack.so: changed since then" in said
 
 
-def test_a_run_file_may_name_a_library(plugin: Path, run_file: Path, tmp_path: Path):
+def test_a_run_file_can_import_a_library(plugin: Path, run_file: Path, tmp_path: Path):
     shutil.copy(plugin, tmp_path)
     run_file.write_text(run_file.read_text() + "imports: [libstack.so]\n")
     generate(run_file, tmp_path / "out", "--workers", 1, "--episodes", 1)
@@ -173,7 +173,7 @@ def test_a_run_file_may_name_a_library(plugin: Path, run_file: Path, tmp_path: P
     assert "Did you mean 'edge'?" in said
 
 
-def test_what_is_no_plugin_is_refused(run_file: Path, tmp_path: Path):
+def test_rejects_libraries_that_are_not_plugins(run_file: Path, tmp_path: Path):
     (tmp_path / "text.so").write_text("not a library")
     for library, reason in (
         ("text.so", "cannot load plugin"),

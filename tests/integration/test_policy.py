@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from commands import refusal, robocell_command
+from commands import generate, refusal, robocell_command
 from test_evaluate import DEMO, REPLAYER, dataset, policy_file
 
 import robocell as rc
@@ -65,7 +65,7 @@ def test_a_policy_sees_the_rows_that_a_dataset_records(dataset: Path, tmp_path: 
         np.testing.assert_allclose(seen, played[name], rtol=0, atol=1e-12, err_msg=name)
 
 
-def test_what_is_wrong_with_a_policy_is_named(dataset: Path, tmp_path: Path):
+def test_errors_explain_an_invalid_policy(dataset: Path, tmp_path: Path):
     (tmp_path / "mine.py").write_text(REPLAYER)
     out = tmp_path / "out"
 
@@ -73,6 +73,9 @@ def test_what_is_wrong_with_a_policy_is_named(dataset: Path, tmp_path: Path):
         return refusal("evaluate", dataset, "--policy", policy, "-n", "1", "--output", out)
 
     assert "expected module:Class" in said("mine")
+    assert "Did you mean 'expert'?" in said("expret")
+    file = tmp_path / "mine.py"
+    assert f"name the class of the policy too: {file}:" in said(str(file))
     assert "no class or function 'Gone'" in said(f"{tmp_path / 'mine.py'}:Gone")
     assert "there is no such file" in said(f"{tmp_path / 'no.py'}:Stay")
     wrong = robocell_command(
@@ -85,7 +88,7 @@ def test_what_is_wrong_with_a_policy_is_named(dataset: Path, tmp_path: Path):
     assert wrong.stderr.count("Wrong.act()") == 1, "once is enough"
 
 
-def test_a_policy_that_raises_fails_and_is_named_with_its_line(dataset: Path, tmp_path: Path):
+def test_an_exception_in_a_policy_fails_and_names_its_line(dataset: Path, tmp_path: Path):
     file = policy_file(tmp_path, "raising")
     line = 1 + REPLAYER[: REPLAYER.index("return 1 / 0")].count("\n")
     for workers in (1, 2):
@@ -96,7 +99,7 @@ def test_a_policy_that_raises_fails_and_is_named_with_its_line(dataset: Path, tm
             workers=workers,
             output=tmp_path / f"out{workers}",
         )
-        assert (result.successes, result.trials, result.unmade) == (0, 3, 0)
+        assert (result.successes, result.rollouts, result.unmade) == (0, 3, 0)
         assert result.policy_errors == 3
         (reason,) = result.failures
         assert reason.startswith("policy error: ZeroDivisionError: division by zero (")
@@ -161,10 +164,16 @@ class Reset(Policy):
     def reset(self, context):
         raise KeyError("weights")
 
+    def act(self, observation):
+        return {}
+
 
 class Made(Policy):
     def __init__(self):
         raise ImportError("no weights")
+
+    def act(self, observation):
+        return {}
 """
 
 
@@ -176,10 +185,10 @@ def broken(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
-def test_a_policy_that_raises_keeps_its_start(dataset: Path, broken: Path, tmp_path: Path):
+def test_an_exception_in_a_policy_keeps_the_start(dataset: Path, broken: Path, tmp_path: Path):
     """The rollout from this start is a failure; another start would break the comparison."""
     picky = evaluate(dataset, f"{broken}:Picky", episodes=8, output=tmp_path / "out")
-    assert (picky.trials, picky.unmade, picky.successes) == (8, 0, 0)
+    assert (picky.rollouts, picky.unmade, picky.successes) == (8, 0, 0)
     other = evaluate(
         dataset, "random", episodes=8, output=tmp_path / "random", cameras=False
     ).outcomes
@@ -218,18 +227,18 @@ def test_a_policy_that_raises_keeps_its_start(dataset: Path, broken: Path, tmp_p
         ("Complex", "TypeError: Complex.act(): 'robots/rc7/action/arm' must be real numbers"),
     ],
 )
-def test_what_is_no_action_fails_the_rollout(
+def test_an_invalid_action_fails_the_rollout(
     dataset: Path, broken: Path, tmp_path: Path, name: str, reason: str
 ):
     options = {"episodes": 1, "output": tmp_path / "out", "cameras": False}
     result = evaluate(dataset, f"{broken}:{name}", **options)
-    assert (result.trials, result.unmade, result.policy_errors) == (1, 0, 1)
+    assert (result.rollouts, result.unmade, result.policy_errors) == (1, 0, 1)
     (said,) = result.failures
     assert said.startswith(f"policy error: {reason}")
     assert "broken.py:" in said
 
 
-def test_without_a_policy_there_is_nothing_to_evaluate(
+def test_rejects_an_evaluation_without_a_policy(
     dataset: Path, broken: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):
     with pytest.raises(
@@ -243,7 +252,7 @@ def test_without_a_policy_there_is_nothing_to_evaluate(
 
 def test_a_dataset_replays_its_own_actions(dataset: Path, tmp_path: Path):
     result = evaluate(dataset, "replay", output=tmp_path / "out", workers=2)
-    assert (result.successes, result.trials) == (2, 2)
+    assert (result.successes, result.rollouts) == (2, 2)
     for episode in rc.Dataset(dataset):
         again = rc.Dataset(tmp_path / "out")[episode.id]
         rows = len(again)  # a policy ends at success, an expert goes on to hold
@@ -256,3 +265,142 @@ def test_a_dataset_replays_its_own_actions(dataset: Path, tmp_path: Path):
         *("-o", tmp_path / "other"),
     )
     assert "starts like this one" in said.stdout + said.stderr
+    own = rc.Dataset(dataset)[0].metadata["seed"]
+    assert f"Its own starts are those of --seed {own}" in said.stdout + said.stderr
+
+
+@pytest.mark.parametrize("keep", ["successes", "all"])
+def test_replay_begins_at_the_recorded_attempt(keep: str, tmp_path: Path):
+    """Few steps let the first attempts of some episodes fail."""
+    out = tmp_path / "out"
+    words = ("--set", "cameras.streams=[]", "--set", "rates.max_steps=66", "--set", f"keep={keep}")
+    generate(DEMO, out, "--episodes", 4, *words)
+    recorded = {e.id: e.metadata["attempt"] for e in rc.Dataset(out) if e.success}
+    assert max(recorded.values()) > 0
+    result = evaluate(out, "replay", output=tmp_path / "again")
+    assert (result.successes, result.rollouts) == (4, 4)
+    again = [episode.metadata["attempt"] for episode in rc.Dataset(tmp_path / "again")]
+    assert again == list(recorded.values())
+
+
+def test_only_reading_an_image_draws_it_for_a_policy(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+):
+    """Reading numbers, or the names, draws nothing of a rollout that is not kept."""
+
+    class Reading(Policy):
+        def __init__(self, key: str) -> None:
+            self.key = key
+            self.rows: list[dict[str, np.ndarray]] = []
+
+        def act(self, observation):
+            assert "wrist" in observation
+            assert len(list(observation)) == len(observation)
+            self.rows.append(observation)
+            self.read = observation[self.key]
+            return {"robots/rc7/action/arm": observation["robots/rc7/arm/qpos"]}
+
+    run = rc.RunConfig.load(DEMO)
+    run.episodes, run.max_attempts, run.rates.max_steps = 1, 1, 3
+    run.render = rc.generate.RenderWhen.KEPT
+    run.cameras.resolution = [64, 48]
+    read = {}
+    for key in ("time", "wrist"):
+        run.output = str(tmp_path / key)
+        policies: list[Reading] = []
+
+        def expert(run, start, key=key, policies=policies):
+            policies.append(Reading(key))
+            return PolicyExpert(run, start, policies[-1])
+
+        rc.generate.prepare_dataset(run)
+        result = rc.generate.Runner(run, expert=expert).run(rc.generate.make_plan(run)[0])
+        assert (result.accepted, result.committed) == (1, False)
+        assert key == "wrist" or "looks at images" not in capfd.readouterr().err
+        read[key] = policies[-1]
+    assert read["wrist"].read.shape == (48, 64, 3)
+    assert read["wrist"].rows[0]["exo"].any(), "kept with the one that was read"
+    with pytest.raises(rc.Error, match=r"'exo' of an earlier row was not read in time: read"):
+        read["time"].rows[0]["wrist"]
+
+
+MISSING = """
+from robocell.policy import Policy
+
+
+class Near(Policy):
+    def act(self, observation):
+        return observation["robots/rc7/arm/qpo"]
+
+
+class Image(Policy):
+    def act(self, observation):
+        return observation["wrist_cam"]
+
+
+class Idle(Policy):
+    def acts(self, observation):
+        return {}
+
+
+class Odd(Policy):
+    def act(self):
+        return {}
+
+
+class Duck:
+    def act(self, observation):
+        return {}
+
+
+def idle(run):
+    return Idle()
+"""
+
+
+@pytest.fixture(scope="module")
+def missing(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The file of the policies that lack something; a process imports one file of this name."""
+    folder = tmp_path_factory.mktemp("missing")
+    file = folder / f"{folder.name}.py"
+    file.write_text(MISSING)
+    return file
+
+
+def test_a_missing_name_has_the_nearest_and_the_available_ones(
+    dataset: Path, missing: Path, tmp_path: Path
+):
+    def reason(policy: str) -> str:
+        result = evaluate(
+            dataset,
+            f"{missing}:{policy}",
+            episodes=1,
+            cameras=False,
+            output=tmp_path / policy,
+        )
+        return next(iter(result.failures))
+
+    near = reason("Near")
+    assert "Near.act(): the observation has no 'robots/rc7/arm/qpo'. Did you mean " in near
+    assert "Did you mean 'robots/rc7/arm/qpos'? It has: " in near
+    assert f"{missing.name}:7, in act)" in near
+    assert "leave out --no-cameras" in reason("Image")
+
+
+@pytest.mark.parametrize(
+    ("policy", "text"),
+    [
+        (
+            "Idle",
+            r"class Idle \(.*missing\d+.py:15\) lacks methods .* add def act\(self, observation",
+        ),
+        ("Odd", r"Odd\.act \(line 21\) is called as act\(observation\), .* write def act\(self, o"),
+        ("Duck", r"class Duck \(.*missing\d+.py:25\) lacks .* add def reset\(self, context\)"),
+        ("idle", r"class Idle \(.*missing\d+.py:15\) lacks methods"),
+    ],
+)
+def test_a_class_that_is_no_policy_is_rejected(
+    dataset: Path, missing: Path, tmp_path: Path, policy: str, text: str
+):
+    with pytest.raises(rc.Error, match=text):
+        evaluate(dataset, f"{missing}:{policy}", episodes=1, output=tmp_path / policy)

@@ -74,14 +74,14 @@ def run(scene: rc.Scene, robot: rc.Robot, seconds: float) -> None:
         assert result, result.message
 
 
-def test_check_finds_nothing_wrong(robot_file: Path):
+def test_check_reports_no_problem(robot_file: Path):
     done = robocell_command("check", robot_file)
     assert done.returncode == 0, done.stderr
-    assert done.stdout.splitlines()[-1] == "nothing found wrong", done.stdout
+    assert done.stdout.splitlines()[-1] == "no problems found", done.stdout
     assert done.stderr == ""
 
 
-def test_it_starts_at_home_and_stays_there(loaded: RobotScene):
+def test_a_robot_starts_at_home_and_stays_there(loaded: RobotScene):
     scene, robot, config = loaded.scene, loaded.robot, loaded.config
     home = np.array(robot.arm.joint_pos)
     if "arm" in config.home:
@@ -92,7 +92,7 @@ def test_it_starts_at_home_and_stays_there(loaded: RobotScene):
     np.testing.assert_allclose(robot.arm.joint_pos, home, atol=config.arrival_tolerance)
 
 
-def test_its_gripper_is_open_at_home_and_stays_so(grasping: RobotScene):
+def test_a_gripper_is_open_at_home_and_stays_open(grasping: RobotScene):
     assert grasping.robot.gripper.is_open
     run(grasping.scene, grasping.robot, 1)
     assert grasping.robot.gripper.is_open
@@ -106,7 +106,7 @@ def test_a_seeded_reset_stays_near_home(loaded: RobotScene):
     assert np.all(np.abs(np.array(robot.arm.joint_pos) - home) <= noise + 1e-12)
 
 
-def test_inverse_kinematics_finds_back_to_every_pose(loaded: RobotScene):
+def test_inverse_kinematics_recovers_every_pose(loaded: RobotScene):
     targets = reachable_poses(loaded.robot, IK_TARGETS, np.random.default_rng(5))
     answers = solve_each(loaded.robot, targets, IK_TOLERANCE)
     assert np.all(answers.solved(IK_TOLERANCE)), np.flatnonzero(~answers.solved(IK_TOLERANCE))
@@ -233,7 +233,7 @@ def test_two_picks_are_generated_and_intact(grasping_file: Path, tmp_path: Path)
 
 
 @pytest.mark.parametrize("mode", ["joints", "cartesian_trpy", "cartesian_tquat"])
-def test_an_environment_of_it_is_deterministic_and_keeps_to_its_spaces(robot_file: Path, mode: str):
+def test_an_environment_is_deterministic_and_stays_in_its_spaces(robot_file: Path, mode: str):
     env = GymEnv(
         rc.EnvConfig(robots={"robot": robot_file}, control_mode=mode, sim={"async_control": True})
     )

@@ -63,7 +63,7 @@ def python(venv: Path, code: str) -> str:
     return done.stdout.strip()
 
 
-def test_libraries_are_inside_but_the_engine(wheel):
+def test_the_wheel_bundles_libraries_except_the_engine(wheel):
     with zipfile.ZipFile(wheel) as content:
         names = content.namelist()
     libraries = [Path(name).name for name in names if name.startswith("robocell.libs/")]
@@ -73,10 +73,11 @@ def test_libraries_are_inside_but_the_engine(wheel):
     assert re.search(r"-manylinux_2_\d+_x86_64\.whl$", wheel.name)
 
 
-def test_stubs_types_models_and_library_are_there_once(wheel):
+def test_the_wheel_contains_stubs_types_models_and_one_library(wheel):
     with zipfile.ZipFile(wheel) as content:
         names = content.namelist()
-    wanted = {"py.typed", "_core.pyi", "librobocell.so.0.1.0", "models/robots/rc7/rc7.yaml"}
+    libraries = {"librobocell.so.0.1.0", "robocell_warm_start.so"}
+    wanted = {"py.typed", "_core.pyi", "models/robots/rc7/rc7.yaml"} | libraries
     assert {f"robocell/{name}" for name in wanted} <= set(names)
     assert [name for name in names if "/librobocell" in name] == ["robocell/librobocell.so.0.1.0"]
     assert not [name for name in names if name.endswith("_test.cc") or "/testing/" in name]
@@ -163,7 +164,7 @@ else:
 """
 
 
-def test_a_picture_is_drawn_where_there_is_gl(venv):
+def test_draws_a_picture_with_gl(venv):
     printed = python(venv, PICTURE)
     if printed.startswith("no GL:"):
         pytest.skip(printed)
@@ -190,7 +191,7 @@ assert rc.Pose.from_kdl(frame).is_close(tcp, 1e-9, 1e-9), (frame, tcp)
 """
 
 
-def test_the_command_of_the_error_brings_a_true_kdl_chain(venv):
+def test_the_command_of_the_error_installs_pykdl(venv):
     """Runs, as a user without root does, the command that the ImportError prints."""
     missing = run(venv, venv / "bin/python", "-c", CHAIN)
     assert "ImportError: this needs PyKDL, which is not importable here." in missing.stderr

@@ -45,11 +45,13 @@ class Storm:
         folder: Holds the run file and the dataset.
         acknowledged: Ids that the command said were made.
         kills: Way -> how many.
+        render: Which rollouts have their images drawn: `always` or `kept`.
     """
 
     folder: Path
     acknowledged: set[str] = field(default_factory=set)
     kills: Counter[str] = field(default_factory=Counter)
+    render: str = "always"
 
     @property
     def dataset(self) -> Path:
@@ -65,6 +67,7 @@ class Storm:
         """Starts the command; `wrap` may put another before it."""
         file = self.folder / "run.yaml"
         run = {**RUN, "episodes_per_scene": EPISODES, "output": str(self.dataset)}
+        run["render"] = self.render
         file.write_text(yaml.safe_dump(run))
         options = ["--workers", str(workers), "--progress", "jsonl"]
         return subprocess.Popen(

@@ -88,7 +88,7 @@ def require_named_and_set_aside(victim: Victim, where: str) -> None:
 @pytest.mark.parametrize("kind", EVERY)
 @pytest.mark.parametrize("damage", [flip_bit, cut])
 @pytest.mark.parametrize("step", [20, pytest.param(1, marks=pytest.mark.soak)])
-def test_damage_anywhere_is_named_and_set_aside(
+def test_damage_anywhere_is_reported_and_quarantined(
     step: int, damage: Damage, kind: str, tmp_path: Path, calm: Storm
 ):
     with quick_folder(tmp_path) as folder:
@@ -102,7 +102,7 @@ def test_damage_anywhere_is_named_and_set_aside(
 
 
 @pytest.mark.parametrize("kind", [*OF_AN_EPISODE, *OF_A_MODEL[:1]])
-def test_a_file_that_is_gone_is_named_and_its_rest_set_aside(
+def test_a_missing_file_is_reported_and_the_rest_is_quarantined(
     kind: str, tmp_path: Path, calm: Storm
 ):
     victim = Victim(calm, tmp_path, kind)
@@ -110,7 +110,7 @@ def test_a_file_that_is_gone_is_named_and_its_rest_set_aside(
     require_named_and_set_aside(victim, kind)
 
 
-def test_what_repair_set_aside_is_made_again_and_nothing_else(tmp_path: Path, calm: Storm):
+def test_only_quarantined_episodes_are_generated_again(tmp_path: Path, calm: Storm):
     storm = Storm(tmp_path)
     shutil.copytree(calm.dataset, storm.dataset)
     ids = robocell.Dataset(storm.dataset).ids
@@ -135,7 +135,7 @@ def test_what_repair_set_aside_is_made_again_and_nothing_else(tmp_path: Path, ca
     assert storm.contents() == calm.contents()
 
 
-def test_a_damaged_run_file_is_refused_or_means_the_same_episodes(tmp_path: Path, calm: Storm):
+def test_a_damaged_run_file_is_rejected_or_gives_the_same_episodes(tmp_path: Path, calm: Storm):
     file = tmp_path / "run.yaml"
     whole = (calm.folder / "run.yaml").read_bytes()
     same, refused = robocell.RunConfig.load(calm.folder / "run.yaml"), 0

@@ -43,7 +43,7 @@ def run_file(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_model_that_crashes_the_engine_costs_workers_and_not_the_run(run_file: Path):
+def test_a_model_that_crashes_the_engine_loses_workers_but_not_the_run(run_file: Path):
     done = robocell_command("generate", str(run_file), "--workers", "2")
     assert done.returncode == 1, done.stderr
     assert "Traceback" not in done.stderr
@@ -100,7 +100,7 @@ def crowd(name: str, memory: str) -> robocell.SceneSpec:
     return spec
 
 
-def test_fatal_errors_of_two_threads_are_exceptions_with_their_own_context(tmp_path: Path):
+def test_fatal_errors_of_two_threads_become_separate_exceptions(tmp_path: Path):
     small = tmp_path / "small.xml"
     small.write_text('<mujoco><size memory="5000K"/></mujoco>')
     said: dict[str, list[str]] = {"left": [], "right": []}

@@ -148,7 +148,7 @@ ENDINGS = [Command.at_points, pytest.param(Command.everywhere, marks=pytest.mark
 
 @pytest.mark.parametrize("endings", ENDINGS)
 @pytest.mark.parametrize("do", ["fail", "full", "kill_before"])
-def test_a_call_before_or_after_the_workers_may_fail(
+def test_a_call_outside_the_workers_can_fail(
     do: str, endings: Callable[[Command, str], Iterator[Ending]], command: Command
 ):
     for ending in endings(command, do):

@@ -110,26 +110,26 @@ def test_some_models_stall_the_engine(model: str):
 
 
 @pytest.mark.parametrize(("model", "said"), THROWING.items())
-def test_an_exception_of_the_engine_is_an_error_and_the_process_goes_on(model: str, said: str):
+def test_an_engine_exception_becomes_an_error_and_the_process_survives(model: str, said: str):
     done = in_a_process(BUILD, model)
     assert done.returncode == 0, done.stderr
     assert re.match(f"EngineError {said}", done.stdout), done.stdout
 
 
 @pytest.mark.parametrize(("model", "said"), REFUSED.items())
-def test_what_the_engine_refuses_is_an_error_with_its_reason(model: str, said: str):
+def test_models_rejected_by_the_engine_give_an_error_with_the_reason(model: str, said: str):
     done = in_a_process(BUILD, model)
     assert done.returncode == 0, done.stderr
     assert re.match(f"SpecError scene 's'.*{said}", done.stdout), done.stdout
 
 
 @pytest.mark.parametrize("model", LOADING)
-def test_former_crashes_build(model: str):
+def test_models_that_crashed_before_build(model: str):
     done = in_a_process(BUILD, model)
     assert (done.returncode, done.stdout) == (0, "built\n"), done.stderr
 
 
-def test_elements_that_are_nested_too_deeply_are_refused(tmp_path: Path):
+def test_rejects_elements_nested_too_deeply(tmp_path: Path):
     deep = tmp_path / "deep.xml"
     deep.write_text(f"<mujoco><worldbody>{'<body>' * 100_000}{'</body>' * 100_000}")
     done = in_a_process(BUILD, str(deep.with_suffix("")))
@@ -200,7 +200,7 @@ def require_quarantine(
     return list(unmade.values())
 
 
-def test_all_that_crash_cost_workers_and_not_the_run(tmp_path: Path):
+def test_models_that_crash_lose_workers_but_not_the_run(tmp_path: Path):
     done = generate_with(tmp_path, list(CRASHING))
     reasons = {name: f"was killed by {number.name}" for name, number in CRASHING.items()}
     entries = require_quarantine(tmp_path, done, reasons)
@@ -217,7 +217,7 @@ def test_all_that_crash_cost_workers_and_not_the_run(tmp_path: Path):
     [STALLING[:1], pytest.param(STALLING, marks=pytest.mark.soak)],
     ids=["one", "all"],
 )
-def test_all_that_stall_cost_their_time_and_not_the_run(tmp_path: Path, models: list[str]):
+def test_models_that_stall_lose_time_but_not_the_run(tmp_path: Path, models: list[str]):
     done = generate_with(tmp_path, models, "--item-timeout", 4)
     assert "could not be looked through within 4 s" in done.stderr
     require_quarantine(tmp_path, done, dict.fromkeys(models, "took more than 4 s"))

@@ -96,7 +96,7 @@ def facts(file: Path) -> dict[str, Any]:
     return {"bytes": len(content), "sha256": hashlib.sha256(content).hexdigest()}
 
 
-def test_a_curious_name_is_only_a_name(curious: Path):
+def test_a_hostile_name_is_harmless(curious: Path):
     assert robocell.data.verify(curious, decode_videos=True).ok
     assert robocell.Dataset(curious)[ID].frames("wrist").shape[1:] == (24, 32, 3)
     result = robocell_command("replay", "--check", curious)
@@ -106,7 +106,7 @@ def test_a_curious_name_is_only_a_name(curious: Path):
     assert {path.name for path in curious.parent.iterdir()} == {"run.yaml", "out"}
 
 
-def test_a_circle_of_links_is_an_error(tmp_path: Path):
+def test_a_cycle_of_links_is_an_error(tmp_path: Path):
     (tmp_path / "loop").symlink_to("loop")
     text = refused("generate", write_run(tmp_path, output=str(tmp_path / "loop" / "out")))
     assert f"cannot look at the dataset's folder '{tmp_path}/loop/out'" in text
@@ -116,7 +116,7 @@ def test_a_circle_of_links_is_an_error(tmp_path: Path):
     assert f"no robot file '{tmp_path}/loop'" in text
 
 
-def test_a_pipe_that_a_model_names_is_not_waited_for(tmp_path: Path):
+def test_a_pipe_in_a_model_does_not_block(tmp_path: Path):
     robot = shutil.copytree(Path(str(storm.RUN["robot"])).parent, tmp_path / "robot")
     model, part = robot / "rc7.xml", robot / "part.xml"
     model.write_text(model.read_text().replace("</mujoco>", '<include file="part.xml"/></mujoco>'))
@@ -158,7 +158,7 @@ PLAYLISTS = {
 
 
 @pytest.mark.parametrize("kind", PLAYLISTS)
-def test_a_playlist_is_no_video(stranger: Path, kind: str):
+def test_rejects_a_playlist_as_a_video(stranger: Path, kind: str):
     video = stranger / ID / "wrist.mp4"
     shutil.copy(video, stranger / ID / "secret.mp4")
     video.write_text(PLAYLISTS[kind])
@@ -193,7 +193,7 @@ def put_virtual(file: h5py.File, secret: Path) -> None:
 
 
 @pytest.mark.parametrize("put", [put_external, put_virtual])
-def test_arrays_whose_numbers_are_in_other_files_are_refused(
+def test_rejects_arrays_stored_in_other_files(
     stranger: Path, put: Callable[[h5py.File, Path], None]
 ):
     secret = stranger.parent / "secret.h5"
@@ -231,7 +231,7 @@ MODELS = {
     "climb": ('<mujoco><include file="../../../secret.xml"/></mujoco>', "secret.xml', which is"),
     "mesh": (
         '<mujoco><asset><mesh name="m" file="{secret}"/></asset></mujoco>',
-        "secret.xml', which is outside of what the dataset keeps of it",
+        "secret.xml', which is outside the files stored for this model",
     ),
     "texture": (
         '<mujoco><compiler texturedir="{folder}"/><asset>'
@@ -252,11 +252,11 @@ MODELS = {
     ),
     "missing": (
         '<mujoco><asset><mesh name="m" file="../../../later.obj"/></asset></mujoco>',
-        "names '../../../later.obj', which is not in what the dataset keeps",
+        "names '../../../later.obj', which is not among the files stored",
     ),
     "text": (
         '<mujoco><include file="LoadModelFromString:&lt;mujoco/&gt;"/></mujoco>',
-        "names 'LoadModelFromString:<mujoco/>', which is not in what the dataset keeps",
+        "names 'LoadModelFromString:<mujoco/>', which is not among the files stored",
     ),
     "no xml": ("PK", "rc7.xml' of its model cannot be read as XML"),
     "plugin": (
@@ -268,7 +268,7 @@ MODELS = {
 
 
 @pytest.mark.parametrize("kind", MODELS)
-def test_a_stored_model_cannot_reach_for_other_files_or_code(stranger: Path, kind: str):
+def test_a_stored_model_cannot_access_other_files_or_code(stranger: Path, kind: str):
     secret = stranger.parent / "secret.xml"
     secret.write_text("<mujoco><worldbody/></mujoco>")
     text, message = MODELS[kind]
@@ -301,7 +301,7 @@ def test_a_recorded_scene_cannot_name_files_of_this_machine(stranger: Path, name
         robocell.data.recorded_scene(robocell.Dataset(stranger)[ID])
 
 
-def test_a_model_path_that_leads_elsewhere_is_damage(stranger: Path):
+def test_a_model_path_outside_the_dataset_is_damage(stranger: Path):
     def edit(content: dict[str, Any]) -> None:
         for robot in content["models"]:
             content["models"][robot] = "models/rc7-0123456789abcdef/../../../../etc/passwd"
@@ -361,7 +361,7 @@ def test_nothing_is_moved_or_written_through_a_link(stranger: Path, name: str):
     for command in (["verify", "--repair", stranger], ["generate", run]):
         text = refused(*command)
         assert f"'{stranger / name}': it is a link to '{elsewhere}'" in text
-        assert "Remove it, or put" in text
+        assert "Remove it, or replace" in text
     assert f"{name}: it is a link to '{elsewhere}'" in refused("verify", stranger)
     assert list(elsewhere.iterdir()) == []
     assert (stranger / ID).exists()

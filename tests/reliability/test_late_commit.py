@@ -120,7 +120,7 @@ def require_whole(storm: Storm, calm: Storm) -> None:
     assert storm.contents() == calm.contents()
 
 
-def test_a_worker_that_stands_still_past_its_time_cannot_go_on(storm: Storm, calm: Storm):
+def test_a_stalled_worker_cannot_commit_late(storm: Storm, calm: Storm):
     """Its end is waited for before another one gets the item, so no commit of it can come."""
     stop = Stop(storm, "stopped")
     patience = ["--item-timeout", str(TIMEOUT_S)]
@@ -163,7 +163,7 @@ def test_a_commit_after_another_command_made_the_episode_is_dropped(storm: Storm
 
 
 @pytest.mark.usefixtures("adopted")
-def test_a_commit_while_another_worker_makes_the_episode_counts_once(storm: Storm, calm: Storm):
+def test_a_commit_concurrent_with_another_worker_counts_once(storm: Storm, calm: Storm):
     """The late one is quicker after all; the other one finds its episode there."""
     first, second = Stop(storm, "stopped"), Stop(storm, "stopped-too")
     command = storm.start(1, first.environment)

@@ -45,13 +45,13 @@ def require_flat(kind: str, times: int, most: dict[str, int]) -> dict[str, int]:
 
 
 @pytest.mark.parametrize("kind", leaks.KINDS)
-def test_a_few_of_each_leave_nothing_behind(kind: str):
+def test_a_few_of_each_leak_nothing(kind: str):
     require_flat(kind, FEW[kind], SHORT)
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("kind", leaks.KINDS)
-def test_a_thousand_of_each_leave_nothing_behind(kind: str):
+def test_a_thousand_of_each_leak_nothing(kind: str):
     figures.note("things", kind=kind, **require_flat(kind, 1000, LONG))
 
 
@@ -69,7 +69,7 @@ print(json.dumps(leaks.growth("kept", 24)))
 """
 
 
-def test_the_measurement_sees_what_is_kept(tmp_path: Path):
+def test_the_measurement_detects_a_leak(tmp_path: Path):
     folder = str(Path(leaks.__file__).parent)
     done = subprocess.run(
         [sys.executable, "-c", LEAKING.format(folder=folder)],
@@ -176,7 +176,7 @@ class Wait(rc.tasks.Task):
     def judge(self, scene): return rc.tasks.TaskVerdict()
     def instruction(self): return "wait"
     def objects(self): return ["ball"]
-class Mine(rc.tasks.PickTaskSampler):
+class Mine(rc.tasks.StartSampler):
     pass
 rc.register_task("wait")(Wait)
 rc.register_sampler("mine")(Mine)
@@ -194,9 +194,9 @@ scene = leaks.cell()
 robot = scene.robot("a")
 free = rc.kinematics.CollisionFilter(robot)
 found = robot.kinematics.ik(robot.fk_frame(), filter=lambda q: free(q))
-class Mine(rc.tasks.PickTaskSampler):
-    def make_task(self, target, kind, objects):
-        return super().make_task(target, kind, objects)
+class Mine(rc.tasks.StartSampler):
+    def make_task(self):
+        return super().make_task()
 run = rc.RunConfig.load(leaks.DEMO)
 sampler = Mine(run)
 start = sampler.sample(rc.tasks.SampleRequest(), rc.tasks.Rng.stream(1, "test"))
@@ -220,7 +220,7 @@ threads = [threading.Thread(target=leaks.cell) for _ in range(2)]
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
-def test_a_script_that_ends_with_objects_alive_says_nothing_of_leaks(tmp_path: Path, ending: str):
+def test_a_script_that_exits_with_live_objects_reports_no_leaks(tmp_path: Path, ending: str):
     script = tmp_path / "script.py"
     script.write_text(f"import sys\nimport leaks\nimport robocell as rc\n{ENDINGS[ending]}")
     done = subprocess.run(

@@ -17,7 +17,7 @@ import robocell
 SMALL_KB, LARGE = 1024, "64m"  # room for two episodes, and for all
 
 
-def test_a_full_disk_ends_the_run_and_the_next_one_goes_on(tmp_path: Path, calm: Storm):
+def test_a_full_disk_ends_the_run_and_the_next_run_resumes(tmp_path: Path, calm: Storm):
     with small_disk(tmp_path / "disk", SMALL_KB) as disk:
         storm = Storm(disk.folder)
         command = storm.start(1, disk.environment)
@@ -57,7 +57,7 @@ def wait_for(folder: Path, pattern: str, count: int) -> None:
         time.sleep(0.005)
 
 
-def test_a_folder_that_turns_read_only_ends_the_run_and_the_next_one_goes_on(
+def test_a_folder_turned_read_only_ends_the_run_and_the_next_run_resumes(
     tmp_path: Path, calm: Storm
 ):
     storm = Storm(tmp_path)

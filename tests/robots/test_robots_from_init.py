@@ -16,7 +16,7 @@ LEAST_IK = 99.0  # %
 PACKAGES = os.environ.get("ROBOCELL_ROBOT_PACKAGES")  # see scripts/robots_from_init.py
 
 
-def test_rows_say_what_came_of_a_model():
+def test_rows_describe_the_result_of_a_model():
     worked = Row("a/b", "1 arm, 1 gripper", 15, 0, 100.0, (19, 20))
     assert worked.works
     assert worked.line() == "| a/b | 1 arm, 1 gripper | 15 | ok | 100 % | 19 of 20 |"
@@ -25,7 +25,7 @@ def test_rows_say_what_came_of_a_model():
     assert "does not load: error: no" in Row("c", why="error: no").line()
 
 
-def test_models_that_are_no_robots_are_left_out(tmp_path: Path):
+def test_models_that_are_not_robots_are_excluded(tmp_path: Path):
     (tmp_path / "arm").mkdir()
     for name in ("arm", "arm_nohand", "scene", "mjx_arm"):
         (tmp_path / "arm" / f"{name}.xml").touch()

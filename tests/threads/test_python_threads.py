@@ -102,7 +102,7 @@ def test_hooks_of_scenes_on_one_frozen_model():
         np.testing.assert_array_equal(state, states[0])
 
 
-def test_scenes_go_on_whatever_thread_lets_go_of_them():
+def test_scenes_survive_release_on_any_thread():
     """Their last owner may be any thread, the collector's too; hooks refer back to them."""
 
     def work(_: int) -> None:
@@ -134,11 +134,11 @@ class Push(Idle):
         return {"rc7": {"arm": rc.control.GroupCommand.relative_joints([0.01] * 7)}}
 
 
-class Impatient(rc.tasks.PickTaskSampler):
+class Impatient(rc.tasks.StartSampler):
     """Starts whose task, Python's own, is done after two rewards."""
 
-    def make_task(self, target: str, kind: str, objects: list[str]) -> rc.tasks.Task:
-        return Never(target, kind, objects)
+    def make_task(self) -> rc.tasks.Task:
+        return Never(self.run.task)
 
 
 def test_runners_with_samplers_tasks_and_experts_of_python(tmp_path: Path):
@@ -229,7 +229,7 @@ def test_one_scene_is_used_by_one_thread_at_a_time():
     np.testing.assert_array_equal(scene.state(), alone.state())
 
 
-def test_a_filter_of_python_is_asked_by_several_threads():
+def test_several_threads_can_call_a_python_filter():
     kinematics = cell().robot("a").kinematics
     low, high = np.array(cell().robot("a").joint_limits).T
     targets = kinematics.fk(np.random.default_rng(1).uniform(low, high, (60, len(low))))
@@ -243,7 +243,7 @@ def test_a_filter_of_python_is_asked_by_several_threads():
         np.testing.assert_array_equal(found.q, alone.q)
 
 
-def test_threads_render_with_renderers_of_their_own():
+def test_threads_render_with_separate_renderers():
     camera = rc.render.OrbitCamera(lookat=[0.3, 0, 0.2], distance=1.5)
 
     def work(_: int = 0) -> np.ndarray:
@@ -260,7 +260,7 @@ def test_threads_render_with_renderers_of_their_own():
         np.testing.assert_array_equal(image, alone)
 
 
-def test_what_hooks_of_two_threads_raise_reaches_its_own_thread():
+def test_exceptions_of_hooks_reach_their_own_threads():
     def work(number: int) -> str:
         scene = cell()
 

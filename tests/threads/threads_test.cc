@@ -53,7 +53,7 @@ std::vector<double> Drive() {
   return scene.state();
 }
 
-TEST(Threads, BuildAndDriveScenesOfTheirOwn) {
+TEST(Threads, BuildAndDriveSeparateScenes) {
   const std::vector<double> alone = Drive();
   InParallel([&](int) {
     for (int i = 0; i < 2; ++i) EXPECT_EQ(Drive(), alone);
@@ -82,7 +82,7 @@ std::vector<uint8_t> Picture(Renderer& renderer, const Scene& scene) {
   return rgb;
 }
 
-TEST(Threads, RenderWithRenderersOfTheirOwn) {
+TEST(Threads, RenderWithSeparateRenderers) {
   const Scene scene = Scene::Build(Cell("seen"));
   const std::vector<uint8_t> alone = Picture(*MakeRenderer(), scene);
   InParallel([&](int) {
@@ -92,7 +92,7 @@ TEST(Threads, RenderWithRenderersOfTheirOwn) {
   });
 }
 
-TEST(Threads, OfABatchSolveTheSameAsOne) {
+TEST(Threads, OfABatchMatchASingleOne) {
   Robot robot = RobotAlone(Rc7());
   std::vector<Pose> targets;
   for (int i = 0; i < 40; ++i) {
@@ -125,16 +125,31 @@ TEST(Threads, GetTheirOwnEngineErrors) {
   });
 }
 
-TEST(Threads, MakeEpisodesOfOneDataset) {
-  TempDir folder;
-  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
-  run.cameras.streams = {};
+void GenerateEpisodes(RunConfig run) {
+  const TempDir folder;
   run.output = (folder / "out").string();
   PrepareDataset(run);
   const std::vector<PlanItem> plan = MakePlan(run);
   InParallel([&](int t) { EXPECT_TRUE(Runner(run).Run(plan[t]).success); });
   EXPECT_EQ(Dataset(run.output).size(), static_cast<size_t>(kThreads));
   EXPECT_TRUE(Verify(run.output).ok());
+}
+
+TEST(Threads, GenerateEpisodesOfOneDataset) {
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
+  run.cameras.streams = {};
+  GenerateEpisodes(run);
+}
+
+// Rows are drawn and written by a thread of each rollout.
+TEST(Threads, GenerateEpisodesWithImagesOfOneDataset) {
+  for (const RenderWhen render : {RenderWhen::kAlways, RenderWhen::kKept}) {
+    RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
+    run.cameras.resolution = {64, 48};
+    run.cameras.renderer.backend = "soft";
+    run.render = render;
+    GenerateEpisodes(run);
+  }
 }
 
 }  // namespace

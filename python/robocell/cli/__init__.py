@@ -1,4 +1,4 @@
-"""The command line `robocell`. One file per command; what they share is in `common`."""
+"""The command line `robocell`. One file per command; `common` holds shared code."""
 
 from __future__ import annotations
 
@@ -19,8 +19,14 @@ COMMANDS = (
     "report",
     "verify",
     "replay",
+    "merge",
+    "split",
+    "filter",
+    "export",
     "evaluate",
+    "serve-policy",
     "init",
+    "convert",
     "check",
     "gripper-range",
     "ik-test",
@@ -51,10 +57,10 @@ def options(
 
 
 def load(arguments: Sequence[str]) -> typer.Typer:
-    """The command line for these arguments.
+    """Returns the command line for these arguments.
 
-    The command that they begin with is loaded alone; all of them for the help, and for a name that
-    is none.
+    It loads only the command that they begin with; all commands for the help and for an unknown
+    name.
     """
     app = typer.Typer(
         no_args_is_help=True,
@@ -88,18 +94,20 @@ def main(app: typer.Typer | None = None) -> None:
     except Error as error:
         print_error(_text_of(error))
         sys.exit(ExitCode.USAGE)
-    except Exception as error:
-        from robocell.generate.run_source import is_of_own_code
+    except KeyboardInterrupt:
+        sys.exit(ExitCode.INTERRUPTED)
+    except (SystemExit, GeneratorExit):
+        raise
+    except BaseException as error:
+        from robocell._raised import is_of_own_code
 
         if not is_of_own_code(error):
             raise  # a defect of robocell
         print_error(_text_of(error))
         sys.exit(ExitCode.USAGE)
-    except KeyboardInterrupt:
-        sys.exit(ExitCode.INTERRUPTED)
 
 
-def _text_of(error: Exception) -> str:
-    from robocell.generate.run_source import text_with_place  # not needed by most commands
+def _text_of(error: BaseException) -> str:
+    from robocell._raised import text_with_place  # not needed by most commands
 
     return text_with_place(error)

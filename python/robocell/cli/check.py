@@ -1,4 +1,4 @@
-"""`robocell check`: is this robot file right, and what does the model make of it?"""
+"""`robocell check`: checks a robot file, prints the robot, and tests it in simulation."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def check(
         Path | None, typer.Option(help="Draw the robot with its frames into this PNG.")
     ] = None,
 ) -> None:
-    """Print joints, actuators, frames, reach and gripper of a robot, and try it.
+    """Check a robot file: print its joints, frames and reach, and test it in simulation.
 
     Errors in the file end with exit code 2. Warnings are valid but probably
     unintended, notes need no change. `generate` makes the same checks, and

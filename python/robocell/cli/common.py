@@ -4,24 +4,32 @@ from __future__ import annotations
 
 import difflib
 import enum
-from collections.abc import Callable, Iterable
+import os
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
 from rich.console import Console
 from rich.measure import Measurement
+from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 from rich.table import Table
 from rich.text import Text
 
 from robocell import _core
+from robocell._suggestions import counted
+
+if TYPE_CHECKING:
+    from robocell.data.derive import Derived
 
 SHOWN_FILES = 8
 MOST_COLUMNS = 10_000  # more than any table needs
 
 
 class ExitCode(enum.IntEnum):
-    """What the process says when it ends."""
+    """Exit codes of the commands."""
 
     DONE = 0
     INCOMPLETE = 1  # some items could not be made, or something was found wrong
@@ -31,13 +39,13 @@ class ExitCode(enum.IntEnum):
 
 
 def print_error(message: str) -> None:
-    """To standard error; the word 'error' is red on a terminal."""
+    """Prints an error to standard error; the word 'error' is red on a terminal."""
     text = Text.assemble(("error: ", "bold red"), message)
     Console(stderr=True).print(text, soft_wrap=True)
 
 
 def print_warning(message: str) -> None:
-    """To standard error; the word 'warning' is yellow on a terminal."""
+    """Prints a warning to standard error; the word 'warning' is yellow on a terminal."""
     text = Text.assemble(("warning: ", "bold yellow"), message)
     Console(stderr=True).print(text, soft_wrap=True)
 
@@ -48,15 +56,54 @@ def fail(message: str, code: ExitCode = ExitCode.USAGE) -> NoReturn:
     raise typer.Exit(code)
 
 
+PACKAGE_OPTION = typer.Option(
+    "--package",
+    metavar="NAME=FOLDER",
+    help="Folder of a ROS package that a URDF names its meshes in. May be given several times.",
+)
+
+
+def declare_packages(packages: list[str] | None) -> None:
+    """Adds packages for `package://NAME/...` in URDFs to ROBOCELL_PACKAGES, NAME=FOLDER each."""
+    if packages:
+        before = os.environ.get("ROBOCELL_PACKAGES")
+        os.environ["ROBOCELL_PACKAGES"] = ":".join([*([before] if before else []), *packages])
+
+
 def require_spec_file(path: Path, spec: type) -> None:
-    """Ends the command unless `path` is a file; the message says what is there instead.
+    """Ends the command with an explanation unless `path` is a file.
 
     Args:
         path: As given by the user.
-        spec: What is read from it: `RobotConfig`, `RunConfig`.
+        spec: The type read from it: `RobotConfig`, `RunConfig`.
     """
     if missing := _core.missing_spec_file(str(path), spec.__name__):
         fail(missing)
+
+
+COPY_OPTION = typer.Option("--copy", help="Copy files. Default: hard links, where possible.")
+
+
+@contextmanager
+def counting() -> Iterator[Callable[[int, int], None]]:
+    """A bar that counts episodes on a terminal; the block gets a function of (done, whole)."""
+    with Progress(
+        "{task.description}",
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeRemainingColumn(),
+        console=Console(stderr=True),
+        disable=not sys.stderr.isatty(),
+        transient=True,
+    ) as progress:
+        bar = progress.add_task("episodes", total=None)
+        yield lambda done, whole: progress.update(bar, completed=done, total=whole)
+
+
+def print_derived(result: Derived) -> None:
+    """Prints what is worth knowing about the files of a dataset that was made from others."""
+    if result.copied:
+        print(f"{counted(result.copied, 'file')} could not be linked here, and were copied")
 
 
 def require_png(path: Path) -> None:
@@ -70,10 +117,10 @@ def require_png(path: Path) -> None:
 
 
 def print_wide(table: Table, **options: Any) -> None:
-    """To standard output, never narrower than its content.
+    """Prints to standard output without wrapping.
 
     Long paths stay in one piece, so that they can be copied; a terminal breaks the lines itself.
-    Files and pipes get lines without blanks at their ends.
+    Lines for files and pipes have no trailing blanks.
     """
     console = Console(**options)
     needed = Measurement.get(console, console.options.update(max_width=MOST_COLUMNS), table).maximum
@@ -96,7 +143,7 @@ def require_folder(path: Path, what: str) -> None:
 
 
 def _fail_missing(path: Path, what: str, kind: str, is_one: Callable[[Path], bool]) -> NoReturn:
-    """With what there is beside `path`, and the nearest of it."""
+    """Ends the command and lists the entries beside `path`, with the nearest."""
     folder = path.parent
     if not folder.is_dir():
         fail(f"no {what} '{path}': there is no folder '{folder}'.")
@@ -108,7 +155,7 @@ def _fail_missing(path: Path, what: str, kind: str, is_one: Callable[[Path], boo
 
 
 def _list(place: str, names: Iterable[str]) -> str:
-    """' In examples/: demo.yaml, xarm7.yaml.', or that there are none."""
+    """Returns ' In examples/: demo.yaml, xarm7.yaml.', or that there are none."""
     every = [name for name in names if not name.startswith(".")]
     if not every:
         return f" {place}: none."

@@ -1,4 +1,4 @@
-"""`robocell doctor`: what of this machine robocell can use."""
+"""`robocell doctor`: checks what robocell can use on this machine."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ STYLES = {
 
 
 def doctor() -> None:
-    """Look at versions, graphics, encoder, robot models, KDL and disk.
+    """Check versions, graphics, encoder, robot models, KDL and disk.
 
     Exit code 1 if a needed part is broken.
     """
@@ -32,7 +32,7 @@ def doctor() -> None:
 
 
 def advice(findings: list[Finding]) -> list[str]:
-    """What has to be mended, what can be added, each with its command; then the verdict."""
+    """Returns the advice: fixes, optional installs with their commands, and the verdict."""
     broken = [finding for finding in findings if finding.state is State.BROKEN]
     slow = [finding for finding in findings if finding.state is State.SLOW]
     missing = [finding for finding in findings if finding.state is State.MISSING]

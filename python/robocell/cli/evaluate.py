@@ -1,4 +1,4 @@
-"""`robocell evaluate`: how often a policy or an expert succeeds, from starts of its own."""
+"""`robocell evaluate`: measures the success rate of a policy or an expert, from new starts."""
 
 from __future__ import annotations
 
@@ -25,8 +25,9 @@ def evaluate(
     policy: Annotated[
         str,
         typer.Option(
-            metavar="MODULE:CLASS",
-            help="module:Class or file.py:Class of a policy, or expert, random, replay.",
+            metavar="MODULE:CLASS|URL",
+            help="module:Class or file.py:Class of a policy, ws://HOST:PORT of a policy server, or "
+            "expert, random, replay.",
         ),
     ],
     output: Annotated[
@@ -63,9 +64,41 @@ def evaluate(
             "--item-timeout", metavar="S", min=1.0, help="Time limit of a rollout, seconds."
         ),
     ] = 1800.0,
+    preset: Annotated[
+        str,
+        typer.Option(
+            metavar="NAME|FILE.yaml",
+            help="Names and units that a policy server expects: droid, libero, aloha, roboarena, "
+            "or a file.",
+        ),
+    ] = "",
+    horizon: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            metavar="N",
+            help="Actions of a chunk to take before the next call. Default: those of the preset, "
+            "or all.",
+        ),
+    ] = None,
+    ensemble: Annotated[
+        bool,
+        typer.Option(
+            "--ensemble", help="Take the mean of what all chunks say about a moment (ACT)."
+        ),
+    ] = False,
+    policy_timeout: Annotated[
+        float | None,
+        typer.Option(
+            "--policy-timeout",
+            metavar="S",
+            min=0.001,
+            help="Longest time of a call of a policy server, seconds. Default: 120.",
+        ),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
-    """Evaluate a policy.
+    """Measure a policy's success rate.
 
     Every policy gets the same starts. Repeat the command to continue.
 
@@ -78,7 +111,7 @@ def evaluate(
     from robocell.evaluate import evaluate as run
     from robocell.generate.supervisor import Limits
 
-    def told(done: int, of: int, success: bool) -> None:
+    def print_count(done: int, of: int, success: bool) -> None:
         if not as_json and (done == of or done % 10 == 0):
             print(f"{done}/{of} rollouts", flush=True)
 
@@ -91,8 +124,12 @@ def evaluate(
         output=output,
         cameras=not no_cameras,
         imports=imports or [],
-        on_trial=told,
+        on_rollout=print_count,
         limits=Limits(item_timeout_s=item_timeout),
+        preset=preset,
+        horizon=horizon,
+        ensemble=ensemble,
+        policy_timeout_s=policy_timeout,
     )
     atomic_write(Path(result.dataset) / "evaluation.json", (result.to_json() + "\n").encode())
     if as_json:
@@ -102,13 +139,19 @@ def evaluate(
         if result.failures:
             counts = ", ".join(f"{reason} {count}" for reason, count in result.failures.items())
             print(f"failures: {counts}")
+        if result.server and result.latency:
+            calls = result.latency
+            print(
+                f"calls of the policy: {calls['calls']}, median {calls['median_ms']:.3g} ms, "
+                f"99 % below {calls['p99_ms']:.3g} ms"
+            )
         print(f"rollouts: {result.dataset}")
     if result.unmade:
         print_warning(
             f"{result.unmade} rollouts could not be made, see above; they count "
             "neither as success nor as failure"
         )
-    every = 0 < result.trials == result.policy_errors
+    every = 0 < result.rollouts == result.policy_errors
     if every:
         print_warning("errors of the policy ended every rollout, see above: it was not evaluated")
     if result.unmade or every:
@@ -120,7 +163,7 @@ def _table(result: Evaluation) -> Table:
     table = Table(box=SIMPLE)
     columns = {
         "policy": result.policy,
-        "success": f"{result.successes}/{result.trials}",
+        "success": f"{result.successes}/{result.rollouts}",
         "rate": f"{100 * result.rate:.0f} %",
         "95 % interval": f"{low:.0f} ... {high:.0f} %",
         "mean length": f"{result.mean_length:.1f}",

@@ -15,6 +15,7 @@ from typing import Annotated, NoReturn
 import typer
 
 from robocell import Error, RunConfig
+from robocell._suggestions import counted
 from robocell.cli.common import ExitCode, fail, print_warning, print_wide, require_spec_file
 from robocell.generate.disk import free_bytes
 from robocell.generate.estimate import ProbeError, estimate
@@ -26,7 +27,7 @@ from robocell.generate.run_source import RunSource
 from robocell.generate.signals import interrupted_by_signals
 from robocell.generate.summary import Summary
 from robocell.generate.supervisor import Limits
-from robocell.generate.totals import agreeing, counted, size
+from robocell.generate.totals import agreeing, size
 
 EXIT_CODES = {"spec": ExitCode.USAGE, "io": ExitCode.OUTPUT, "other": ExitCode.INCOMPLETE}
 
@@ -73,6 +74,13 @@ def generate(
     seed: Annotated[
         int | None, typer.Option(min=0, help="Seed of all random numbers of the run.")
     ] = None,
+    render_kept: Annotated[
+        bool,
+        typer.Option(
+            "--render-kept",
+            help="Draw images only of kept rollouts, after they end; the same episodes.",
+        ),
+    ] = False,
     shard: Annotated[
         str | None,
         typer.Option(metavar="i/N", help="Make only every N-th episode, from the i-th on."),
@@ -85,7 +93,7 @@ def generate(
         ProgressChoice, typer.Option(help="auto: a bar on a terminal, else plain lines.")
     ] = ProgressChoice.AUTO,
     item_timeout: Annotated[
-        float, typer.Option(min=1, help="Time limit of one episode, s; then it is made again.")
+        float, typer.Option(min=1, help="Time limit per episode, s; it is then retried.")
     ] = Limits.item_timeout_s,
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Print the plan and an estimate; make nothing.")
@@ -108,8 +116,9 @@ def generate(
         require_spec_file(Path(run), RunConfig)
     named = {"workers": workers, "output": output, "episodes": episodes, "seed": seed}
     try:
-        with interrupted_by_signals(), told_as_options(named):
-            job = _open_job(source, [*(set_ or []), *overrides(named)], shard)
+        with interrupted_by_signals(), naming_typed_options(named):
+            render = ["render=kept"] if render_kept else []
+            job = _open_job(source, [*(set_ or []), *render, *overrides(named)], shard)
             if dry_run:
                 for warning in job.check():
                     print_warning(warning)
@@ -128,7 +137,7 @@ def generate(
 
 
 def _open_job(source: RunSource, replaced: list[str], shard: str | None) -> Job:
-    """With no more workers than this machine bears."""
+    """Opens the job with at most `most_workers()` workers."""
     job = Job(source, replaced, shard)
     if too_many := many_workers(job.run.workers):
         print_warning(too_many)
@@ -138,15 +147,15 @@ def _open_job(source: RunSource, replaced: list[str], shard: str | None) -> Job:
 
 
 def end_early() -> NoReturn:
-    """Ctrl-C, or what counts as that, before there are workers, who would be asked to stop."""
+    """Ends the command after Ctrl-C, or a signal like it, before workers exist."""
     again = resume_command(sys.argv[1:])
-    print_warning(f"interrupted before an episode was begun.\nTo begin again: {again}")
+    print_warning(f"interrupted before the first episode.\nTo restart: {again}")
     raise typer.Exit(ExitCode.INTERRUPTED)
 
 
 def in_the_way(problems: str, dataset: Path) -> str:
-    """What has the names of episodes that are to be made, with what helps."""
-    text = f"these have the names of episodes of the run:\n{problems}"
+    """Describes entries that block episodes, with the remedy."""
+    text = f"these entries block episodes of the run:\n{problems}"
     if all(line.endswith("move it away yourself") for line in problems.splitlines()):
         return text
     remedy = shlex.join(["robocell", "verify", "--repair", str(dataset)])
@@ -154,7 +163,7 @@ def in_the_way(problems: str, dataset: Path) -> str:
 
 
 def many_workers(workers: int) -> str:
-    """What to say of more workers than cores; empty when there are enough."""
+    """Returns a warning if there are more workers than cores; else ""."""
     cores = len(os.sched_getaffinity(0))
     if workers <= 2 * cores:
         return ""
@@ -169,12 +178,12 @@ def many_workers(workers: int) -> str:
 
 
 def most_workers() -> int:
-    """No more are started on this machine, whatever is asked for: it would come to a halt."""
+    """Returns the largest number of workers that this machine can run."""
     return WORKERS_PER_CORE * len(os.sched_getaffinity(0))
 
 
 def overrides(named: Options) -> list[str]:
-    """The options that were given, as `--set` texts: {'workers': 2} -> ['workers=2']."""
+    """Returns the given options as `--set` texts: {'workers': 2} -> ['workers=2']."""
     # A quoted JSON string is also a YAML string, whatever is in the path.
     return [
         f"{field}={json.dumps(value) if isinstance(value, str) else value}"
@@ -184,7 +193,7 @@ def overrides(named: Options) -> list[str]:
 
 
 @contextlib.contextmanager
-def told_as_options(named: Options) -> Iterator[None]:
+def naming_typed_options(named: Options) -> Iterator[None]:
     """Errors name the options as they were typed: `--output x`, not `--set output="x"`."""
     try:
         yield
@@ -206,7 +215,7 @@ def _say_plan(job: Job, *, as_json: bool) -> None:
     if not as_json:
         print(f"run:      {job.run.run}")
         print(f"dataset:  {job.dataset.absolute()}")
-        print(f"episodes: {len(job.items)}, {len(made)} of them made, {len(to_do)} to do")
+        print(f"episodes: {len(job.items)} planned, {len(made)} on the disk, {len(to_do)} to make")
         print(f"workers:  {job.run.workers}", flush=True)
     if not to_do:
         return
@@ -220,7 +229,10 @@ def _say_plan(job: Job, *, as_json: bool) -> None:
     if as_json:
         print(json.dumps({"event": "estimate", **found.to_json()}))
         return
-    print(f"estimate from {counted(found.tried, 'episode')}, {found.seen} of them with cameras:")
+    with_cameras = (
+        f", {found.seen} with cameras" if job.run.cameras.draw and job.run.cameras.streams else ""
+    )
+    print(f"estimate (from {counted(found.tried, 'episode')}{with_cameras}):")
     for label, text in found.rows_of_text().items():
         print(f"  {label + ':':<10}{text}")
     if not found.successes:
@@ -228,7 +240,7 @@ def _say_plan(job: Job, *, as_json: bool) -> None:
 
 
 def too_little_room(needed: int, dataset: Path) -> str:
-    """What to say when a run needs more bytes than are free; empty when they are enough."""
+    """Returns a warning if the disk has too little space; else ""."""
     free = free_bytes(dataset)
     if needed <= free:
         return ""
@@ -240,7 +252,7 @@ def too_little_room(needed: int, dataset: Path) -> str:
 
 
 def _end(result: Result) -> None:
-    """The last words and the exit code."""
+    """Prints the end of the run and exits with its code."""
     outcome, planned = result.outcome, result.outcome.totals.planned
     verb = agreeing(result.on_disk, "is", "are")
     if outcome.fatal:
@@ -260,5 +272,5 @@ def _end(result: Result) -> None:
 
 
 def resume_command(arguments: Sequence[str]) -> str:
-    """The command that was given."""
+    """Returns the command that continues the run: the one that was given."""
     return shlex.join(["robocell", *arguments])

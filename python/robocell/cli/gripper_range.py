@@ -30,7 +30,7 @@ def gripper_range(
 
 
 def range_lines(robot: Robot) -> list[str]:
-    """A line for each gripper: "    Gripper 'gripper': 0.004 - 0.089"."""
+    """Returns a line for each gripper: "    Gripper 'gripper': 0.004 - 0.089"."""
     lines = []
     for name in robot.group_names:
         group = robot.group(name)

@@ -1,4 +1,4 @@
-"""What `robocell ik-test` asks the solvers, and how their answers are judged."""
+"""Queries of `robocell ik-test` and the evaluation of the solutions."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Answers:
     Attributes:
         position_error: (B,) metres.
         rotation_error: (B,) radians.
-        claimed: (B,) what the solver said.
+        claimed: (B,) True if the solver reports a solution.
         seconds: (B,) or (1,).
     """
 
@@ -39,7 +39,7 @@ class Answers:
 
 
 def reachable_poses(robot: Robot, count: int, rng: np.random.Generator) -> list[Pose]:
-    """TCP poses in the robot base frame; joints without limits are taken within one turn."""
+    """Returns TCP poses in the robot base frame; unlimited joints stay within one turn."""
     limits = np.array(robot.joint_limits)
     limits = np.where(np.isfinite(limits), limits, np.clip(limits, -np.pi, np.pi))
     joints = rng.uniform(limits[:, 0], limits[:, 1], (count, len(limits)))
@@ -47,7 +47,7 @@ def reachable_poses(robot: Robot, count: int, rng: np.random.Generator) -> list[
 
 
 def solve_each(robot: Robot, targets: list[Pose], tolerance: float) -> Answers:
-    """One after the other, each from where the arm is."""
+    """Solves the poses one by one, each from the arm's present position."""
     home = robot.arm.joint_pos
     _prepare(robot)
     seconds, results = [], []
@@ -61,7 +61,7 @@ def solve_each(robot: Robot, targets: list[Pose], tolerance: float) -> Answers:
 
 
 def solve_batch(robot: Robot, targets: list[Pose], tolerance: float) -> Answers:
-    """All at once, on all cores."""
+    """Solves all poses in one batch, on all cores."""
     matrices = np.array([target.matrix for target in targets])
     threads = len(os.sched_getaffinity(0))
     _prepare(robot)
@@ -72,14 +72,14 @@ def solve_batch(robot: Robot, targets: list[Pose], tolerance: float) -> Answers:
 
 
 def _prepare(robot: Robot) -> None:
-    """Asks for what no arm reaches: makes what a chain keeps, which is no part of an answer."""
+    """Solves an unreachable pose, so that the chain builds its tables before timing."""
     robot.kinematics.ik(Pose(translation=[1e3, 0, 0]))
 
 
 def _judge(
     robot: Robot, targets: list[Pose], joints: Array, claimed: NDArray[np.bool_], seconds: Array
 ) -> Answers:
-    """The errors by forward kinematics, whatever the solver said."""
+    """Computes the errors by forward kinematics, independent of the solver's result."""
     errors = [
         pose_error(robot.kinematics.fk(q).matrix, target.matrix)
         for q, target in zip(joints, targets, strict=True)
@@ -89,7 +89,7 @@ def _judge(
 
 
 def pose_error(X_WA: Array, X_WB: Array) -> tuple[float, float]:
-    """Distance in metres and angle in radians between two poses (4, 4)."""
+    """Returns distance in metres and angle in radians between two poses (4, 4)."""
     position = float(np.linalg.norm(X_WA[:3, 3] - X_WB[:3, 3]))
     R_AB = X_WA[:3, :3].T @ X_WB[:3, :3]
     # By the sine: the cosine loses small angles.
@@ -99,7 +99,7 @@ def pose_error(X_WA: Array, X_WB: Array) -> tuple[float, float]:
 
 
 def answers_table(robot: Robot, answers: Answers, tolerance: float) -> Table:
-    """How many were solved, the largest errors, and the time each took."""
+    """Returns a table of success rate, largest errors and times."""
     solved = answers.solved(tolerance)
     micro = 1e6 * answers.seconds
     table = Table(title=f"IK of '{robot.name}'", show_header=False, box=None, title_justify="left")

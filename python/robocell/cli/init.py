@@ -8,11 +8,19 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from robocell.cli.common import ExitCode, fail, print_warning, require_png
+from robocell.cli.common import (
+    PACKAGE_OPTION,
+    ExitCode,
+    declare_packages,
+    fail,
+    print_warning,
+    require_png,
+)
 
 if TYPE_CHECKING:
     from robocell.onboarding import Guess, RobotGuess
 
+MODELS = ("*.xml", "*.urdf")
 # Files that are called after what they are, not after the robot in them.
 GENERIC_NAMES = {"robot", "scene", "model", "main", "arm", "index"}
 
@@ -21,12 +29,12 @@ def init(
     model: Annotated[
         Path,
         typer.Argument(
-            metavar="MODEL", help="The robot's MJCF or URDF; a scene with the robot in it will do."
+            metavar="MODEL", help="The robot's MJCF or URDF, or a scene that contains the robot."
         ),
     ],
     output: Annotated[
         Path | None,
-        typer.Option("-o", "--output", help="The robot file. Unset: called like the model."),
+        typer.Option("-o", "--output", help="The robot file. Default: the model's name."),
     ] = None,
     picture: Annotated[
         Path | None, typer.Option(help="Draw the robot with its frames into this PNG.")
@@ -34,13 +42,14 @@ def init(
     interactive: Annotated[
         bool, typer.Option("--interactive", help="Ask where there is more than one answer.")
     ] = False,
-    force: Annotated[bool, typer.Option("--force", help="Replace files that exist.")] = False,
+    package: Annotated[list[str] | None, PACKAGE_OPTION] = None,
+    force: Annotated[bool, typer.Option("--force", help="Overwrite existing files.")] = False,
 ) -> None:
-    """Write a robot file for a model, check it, and say what comes next.
+    """Write a robot file for a model and check it.
 
-    Guesses base, arms, hands, TCP, home, cameras and control from the model. Each guess stands in
-    the file with its reason and how sure it is. A model without servos (every URDF) or of two arms
-    is written anew beside the robot file, as NAME_model.xml. Exit code 1 when the result does not
+    Guesses base, arms, hands, TCP, home, cameras and control from the model. The file states the
+    reason and the confidence of each guess. A modified copy of an MJCF without servos or of two
+    arms is written beside the robot file, as NAME_model.xml. Exit code 1 if the result does not
     load.
     """
     # With MuJoCo and numpy, which take longer to load than all that the other commands need.
@@ -49,6 +58,7 @@ def init(
 
     if picture:
         require_png(picture)
+    declare_packages(package)
     _require_model(model)
     file = output or Path(f"{_name_of(model)}.yaml")
     files = {
@@ -104,10 +114,10 @@ def _ask(what: str, guess: Guess[Any]) -> Guess[Any]:
 
 def _require_model(model: Path) -> None:
     if model.is_dir():
-        files = sorted(str(file) for kind in ("*.xml", "*.urdf") for file in model.glob(kind))
+        files = sorted(str(file) for kind in MODELS for file in model.glob(kind))
         fail(f"'{model}' is a folder; give one of its models: {', '.join(files) or 'it has none'}")
     if not model.is_file():
-        near = sorted(str(file) for file in model.parent.glob("*.xml")) if model.parent else []
+        near = sorted(str(file) for kind in MODELS for file in model.parent.glob(kind))
         there = f" Models there: {', '.join(near[:8])}" if near else ""
         fail(f"no model '{model}'.{there}")
     if model.suffix in (".yaml", ".yml"):
@@ -135,7 +145,7 @@ def _robot_name(file: Path) -> str:
 
 
 def _summary(guess: RobotGuess) -> str:
-    """'an arm of 7 joints, a gripper'."""
+    """Returns 'an arm of 7 joints, a gripper'."""
     kinds = [group.kind for group in guess.groups]
     parts = [
         f"{kinds.count(kind)} {kind}{'s' if kinds.count(kind) > 1 else ''}"

@@ -1,4 +1,4 @@
-"""What `robocell doctor` looks at. Each probe returns findings and never raises."""
+"""Probes of `robocell doctor`. Each probe returns findings and never raises."""
 
 from __future__ import annotations
 
@@ -40,18 +40,18 @@ DISK_REMEDY = "make room, or write elsewhere with `--output`"
 
 
 class State(StrEnum):
-    """How a finding is meant."""
+    """Severity of a finding."""
 
     OK = "ok"
     SLOW = "slow"  # works, and there is something better that is not used
-    MISSING = "missing"  # something optional
+    MISSING = "optional"  # an optional part is not installed
     KNOWN = "known"  # a defect of another program that robocell knows about
     BROKEN = "broken"  # a part of robocell will fail
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One line of the report; `remedy` says what to do about it."""
+    """One line of the report; `remedy` is the next step."""
 
     what: str
     state: State
@@ -60,7 +60,7 @@ class Finding:
 
 
 def versions() -> list[Finding]:
-    """robocell, Python, the engine, and packages it works with."""
+    """Reports robocell, Python, the engine, and packages that robocell works with."""
     import robocell
 
     place = f"{robocell.__version__} in {Path(robocell.__file__).parent}"
@@ -77,7 +77,7 @@ def versions() -> list[Finding]:
 
 
 def engine() -> Finding:
-    """The Python package mujoco, which scenes in Python need, and the engine that it brings."""
+    """Reports the Python package mujoco, which scenes in Python need, and its engine."""
     import robocell
     from robocell import _core
 
@@ -92,7 +92,7 @@ def engine() -> Finding:
 
 
 def engine_defects() -> list[Finding]:
-    """What this version of the engine is known to do wrong, and what robocell does about it."""
+    """Reports known defects of this engine version and robocell's workarounds."""
     import robocell
 
     return [
@@ -106,7 +106,7 @@ def engine_defects() -> list[Finding]:
 
 
 def packages() -> Finding:
-    """The Python packages that robocell works with."""
+    """Reports the Python packages that robocell works with."""
     installed, missing = [], []
     for name in PACKAGES:
         try:
@@ -120,7 +120,7 @@ def packages() -> Finding:
 
 
 def extras() -> list[Finding]:
-    """The packages of each extra, which `pip install robocell` leaves out."""
+    """Reports the packages of each extra, which `pip install robocell` does not install."""
     found = []
     for extra, wanted in EXTRAS.items():
         missing = [name for module, name in wanted.items() if not importlib.util.find_spec(module)]
@@ -131,7 +131,7 @@ def extras() -> list[Finding]:
 
 
 def graphics() -> list[Finding]:
-    """Every GL back end, each in a process of its own: one process can use one only."""
+    """Probes every GL back end in a separate process: one process can use only one."""
     found = [_graphics(backend) for backend in GL_BACKENDS]
     for place, finding in enumerate(found):
         if finding.state is State.OK:  # the one that is used
@@ -142,7 +142,7 @@ def graphics() -> list[Finding]:
 
 
 def judged(graphics: Finding, root: str = "/") -> Finding:
-    """Slow instead of ok where software draws although the machine has a graphics card.
+    """Returns SLOW if software renders although the machine has a graphics card.
 
     `root` is the folder that the machine's files are looked up in.
     """
@@ -161,6 +161,7 @@ def _graphics(backend: str) -> Finding:
             env={**os.environ, "ROBOCELL_GL": backend},
             capture_output=True,
             text=True,
+            errors="replace",
             timeout=PROBE_TIMEOUT_S,
             check=False,
         )
@@ -175,7 +176,7 @@ def _graphics(backend: str) -> Finding:
 
 
 def video() -> list[Finding]:
-    """The ffmpeg program that the writer would use, and its H.264 encoder."""
+    """Reports the ffmpeg program of the video writer, and its H.264 encoder."""
     program = find_ffmpeg()
     remedy = "sudo apt install ffmpeg, or set ROBOCELL_FFMPEG to the program"
     if program is None:
@@ -191,7 +192,7 @@ def video() -> list[Finding]:
 
 
 def find_ffmpeg() -> str | None:
-    """The program, by the rule of media/ffmpeg.h."""
+    """Finds ffmpeg by the rule of media/ffmpeg.h."""
     if chosen := os.environ.get("ROBOCELL_FFMPEG"):
         return chosen
     return shutil.which("ffmpeg") or os.environ.get("IMAGEIO_FFMPEG_EXE") or None
@@ -202,6 +203,7 @@ def _ask(program: str, option: str) -> str:
         [program, "-hide_banner", option],
         capture_output=True,
         text=True,
+        errors="replace",
         timeout=PROBE_TIMEOUT_S,
         check=True,
     )
@@ -209,7 +211,7 @@ def _ask(program: str, option: str) -> str:
 
 
 def robots() -> list[Finding]:
-    """Where `menagerie:` models would be found."""
+    """Reports where `menagerie:` models are found."""
     fetch = "robocell fetch ufactory_xarm7"
     package = importlib.util.find_spec("mujoco_menagerie")
     remedy = (fetch if package else f"pip install mujoco-menagerie && {fetch}") + (
@@ -230,7 +232,7 @@ def robots() -> list[Finding]:
 
 
 def kdl() -> list[Finding]:
-    """PyKDL, which only the functions that return KDL objects need."""
+    """Reports PyKDL, which only functions that return KDL objects need."""
     try:
         module = importlib.import_module("PyKDL")
     except ImportError as error:

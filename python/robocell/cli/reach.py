@@ -31,7 +31,7 @@ class Axis(StrEnum):
 
     @property
     def vector(self) -> tuple[float, float, float]:
-        """Its direction in that frame."""
+        """Returns the axis as a unit vector."""
         x, y, z = (float(self == axis) for axis in Axis)
         return x, y, z
 
@@ -62,7 +62,7 @@ def reach(
         ),
     ] = None,
 ) -> None:
-    """Map the reach of a robot in its base frame, into three files.
+    """Map the reach of a robot in its base frame, and write three files.
 
     At the centre of each cell the command tries evenly spread rotations of
     the TCP. The map holds the share that inverse kinematics solves within the
@@ -142,7 +142,7 @@ def _say_where_it_reaches(
 
 
 def _layer(plane: str | None, volume: bool) -> tuple[int, float] | None:
-    """The axis and the place of a plane; None for the volume."""
+    """Returns the axis and the position of a plane; None for the volume."""
     if (plane is None) == (not volume):
         fail("give one of --plane AXIS=METRES (as --plane z=0.4) and --volume")
     if plane is None:
@@ -151,4 +151,4 @@ def _layer(plane: str | None, volume: bool) -> tuple[int, float] | None:
     try:
         return "xyz".index(match[1]), float(match[2])  # type: ignore[index]
     except (TypeError, ValueError):
-        fail(f"--plane '{plane}' is no plane: write x, y or z, = and metres, as --plane z=0.4")
+        fail(f"--plane '{plane}' is not a plane: write x, y or z, = and metres, as --plane z=0.4")

@@ -1,4 +1,4 @@
-"""What `robocell reach` makes of a reach map: a file of numbers, a picture, a page."""
+"""Output of `robocell reach`: a file of arrays, a picture, a page."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ COLOURS = {"fraction": "viridis", "manipulability": "magma"}
 
 
 def corners(robot: Robot, layer: tuple[int, float] | None) -> tuple[Array, Array]:
-    """Lower and upper corner (3,), m, of what the robot may reach, or of one layer of it."""
+    """Returns the corners (3,), m, of the box that the robot may reach, or of one layer of it."""
     lower, upper = robot.kinematics.reach_box()
     if layer:
         axis, place = layer
@@ -30,12 +30,12 @@ def corners(robot: Robot, layer: tuple[int, float] | None) -> tuple[Array, Array
 
 
 def save(path: Path, found: Any) -> None:
-    """The map as arrays: fraction and manipulability (X, Y, Z), the cells' centres x, y, z."""
+    """Saves the map as arrays: fraction, manipulability (X, Y, Z), cell centres x, y, z."""
     np.savez_compressed(path, **vars(found))
 
 
 def slices(found: Any) -> list[tuple[int, float, dict[str, Array]]]:
-    """Flat pieces to look at: the plane, or the three through the middle of a volume.
+    """Returns 2D slices: the plane, or the three central planes of a volume.
 
     Returns:
         Of each the axis that it is across, where it is (m), and its values (U, V) by name, for the
@@ -52,14 +52,14 @@ def slices(found: Any) -> list[tuple[int, float, dict[str, Array]]]:
 
 
 def load_plots() -> None:
-    """Loads what `draw` and `write_page` draw with. ModuleNotFoundError names the pip command."""
+    """Loads the plot packages. Raises ModuleNotFoundError with the pip command."""
     with needed_by("robocell reach", "plots", "Numbers alone: robot.kinematics.reach_map"):
         import matplotlib.pyplot  # noqa: F401
         import plotly.subplots  # noqa: F401
 
 
 def draw(path: Path, name: str, found: Any) -> None:
-    """A PNG: a row for each slice, the share that is reached beside the manipulability."""
+    """Draws a PNG with one row per slice: reached share beside manipulability."""
     import matplotlib as mpl
 
     mpl.use("agg")
@@ -94,7 +94,7 @@ def draw(path: Path, name: str, found: Any) -> None:
 
 
 def write_page(path: Path, name: str, found: Any) -> None:
-    """An HTML page of its own that needs no network: heat maps, or the volume to turn around."""
+    """Writes an HTML page that needs no network: heat maps, or a volume that can be turned."""
     import plotly.graph_objects as go
     from plotly.subplots import make_subplots
 

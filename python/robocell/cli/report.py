@@ -1,19 +1,23 @@
-"""`robocell report`: what is in a dataset, and what making it took."""
+"""`robocell report`: content of a dataset and the effort of making it."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+import math
+import os
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, cast
+from typing import Annotated, Any
 
 import typer
 from rich.box import SIMPLE
+from rich.console import Console
 from rich.table import Table
 
 import robocell
 from robocell import _core
+from robocell._suggestions import counted
 from robocell.cli.common import (
     ExitCode,
     fail,
@@ -22,38 +26,14 @@ from robocell.cli.common import (
     print_wide,
     require_folder,
 )
-from robocell.generate.items import ItemResult, counts_text, recorded_frames
+from robocell.generate.items import ItemRecord, counts_text
 from robocell.generate.report import DamagedReportError, RunReport, load, report_paths, whole
 from robocell.generate.summary import Summary
-from robocell.generate.totals import Totals, counted, size
+from robocell.generate.totals import Totals, percent, size
+from robocell.report.facts import EpisodeFacts, read
 
-
-@dataclass(frozen=True)
-class OnDisk:
-    """One episode as its files say."""
-
-    id: str
-    object_kind: str
-    success: bool
-    end_reason: str
-    rows: int
-    frames: int
-    bytes: int
-
-    @classmethod
-    def of(cls, episode: robocell.data.Episode) -> OnDisk:
-        """Counts an episode."""
-        described = cast(dict[str, Any], episode.json)
-        files = sum(facts["bytes"] for facts in described["files"].values())
-        return cls(
-            id=episode.id,
-            object_kind=next(iter(described.get("metadata", {}).get("object_kinds", [])), ""),
-            success=episode.success,
-            end_reason=episode.end_reason,
-            rows=episode.rows(),
-            frames=recorded_frames(described),
-            bytes=files + (episode.folder / "episode.json").stat().st_size,
-        )
+# Keys of an episode in `--json`.
+SHOWN = ("id", "object_kind", "success", "end_reason", "rows", "frames", "bytes")
 
 
 def report(
@@ -62,23 +42,57 @@ def report(
         bool, typer.Option("--episodes", help="Also print a table of all episodes.")
     ] = False,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "-o", "--output", metavar="FILE.html", help="Write a page with charts and pictures."
+        ),
+    ] = None,
+    sample: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            metavar="N",
+            help="Read the time series of at most N episodes for the page. Default: 500.",
+        ),
+    ] = None,
+    max_speed: Annotated[
+        float | None,
+        typer.Option(
+            metavar="SPEED",
+            help="On the page, count rows in which a joint is faster, rad/s or m/s.",
+        ),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an existing page.")] = False,
 ) -> None:
     """Count the episodes of a dataset and show how they were made.
 
+    With --output the report is one HTML file that needs no network.
+
     Exit codes:
-    0  counted
+    0  ok
     2  wrong command
-    3  a file cannot be read; the others are counted
+    3  a file cannot be read or written; the others are counted
     """
     require_folder(dataset, "dataset")
     _core.require_dataset(dataset)
-    found, damaged, misnamed = _read(dataset)
+    if output:
+        _require_page(output, force, {"--episodes": episodes, "--json": as_json}, max_speed)
+    elif sample or max_speed is not None or force:
+        fail("--sample, --max-speed and --force belong to a page: add --output FILE.html")
+    found, damaged, misnamed = read(dataset)
     reports, unreadable = _load_all(dataset)
     if unreadable and not (found or reports or damaged):
         fail("\n".join(unreadable), ExitCode.OUTPUT)
     if not found and not reports and not damaged:
-        fail(f"'{dataset}' holds no episodes and no report")
-    if as_json:
+        fail(
+            f"'{dataset}' holds no episodes and no report: give the `robocell generate` command of "
+            "this dataset again, it goes on"
+        )
+    if output:
+        contents = (dataset, found, reports, [*damaged.values(), *unreadable], misnamed)
+        unreadable += _write_page(output, contents, sample, max_speed)
+    elif as_json:
         content = {**_json(found, damaged, reports), "misnamed": misnamed}
         print(json.dumps(content, indent=1))
     else:
@@ -91,19 +105,55 @@ def report(
         raise typer.Exit(ExitCode.OUTPUT)
 
 
-def _read(dataset: Path) -> tuple[list[OnDisk], dict[str, str], dict[str, str]]:
-    """The episodes, what keeps the damaged ones, by their ids, from being read, and the misnamed.
+def _require_page(
+    path: Path, force: bool, printed: Mapping[str, bool], max_speed: float | None
+) -> None:
+    """Ends the command unless a page can be written to `path`."""
+    if others := [option for option, given in printed.items() if given]:
+        fail(f"{' and '.join(others)} print, and --output writes a page: give one of them")
+    if max_speed is not None and not 0 < max_speed < math.inf:
+        fail(f"--max-speed {max_speed:g} is not a speed: give rad/s or m/s above 0")
+    if path.is_dir():
+        fail(f"'{path}' is a folder; give the page a name: '{path / 'report.html'}'")
+    if path.suffix.lower() not in (".html", ".htm"):
+        fail(f"reports are HTML files: give '{path.with_suffix('.html')}' instead of '{path}'")
+    if os.path.lexists(path) and not force:
+        fail(f"'{path}' exists. Replace it with --force, or give another name with -o")
+    if not path.parent.is_dir():
+        fail(f"cannot write '{path}': there is no folder '{path.parent}'", ExitCode.OUTPUT)
+    if not os.access(path.parent, os.W_OK):
+        fail(f"cannot write '{path}': the folder is not writable", ExitCode.OUTPUT)
 
-    The latter are folders that were copied or renamed, with the ids of their episodes.
-    """
-    found, damaged = [], {}
-    episodes = robocell.Dataset(dataset)
-    for name in episodes.ids:
+
+def _write_page(
+    path: Path, contents: tuple[Any, ...], sample: int | None, max_speed: float | None
+) -> list[str]:
+    """Writes the page, prints what it has, and returns the problems of what it could not read."""
+    # With numpy, plotly and jinja2, which take longer to load than the printed form takes.
+    from robocell.report.page import MOST_READ, Contents, load_packages, write
+
+    try:
+        load_packages()
+    except ModuleNotFoundError as error:
+        fail(str(error))
+    whole = Contents(*contents)
+    with Console(stderr=True).status("episodes") as status:
         try:
-            found.append(OnDisk.of(episodes[name]))
+            page = write(
+                whole,
+                path,
+                most_read=sample or MOST_READ,
+                most_speed=max_speed,
+                on_stage=lambda stage: status.update(stage),
+            )
         except robocell.IoError as error:
-            damaged[name] = str(error)
-    return found, damaged, dict(episodes.misnamed)
+            status.stop()
+            fail(str(error), ExitCode.OUTPUT)
+    print(
+        f"{path}: {counted(len(whole.episodes), 'episode')}, time series of {page.read}, "
+        f"pictures of {page.pictured}, {size(page.bytes)}"
+    )
+    return page.problems
 
 
 def _load_all(dataset: Path) -> tuple[list[RunReport], list[str]]:
@@ -119,7 +169,7 @@ def _load_all(dataset: Path) -> tuple[list[RunReport], list[str]]:
 
 
 def _is_its_own(dataset: Path, report: Path) -> bool:
-    """Whether a report is of the dataset's run; warns of another one."""
+    """Returns True if a report belongs to the dataset's run; warns about any other."""
     run = _core.other_run_of(report.read_bytes().decode(errors="replace"), dataset)
     if run is not None:
         print_warning(
@@ -130,14 +180,14 @@ def _is_its_own(dataset: Path, report: Path) -> bool:
 
 
 def _totals(reports: Sequence[RunReport]) -> Totals | None:
-    """Of all commands that left a report; None without any."""
+    """Returns the totals of all commands with a report; None without any."""
     return whole(reports) if reports else None
 
 
-def _summary(dataset: Path, found: Sequence[OnDisk], reports: Sequence[RunReport]) -> Summary:
+def _summary(dataset: Path, found: Sequence[EpisodeFacts], reports: Sequence[RunReport]) -> Summary:
     good = sum(episode.success for episode in found)
     totals = _totals(reports)
-    if totals is None and not report_paths(dataset):
+    if totals is None and not report_paths(dataset) and not _is_recorded(dataset, found):
         print_warning(
             "no report.json, so only the contents of the disk are reported: `robocell generate` "
             "writes one when it ends; a Runner writes none, nor does a command that still runs or "
@@ -145,8 +195,10 @@ def _summary(dataset: Path, found: Sequence[OnDisk], reports: Sequence[RunReport
         )
     if totals is None:
         totals = Totals(planned=0)  # nobody knows
+    ends = Counter(command.end for report in reports for command in report.commands)
     more = {
-        "commands": ", ".join(command.end for report in reports for command in report.commands),
+        **({} if totals.attempts else {"success": _share_of(found)}),
+        "commands": ", ".join(f"{number} {end}" for end, number in ends.items()),
         "on the disk": _contents(found),
         "ended": counts_text(_reasons(found)),
         "versions": ", ".join(f"{part} {number}" for part, number in _versions(reports).items()),
@@ -160,15 +212,30 @@ def _summary(dataset: Path, found: Sequence[OnDisk], reports: Sequence[RunReport
     return Summary(name, dataset, good, totals, more)
 
 
-def _contents(found: Sequence[OnDisk]) -> str:
+def _is_recorded(dataset: Path, found: Sequence[EpisodeFacts]) -> bool:
+    """Returns True if an environment recorded the episodes: no command reports about them."""
+    if not found or (dataset / "dataset.json").exists():
+        return False
+    metadata: Any = robocell.Dataset(dataset)[found[0].id].metadata
+    return "environment" in metadata
+
+
+def _share_of(found: Sequence[EpisodeFacts]) -> str:
+    """Returns '67 % (3 episodes)', or "" without any."""
+    good = sum(episode.success for episode in found)
+    share = good / len(found) if found else None
+    return f"{percent(share)} ({counted(len(found), 'episode')})" if found else ""
+
+
+def _contents(found: Sequence[EpisodeFacts]) -> str:
     rows, frames = sum(e.rows for e in found), sum(e.frames for e in found)
     stored = sum(e.bytes for e in found)
     text = f"{counted(len(found), 'episode')}, {counted(rows, 'row')}, {counted(frames, 'frame')}"
     return f"{text}, {size(stored)}"
 
 
-def _reasons(found: Sequence[OnDisk]) -> dict[str, int]:
-    """End reason -> episodes, of those kept without success."""
+def _reasons(found: Sequence[EpisodeFacts]) -> dict[str, int]:
+    """Returns end reason -> number of stored episodes without success."""
     reasons = [episode.end_reason for episode in found if not episode.success]
     return {reason: reasons.count(reason) for reason in dict.fromkeys(reasons)}
 
@@ -177,12 +244,12 @@ def _versions(reports: Sequence[RunReport]) -> dict[str, str]:
     return {part: number for report in reports for part, number in report.versions.items()}
 
 
-def _episode_table(found: Sequence[OnDisk], reports: Sequence[RunReport]) -> Table:
+def _episode_table(found: Sequence[EpisodeFacts], reports: Sequence[RunReport]) -> Table:
     table = Table(box=SIMPLE)
     texts = ("episode", "robot", "object", "end")
     for title in (*texts, "rows", "frames", "size", "attempts", "seconds"):
         table.add_column(title, justify="left" if title in texts else "right")
-    told: dict[str, ItemResult] = {}
+    told: dict[str, ItemRecord] = {}
     for report in reports:
         told |= report.episodes
     for episode in found:
@@ -215,11 +282,11 @@ def _episode_table(found: Sequence[OnDisk], reports: Sequence[RunReport]) -> Tab
 
 
 def _json(
-    found: Sequence[OnDisk], damaged: dict[str, str], reports: Sequence[RunReport]
+    found: Sequence[EpisodeFacts], damaged: dict[str, str], reports: Sequence[RunReport]
 ) -> dict[str, Any]:
     totals = _totals(reports)
     return {
-        "on_disk": [asdict(episode) for episode in found],
+        "on_disk": [{key: getattr(episode, key) for key in SHOWN} for episode in found],
         "damaged": damaged,
         "totals": totals.record() if totals else None,
         "reports": [report.to_json() for report in reports],

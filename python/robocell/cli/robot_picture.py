@@ -78,7 +78,7 @@ def _box(points: Points) -> tuple[Points, Points]:
 
 
 def _distance(points: Points) -> float:
-    """From where all points (n, 3), relative to what is looked at, are in the picture."""
+    """Returns the camera distance that shows all points (n, 3), relative to its target."""
     azimuth, elevation = math.radians(AZIMUTH_DEG), math.radians(ELEVATION_DEG)
     forward = np.array(
         [

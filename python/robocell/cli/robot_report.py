@@ -1,4 +1,4 @@
-"""What `robocell check` prints of a robot, and `robocell init` of the file that it wrote."""
+"""The report of a robot that `robocell check` and `robocell init` print."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ def print_report(
 ) -> list[str]:
     """Prints tables, notes and warnings, and tries the robot out; returns the warnings.
 
-    Ends the command when what the file says is not so in the model.
+    Ends the command if the file contradicts the model.
 
     Args:
-        loaded: The robot in a scene of its own.
-        picture: Where a PNG of it goes; none unless given.
+        loaded: The robot in a separate scene.
+        picture: Path for a PNG of it; none unless given.
         print_warning: Called with each warning.
     """
     try:
@@ -60,12 +60,12 @@ def print_report(
     if wrong:
         fail(wrong)
     if not warnings:
-        print("nothing found wrong")
+        print("no problems found")
     return warnings
 
 
 def _unfit(loaded: RobotScene) -> list[str]:
-    """Which experts cannot use the robot, by the reason."""
+    """Returns the experts that cannot use the robot, by reason."""
     experts: dict[str, list[str]] = {}
     for kind in expert_kinds():
         for reason in why_not(loaded.robot, kind):
@@ -78,7 +78,7 @@ def _unfit(loaded: RobotScene) -> list[str]:
 
 
 def _wrong(loaded: RobotScene) -> str:
-    """What the file says although the model does otherwise; no run is made with that."""
+    """Returns contradictions between file and model, with which no run is made."""
     try:
         validate_robot(loaded.robot)
     except SpecError as error:

@@ -28,9 +28,9 @@ class RobotScene:
 
 
 def load_robot(path: Path, *, needs_arm: bool = True) -> RobotScene:
-    """Reads the file and builds the scene; robocell's errors name what is wrong.
+    """Reads the file and builds the scene; robocell's errors end the command.
 
-    Without `needs_arm` a hand alone will do: a robot with a gripper.
+    Without `needs_arm`, a hand alone is enough: a robot with a gripper.
     """
     require_spec_file(path, RobotConfig)
     config = RobotConfig.load(path)
@@ -50,7 +50,7 @@ def _kinds(config: RobotConfig) -> set[MoveGroupKind]:
 
 
 def _fail_without_arm(path: Path, config: RobotConfig) -> NoReturn:
-    """Says what the model has to make an arm of."""
+    """Ends the command and lists the model's elements from which an arm can be declared."""
     fail(
         f"{path}: robot '{config.name}' has no arm group. Declare one, with the joints from "
         "its base to its tool:\n  move_groups:\n"
@@ -60,7 +60,7 @@ def _fail_without_arm(path: Path, config: RobotConfig) -> NoReturn:
 
 
 def _elements(config: RobotConfig) -> str:
-    """The names that a robot file refers to, as the robot's own file and attachments have them."""
+    """Lists the names that a robot file refers to, as its file and attachments have them."""
     spec = SceneSpec(name=config.name, timestep=TIMESTEP_S, add_floor=False, add_skybox=False)
     spec.robots.append(
         RobotSpec(name=config.name, config=config, control_modes=config.used_modes())

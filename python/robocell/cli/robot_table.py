@@ -1,4 +1,4 @@
-"""What a robot file says and what its model makes of it, as tables."""
+"""Tables of a robot file and its compiled model."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from rich.table import Table
 from robocell import Pose, Robot, RobotConfig
 from robocell.cli.gripper_range import range_lines
 from robocell.cli.robot_scene import RobotScene
-from robocell.robots import GripperGroup
+from robocell.robots import BaseGroup, BaseKind, GripperGroup
 
 # By the engine's number (mjtJoint). The package mujoco is imported by scenes only.
 JOINT_KINDS = ("free", "ball", "slide, m", "hinge, rad")
@@ -20,7 +20,7 @@ CAMERA_TO_OPENCV = Pose(rpy=[math.pi, 0, 0])
 
 
 def joints_table(loaded: RobotScene) -> Table:
-    """Every joint of every group: kind, limits, home."""
+    """Returns a table of every joint of every group: kind, limits, home."""
     table = _table("joints")
     for column in ("group", "joint", "kind", "lower", "upper", "home"):
         table.add_column(
@@ -39,7 +39,7 @@ def joints_table(loaded: RobotScene) -> Table:
 
 
 def actuators_table(loaded: RobotScene) -> Table:
-    """Every actuator of every group: range of its control, and who controls it."""
+    """Returns a table of every actuator of every group: control range and controller."""
     table = _table("actuators")
     for column in ("group", "actuator", "lowest", "highest", "controller"):
         table.add_column(column, justify="right" if column.endswith("est") else "left")
@@ -55,7 +55,7 @@ def actuators_table(loaded: RobotScene) -> Table:
 
 
 def frames(loaded: RobotScene) -> dict[str, Pose]:
-    """The robot's frames at home, in the world: base, the leaf of each group, cameras.
+    """Returns the frames at home, in the world: base, leaf of each group, cameras.
 
     Cameras have OpenCV's axes: x right, y down, looking along z.
     """
@@ -71,7 +71,7 @@ def frames(loaded: RobotScene) -> dict[str, Pose]:
 
 
 def frames_table(loaded: RobotScene) -> Table:
-    """The frames in the robot base frame."""
+    """Returns a table of the frames in the robot base frame."""
     table = _table("frames at home, in the robot base frame; cameras look along z")
     for column in ("frame", "x, y, z in m", "roll, pitch, yaw in degrees"):
         table.add_column(column)
@@ -83,12 +83,13 @@ def frames_table(loaded: RobotScene) -> Table:
 
 
 def summary_lines(loaded: RobotScene) -> list[str]:
-    """Name, model, base, groups, reach of an arm, keyframes, gripper range."""
+    """Returns name, model, base, groups, reach, keyframes and gripper ranges."""
     config, robot = loaded.config, loaded.robot
-    groups = (f"{name} ({robot.group(name).kind})" for name in robot.group_names)
+    kinds = {name: robot.group(name).kind for name in robot.group_names}
+    groups = (name if name == kind else f"{name} ({kind})" for name, kind in kinds.items())
     lines = [
         f"robot '{robot.name}' from {config.model}",
-        f"base: {base_text(config)}",
+        f"base: {base_text(config, robot.base)}",
         f"move groups: {', '.join(groups)}",
     ]
     if loaded.has_arm:
@@ -99,7 +100,7 @@ def summary_lines(loaded: RobotScene) -> list[str]:
 
 
 def ctrl_lines(robot: Robot) -> list[str]:
-    """A line for each gripper: "    Gripper 'gripper': ctrl 255 closed, 0 open".
+    """Returns a line for each gripper: "    Gripper 'gripper': ctrl 255 closed, 0 open".
 
     A gripper with several actuators has the value of each, with its name.
     """
@@ -116,9 +117,11 @@ def ctrl_lines(robot: Robot) -> list[str]:
     return lines
 
 
-def base_text(config: RobotConfig) -> str:
-    """'mocap, on a box of 0.25 x 0.25 x 0.25 m'."""
+def base_text(config: RobotConfig, base: BaseGroup) -> str:
+    """Returns 'mocap, on a box of 0.25 x 0.25 x 0.25 m'."""
     kind = config.base.kind.name.lower()
+    if config.base.kind == BaseKind.FIXED and base.is_mobile:
+        kind = "free, by the free joint of its model's root"
     if config.base.size is None:
         return kind
     return f"{kind}, on a box of {' x '.join(f'{length:g}' for length in config.base.size)} m"
@@ -129,7 +132,7 @@ def _table(title: str) -> Table:
 
 
 def _number(value: float) -> str:
-    """Short; '-' for what is not limited."""
+    """Formats a limit in short form; '-' without a limit."""
     return f"{value:.4g}" if math.isfinite(value) else "-"
 
 

@@ -1,7 +1,8 @@
-"""`robocell verify`: is every byte of a dataset what was written?"""
+"""`robocell verify`: compares every byte of a dataset with its hash."""
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from typing import Annotated
 
@@ -35,11 +36,17 @@ def verify(
         for moved in repaired.moved:
             print(f"moved aside: {dataset / '.quarantine' / moved}")
         for problem in repaired.remaining:
-            print(f"not mended: {problem}")
+            print(f"not repaired: {problem}")
         if repaired.remaining:
             raise typer.Exit(ExitCode.INCOMPLETE)
         return
     result = robocell.data.verify(dataset, decode_videos=decode_videos)
     print(str(result).rstrip())
+    if not (result.ok or result.only_unreadable):
+        remedy = shlex.join(["robocell", "verify", "--repair", str(dataset)])
+        print(
+            f"To set damaged files aside: {remedy}; the command that made the dataset then makes "
+            "their episodes again"
+        )
     if not result.ok:
         raise typer.Exit(ExitCode.OUTPUT if result.only_unreadable else ExitCode.INCOMPLETE)

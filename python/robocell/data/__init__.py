@@ -77,7 +77,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Loads what needs numpy when it is asked for."""
+    """Loads the names that need numpy on first use."""
     import importlib
 
     module = {"rows": "_rows", "Steps": "steps", "torch_dataset": "steps"}.get(name)

@@ -8,42 +8,46 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any, Self
 
-from robocell._core import ArgumentError, Env, EnvBatch, _EnvRecorder
+from robocell._core import ArgumentError, Env, EnvBatch, RunEnv, _EnvRecorder
 
 
 class EnvRecorder:
     """Records what an environment does as episodes of a dataset.
 
-    An episode begins with the first step after a reset (or `set_state`, `restore`) and is saved by
-    the next one, by `save`, or at the end of the block. It has the cell's features, what the
-    environment showed (`observation/...`) and was asked (`action/...`), rewards, ends, and the
-    frames of its streams. `robocell replay` and `replay_actions` do it again, to the bit.
-
-        with EnvRecorder(env, "out/teleop") as recorder:
-            env.reset(seed=1)
-            env.step(action)  # one row
-            recorder.discard()  # or save(success=True)
-            env.reset()  # the next episode
-        print(recorder.episodes)
+    An episode begins with the first step after a reset (or `set_state`, `restore`). The next reset,
+    `save`, or the end of the block saves it. It contains the cell's features, observations
+    (`observation/...`), actions (`action/...`), rewards, end flags and camera frames. `robocell
+    replay` and `replay_actions` reproduce it exactly.
 
     Args:
-        env: An `rc.Env`, an environment of Gymnasium's that robocell made, or with `copy` an
-            `EnvBatch` or a vector.
-        dataset: Its folder, which is made.
-        prefix: What ids begin with: "episode-000000". Several recorders of a folder have one each.
-            Default: "episode", and "copy3" of copy 3.
-        images: Whether frames of streams are recorded.
-        metadata: Of your own, kept with every episode as `metadata["user"]`: what JSON can say.
-        copy: Which copy of a batch or vector, from 0.
+        env: An `rc.Env`, an environment of Gymnasium's that robocell made (`robocell.gym`, or
+            `from_dataset` of recorded episodes), or with `copy` an `EnvBatch` or a vector.
+        dataset: Folder of the dataset; created if missing.
+        prefix: Prefix of the ids: "episode-000000". Recorders of one folder need different ones.
+            Default: "episode", or "copy3" for copy 3.
+        images: False records no frames.
+        metadata: Your own JSON-compatible metadata, stored in every episode as `metadata["user"]`.
+        copy: Index of the copy of a batch or vector, from 0.
 
     Raises:
-        ArgumentError: The folder is no dataset, is that of a run, or has episodes of another
-            environment; `env` cannot be recorded; JSON cannot say `metadata`.
-        IoError: The disk fails, also out of `env.step` and `env.reset`: then the episode is gone
-            and recording goes on with the next reset. Another recorder has the prefix.
+        ArgumentError: The folder is not a dataset, belongs to a run, or has episodes of another
+            environment; `env` cannot be recorded; `metadata` is not JSON-compatible.
+        IoError: The disk fails, also in `env.step` and `env.reset`: the episode is then lost, and
+            recording continues with the next reset. Another recorder uses the prefix.
 
-    An exception that leaves the block drops the episode that was not saved. A crash
+    An exception that leaves the block drops the unsaved episode. A crash
     leaves a hidden folder, which no reader sees and `robocell verify --repair` sets aside.
+
+    Examples:
+        >>> action, _ = env.action_range
+        >>> with rc.data.EnvRecorder(env, "out/teleop") as recorder:
+        ...     start = env.reset(seed=1)
+        ...     seen = env.step(action)  # one row
+        ...     recorder.discard()  # or save(success=True)
+        ...     start = env.reset()
+        ...     seen = env.step(action)  # the next episode, saved at the end of the block
+        >>> recorder.dataset, recorder.episodes
+        (PosixPath('out/teleop'), ['episode-000000'])
     """
 
     def __init__(
@@ -59,6 +63,7 @@ class EnvRecorder:
         core = _core_of(env)
         try:
             text = json.dumps(dict(metadata or {}), allow_nan=False)
+            _require_storable(json.loads(text))
         except (TypeError, ValueError) as error:
             raise ArgumentError(
                 f"metadata cannot be kept with episodes, as JSON: {error}; it takes texts, finite "
@@ -78,18 +83,18 @@ class EnvRecorder:
             self._recorder = _EnvRecorder(core, copy, folder, prefix or f"copy{copy}", images, text)
 
     def save(self, success: bool | None = None, reason: str = "") -> str | None:
-        """Saves the present episode and gives its id; None when it has no step.
+        """Saves the present episode. Returns its id, or None if it has no step.
 
-        What follows is recorded from the next reset on.
+        Recording continues with the next reset.
 
         Args:
-            success: What to record as success, in the place of what the task said.
-            reason: Why it ended; "success", "diverged" or "stopped" unless given.
+            success: Success to record, instead of the task's.
+            reason: Reason of the end; "success", "diverged" or "stopped" unless given.
         """
         return self._recorder.save(success, reason)
 
     def discard(self) -> None:
-        """Drops the present episode; what follows is recorded from the next reset on."""
+        """Drops the present episode; recording continues with the next reset."""
         self._recorder.discard()
 
     def close(self) -> None:
@@ -98,7 +103,7 @@ class EnvRecorder:
 
     @property
     def closed(self) -> bool:
-        """Whether it records no more."""
+        """True after close()."""
         return self._recorder.closed
 
     @property
@@ -130,13 +135,38 @@ class EnvRecorder:
         self.close()
 
 
+def _require_storable(value: Any) -> None:
+    """Raises ValueError for what Python writes as JSON and other readers change or reject."""
+    if isinstance(value, dict):
+        for key, inner in value.items():
+            _require_storable(key)
+            _require_storable(inner)
+    elif isinstance(value, list):
+        for inner in value:
+            _require_storable(inner)
+    elif isinstance(value, str):
+        try:
+            value.encode()
+        except UnicodeEncodeError:
+            raise ValueError(f"the text {value!r} is not valid Unicode") from None
+    elif isinstance(value, int) and not -(2**63) <= value < 2**64:
+        raise ValueError(f"the number {value} does not fit in 64 bits")
+
+
 def _core_of(env: Any) -> Env | EnvBatch:
-    """The C++ object behind an environment, whatever wraps it."""
-    for candidate in (env, getattr(getattr(env, "unwrapped", env), "core", None)):
+    """Returns the C++ object behind an environment or its wrappers."""
+    core = getattr(getattr(env, "unwrapped", env), "core", None)
+    for candidate in (env, core, getattr(core, "env", None)):  # the last one behind from_dataset
         if isinstance(candidate, Env | EnvBatch):
             return candidate
+    if isinstance(env, RunEnv) or isinstance(core, RunEnv):
+        raise ArgumentError(
+            f"{type(env).__name__} is the cell of a run, which EnvRecorder does not record: "
+            "`robocell evaluate RUN_OR_DATASET --policy module:Class --output FOLDER` records what "
+            "a policy does in it, and `robocell generate RUN.yaml` what its expert does"
+        )
     raise ArgumentError(
         f"{type(env).__name__} cannot be recorded: EnvRecorder takes an rc.Env, an environment of "
-        "robocell.gym, or with `copy` an EnvBatch or a vector of robocell.gym; runs record "
-        "themselves (`robocell generate`, `robocell evaluate`)"
+        "robocell.gym, one that from_dataset made of recorded episodes, or with `copy` an EnvBatch "
+        "or a vector of robocell.gym"
     )

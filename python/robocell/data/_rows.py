@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from robocell._core import ArgumentError, Dataset
+from robocell._core import ArgumentError, Dataset, Episode
 from robocell._suggestions import fitting, is_pattern
 
 
@@ -19,15 +19,15 @@ def rows(
 ) -> NDArray[np.float64]:
     """Returns all rows of all episodes: the columns `names` side by side, episodes in order.
 
-    A row has the numbers that `robocell.envs.from_dataset(..., flat=True)` observes and takes for
-    the same names.
+    A row equals the observations and actions of `robocell.envs.from_dataset(..., flat=True)` for
+    these names.
 
     Args:
         dataset: A dataset, one of its slices, or a folder.
         names: Columns of the table `steps`. "*" stands for any part of a name: "*sensors/*" is
             every sensor that all episodes have, in the order of the first.
-        horizon: Number of rows per item, each row with those that follow it, for learning chunks
-            of actions; the last row of an episode stands in for rows beyond it.
+        horizon: Number of rows per item, each row with its successors, for learning chunks of
+            actions; the last row of an episode replaces rows beyond it.
 
     Returns:
         (rows, numbers), or (rows, horizon, numbers).
@@ -54,6 +54,7 @@ def rows(
     parts = []
     for episode in opened:
         for name in names:
+            _require_no_image(episode, name)
             table = episode.column(name).table
             if table != "steps":
                 what = f"of the table '{table}'" if table else "a constant"
@@ -65,6 +66,15 @@ def rows(
             part = part[ahead.clip(max=len(part) - 1)]
         parts.append(part)
     return np.concatenate(parts)
+
+
+def _require_no_image(episode: Episode, name: str) -> None:
+    """Raises ArgumentError for an image stream, which has frames instead of numbers in rows."""
+    if name in episode.streams and name not in episode.columns:
+        raise ArgumentError(
+            f"rows: '{name}' is an image stream, not a column: robocell.data.Steps gives its "
+            f"images with the rows, episode.frame({name!r}, i) a single one"
+        )
 
 
 def _shared_columns(dataset: Dataset) -> list[str]:

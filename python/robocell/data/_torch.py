@@ -39,7 +39,7 @@ class TorchSteps(Dataset[Any]):
         return self._tensors(self.steps[index])
 
     def __getitems__(self, indices: Sequence[int]) -> list[Any]:
-        """The items of a batch; a ``DataLoader`` calls this."""
+        """Returns the items of a batch; a ``DataLoader`` calls this."""
         return [self._tensors(item) for item in self.steps.__getitems__(indices)]
 
     def _tensors(self, item: Item) -> Any:

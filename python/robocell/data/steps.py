@@ -1,4 +1,4 @@
-"""The steps of a dataset as training items: what a policy observed, and the actions that follow.
+"""The steps of a dataset as training items: observations, and the actions that follow.
 
     steps = Steps(dataset, {"robots/rc7/arm/qpos": 0, "robots/rc7/action/arm": range(16)})
     steps[0]["robots/rc7/arm/qpos"]  # (7,), of the first row of the first episode
@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, Dataset, Episode, NotFoundError
 from robocell._extras import needed_by
-from robocell._suggestions import did_you_mean, fitting, is_pattern
+from robocell._suggestions import counted, did_you_mean, fitting, is_pattern
 
 if TYPE_CHECKING:
     from robocell.data._torch import TorchSteps
@@ -58,7 +58,7 @@ class Key:
 
     @property
     def is_image(self) -> bool:
-        """Whether the key is read from a video."""
+        """True if the key is read from a video."""
         return self.kind not in ("column", "constant")
 
 
@@ -66,12 +66,12 @@ class Steps:
     """The steps of all episodes of a dataset, as a sequence of items.
 
     Item ``i`` is one row of one episode: a dictionary with an array for each key, and the integers
-    ``episode`` (its place in the dataset) and ``row``. Items of an episode follow each other. Only
+    ``episode`` (its index in the dataset) and ``row``. Items of an episode follow each other. Only
     the rows and images of the item are read from the disk.
 
     A key with one offset is the value of that row. A key with several offsets has an axis for them
-    in front, and beside it ``<key>_is_pad``: True where the episode has no such row. There the
-    nearest row, the first or the last, stands in.
+    in front, and beside it ``<key>_is_pad``: True where the episode has no such row. The nearest
+    row, the first or the last, replaces it.
 
     Steps can be pickled, and used in forked and spawned processes.
 
@@ -137,8 +137,8 @@ class Steps:
         place = operator.index(index)
         if place < -len(self) or place >= len(self):
             raise IndexError(
-                f"no step {index}: dataset '{self.dataset.folder}' has {len(self)} steps in "
-                f"{len(self.dataset)} episodes"
+                f"no step {index}: dataset '{self.dataset.folder}' has "
+                f"{counted(len(self), 'step')} in {counted(len(self.dataset), 'episode')}"
             )
         place %= len(self)
         episode = bisect.bisect_right(self._ends, place)
@@ -220,7 +220,7 @@ def _names(keys: Iterable[str]) -> list[str]:
 
 
 def _named(episode: Episode, wanted: Mapping[str, Offsets]) -> dict[str, Offsets]:
-    """Returns the keys with the columns of the first episode that fit in the place of patterns."""
+    """Returns the keys, with patterns replaced by the matching columns of the first episode."""
     if not any(is_pattern(name) for name in wanted):
         return dict(wanted)
     known = [name for name in episode.columns if episode.column(name).table == "steps"]

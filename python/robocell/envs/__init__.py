@@ -58,7 +58,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    """Loads what needs Gymnasium when it is asked for."""
+    """Loads the names that need Gymnasium on first use."""
     if name not in ("DatasetEnv", "from_dataset"):
         raise no_such(not_in("robocell.envs", name, __all__), name)
     from robocell.envs import dataset_env

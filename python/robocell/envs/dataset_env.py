@@ -57,23 +57,25 @@ def from_dataset(
         dataset: A dataset, or its folder.
         observations: Names of columns and image streams to observe; "*" stands for any part of a
             name, as in `robocell.data.rows`. Default: all columns that every episode has and that
-            exist outside of simulation too, and all streams; of a recorded environment those that
-            it showed.
+            exist outside simulation too, and all streams; for a recorded environment, its
+            observations.
         actions: Names of the action columns that each step takes, all of them. A group without one
-            keeps its target. Default: the absolute target of each group; of a recorded environment
-            those that it took.
-        privileged: Whether the default includes columns that only simulation knows, such as poses
-            of objects.
+            keeps its target. Default: the absolute target of each group; for a recorded
+            environment, its actions.
+        privileged: True adds columns that only simulation has, such as poses of objects, to the
+            default.
         cameras: False renders no images.
-        flat: Whether observations and actions are vectors of float64: columns one after another,
-            in the order of the names, without images.
+        flat: True makes observations and actions vectors of float64: columns one after another, in
+            the order of the names, without images.
         imports: Modules to import first, which register the task or features. A dataset never
             imports modules by itself.
 
     Raises:
+        ArgumentError: `dataset` is a file, or a list of columns is empty.
         NotFoundError: The dataset has no such name (the message has the nearest), or the task is
             not registered.
-        SpecError: The task's code differs from the code that made the dataset.
+        SpecError: The task's code differs from the code that made the dataset, or a module of that
+            code is not imported.
 
     The first reset raises ArgumentError or NotFoundError with the first difference if the cell has
     other features than the dataset.
@@ -82,11 +84,16 @@ def from_dataset(
         >>> recorded = rc.envs.from_dataset("experiment_output/demo")
         >>> observation, info = recorded.reset(seed=0)
     """
+    if not isinstance(dataset, Dataset) and Path(dataset).is_file():
+        raise ArgumentError(f"'{dataset}' is a file; name the folder of a dataset")
+    for name, columns in (("observations", observations), ("actions", actions)):
+        if columns is not None and len(columns) == 0:
+            raise ArgumentError(f"`{name}` is empty; leave it out for the default columns")
     opened = dataset if isinstance(dataset, Dataset) else Dataset(Path(dataset))
-    for module in [imports] if isinstance(imports, str) else imports:
-        import_named(module, Path.cwd())
+    named = [imports] if isinstance(imports, str) else imports
+    modules = [import_named(module, Path.cwd()) for module in named]
     shared = _shared_features(opened)
-    core = _core_of(opened, cameras and not flat)
+    core = _core_of(opened, cameras and not flat, modules)
     streams = _image_names(opened, core)
     if observations is None:
         observations = [*_default_observations(core, shared, privileged), *streams]
@@ -98,8 +105,9 @@ def from_dataset(
 
 
 def _image_names(dataset: Dataset, core: _RunCell | RecordedEnv) -> list[str]:
-    """The recorded images that the cell draws: "wrist", "wrist.depth", "wrist.segmentation"."""
-    drawn = {stream.name for stream in core.cameras.streams}
+    """Returns the recorded images that the cell draws: "wrist", "wrist.depth"."""
+    cameras = core.cameras
+    drawn = {stream.name for stream in cameras.streams} if cameras.draw else set()
     return [name for name in dataset[0].streams if name.partition(".")[0] in drawn]
 
 
@@ -116,7 +124,7 @@ class _RunCell(RunEnv):
                 self._ids.setdefault(numbers, id)
 
     def reset(self, index: int, attempt: int | None = None) -> None:
-        """To start `index`; by default that of the recorded episode of this item, if there is."""
+        """Resets to start `index`; by default that of the item's recorded episode, if any."""
         super().reset(index, self._recorded_attempt(index) if attempt is None else attempt)
 
     def _recorded_attempt(self, index: int) -> int:
@@ -132,12 +140,12 @@ class _RunCell(RunEnv):
         return self.run.cameras
 
 
-def _core_of(dataset: Dataset, images: bool) -> _RunCell | RecordedEnv:
+def _core_of(dataset: Dataset, images: bool, modules: Sequence[str]) -> _RunCell | RecordedEnv:
     if is_recorded(dataset):
         return RecordedEnv(dataset, images)
-    run = run_of_dataset(dataset.folder)
+    run = run_of_dataset(dataset.folder, modules)
     if not images:
-        run.cameras.streams.clear()
+        run.cameras.draw = False  # the streams still belong to the start
     return _RunCell(run, dataset)
 
 
@@ -201,9 +209,6 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
             if not feature.lower:
                 return spaces.Box(-np.inf, np.inf, shape, np.float64)
             lower, upper = (np.reshape(b, shape) for b in (feature.lower, feature.upper))
-            slack = np.where(np.isfinite(upper - lower), 0.1 * (upper - lower), 0)
-            if feature.role != "action":  # limits of joints give way a little
-                lower, upper = lower - slack, upper + slack
             return spaces.Box(lower, upper, shape, np.float64)
         stream, _, kind = name.partition(".")
         cameras = self.core.cameras
@@ -233,7 +238,7 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
         return self._observe(), info
 
     def _check_schema(self) -> None:
-        """What was chosen is here what it is in the dataset."""
+        """Checks that the chosen features are those of the dataset."""
         here = {f.name: f for f in [*self.core.observed, *self.core.commanded]}
         for name in [*self.observations, *self.actions]:
             recorded = self.features.get(name)
@@ -260,7 +265,7 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
         return np.concatenate([np.ravel(row[name]) for name in self.observations])
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """Makes one step, a row of a dataset; `info["is_success"]` says if the task is done."""
+        """Makes one step, a row of a dataset; `info["is_success"]` is True if the task is done."""
         if self._flat:
             action = self._split(np.asarray(action, dtype=np.float64))
         elif not isinstance(action, Mapping):
@@ -306,10 +311,10 @@ def _names(features: Mapping[str, Feature], role: str) -> list[str]:
 
 
 def _shared_features(dataset: Dataset) -> dict[str, Feature]:
-    """Those that all episodes that are looked at have, in the order of the first."""
+    """Returns the features that all inspected episodes have, in the first one's order."""
     count = len(dataset)
     if not count:
-        raise ArgumentError(f"'{dataset.folder}' has no episode, so nothing says what its cell is")
+        raise ArgumentError(f"'{dataset.folder}' has no episode, so its cell is unknown")
     step = max(1, count // LOOKED_AT)
     shared: dict[str, Feature] | None = None
     for index in range(0, count, step):
@@ -318,7 +323,7 @@ def _shared_features(dataset: Dataset) -> dict[str, Feature]:
     if not shared:
         raise ArgumentError(
             f"'{dataset.folder}' has no schema of its features: it was made by an older robocell; "
-            "make it anew"
+            "make a new dataset"
         )
     return shared
 

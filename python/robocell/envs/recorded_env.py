@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-import numpy as np
-
 from robocell._core import (
     ArgumentError,
     CameraSystemConfig,
@@ -14,12 +12,13 @@ from robocell._core import (
     Env,
     Feature,
     _recorded_features,
+    _shown_images,
 )
 from robocell.data import env_of_episode
 
 
 def is_recorded(dataset: Dataset) -> bool:
-    """Whether its episodes were recorded from an environment."""
+    """Returns True if an environment recorded the episodes."""
     metadata: Any = dataset[0].metadata if len(dataset) else {}
     return "environment" in metadata
 
@@ -35,39 +34,34 @@ class RecordedEnv:
 
     @property
     def cameras(self) -> CameraSystemConfig:
-        """Its image streams."""
+        """Image streams of the environment."""
         return self.env.config.cameras
 
     @property
     def observed(self) -> list[Feature]:
-        """What rows have."""
+        """Features of the rows."""
         return [*self._cell.observed, *self.env.observed]
 
     @property
     def commanded(self) -> list[Feature]:
-        """What actions have."""
+        """Features of the actions."""
         return self.env.commanded
 
     @property
     def instruction(self) -> str:
-        """What is to be done, in words."""
+        """The instruction."""
         return self.env.instruction
 
     def reset(self, index: int) -> None:
-        """To the start of seed `index`."""
+        """Resets to the start of seed `index`."""
         self._observation, _ = self.env.reset(index)
 
     def row(self) -> dict[str, Any]:
-        """What is recorded of the present state."""
+        """Returns the row that would be recorded now."""
         row: dict[str, Any] = dict(self._cell.read())
         for path, _, _ in self.env.observation_parts:
             row["/".join(("observation", *path))] = _at(self._observation, path)
-        for name, frame in self._observation.get("frames", {}).items():
-            row[name] = frame["rgb"]["data"]
-            if "depth" in frame:
-                row[f"{name}.depth"] = frame["depth"]["data"][..., 0]
-            if "segmentation" in frame:
-                row[f"{name}.segmentation"] = _labels(frame["segmentation"]["data"][..., 0])
+        row.update(_shown_images(self.env))
         return row
 
     def act(self, actions: Mapping[str, Any]) -> tuple[float, bool, bool, dict[str, Any]]:
@@ -91,8 +85,3 @@ def _at(tree: Any, path: tuple[str, ...]) -> Any:
     for key in path:
         tree = tree[key]
     return tree
-
-
-def _labels(bodies: Any) -> Any:
-    """Body ids as episodes have them: 65535 where nothing is."""
-    return np.where(bodies < 0, 65535, bodies).astype(np.uint16)

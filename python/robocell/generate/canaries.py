@@ -1,15 +1,14 @@
-"""Canaries: the items that a run makes first, spread over the plan. When all fail, the run ends.
+"""Canaries: the items that a run makes first, spread over the plan. If all fail, the run ends.
 
     canaries = Canaries(items)
     pending = deque(canaries.first(items))
-    canaries.lost(unmade, "other")  # for each item that was given up for an error
+    canaries.lost(unmade, "other")  # for each item that failed with an error
     if failure := canaries.verdict():
         ...
 
 A robot that crashes the engine, or a field that no scene can satisfy, would otherwise cost some
 processes for each of ten thousand items. One bad scene among many, though, must not end a run.
-Which of the two it is follows from the plan and from what becomes of these items, not from which
-worker is quicker.
+The decision follows from the plan and the results of these items, not from the speed of workers.
 """
 
 from __future__ import annotations
@@ -38,18 +37,18 @@ class Canaries:
         self._losses: dict[str, tuple[FailureKind, Unmade]] = {}
 
     def first(self, items: Sequence[Item]) -> list[Item]:
-        """The items with these first."""
+        """Returns the items with the canaries first."""
         return [*self._items, *(item for item in items if item not in self._items)]
 
     def lost(self, unmade: Unmade, kind: FailureKind) -> None:
-        """An item was given up for an error, not because its attempts were used up."""
+        """Notes that an item was given up because of an error."""
         self._losses[unmade.id] = (kind, unmade)
 
     def verdict(self) -> Failure | None:
-        """What to end the run with, or None: one of these was made or is not decided yet.
+        """Returns the failure that ends the run, or None while a canary succeeded or is undecided.
 
-        When these were all items, nothing is saved by an end: then only wrong specs, which are the
-        user's to mend, are told as one failure.
+        If the canaries are all items, ending early saves nothing: then only wrong specs, which the
+        user can fix, are reported as one failure.
         """
         if not self._items or any(item.id not in self._losses for item in self._items):
             return None

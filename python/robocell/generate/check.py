@@ -1,10 +1,10 @@
-"""Looks through a run before it starts, in a process of its own: a model may crash the engine.
+"""Checks a run before it starts, in a separate process: a model may crash the engine.
 
     for text in check_in_child(RunSource("run.yaml"), ["workers=2"]).warnings:
         print(text)
 
-The module is that process. The last line of its standard output is what it
-raised, {"failed": {...}}, or what it found, {"warnings": [...], "ffmpeg": "..."}.
+The module is that process. Its answer is its error, {"failed": {...}}, or its findings,
+{"warnings": [...], "ffmpeg": "..."}.
 """
 
 from __future__ import annotations
@@ -22,11 +22,13 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from robocell import Error, IoError, RunConfig, _core
-from robocell._own_code import RAISED
+from robocell._ending import end_in_time
+from robocell._own_code import RAISED, raise_interrupt
+from robocell._raised import is_of_own_code
 from robocell.diagnose import check_run, describe_gl
-from robocell.generate.own_process import ask_process, end_with_asker
+from robocell.generate.own_process import Asker, ask_process
 from robocell.generate.protocol import Failure
-from robocell.generate.run_source import RunSource, is_of_own_code
+from robocell.generate.run_source import RunSource
 from robocell.generate.supervisor import Limits
 from robocell.generate.worker_process import describe_exit
 
@@ -40,11 +42,11 @@ SOFTWARE = "llvmpipe"  # what draws where there is no graphics card
 
 @dataclass(frozen=True)
 class Found:
-    """By a process that looked a run through.
+    """Result of the process that checked a run.
 
     Attributes:
-        warnings: The run's, or that a model crashed the engine.
-        environment: Variables that spare workers to find out again what this process has.
+        warnings: Warnings of the run, or that a model crashed the engine.
+        environment: Variables that pass results of this process to the workers.
     """
 
     warnings: list[str]
@@ -56,9 +58,9 @@ def check_in_child(
 ) -> Found:
     """Raises what `robocell.diagnose.check_run` raises.
 
-    Models that crash or stall the engine must not end the run: workers meet them again, one at a
-    time, and what they cannot make is listed. Such a process is given `longest_s` seconds. IoError
-    when it ended in another way.
+    Models that crash or stall the engine must not end the run: workers retry them one at a time,
+    and failed items are listed. The process may take `longest_s` seconds. Raises IoError if it ends
+    otherwise.
     """
     sets = [f"--set={override}" for override in overrides]
     try:
@@ -84,7 +86,7 @@ def check_in_child(
 
 
 def _last_line(said: str) -> dict[str, Any]:
-    """What the process said, if it came to say something."""
+    """Returns the process's last line, if it printed one."""
     try:
         last = json.loads(said.splitlines()[-1])
     except (ValueError, IndexError):
@@ -93,7 +95,7 @@ def _last_line(said: str) -> dict[str, Any]:
 
 
 def _failure(said: dict[str, Any]) -> Failure | None:
-    """What the process raised."""
+    """Returns the error that the process raised."""
     try:
         return Failure.from_json(said["failed"])
     except (ValueError, KeyError, TypeError):
@@ -101,16 +103,16 @@ def _failure(said: dict[str, Any]) -> Failure | None:
 
 
 def graphics_warnings(run: RunConfig, root: str = "/") -> list[str]:
-    """What to do where a run with cameras would leave a graphics card idle.
+    """Returns advice if a run with cameras would not use the graphics card.
 
-    `root` is the folder that the machine's files are looked up in. Without a card nothing is drawn.
+    `root` is the root folder of the machine's files. Without a card, no image is rendered.
     """
     backend = run.cameras.renderer.backend
     if backend == "auto":
         backend = os.environ.get("ROBOCELL_RENDERER", backend)
     if backend == "soft":  # on purpose
         return []
-    if not run.cameras.streams or not _core.graphics_advice(SOFTWARE, root):
+    if not (run.cameras.draw and run.cameras.streams) or not _core.graphics_advice(SOFTWARE, root):
         return []
     try:
         drawing = describe_gl()
@@ -121,25 +123,28 @@ def graphics_warnings(run: RunConfig, root: str = "/") -> list[str]:
 
 
 def main() -> int:
-    """The process."""
+    """Entry point of the process."""
     parser = argparse.ArgumentParser(prog="robocell.generate.check", description=__doc__)
     parser.add_argument("--set", action="append", default=[])
     RunSource.add_options(parser)
     arguments = parser.parse_args()
-    end_with_asker()
+    asker = Asker()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the process that asks has imported the modules, too
             run = RunSource.of(arguments).load(arguments.set)
         found = check_run(run) + graphics_warnings(run)
     except RAISED as error:
+        raise_interrupt(error)
         if not isinstance(error, Error | OSError) and not is_of_own_code(error):
             traceback.print_exc()  # a defect: the message alone does not say where
-        print(json.dumps({"failed": Failure.of(error).to_json()}))
+        asker.answer({"failed": Failure.of(error).to_json()})
         return 1
-    print(json.dumps({"warnings": found, "ffmpeg": _core.ffmpeg_answer()}))
+    asker.answer({"warnings": found, "ffmpeg": _core.ffmpeg_answer()})
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    ended_with = main()
+    end_in_time(ended_with, quiet=True)  # a user's threads are warned about where they matter
+    sys.exit(ended_with)

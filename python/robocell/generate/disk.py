@@ -22,20 +22,20 @@ TELLS_ROOM = "Make room and try again."  # see base/io_error.cc
 
 
 def free_bytes(folder: Path) -> int:
-    """What the disk has room for, of a folder that need not exist yet."""
+    """Returns the free bytes for a folder that may not exist yet."""
     return shutil.disk_usage(_nearest(folder)).free
 
 
 def _nearest(folder: Path) -> Path:
-    """The folder itself, or what there is of those that it is to be in."""
+    """Returns the folder itself, or its nearest existing parent."""
     absolute = folder.absolute()
     return next(path for path in (absolute, *absolute.parents) if path.exists())
 
 
 def require_no_file(folder: Path, place: str = "") -> None:
-    """IoError when a file stands where the folder, which need not exist yet, is to be.
+    """Raises IoError if a file has the path of the folder, which may not exist yet.
 
-    `place`: what messages begin with.
+    `place` begins the message.
     """
     for path in (folder, *folder.parents):
         if path.exists() and not path.is_dir():
@@ -46,9 +46,9 @@ def require_no_file(folder: Path, place: str = "") -> None:
 
 
 def require_writable(folder: Path, place: str = "") -> None:
-    """IoError when nothing can be written where the folder is or, when there is none yet, is to be.
+    """Raises IoError if the folder, or the nearest existing parent, is not writable.
 
-    Tries it with an empty folder, which it removes again. `place`: what messages begin with.
+    Tries it with an empty folder, which it removes again. `place` begins the message.
     """
     require_no_file(folder, place)
     there = _nearest(folder)
@@ -67,9 +67,9 @@ def require_writable(folder: Path, place: str = "") -> None:
 
 
 def _probe(folder: Path, make: Callable[[Path], Made]) -> tuple[Path, Made]:
-    """What is made to try it; named as what writers have not finished, which is cleaned up.
+    """Returns the path of the test folder; cleaning removes it like other unfinished writes.
 
-    A process of the same number in another container may be at it, or have left something.
+    A process with the same id in another container may use it, or have left one.
     """
     while True:
         path = _core.temporary_path(folder, "probe")
@@ -78,9 +78,9 @@ def _probe(folder: Path, make: Callable[[Path], Made]) -> tuple[Path, Made]:
 
 
 def flush(folder: Path) -> None:
-    """Brings the folder's entries to the disk; OSError when that fails.
+    """Flushes the folder's entries to the disk. Raises OSError on failure.
 
-    Some file systems have nothing to do for folders, and say so.
+    Some file systems do not flush folders; their error is ignored.
     """
     descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     try:
@@ -100,7 +100,7 @@ def with_trouble(message: str, trouble: str) -> str:
 
 
 def disk_trouble(folder: Path) -> str | None:
-    """Why nothing can be written into the folder, or None. Tries it with a small file."""
+    """Returns why the folder is not writable, or None. Tries it with a small file."""
     try:
         free = shutil.disk_usage(folder).free
         if free < FREE_BYTES_NEEDED:

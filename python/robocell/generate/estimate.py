@@ -1,4 +1,4 @@
-"""What a run will take (episodes, frames, bytes, time, memory), from a few episodes made aside."""
+"""Estimates a run (episodes, frames, bytes, time, memory) from a few temporary episodes."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from robocell._suggestions import counted
 from robocell.generate.items import counts_text
 from robocell.generate.own_process import ask_process
 from robocell.generate.probe import MOST_BLIND, Probe, Sample, spread
@@ -18,7 +19,7 @@ from robocell.generate.probe_folder import probe_folder
 from robocell.generate.procfs import peak_bytes
 from robocell.generate.protocol import Failure
 from robocell.generate.run_source import RunSource
-from robocell.generate.totals import counted, duration, size, time_hint
+from robocell.generate.totals import duration, size, time_hint
 
 LONGEST_S = 300.0
 
@@ -33,20 +34,20 @@ class ProbeError(Exception):
 
 @dataclass(frozen=True)
 class Estimate:
-    """What the items that are to do will take.
+    """Estimate for the remaining items.
 
     Attributes:
-        items: Of the plan, to do.
-        episodes: That will be kept.
-        successes: Of the items.
-        rows, frames: Of the episodes.
-        bytes: On the disk.
-        seconds: On this machine, with `workers` processes.
-        workers: As configured.
-        memory_bytes: Of this command, its workers and their encoders, at most.
-        tried, seen: Items that were made without and with cameras to know this.
-        reasons: Reason -> starts refused and rollouts failed among those that were tried.
-        advice: Why starts are refused and what would help, of an item of which none was accepted.
+        items: Remaining items of the plan.
+        episodes: Episodes that will be stored.
+        successes: Items expected to succeed.
+        rows, frames: Rows and frames of these episodes.
+        bytes: Size on the disk.
+        seconds: Time on this machine, with `workers` processes.
+        workers: Configured worker processes.
+        memory_bytes: Peak memory of this command, its workers and their encoders.
+        tried, seen: Items made without and with cameras for the estimate.
+        reasons: Reason -> rejected starts and failed rollouts of these items.
+        advice: Reason and remedy of rejected starts, for an item without an accepted one.
     """
 
     items: int
@@ -64,12 +65,12 @@ class Estimate:
     advice: str = ""
 
     def to_json(self) -> dict[str, Any]:
-        """As a JSON object."""
+        """Returns a JSON object."""
         # asdict makes pairs of a Counter's keys and values.
         return asdict(replace(self, reasons=Counter())) | {"reasons": dict(self.reasons)}
 
     def rows_of_text(self) -> dict[str, str]:
-        """Label -> text, in order."""
+        """Returns label -> text, in order."""
         share = f" ({self.successes} of {counted(self.items, 'item')} succeed)"
         failing = self.successes < self.items
         hint = time_hint(self.reasons) or self.advice if failing else ""
@@ -94,8 +95,8 @@ def estimate(
 ) -> Estimate:
     """Makes a few of the plan's items (by index) in a temporary folder and scales up.
 
-    `before_s` is what the command takes before it starts its workers. ProbeError when they cannot
-    be made.
+    `before_s` is the time before the command starts its workers. Raises ProbeError if the episodes
+    cannot be made.
     """
     tried = [indices[place] for place in spread(len(indices), MOST_BLIND)]
     with probe_folder() as folder:
@@ -112,12 +113,12 @@ def scaled(
     before_s: float = 0.0,
     own_bytes: int = 0,
 ) -> Estimate:
-    """From the items that were tried to all.
+    """Scales from the tried items to all.
 
-    Rows and bytes of the time series are those of the blind items; what cameras add to an item
+    Rows and bytes of the time series are those of the blind items. The share of cameras in an item
     (bytes of the files, seconds) is the difference between both kinds of the same items, in
-    proportion to their rows. `before_s` passes before there are workers; `own_bytes` is the
-    memory of the process that supervises them.
+    proportion to their rows. `before_s` passes before there are workers; `own_bytes` is the memory
+    of the process that supervises them.
     """
     blind, seeing = probe.blind, probe.seeing
     same = blind[: len(seeing)]
@@ -152,7 +153,7 @@ def scaled(
 
 
 def _with_cameras(probe: Probe, name: str) -> float:
-    """Of the items that were made blind, with what cameras would have added."""
+    """Returns a value of the blind items with the share that cameras would have added."""
     seeing = probe.seeing
     more = max(0.0, _sum(seeing, name) - _sum(probe.blind[: len(seeing)], name))
     per_rollout = more / max(1, _sum(seeing, "rollouts"))

@@ -1,4 +1,4 @@
-"""What travels between supervisor and worker: an item of the plan, and what became of it."""
+"""Messages between supervisor and worker: plan items and the records of their results."""
 
 from __future__ import annotations
 
@@ -17,36 +17,36 @@ class Item:
     index: int
 
     def to_json(self) -> dict[str, Any]:
-        """As a JSON object."""
+        """Returns a JSON object."""
         return asdict(self)
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Item:
-        """From a JSON object; KeyError when a key is missing."""
+        """Reads a JSON object. Raises KeyError for a missing key."""
         return cls(id=str(values["id"]), index=int(values["index"]))
 
 
 @dataclass(frozen=True)
-class ItemResult:
-    """What became of one item.
+class ItemRecord:
+    """Record of the result of one item: what workers send, and what `report.json` keeps.
 
     Attributes:
         id: The item's id.
         success: A successful episode is on the disk.
-        complete: Nothing is left to be made of it: success, or with `keep: first` any rollout.
+        complete: The item needs no more attempts: success, or with `keep: first` any rollout.
         stopped: The item was ended by a stop request; nothing was decided about it.
-        resumed: It was decided before: all its attempts are on the disk.
+        resumed: An earlier command decided it: all its attempts are on the disk.
         attempts: Starts sampled.
         accepted: Starts that the sampler accepted, that is rollouts.
-        undecided: Attempts that a stop request ended; they count nowhere else.
-        refusals: Reason -> number of starts refused.
-        advice: Why the last start was refused and what would help, when none was accepted.
-        redrawn: Reason -> number of places tried and given up within the attempts.
+        undecided: Attempts that a stop request ended; no other count includes them.
+        refusals: Reason -> number of rejected starts.
+        advice: Reason and remedy of the last rejected start, if none was accepted.
+        redrawn: Reason -> number of placements rejected within the attempts.
         failures: Reason -> number of rollouts that failed.
         rows: Rows of the episode.
         seconds: Stage (see `STAGES`) -> seconds spent in it.
-        robot: Its name.
-        object_kind: Of the last attempt's target; '' when the sampler does not say.
+        robot: Name of the robot.
+        object_kind: Kind of the last attempt's target; '' if unknown.
         kinds: Object kind -> attempts.
         rollouts: Object kind -> rollouts.
     """
@@ -71,8 +71,8 @@ class ItemResult:
     advice: str = ""
 
     @classmethod
-    def from_core(cls, result: Any) -> ItemResult:
-        """From an `ItemResult` of the runner."""
+    def from_core(cls, result: Any) -> ItemRecord:
+        """Converts the `ItemResult` of the runner."""
         return cls(
             id=result.item.id,
             success=result.committed and result.success,
@@ -100,17 +100,17 @@ class ItemResult:
         return {self.object_kind: 1} if self.success and self.object_kind else {}
 
     def to_json(self) -> dict[str, Any]:
-        """As a JSON object."""
+        """Returns a JSON object."""
         # asdict makes pairs of a Counter's keys and values.
         return {k: dict(v) if isinstance(v, Mapping) else v for k, v in vars(self).items()}
 
     @classmethod
-    def from_json(cls, values: Mapping[str, Any]) -> ItemResult:
-        """From a JSON object; TypeError for keys that a result does not have."""
+    def from_json(cls, values: Mapping[str, Any]) -> ItemRecord:
+        """Reads a JSON object. Raises TypeError for unknown keys."""
         return cls(**values)
 
     def why_unmade(self) -> str:
-        """'robot 'rc7', object 'mug': no success in 5 attempts: dropped 3, too far 2'."""
+        """Returns 'robot 'rc7', object 'mug': no success in 5 attempts: dropped 3, too far 2'."""
         if self.resumed:
             return "its attempts were used up before; all of them are kept, and none succeeded"
         reasons = counts_text({**self.refusals, **self.failures}) or "no reason was given"
@@ -133,7 +133,7 @@ def recorded_frames(described: Mapping[str, Any]) -> int:
 
 
 def counts_text(counts: Mapping[str, int], limit: int | None = None) -> str:
-    """'dropped 3, too far 2': the most frequent first; `limit` of them, then 'and 4 more'."""
+    """Returns 'dropped 3, too far 2': the most frequent first; after `limit`, 'and 4 more'."""
     ordered = sorted(counts.items(), key=lambda entry: (-entry[1], entry[0]))
     shown = [f"{reason} {count}" for reason, count in ordered[:limit]]
     hidden = sum(count for _, count in ordered[len(shown) :])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import platform
 import shlex
 from collections.abc import Callable, Sequence
@@ -39,7 +40,7 @@ from robocell.generate.report import (
     utc_now,
 )
 from robocell.generate.resume import DamagedEpisodesError, made_items, result_of
-from robocell.generate.run_source import RunSource
+from robocell.generate.run_source import RunSource, require_utf8
 from robocell.generate.signals import stop_on_signals
 from robocell.generate.supervisor import Limits, Outcome, Supervisor
 
@@ -47,21 +48,31 @@ TRIES = Limits().tries
 
 
 def first_few(names: Sequence[str], most: int = 5) -> str:
-    """'a, b, c', or 'a, b, c, d, e and 3 more'."""
+    """Returns 'a, b, c', or 'a, b, c, d, e and 3 more'."""
     more = f" and {len(names) - most} more" if len(names) > most else ""
     return ", ".join(names[:most]) + more
 
 
+def _decoded(override: str) -> str:
+    """Returns the value of an override as a text, without the quotes of a JSON string."""
+    text = override.partition("=")[2]
+    try:
+        value = json.loads(text)
+    except ValueError:
+        return text
+    return value if isinstance(value, str) else text
+
+
 @dataclass(frozen=True)
 class Result:
-    """How a job ended; `on_disk` of its items have an episode there."""
+    """How a job ended; `on_disk` is the number of its episodes on the disk."""
 
     outcome: Outcome
     on_disk: int
 
     @property
     def end(self) -> str:
-        """In one word."""
+        """The end in one word, such as 'complete'."""
         if self.outcome.fatal:
             return "failed"
         if self.outcome.interrupted:
@@ -73,12 +84,12 @@ class Job:
     """The items of a run, or of a shard of it.
 
     Args:
-        source: The run file, or what makes the configuration, with the modules to import.
+        source: The run file or the origin of the configuration, with the modules to import.
         overrides: Replaced fields, as in 'task.lift_height=0.05'.
         shard: 'i/N': every N-th item, beginning with the i-th. None: all.
         choose: Chooses the items of the plan that are made. None: all.
 
-    Raises SpecError for what the files say, ArgumentError for the shard.
+    Raises SpecError for errors in the files, ArgumentError for the shard.
     """
 
     def __init__(
@@ -90,6 +101,8 @@ class Job:
     ) -> None:
         self.source = source if isinstance(source, RunSource) else RunSource(str(source))
         self.overrides = tuple(overrides)
+        for override in self.overrides:
+            require_utf8(_decoded(override))
         self.run = self.source.load(overrides)
         self.dataset = Path(self.run.output)
         plan = make_plan(self.run)
@@ -106,12 +119,12 @@ class Job:
         return made_items(self.run, self._chosen)
 
     def check(self, longest_s: float = Limits.item_timeout_s) -> list[str]:
-        """SpecError with all that can be known to be wrong before the first episode.
+        """Checks the run and its dataset, and returns the warnings.
 
-        The run (see `robocell.diagnose.check_run`), or a dataset that is of another one. Writes
-        nothing. Returns warnings: what works and may yet not be meant, that a model crashed the
-        engine, or that it was not through after `longest_s` seconds.
-        IoError when the dataset cannot be written, or none of this could be found out.
+        The problems are those of the run (see `robocell.diagnose.check_run`) and of a dataset of
+        another run. Writes nothing. Returns warnings: valid but probably unintended settings, a
+        model that crashed the engine, or an unfinished check after `longest_s` seconds.
+        Raises IoError if the dataset is not writable, or if the check itself failed.
         """
         return self._look_through(longest_s).warnings
 
@@ -122,15 +135,14 @@ class Job:
         return found
 
     def _place_of_output(self) -> str:
-        """'run.yaml:3:9: '; empty for a folder that the command names."""
+        """Returns 'run.yaml:3:9: '; "" for a folder that the command names."""
         named = any(override.startswith("output=") for override in self.overrides)
         return "" if named else f"{self.run.location('output')}: "
 
     def reproduce(self, item: Item) -> str:
-        """The command that makes one item alone, in a folder beside the dataset.
+        """Returns the command that makes one item alone, in a folder beside the dataset.
 
-        Not in the dataset: it may be in use, and as a shard of another count the item would be
-        refused there.
+        The dataset itself may be in use, and would reject the item as a shard of another count.
         """
         if self.source.policy:
             return self._reproduce_evaluation(item)
@@ -143,18 +155,19 @@ class Job:
         return shlex.join(command)
 
     def _reproduce_evaluation(self, item: Item) -> str:
-        """All up to this one: a start follows from its number."""
+        """Returns the command for all items up to this one: a start follows from its number."""
         imports = [part for module in self.source.imports for part in ("--import", module)]
         alone = str(self.dataset.with_name(f"{self.dataset.name}_alone"))
-        options = ["--policy", self.source.policy, "-n", str(item.index + 1)]
+        options = ["--policy", self.source.policy, *self.source.acting.arguments()]
+        options += ["-n", str(item.index + 1)]
         seed = ["--seed", str(self.run.seed), "--output", alone]
         return shlex.join(["robocell", "evaluate", self.source.run, *imports, *options, *seed])
 
     def do(self, observer: Observer, limits: Limits | None = None) -> Result:
-        """Makes what is missing. SpecError as `check` does, before anything is written.
+        """Makes the missing episodes. Raises SpecError like `check`, before anything is written.
 
-        IoError and OSError when the dataset cannot be written or another process is at it. Ctrl-C
-        and SIGTERM stop it; see `Supervisor`.
+        Raises IoError or OSError if the dataset is not writable or in use. Ctrl-C and SIGTERM stop
+        it; see `Supervisor`.
         """
         limits = limits or Limits()
         observer = Unfailing(observer)
@@ -218,7 +231,7 @@ class Job:
             )
 
     def _given_up_before(self) -> set[str]:
-        """What the last command gave up because workers died or raised: it costs most again."""
+        """Returns the items that the last command gave up and that still have no result."""
         try:
             report = load(report_path(self.dataset, self.shard))
         except (OSError, DamagedReportError):
@@ -248,9 +261,9 @@ class Job:
         save(path, report)
 
     def _former_report(self, path: Path, observer: Observer) -> RunReport:
-        """What earlier commands of the same run reported; an empty report when there is nothing.
+        """Returns the report of earlier commands of the same run; an empty one without any.
 
-        A damaged one is set aside, and told.
+        A damaged report is set aside with a warning.
         """
         manifest = manifest_of_dataset(self.dataset)
         if manifest is None:

@@ -1,4 +1,4 @@
-"""Events of a supervisor for whoever watches it. Functions do nothing unless overridden."""
+"""Events of a supervisor, for observers. Functions do nothing unless overridden."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import contextlib
 import sys
 from collections.abc import Callable
 
-from robocell.generate.items import ItemResult
+from robocell.generate.items import ItemRecord
 from robocell.generate.totals import Totals, Unmade
 
 
@@ -14,71 +14,71 @@ class Observer:
     """Called from the supervisor's loop; must return quickly."""
 
     def started(self, totals: Totals) -> None:
-        """Before the first worker."""
+        """Called before the first worker starts."""
 
-    def episode(self, result: ItemResult, totals: Totals) -> None:
-        """An item was made, or its attempts are used up; `totals` includes it."""
+    def episode(self, result: ItemRecord, totals: Totals) -> None:
+        """Called when an item was made or used up its attempts; `totals` includes it."""
 
     def retry(self, item_id: str, reason: str, totals: Totals) -> None:
-        """An item will be made again by a fresh worker."""
+        """Called when a new worker will retry an item."""
 
     def unmade(self, unmade: Unmade, totals: Totals) -> None:
-        """An item was given up."""
+        """Called when an item is given up."""
 
     def warning(self, text: str) -> None:
-        """Something to know."""
+        """Called with a warning."""
 
     def stopping(self, reason: str, totals: Totals) -> None:
-        """No new items; the present ones are ended quickly."""
+        """Called when the run stops: no new items start, and present ones end soon."""
 
     def tick(self, totals: Totals) -> None:
-        """Several times a second."""
+        """Called several times a second."""
 
     def finished(self, totals: Totals) -> None:
-        """After the last worker has ended."""
+        """Called after the last worker has ended."""
 
 
 class Unfailing(Observer):
-    """Passes everything on until that fails: the run matters more than who watches it.
+    """Forwards events until the observer fails: the run matters more than its observers.
 
-    A closed pipe, a terminal that is gone, a log on a full disk: OSError, and the SystemExit that
-    rich makes of it. That is told on standard error, and nothing is passed on any more. Other
-    exceptions are defects and stay.
+    An observer fails with OSError, or the SystemExit that rich makes of it (a closed pipe, a lost
+    terminal, a log on a full disk). This is reported once on standard error, and forwarding stops.
+    Other exceptions are defects and propagate.
     """
 
     def __init__(self, observer: Observer) -> None:
         self._observer = observer
 
     def started(self, totals: Totals) -> None:
-        """Passed on."""
+        """Forwards the event."""
         self._pass(lambda to: to.started(totals))
 
-    def episode(self, result: ItemResult, totals: Totals) -> None:
-        """Passed on."""
+    def episode(self, result: ItemRecord, totals: Totals) -> None:
+        """Forwards the event."""
         self._pass(lambda to: to.episode(result, totals))
 
     def retry(self, item_id: str, reason: str, totals: Totals) -> None:
-        """Passed on."""
+        """Forwards the event."""
         self._pass(lambda to: to.retry(item_id, reason, totals))
 
     def unmade(self, unmade: Unmade, totals: Totals) -> None:
-        """Passed on."""
+        """Forwards the event."""
         self._pass(lambda to: to.unmade(unmade, totals))
 
     def warning(self, text: str) -> None:
-        """Passed on."""
+        """Forwards the event."""
         self._pass(lambda to: to.warning(text))
 
     def stopping(self, reason: str, totals: Totals) -> None:
-        """Passed on."""
+        """Forwards the event."""
         self._pass(lambda to: to.stopping(reason, totals))
 
     def tick(self, totals: Totals) -> None:
-        """Passed on."""
+        """Forwards the event."""
         self._pass(lambda to: to.tick(totals))
 
     def finished(self, totals: Totals) -> None:
-        """Passed on."""
+        """Forwards the event."""
         self._pass(lambda to: to.finished(totals))
 
     def _pass(self, call: Callable[[Observer], None]) -> None:
@@ -87,4 +87,5 @@ class Unfailing(Observer):
         except (OSError, SystemExit) as error:
             self._observer = Observer()
             with contextlib.suppress(OSError):
-                print(f"progress cannot be shown any more ({error}); going on", file=sys.stderr)
+                text = f"progress cannot be shown any more ({error}); the run continues"
+                print(text, file=sys.stderr)

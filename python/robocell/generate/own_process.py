@@ -1,21 +1,22 @@
-"""Processes of our own: their command, and those that do one thing and end with whoever asked.
+"""robocell's child processes: their command, and those that run one job and end with the caller.
 
     subprocess.Popen([*own_process("robocell.generate.work"), "--", "run.yaml"])
     done = ask_process("robocell.generate.check", ["--", "run.yaml"], longest_s=60)
 
-`python -m` would look for modules in the working folder first, so that somebody's `robocell.py` or
-`json.py` there were taken for ours.
+`python -m` would look for modules in the working folder first, and would import a user's
+`robocell.py` or `json.py` there.
 """
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import robocell
 
@@ -35,10 +36,11 @@ def own_process(module: str) -> list[str]:
 def ask_process(
     module: str, arguments: Sequence[str], longest_s: float
 ) -> subprocess.CompletedProcess[str]:
-    """Runs a module to its end and gives what it said; TimeoutExpired after `longest_s` seconds.
+    """Runs a module to its end and returns its answer, as standard output, and its errors.
 
-    It ends with this function, and with this process, however that ends: the module calls
-    `end_with_asker`. Ctrl-C in the terminal is this process's business and passes it by.
+    Raises TimeoutExpired after `longest_s` seconds. The module makes an `Asker`, with which it
+    answers: the child never outlives this function or process. It ignores Ctrl-C in the terminal,
+    which only this process handles.
     """
     held_by_it, held_here = os.pipe()
     try:
@@ -49,6 +51,7 @@ def ask_process(
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,
                 text=True,
+                errors="replace",  # a user's code may print any bytes
                 process_group=0,
             )
         finally:
@@ -64,12 +67,53 @@ def ask_process(
     return subprocess.CompletedProcess(process.args, process.returncode, out, err)
 
 
-def end_with_asker() -> None:
-    """Lets this process end as soon as nobody holds the other end of its standard input."""
-    threading.Thread(target=_end_at_end_of_input, name="asker", daemon=True).start()
+def take_stream(fd: int, instead: int | None = None) -> int:
+    """Returns a private copy of standard input or output, which no other program inherits.
+
+    The stream itself becomes a copy of `instead`, or is empty: a user's code and the programs that
+    it starts may read and write it.
+    """
+    private = os.dup(fd)
+    if instead is None:
+        nowhere = os.open(os.devnull, os.O_RDWR)
+        os.dup2(nowhere, fd)
+        os.close(nowhere)
+    else:
+        os.dup2(instead, fd)
+    to_close = [private]  # once: a child's child may have given the number to another file
+
+    def close() -> None:
+        while to_close:
+            os.close(to_close.pop())
+
+    # A process that a user's code forks would keep the pipe open, and hide this one's death.
+    os.register_at_fork(after_in_child=close)
+    return private
 
 
-def _end_at_end_of_input() -> NoReturn:
-    while os.read(0, 4096):
+def write_all(fd: int, data: bytes) -> None:
+    """Writes all bytes."""
+    while data:
+        data = data[os.write(fd, data) :]
+
+
+class Asker:
+    """The process that asked this one with `ask_process`, which ends once the asker is gone.
+
+    Standard input and output are empty from here on: what a user's code prints is no answer.
+    """
+
+    def __init__(self) -> None:
+        self._answers = take_stream(1)
+        asker = take_stream(0)
+        threading.Thread(target=_end_at_end_of, args=(asker,), name="asker", daemon=True).start()
+
+    def answer(self, content: Mapping[str, Any]) -> None:
+        """Sends the answer, a JSON object."""
+        write_all(self._answers, json.dumps(content).encode() + b"\n")
+
+
+def _end_at_end_of(fd: int) -> NoReturn:
+    while os.read(fd, 4096):
         pass
     os._exit(1)

@@ -1,10 +1,10 @@
 """`python -m robocell.generate.probe`: makes a few episodes of a run into a temporary folder.
 
-Started by `robocell.generate.estimate`, not by people; a process of its own, so that its memory is
-that of a worker. Prints one JSON object: a `Probe`, or {"failed": {...}}.
+`robocell.generate.estimate` starts it, in a separate process so that its memory is that of a
+worker. Answers with one JSON object: a `Probe`, or {"failed": {...}}.
 
-Without cameras an episode costs little and has the same rows, so many are made blind, and few as
-they are. Both kinds of the same episodes show what cameras add.
+Without cameras an episode costs little and has the same rows, so many are made blind, and few with
+cameras. The difference between both kinds of one episode is the share of cameras.
 """
 
 from __future__ import annotations
@@ -20,10 +20,11 @@ from pathlib import Path
 from typing import Any
 
 from robocell import Dataset, RunConfig
-from robocell._own_code import RAISED
+from robocell._ending import end_in_time
+from robocell._own_code import RAISED, raise_interrupt
 from robocell.generate import PlanItem, Runner, make_plan, prepare_dataset
 from robocell.generate.items import recorded_frames
-from robocell.generate.own_process import end_with_asker
+from robocell.generate.own_process import Asker
 from robocell.generate.procfs import MemoryWatch, age_s, children_peak_bytes, peak_bytes
 from robocell.generate.protocol import Failure
 from robocell.generate.run_source import RunSource
@@ -34,20 +35,20 @@ MOST_SEEING, SEEING_S = 2, 10.0
 
 @dataclass(frozen=True)
 class Sample:
-    """What one item of the plan came to.
+    """Measurements of one item of the plan.
 
     Attributes:
         success: A successful episode was made.
         kept: Episodes on the disk.
         rollouts: Starts that were acted on.
-        rows: Of the episodes on the disk.
-        frames: The same.
-        bytes: Of all their files.
-        video_bytes: Of their videos.
-        seconds: It took.
-        cpu_seconds: Of all cores, with the encoders.
-        reasons: Reason -> starts refused and rollouts failed.
-        advice: Why starts are refused and what would help, when none was accepted.
+        rows: Rows of the episodes on the disk.
+        frames: Frames of these episodes.
+        bytes: Size of all their files.
+        video_bytes: Size of their videos.
+        seconds: Elapsed time.
+        cpu_seconds: Time of all cores, with the encoders.
+        reasons: Reason -> rejected starts and failed rollouts.
+        advice: Reason and remedy of rejected starts, if none was accepted.
     """
 
     success: bool
@@ -65,14 +66,14 @@ class Sample:
 
 @dataclass(frozen=True)
 class Probe:
-    """What was measured.
+    """Measurements of a probe.
 
     Attributes:
         blind: Items without cameras.
         seeing: The first of them with cameras.
-        start_s: From the start of the process until the first item could be begun.
-        worker_bytes: Most memory of this process.
-        encoder_bytes: Most memory of its encoders, together.
+        start_s: Time from the start of the process to the start of the first item.
+        worker_bytes: Peak memory of this process.
+        encoder_bytes: Peak memory of its encoders, together.
     """
 
     blind: Sequence[Sample]
@@ -83,7 +84,7 @@ class Probe:
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Probe:
-        """From a JSON object."""
+        """Reads a JSON object."""
         samples = {kind: [Sample(**sample) for sample in values[kind]] for kind in KINDS}
         return cls(**{**values, **samples})
 
@@ -92,7 +93,7 @@ KINDS = ("blind", "seeing")
 
 
 def spread(count: int, most: int) -> list[int]:
-    """At most `most` indices of `count` items, evenly over all of them."""
+    """Returns at most `most` of `count` indices, evenly spaced."""
     taken = min(count, most)
     return [index * count // taken for index in range(taken)]
 
@@ -101,7 +102,7 @@ def measure(
     source: RunSource, overrides: Sequence[str], indices: Sequence[int], folder: Path
 ) -> Probe:
     """Makes these items of the plan: blind first, then some of them again with their cameras."""
-    blind_run = _load(source, [*overrides, "cameras.streams=[]"], folder / "blind")
+    blind_run = _load(source, [*overrides, "cameras.draw=false"], folder / "blind")
     plan = make_plan(blind_run)
     items = [plan[index] for index in indices]
     start_s = age_s()
@@ -118,7 +119,7 @@ def _load(source: RunSource, overrides: Sequence[str], folder: Path) -> RunConfi
 
 
 def _make(run: RunConfig, items: Sequence[PlanItem], budget_s: float) -> list[Sample]:
-    """As many of the items as the time allows, at least one."""
+    """Makes as many items as the time allows, at least one."""
     prepare_dataset(run, validate=False)  # who asks has done that
     runner, folder = Runner(run), Path(run.output)
     samples: list[Sample] = []
@@ -160,23 +161,26 @@ def _cpu_seconds() -> float:
 
 
 def main() -> int:
-    """The process."""
+    """Entry point of the process."""
     parser = argparse.ArgumentParser(prog="robocell.generate.probe", description=__doc__)
     parser.add_argument("--set", action="append", default=[])
     parser.add_argument("--item", action="append", type=int, required=True)
     RunSource.add_options(parser)
     parser.add_argument("folder", type=Path)
     arguments = parser.parse_args()
-    end_with_asker()
+    asker = Asker()
     try:
         source = RunSource.of(arguments)
         probe = measure(source, arguments.set, arguments.item, arguments.folder)
     except RAISED as error:
-        print(json.dumps({"failed": Failure.of(error).to_json()}))
+        raise_interrupt(error)
+        asker.answer({"failed": Failure.of(error).to_json()})
         return 1
-    print(json.dumps(asdict(probe)))
+    asker.answer(asdict(probe))
     return 0
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    ended_with = main()
+    end_in_time(ended_with, quiet=True)  # a user's threads are warned about where they matter
+    sys.exit(ended_with)

@@ -1,9 +1,9 @@
-"""A folder for what is made to know what a run takes; nothing of it stays.
+"""A temporary folder for the episodes of an estimate.
 
     with probe_folder() as folder:
         ...  # write into it
 
-Also sweeps away what commands that were killed have left. The living hold a lock in theirs.
+Also removes the folders of killed commands. Running processes hold a lock in theirs.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ LOCK = ".lock"
 
 @contextmanager
 def probe_folder() -> Iterator[Path]:
-    """An empty folder but for its lock, among the system's temporary ones."""
+    """Context manager: an empty folder but for its lock, among the temporary ones."""
     _sweep(Path(tempfile.gettempdir()))
     folder, lock = _make()
     with closing(lock):
@@ -35,7 +35,7 @@ def probe_folder() -> Iterator[Path]:
 
 
 def _make() -> tuple[Path, BinaryIO]:
-    """Between its making and its locking a folder looks like one that was left; then another."""
+    """Makes and locks a folder; another one if it was removed as a leftover before its lock."""
     while True:
         folder = Path(tempfile.mkdtemp(prefix=PREFIX))
         lock = (folder / LOCK).open("xb")
@@ -50,7 +50,7 @@ def _make() -> tuple[Path, BinaryIO]:
 
 
 def _lock(file: BinaryIO) -> bool:
-    """False when somebody else has it; OSError on a file system without locks."""
+    """Returns False if another process has it. Raises OSError on a file system without locks."""
     try:
         fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
     except BlockingIOError:

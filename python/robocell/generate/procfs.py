@@ -1,12 +1,12 @@
-"""What processes take, as the system counts it: memory and time.
+"""Memory and time of processes, as the kernel counts them.
 
     with MemoryWatch(children_peak_bytes) as watch:
         encode()
-    watch.bytes  # most that the children of this process had at one time
-    peak_bytes()  # most that this process ever had
-    age_s()  # since this process was started
+    watch.bytes  # peak memory of the children of this process, together
+    peak_bytes()  # peak memory of this process
+    age_s()  # age of this process
 
-`getrusage` would count what a child shared with us before it became another program.
+`getrusage` would count the memory that a child shared with us before it executed a program.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ LOOK_EVERY_S = 0.05
 
 
 def peak_bytes(pid: int | str = "self") -> int:
-    """Most memory that a process has had so far; 0 when it is gone."""
+    """Returns the peak memory of a process; 0 if it has ended."""
     try:
         lines = Path(f"/proc/{pid}/status").read_text().splitlines()
     except OSError:
@@ -32,27 +32,27 @@ def peak_bytes(pid: int | str = "self") -> int:
 
 
 def children(pid: int) -> list[int]:
-    """The programs that a process started and that run.
+    """Returns the child processes that have executed a program.
 
-    Without a child that is about to become another program: it still shares its parent's memory.
+    A child that has not executed its program yet still shares its parent's memory.
     """
     own = _command(pid)
     return [child for child in _started_by(pid) if _command(child) not in (own, b"")]
 
 
 def age_s() -> float:
-    """Since this process was started, before it was Python."""
+    """Returns the age of this process in seconds, including the start of Python."""
     started = int(_stat("self")[19]) / os.sysconf("SC_CLK_TCK")
     return time.clock_gettime(time.CLOCK_BOOTTIME) - started
 
 
 def children_peak_bytes() -> int:
-    """Of all children of this process, see `peak_bytes`."""
+    """Returns the sum of `peak_bytes` over all children of this process."""
     return sum(map(peak_bytes, children(os.getpid())))
 
 
 def _started_by(pid: int) -> list[int]:
-    """The kernel's own lists, one for each thread; where it keeps none, the parents of all."""
+    """Returns the kernel's lists of children, one for each thread; else by the parents of all."""
     try:
         lists = [path.read_text() for path in Path(f"/proc/{pid}/task").glob("*/children")]
     except OSError:
@@ -77,7 +77,7 @@ def _with_parent(pid: int) -> list[int]:
 
 
 def _stat(pid: str) -> list[str]:
-    """The fields after the name, proc(5)'s third and up."""
+    """Returns the fields after the name, proc(5)'s third and up."""
     return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()
 
 
@@ -90,13 +90,13 @@ def _command(pid: int) -> bytes:
 
 
 class MemoryWatch:
-    """Looks again and again how many bytes something takes; see above.
+    """Samples a byte count repeatedly and keeps the maximum; see above.
 
     Args:
-        count: What they are now, such as `children_peak_bytes`.
+        count: Function that returns the present count, such as `children_peak_bytes`.
 
     Attributes:
-        bytes: The most it was.
+        bytes: Largest sample.
     """
 
     def __init__(self, count: Callable[[], int]) -> None:

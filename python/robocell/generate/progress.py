@@ -1,4 +1,4 @@
-"""How a run shows itself while it goes on: a bar, plain lines, or JSON lines.
+"""Progress of a run: a bar, plain lines, or JSON lines.
 
 Bar and lines go to standard error, so that standard output holds results only; JSON lines go to
 standard output. Events and their keys: docs/generate.md.
@@ -15,10 +15,11 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn, TextColumn
 from rich.text import Text
 
-from robocell.generate.items import ItemResult, counts_text
+from robocell._suggestions import counted
+from robocell.generate.items import ItemRecord, counts_text
 from robocell.generate.observer import Observer
 from robocell.generate.streams import leave, unforgiving
-from robocell.generate.totals import Totals, Unmade, agreeing, counted, duration, percent
+from robocell.generate.totals import Totals, Unmade, duration, percent
 
 ProgressStyle = Literal["auto", "bar", "plain", "jsonl"]
 
@@ -27,7 +28,7 @@ PLAIN_INTERVAL_S = 5.0
 
 
 def make_progress(style: ProgressStyle) -> Observer:
-    """`auto`: a bar on a terminal, else plain lines."""
+    """Kinds of progress output; `auto` is a bar on a terminal, else plain lines."""
     if style == "jsonl":
         return JsonLines(unforgiving(sys.stdout))  # so that a closed pipe is an error
     if style == "bar" or (style == "auto" and sys.stderr.isatty()):
@@ -36,7 +37,7 @@ def make_progress(style: ProgressStyle) -> Observer:
 
 
 def status(totals: Totals) -> str:
-    """'120/h, 3 min 20 s left, success 95 %, refused: too far 3, failed: dropped 1'."""
+    """Returns '120/h, 3 min 20 s left, success 95 %, refused: too far 3, failed: dropped 1'."""
     parts = [
         f"{totals.per_hour:.0f}/h",
         f"{duration(totals.eta_s)} left",
@@ -50,20 +51,19 @@ def status(totals: Totals) -> str:
 
 
 def beginning(totals: Totals) -> str:
-    """What a run is about to do."""
-    verb = agreeing(totals.already, "is", "are")
-    before = f" ({totals.already} {verb} there)" if totals.already else ""
+    """Describes the plan of a run."""
+    before = f" ({totals.already} on the disk)" if totals.already else ""
     return f"{counted(totals.planned, 'episode')}{before}, {counted(totals.workers, 'worker')}"
 
 
 def unmade_text(unmade: Unmade) -> str:
-    """Why an item was given up, and how to try it alone."""
+    """Explains why an item was given up and how to retry it."""
     remedy = f"\n  try it alone: {unmade.reproduce}" if unmade.reproduce else ""
     return f"{unmade.id} could not be made: {unmade.reason}{remedy}"
 
 
 def print_line(text: str, file: TextIO) -> None:
-    """Prints the line, at once. OSError when nobody reads it any more, or the disk is full."""
+    """Prints the line at once. Raises OSError if its reader is gone or the disk is full."""
     try:
         print(text, file=file, flush=True)
     except OSError:
@@ -72,30 +72,30 @@ def print_line(text: str, file: TextIO) -> None:
 
 
 class Lines(Observer):
-    """What bar and plain lines have in common: what is worth a line of its own."""
+    """Messages common to bar and plain lines."""
 
     def say(self, text: str, style: str = "") -> None:
         """Shows a line; `style` is one of rich's."""
         raise NotImplementedError
 
     def started(self, totals: Totals) -> None:
-        """Says what will be done."""
+        """Prints the plan."""
         self.say(beginning(totals))
 
     def retry(self, item_id: str, reason: str, totals: Totals) -> None:
-        """Says which item is made again, and why."""
+        """Prints the retried item and the reason."""
         self.say(f"{item_id} is made again: {reason}", "yellow")
 
     def unmade(self, unmade: Unmade, totals: Totals) -> None:
-        """Says which item is given up, and why."""
+        """Prints the item that is given up, and the reason."""
         self.say(unmade_text(unmade), "red")
 
     def warning(self, text: str) -> None:
-        """Says it."""
+        """Prints the warning."""
         self.say(text, "yellow")
 
     def stopping(self, reason: str, totals: Totals) -> None:
-        """Says that the run will end."""
+        """Prints that the run will end."""
         self.say(
             f"stopping ({reason}); finished episodes are kept; interrupt again to kill", "yellow"
         )
@@ -113,7 +113,7 @@ class PlainLines(Lines):
         """Prints the line."""
         print_line(text, self._file)
 
-    def episode(self, result: ItemResult, totals: Totals) -> None:
+    def episode(self, result: ItemRecord, totals: Totals) -> None:
         """Prints the state unless it was printed just now, or the final one is about to be."""
         over = totals.done + len(totals.unmade) >= totals.planned
         if time.monotonic() >= self._next and not over:
@@ -154,7 +154,7 @@ class Bar(Lines):
         self._progress.start()
 
     def tick(self, totals: Totals) -> None:
-        """Brings the bar up to date."""
+        """Updates the bar."""
         shown = "starting" if not totals.attempts else status(totals)
         self._progress.update(self._task, completed=totals.done, status=shown)
 
@@ -165,37 +165,37 @@ class Bar(Lines):
 
 
 class JsonLines(Observer):
-    """One JSON object per event, with the key `event`."""
+    """Prints one JSON object per event, with the key `event`."""
 
     def __init__(self, file: TextIO) -> None:
         self._file = file
 
     def started(self, totals: Totals) -> None:
-        """Event `started`."""
+        """Prints the event `started`."""
         self._write("started", totals=totals.to_json(), workers=totals.workers)
 
-    def episode(self, result: ItemResult, totals: Totals) -> None:
-        """Event `episode`."""
+    def episode(self, result: ItemRecord, totals: Totals) -> None:
+        """Prints the event `episode`."""
         self._write("episode", result=result.to_json(), totals=totals.to_json())
 
     def retry(self, item_id: str, reason: str, totals: Totals) -> None:
-        """Event `retry`."""
+        """Prints the event `retry`."""
         self._write("retry", id=item_id, reason=reason)
 
     def unmade(self, unmade: Unmade, totals: Totals) -> None:
-        """Event `unmade`."""
+        """Prints the event `unmade`."""
         self._write("unmade", id=unmade.id, reason=unmade.reason, reproduce=unmade.reproduce)
 
     def warning(self, text: str) -> None:
-        """Event `warning`."""
+        """Prints the event `warning`."""
         self._write("warning", text=text)
 
     def stopping(self, reason: str, totals: Totals) -> None:
-        """Event `stopping`."""
+        """Prints the event `stopping`."""
         self._write("stopping", reason=reason)
 
     def finished(self, totals: Totals) -> None:
-        """Event `finished`."""
+        """Prints the event `finished`."""
         self._write("finished", totals=totals.to_json())
 
     def _write(self, event: str, **values: Any) -> None:

@@ -7,7 +7,7 @@ From the supervisor, on the worker's standard input:
 
 From the worker, on what was its standard output:
     {"ready": true}                     the run is loaded; hand me an item
-    {"done": {...}}                     an ItemResult; hand me the next
+    {"done": {...}}                     an ItemRecord; hand me the next
     {"failed": {...}}                   a Failure: the item in hand raised; the worker exits
     {"refused": {...}}                  a Failure: the run cannot be loaded; the worker exits
 """
@@ -23,18 +23,18 @@ FailureKind = Literal["spec", "io", "other"]
 
 
 class ProtocolError(Exception):
-    """The other side sent something that is no message."""
+    """The other process sent an invalid message."""
 
 
 @dataclass(frozen=True)
 class Failure:
-    """An exception, told to the other process.
+    """An exception, sent to the other process.
 
     Attributes:
-        kind: 'spec' when what the user wrote is wrong, 'io' for the disk and child processes.
-        message: What to tell the user.
-        trace: The lines of a user's own code that lead to the place in the message, which are shown
-            in place of the worker's log; None when the log is to be shown.
+        kind: 'spec' for an error in the user's files, 'io' for the disk and child processes.
+        message: Text for the user.
+        trace: Traceback lines in a user's own code, shown instead of the worker's log; None shows
+            the log.
     """
 
     kind: FailureKind
@@ -45,10 +45,10 @@ class Failure:
     def of(cls, error: BaseException, *, loading: bool = False) -> Failure:
         """Sorts an exception; one of a user's code comes with class, file and line.
 
-        What is raised while a run is loaded says itself where in the run it is.
+        Errors while a run is loaded already name the place in the run.
         """
         from robocell import ArgumentError, Error, NotFoundError, SpecError
-        from robocell.generate.run_source import (
+        from robocell._raised import (
             ends_with_place,
             is_of_users,
             own_trace,
@@ -66,23 +66,23 @@ class Failure:
         return cls(kind, message, own_trace(error) if ends_with_place(message) else None)
 
     def error(self) -> Exception:
-        """An exception to raise in its stead: SpecError, IoError or Error."""
+        """Returns the exception to raise here: SpecError, IoError or Error."""
         from robocell import Error, IoError, SpecError
 
         return {"spec": SpecError, "io": IoError, "other": Error}[self.kind](self.message)
 
     def to_json(self) -> dict[str, Any]:
-        """As a JSON object."""
+        """Returns a JSON object."""
         return asdict(self)
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Failure:
-        """From a JSON object."""
+        """Reads a JSON object."""
         return cls(**values)
 
 
 def encode(message: Mapping[str, Any]) -> bytes:
-    """A message as a line."""
+    """Returns a message as a line."""
     return json.dumps(message, separators=(",", ":")).encode() + b"\n"
 
 
@@ -93,7 +93,7 @@ class LineReader:
         self._rest = b""
 
     def feed(self, data: bytes) -> Iterator[dict[str, Any]]:
-        """The messages completed by `data`; ProtocolError for a line that is no JSON object."""
+        """Returns the messages completed by `data`. Raises ProtocolError for an invalid line."""
         *lines, self._rest = (self._rest + data).split(b"\n")
         for line in lines:
             try:

@@ -1,7 +1,7 @@
-"""`report.json`: what the commands that made a dataset did, for people and machines.
+"""`report.json`: the results of the commands that made a dataset, for people and programs.
 
-It stands beside the episodes and nothing of theirs depends on it: how many episodes there are is
-counted on the disk. A shard has a report of its own, `report-3-of-8.json`.
+It is stored beside the episodes, which do not depend on it: the number of episodes is counted on
+the disk. A shard has its own report, `report-3-of-8.json`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from robocell import _core
-from robocell.generate.items import ItemResult
+from robocell.generate.items import ItemRecord
 from robocell.generate.totals import Totals, Unmade, one_after_the_other, side_by_side
 
 FORMAT = "robocell-report"
@@ -30,14 +30,14 @@ class DamagedReportError(Exception):
 
 @dataclass(frozen=True)
 class Command:
-    """One `robocell generate`.
+    """One invocation of `robocell generate`.
 
     Attributes:
         started, finished: UTC, ISO 8601.
-        host: The machine.
+        host: Name of the machine.
         end: 'complete', 'incomplete', 'interrupted' or 'failed'.
-        reason: Why it failed, or ''.
-        totals: What it did.
+        reason: Reason of the failure, or ''.
+        totals: Counts of the command.
     """
 
     started: str
@@ -48,27 +48,27 @@ class Command:
     totals: Totals
 
     def to_json(self) -> dict[str, Any]:
-        """As a JSON object."""
+        """Returns a JSON object."""
         return {**vars(self), "totals": self.totals.record()}
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> Command:
-        """From a JSON object."""
+        """Reads a JSON object."""
         return cls(**{**values, "totals": Totals.from_record(values["totals"])})
 
 
 @dataclass
 class RunReport:
-    """The account of a run, or of a shard of it.
+    """The report of a run, or of a shard of it.
 
     Attributes:
         run: Its name.
         identity: SHA-256 of what identifies the run (`robocell.generate.run_identity`).
         shard: (i, N) of 'i/N'.
-        versions: Of the parts that make the episodes.
-        commands: The oldest first. One that was killed is missing.
-        episodes: What is known of the items that were decided, by their ids, in the plan's order.
-        houses: `scenes.houses` of the last command; None in a report of an older robocell.
+        versions: Versions of the software that makes the episodes.
+        commands: The commands, oldest first, without killed ones.
+        episodes: Results of the decided items, by id, in the plan's order.
+        houses: `scenes.houses` of the last command; None in a report of an older robocell version.
     """
 
     run: str
@@ -76,30 +76,30 @@ class RunReport:
     shard: tuple[int, int]
     versions: Mapping[str, str]
     commands: list[Command] = field(default_factory=list)
-    episodes: dict[str, ItemResult] = field(default_factory=dict)
+    episodes: dict[str, ItemRecord] = field(default_factory=dict)
     houses: list[int] | None = None
 
     @property
     def totals(self) -> Totals:
-        """Of all its commands; without any, which `generate` never writes, nothing."""
+        """Totals over all commands."""
         totals = [command.totals for command in self.commands]
         return one_after_the_other(totals) if totals else Totals(planned=0, started=0.0, ended=0.0)
 
     @property
     def places(self) -> range:
-        """Where its items stand in the plan; nowhere without a command that asked for them."""
+        """Positions of its items in the plan; empty without a command."""
         index, count = self.shard
         planned = self.commands[-1].totals.planned if self.commands else 0
         return range(index, index + count * planned, count)
 
-    def add(self, command: Command, results: Sequence[ItemResult], order: Sequence[str]) -> None:
-        """Appends what a command did; `order` are the ids of the plan."""
+    def add(self, command: Command, results: Sequence[ItemRecord], order: Sequence[str]) -> None:
+        """Appends a command; `order` are the ids of the plan."""
         self.commands.append(command)
         known = {**self.episodes, **{result.id: result for result in results}}
         self.episodes = {name: known[name] for name in order if name in known}
 
     def to_json(self) -> dict[str, Any]:
-        """As a JSON object."""
+        """Returns a JSON object."""
         return {
             "format": FORMAT,
             "format_version": FORMAT_VERSION,
@@ -114,12 +114,12 @@ class RunReport:
 
     @classmethod
     def from_json(cls, values: Mapping[str, Any]) -> RunReport:
-        """From a JSON object; DamagedReportError for anything else."""
+        """Reads a JSON object. Raises DamagedReportError for anything else."""
         try:
             if values["format"] != FORMAT or values["format_version"] != FORMAT_VERSION:
                 raise DamagedReportError(f"it is no {FORMAT} of version {FORMAT_VERSION}")
             shard, count = values["shard"]
-            results = [ItemResult.from_json(result) for result in values["episodes"]]
+            results = [ItemRecord.from_json(result) for result in values["episodes"]]
             houses = values.get("houses")
             return cls(
                 run=str(values["run"]),
@@ -135,19 +135,19 @@ class RunReport:
 
 
 def report_path(dataset: Path, shard: tuple[int, int] = (0, 1)) -> Path:
-    """Where the report of a shard stands."""
+    """Returns the path of a shard's report."""
     index, count = shard
     return dataset / ("report.json" if count == 1 else f"report-{index}-of-{count}.json")
 
 
 def report_paths(dataset: Path) -> list[Path]:
-    """The reports that a dataset has, the whole run's first."""
+    """Returns the reports of a dataset, the whole run's first."""
     whole = report_path(dataset)
     return [path for path in (whole, *sorted(dataset.glob("report-*-of-*.json"))) if path.is_file()]
 
 
 def load(path: Path) -> RunReport:
-    """Reads a report. OSError when there is none; DamagedReportError with its path."""
+    """Reads a report. Raises OSError without a file, DamagedReportError with its path."""
     try:
         text = path.read_bytes().decode()
         if damage := _core.json_damage(text):
@@ -158,22 +158,22 @@ def load(path: Path) -> RunReport:
 
 
 def save(path: Path, report: RunReport) -> None:
-    """Replaces a report in one step; OSError when the disk fails."""
+    """Replaces a report in one step. Raises OSError if the disk fails."""
     values = {**report.to_json(), **UNSIGNED}
     text = _core.sign_json(json.dumps(values, indent=1) + "\n")
     _core.atomic_write(path, text.encode())
 
 
 def set_aside(path: Path) -> Path:
-    """Moves a report to where its dataset keeps what is damaged; OSError when that fails."""
+    """Moves a report to its dataset's folder of damaged files. Raises OSError on failure."""
     return path.parent / _core.set_aside(path.parent, path.name)
 
 
 def whole(reports: Sequence[RunReport]) -> Totals:
-    """Of all reports of a dataset; items that several of them have count once.
+    """Returns the totals of all reports of a dataset; counts each item once.
 
-    Shards ran side by side. A report of items that others have too is of a command that tried them
-    again later, such as the one that is told with an item that could not be made.
+    Shards ran in parallel. If several reports contain an item, a later command retried it, for
+    example the command printed for a failed item.
     """
     planned: set[int] = set()
     shards: list[Totals] = []
@@ -189,19 +189,19 @@ def whole(reports: Sequence[RunReport]) -> Totals:
 
 
 def _unmade(reports: Sequence[RunReport]) -> list[Unmade]:
-    """The items that none of the reports knows as made."""
+    """Returns the items that no report lists as made."""
     told = [unmade for report in reports for unmade in report.totals.unmade]
     made = {item.id for report in reports for item in report.episodes.values() if item.success}
     return list({unmade.id: unmade for unmade in told if unmade.id not in made}.values())
 
 
 def identity_hash(identity: str) -> str:
-    """SHA-256 of what identifies a run."""
+    """Returns the SHA-256 of the text that identifies a run."""
     return hashlib.sha256(identity.encode()).hexdigest()
 
 
 def utc_now() -> str:
-    """'2026-01-31T12:00:00+00:00'."""
+    """Returns the time as '2026-01-31T12:00:00+00:00'."""
     return datetime.now(UTC).isoformat(timespec="seconds")
 
 

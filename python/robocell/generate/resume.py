@@ -1,4 +1,4 @@
-"""Which items of a plan are on the disk already. The disk is judged in C++; see on_disk.h."""
+"""Finds plan items that are already on the disk. C++ judges the disk; see on_disk.h."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from typing import Any
 from robocell import Error, RunConfig
 from robocell.data import Episode
 from robocell.generate import PlanItem, items_on_disk
-from robocell.generate.items import ItemResult
+from robocell.generate.items import ItemRecord
 
 
 class DamagedEpisodesError(Exception):
-    """Something on the disk has an episode's name and is no whole episode of the run.
+    """A file or folder has an episode's name but is not a complete episode of the run.
 
     Attributes:
-        made: The ids of the items that are there all the same.
+        made: Ids of the completed items.
     """
 
     def __init__(self, text: str, made: Iterable[str] = ()) -> None:
@@ -26,9 +26,9 @@ class DamagedEpisodesError(Exception):
 
 
 def made_items(run: RunConfig, items: Sequence[PlanItem]) -> set[str]:
-    """The ids of the items of which nothing is left to be made in the run's dataset.
+    """Returns the ids of the completed items in the run's dataset.
 
-    DamagedEpisodesError names what stands in the way of the others.
+    Raises DamagedEpisodesError with the entries that block the others.
     """
     made, broken = items_on_disk(run, list(items))
     if broken:
@@ -36,11 +36,11 @@ def made_items(run: RunConfig, items: Sequence[PlanItem]) -> set[str]:
     return set(made)
 
 
-def result_of(run: RunConfig, item: PlanItem) -> ItemResult | None:
-    """What the disk says of an item of which nothing is left to be made; of others None.
+def result_of(run: RunConfig, item: PlanItem) -> ItemRecord | None:
+    """Returns the result of a completed item as read from the disk; None for others.
 
-    As the worker would have reported it, but for its times and the places tried within attempts.
-    What cannot be read counts as none.
+    It equals the worker's result, but has no times and no placements within attempts. Unreadable
+    items count as missing.
     """
     try:
         if item.id not in items_on_disk(run, [item])[0]:
@@ -51,19 +51,19 @@ def result_of(run: RunConfig, item: PlanItem) -> ItemResult | None:
 
 
 def _success_of(run: RunConfig, item: PlanItem) -> Episode:
-    """The item's successful episode; with failures kept, the last of its attempts."""
+    """Returns the item's successful episode; with stored failures, the last attempt's."""
     output = Path(run.output)
     attempts = [file.parent for file in output.glob(f"{item.id}_a*/episode.json")]
     return Episode(max(attempts, key=_number_of_attempt, default=output / item.id))
 
 
 def _number_of_attempt(folder: Path) -> int:
-    """100 of 's0000_e0001_a100', which comes after '..._a99'."""
+    """Returns 100 for 's0000_e0001_a100', which comes after '..._a99'."""
     number = folder.name.rpartition("_a")[2]
     return int(number) if number.isdecimal() else -1
 
 
-def _result(run: RunConfig, item: PlanItem, episode: Episode) -> ItemResult:
+def _result(run: RunConfig, item: PlanItem, episode: Episode) -> ItemRecord:
     metadata: Any = episode.metadata
     kind = next(iter(metadata["object_kinds"]), "")
     earlier: list[dict[str, Any]] = metadata.get("earlier_attempts", [])
@@ -72,7 +72,7 @@ def _result(run: RunConfig, item: PlanItem, episode: Episode) -> ItemResult:
     rollouts = [*(attempt["object_kind"] for attempt in failed), kind]
     refused = [attempt for attempt in earlier if "refused" in attempt]
     kinds = [*(attempt["object_kind"] for attempt in refused), *rollouts]
-    return ItemResult(
+    return ItemRecord(
         item.id,
         success=episode.success,
         complete=True,

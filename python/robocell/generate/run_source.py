@@ -1,9 +1,9 @@
-"""Where a run comes from: a run file, or a configuration made in Python, and the modules it needs.
+"""The source of a run: a run file or a configuration made in Python, and the modules it needs.
 
     RunSource("run.yaml", imports=("my_tasks",)).load(["seed=2"])
     RunSource("my_tasks.py:my_config").load()
 
-Modules are imported only here, for a run that somebody starts: never because a dataset names them.
+Modules are imported only here, for a run that a user starts: never because a dataset names them.
 """
 
 from __future__ import annotations
@@ -12,78 +12,95 @@ import argparse
 import contextlib
 import importlib
 import importlib.util
-import re
 import sys
-import sysconfig
-import traceback
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from types import ModuleType
-from typing import TypeGuard
 
-from robocell import Error, NotFoundError, RunConfig, SpecError
+from robocell import ArgumentError, Error, NotFoundError, RunConfig, SpecError
 from robocell._core import imports_of_run_file, load_plugin
 from robocell._extras import needed_modules
-from robocell._own_code import RAISED, is_own, set_modules_of_run
+from robocell._own_code import RAISED, raise_interrupt, set_modules_of_run
+from robocell._raised import place_of
 from robocell._suggestions import did_you_mean, shortened
 from robocell.generate import Keep
+from robocell.policy_options import PolicyOptions, is_url
+
+_NO_CONFIGURATION = " Name a RunConfig in it, or a function that returns one."
+_WITH_IMPORT = "name it with --import"  # of the messages about unknown kinds
 
 
 @dataclass(frozen=True)
 class RunSource:
-    """What a command was given.
+    """The run that a command was given.
 
     Attributes:
         run: A run file, or `module:name` or `file.py:name` of a RunConfig or of a function that
             makes one.
         imports: Modules to import first, by name or file, which register tasks, experts, scene
             sources, samplers or features; shared libraries (`.so`) that do so are loaded.
-        policy: Who is evaluated in the run, as `robocell evaluate` names it; "" for generation.
+        policy: The policy to evaluate, as `robocell evaluate` names it; "" for generation.
+        acting: How the policy is asked for actions.
     """
 
     run: str
     imports: tuple[str, ...] = ()
     policy: str = ""
+    acting: PolicyOptions = field(default_factory=PolicyOptions)
+
+    def __post_init__(self) -> None:
+        """Raises ArgumentError for names that a dataset cannot store."""
+        for text in (self.run, *self.imports, self.policy, self.acting.preset):
+            require_utf8(text)
+        with contextlib.suppress(OSError):  # without a working folder
+            require_utf8(str(Path.cwd()))
 
     @property
     def in_python(self) -> bool:
-        """Whether a module or a dataset makes the configuration, and no run file."""
+        """True if a module or a dataset provides the configuration."""
         return self._split() is not None or (Path(self.run) / "dataset.json").is_file()
 
     def options(self) -> list[str]:
-        """What gives another process the same source, before `--` and the run."""
+        """Returns options that give another process the same source, before `--` and the run."""
         policy = [f"--policy={self.policy}"] if self.policy else []
-        return [*(f"--import={module}" for module in self.imports), *policy]
+        return [
+            *(f"--import={module}" for module in self.imports),
+            *policy,
+            *self.acting.arguments(),
+        ]
 
     @staticmethod
     def add_options(parser: argparse.ArgumentParser) -> None:
-        """What `options` gives, for a process that is started with them."""
+        """Adds the options of `options` to a parser."""
         parser.add_argument("--import", dest="imports", action="append", default=[])
         parser.add_argument("--policy", default="")
+        PolicyOptions.add_options(parser)
         parser.add_argument("run")
 
     @classmethod
     def of(cls, arguments: argparse.Namespace) -> RunSource:
-        """From the arguments of such a process."""
-        return cls(arguments.run, tuple(arguments.imports), arguments.policy)
+        """Makes a source from parsed arguments."""
+        acting = PolicyOptions.of(arguments)
+        return cls(arguments.run, tuple(arguments.imports), arguments.policy, acting)
 
     def absolute(self) -> RunSource:
-        """The same whatever the working folder becomes: a user's code may change it."""
+        """Returns it with absolute paths, because a user's code may change the working folder."""
         is_path = self._split() is None
-        return replace(self, run=str(Path(self.run).absolute())) if is_path else self
+        run = str(Path(self.run).absolute()) if is_path else self.run
+        return replace(self, run=run, acting=self.acting.absolute())
 
     def load(self, overrides: Sequence[str] = ()) -> RunConfig:
         """Imports the modules and reads the run.
 
-        SpecError for what the run says and for modules that cannot be imported, with file and line.
+        Raises SpecError, with file and line, for errors in the run and failed imports.
         """
         run = self._load(overrides)
         if self.policy:
             from robocell.policy import expert_of_policy
 
-            run.expert = expert_of_policy(self.policy, self.run)
+            run.expert = expert_of_policy(self.policy, self.run, self.acting)
             run.keep = Keep.FIRST
         return run
 
@@ -92,12 +109,20 @@ class RunSource:
         # All of them are the run's code: an import may change classes of other modules.
         modules = [import_named(module, Path.cwd()) for module in self.imports]
         if (split := self._split()) is not None:
+            self._import_policy()
             made = self._from_python(*split, overrides)
             modules.append(import_module(split[0], Path.cwd()).__name__)
         elif Path(self.run).is_dir():
-            from robocell.dataset_run import run_of_dataset
+            if not self.policy:
+                raise SpecError(_not_a_run(self.run))
+            from robocell.dataset_run import naming_what_to_evaluate, run_of_dataset
 
-            made = _overridden(run_of_dataset(self.run), self.run, overrides)
+            self._import_policy()
+            with naming_what_to_evaluate():
+                made = run_of_dataset(self.run, modules)
+            made = _overridden(made, self.run, overrides)
+        elif self.run.endswith(".py"):
+            raise SpecError(_not_a_run_file(self.run))
         else:
             folder = Path(self.run).absolute().parent
             for module, place in imports_of_run_file(self.run):
@@ -105,9 +130,17 @@ class RunSource:
                     modules.append(import_named(module, folder))
                 except SpecError as error:
                     raise SpecError(f"{place}: imports: {error}") from error
-            made = RunConfig.load(self.run, list(overrides))
+            self._import_policy()
+            with _naming_imports_of_runs():
+                made = RunConfig.load(self.run, list(overrides))
         set_modules_of_run([module for module in modules if module])
         return made
+
+    def _import_policy(self) -> None:
+        """Imports the policy's module before the run is read: it may register kinds, too."""
+        module, colon, _ = self.policy.rpartition(":")
+        if colon and not is_url(self.policy):
+            import_module(module, Path.cwd())
 
     def _split(self) -> tuple[str, str] | None:
         module, colon, name = self.run.rpartition(":")
@@ -119,7 +152,7 @@ class RunSource:
         loaded = import_module(module, Path.cwd())
         if not hasattr(loaded, name):
             known = [key for key, value in vars(loaded).items() if isinstance(value, RunConfig)]
-            here = f" Its configurations: {', '.join(known)}." if known else ""
+            here = f" Its configurations: {', '.join(known)}." if known else _NO_CONFIGURATION
             near = did_you_mean(name, [key for key in vars(loaded) if not key.startswith("_")])
             raise NotFoundError(f"{self.run}: module '{module}' has no '{name}'.{here}{near}")
         made = getattr(loaded, name)
@@ -128,6 +161,7 @@ class RunSource:
                 with _in_the_same_folder():
                     made = made()
             except RAISED as error:
+                raise_interrupt(error)
                 raise SpecError(f"{self.run} cannot be made: {place_of(error)}") from error
         if not isinstance(made, RunConfig):
             raise SpecError(
@@ -137,8 +171,20 @@ class RunSource:
         return _overridden(made, self.run, overrides)
 
 
+def require_utf8(path: str) -> None:
+    """Raises ArgumentError for a path that is not UTF-8: files of datasets contain paths."""
+    try:
+        path.encode()
+    except UnicodeEncodeError:
+        shown = path.encode("utf-8", "surrogateescape").decode("utf-8", "backslashreplace")
+        raise ArgumentError(
+            f"the path '{shown}' is not valid UTF-8, in which datasets and run files are written: "
+            "rename it, or take another folder"
+        ) from None
+
+
 def _overridden(made: RunConfig, name: str, overrides: Sequence[str]) -> RunConfig:
-    """The configuration with replaced fields, which go the way of those of files."""
+    """Returns the configuration with replaced fields, which are read like those of files."""
     # Paths are relative to where it was loaded, and those of the robot to its own file.
     folder = made.source_dir or str(Path.cwd())
     of_robot = [o for o in overrides if o.split("=", 1)[0].startswith("robot")]
@@ -152,10 +198,25 @@ def _overridden(made: RunConfig, name: str, overrides: Sequence[str]) -> RunConf
     return run
 
 
+@contextlib.contextmanager
+def _naming_imports_of_runs() -> Iterator[None]:
+    """Context manager: errors about an unknown kind also name `imports`, which only runs have."""
+    try:
+        yield
+    except SpecError as error:
+        said = str(error)
+        named = said.replace(
+            _WITH_IMPORT, f"{_WITH_IMPORT}, or in the run file: imports: [tasks.py]"
+        )
+        if named == said:
+            raise
+        raise SpecError(named) from None
+
+
 def import_named(name: str, folder: Path) -> str:
     """Imports a module, or loads a shared library that registers kinds (`libstack.so`).
 
-    Returns the module's name, "" for a library. SpecError for what cannot be imported.
+    Returns the module's name, "" for a library. Raises SpecError for a failed import.
     """
     if not name.endswith(".so"):
         return import_module(name, folder).__name__
@@ -170,12 +231,13 @@ def import_named(name: str, folder: Path) -> str:
 
 
 def import_module(name: str, folder: Path) -> ModuleType:
-    """A module by its name or its file.
+    """Imports a module by its name or its file.
 
-    Names are looked up as Python does, and in `folder`. SpecError names file and line of what went
-    wrong in it, and names that are Python's own or robocell's.
+    Names are looked up as Python does, and in `folder`. Raises SpecError, with file and line, for
+    errors in the module, and for names of Python's or robocell's own modules.
     """
     _require_name_of_ones_own(name)
+    _require_importable(name, folder)
     try:
         with _in_the_same_folder():
             if name.endswith(".py") or "/" in name:
@@ -194,18 +256,19 @@ def import_module(name: str, folder: Path) -> ModuleType:
             ) from error
         raise SpecError(f"cannot import '{name}': {place_of(error)}") from error
     except RAISED as error:
+        raise_interrupt(error)
         raise SpecError(f"cannot import '{name}': {place_of(error)}") from error
 
 
 def _in_the_same_folder() -> AbstractContextManager[None]:
-    """Around a user's code: sets the working folder back, from which the command's paths count."""
+    """Context manager: restores the working folder after a user's code."""
     return contextlib.chdir(Path.cwd())
 
 
 def _require_name_of_ones_own(name: str) -> None:
-    """SpecError for a name whose module Python or robocell itself needs.
+    """Raises SpecError for a name whose module Python or robocell itself needs.
 
-    A file that took the name would break what imports the other module, far from here.
+    A file with this name would break imports of the other module, far from here.
     """
     is_file = name.endswith(".py") or "/" in name
     module = Path(name).stem if is_file else name.partition(".")[0]
@@ -231,8 +294,26 @@ def _require_code(module: ModuleType) -> ModuleType:
     return module
 
 
+def _not_a_run(folder: str) -> str:
+    """Returns why a run cannot be loaded from a folder, with the next step."""
+    if (Path(folder) / "dataset.json").is_file():
+        return (
+            f"'{folder}' is a dataset. To continue it, name the run file that made it and the "
+            f"same output: `robocell generate RUN.yaml --output {folder}`"
+        )
+    return f"'{folder}' is a folder; name a run file in it"
+
+
+def _not_a_run_file(file: str) -> str:
+    """Returns why a run cannot be loaded from a Python file alone, with the next step."""
+    return (
+        f"'{file}' is Python: write {file}:NAME, where NAME is a RunConfig in it or a function "
+        f"that returns one; or write a run file (YAML) with `imports: [{Path(file).name}]`"
+    )
+
+
 def _no_file(path: Path) -> str:
-    """Says that there is no such file, and which is near, in its folder or elsewhere."""
+    """Returns the message about a missing file, with the nearest one in its folder."""
     folder = path.parent
     start = f"cannot import '{path}': there is no such file"
     if not folder.is_dir():
@@ -240,13 +321,31 @@ def _no_file(path: Path) -> str:
     files = sorted(file.name for file in folder.glob(f"*{path.suffix}") if file.is_file())
     if not files:
         return start
-    near = did_you_mean(path.name, files)
+    near = did_you_mean(path.stem, [Path(file).stem for file in files])
+    near = near.replace("'?", f"{path.suffix}'?")
     return f"{start}.{near or f' There are: {shortened(files)}'}"
 
 
 def _modules_in(folder: Path) -> list[str]:
     """Returns the names of the modules in a folder."""
     return sorted(file.stem for file in folder.glob("*.py"))
+
+
+def _require_importable(name: str, folder: Path) -> None:
+    """Raises SpecError for a text that is neither a module's name nor a path to one."""
+    if name.endswith(".py") or "/" in name:
+        return  # `_import_file` checks these
+    path = folder / name
+    if all(part.isidentifier() for part in name.split(".")) and not (
+        "." in name and path.is_file()
+    ):
+        return
+    if path.is_dir():
+        raise SpecError(f"cannot import '{name}': {_what_to_name(path)}")
+    what = "no Python file" if path.is_file() else "no module's name"
+    raise SpecError(
+        f"cannot import '{name}': it is {what}; name a module (tasks) or its file (tasks.py)"
+    )
 
 
 def _what_to_name(folder: Path) -> str:
@@ -285,100 +384,3 @@ def _import_file(path: Path) -> ModuleType:
         sys.modules.pop(name, None)
         raise
     return module
-
-
-def is_of_users(error: BaseException) -> bool:
-    """Whether it went through somebody's own code."""
-    return bool(_frames_of_users(error))
-
-
-def is_of_own_code(error: BaseException) -> bool:
-    """Whether it went through somebody's own sources, not only through installed packages."""
-    return bool(_own_frames(error))
-
-
-def own_trace(error: BaseException) -> str:
-    """Returns the traceback of an error, or of its cause, through somebody's own sources alone."""
-    frames = _own_frames(error)
-    while not frames and error.__cause__ is not None:
-        error = error.__cause__
-        frames = _own_frames(error)
-    return "".join(traceback.format_list(frames)).rstrip()
-
-
-def ends_with_place(text: str) -> bool:
-    """Whether a message ends with the place of somebody's code: '(tasks.py:12, in judge)'."""
-    return re.search(r" \([^()]+:\d+, in [^()]+\)$", text) is not None
-
-
-def text_with_place(error: BaseException) -> str:
-    """The text for a user of what a command raised, with the place of their own code, if any."""
-    if not is_of_own_code(error):
-        return text_of(error)
-    if not isinstance(error, Error):
-        return place_of(error)
-    place = where(error)
-    return text_of(error) if place in text_of(error) else f"{text_of(error)}{place}"
-
-
-def place_of(error: BaseException) -> str:
-    """'ValueError: text (tasks.py:12, in judge)': where somebody's own code raised it."""
-    text = error.msg if _has_file(error) else text_of(error)
-    return f"{type(error).__name__}: {text}{where(error)}"
-
-
-def text_of(error: BaseException) -> str:
-    """The error's text, also of a class that cannot make it."""
-    try:
-        return str(error)
-    except Exception:
-        return "(its text cannot be made)"
-
-
-def where(error: BaseException) -> str:
-    """' (tasks.py:12, in judge)', where somebody's own code raised it; '' for none of theirs."""
-    if _has_file(error):
-        return f" ({error.filename}:{error.lineno})"
-    frames = _frames_of_users(error)
-    if not frames:
-        return ""
-    last = frames[-1]
-    return f" ({last.filename}:{last.lineno}, in {last.name})"
-
-
-def _has_file(error: BaseException) -> TypeGuard[SyntaxError]:
-    """Whether the error is of a source file that could not be parsed, not of a text."""
-    return (
-        isinstance(error, SyntaxError)
-        and bool(error.filename)
-        and not str(error.filename).startswith("<")
-    )
-
-
-def _frames_of_users(error: BaseException) -> list[traceback.FrameSummary]:
-    """Returns the frames in somebody's own sources; of installed packages if there are none.
-
-    Code of a user is often in the middle: robocell calls it, and it calls NumPy, which raises.
-    """
-    own = _own_frames(error)
-    return own or [f for f in _frames(error) if _is_of_installed_package(Path(f.filename))]
-
-
-def _own_frames(error: BaseException) -> list[traceback.FrameSummary]:
-    return [frame for frame in _frames(error) if is_own(Path(frame.filename))]
-
-
-def _frames(error: BaseException) -> list[traceback.FrameSummary]:
-    """Returns the frames that are in files."""
-    frames = traceback.extract_tb(error.__traceback__)
-    return [frame for frame in frames if not frame.filename.startswith("<")]
-
-
-def _is_of_installed_package(file: Path) -> bool:
-    """Whether a source is neither robocell's nor of Python's own library."""
-    file = file.resolve()
-    if file.is_relative_to(Path(__file__).resolve().parents[1]):
-        return False
-    library = Path(sysconfig.get_path("stdlib")).resolve()
-    packages = {"site-packages", "dist-packages"}
-    return not file.is_relative_to(library) or bool(packages & set(file.parts))

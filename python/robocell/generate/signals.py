@@ -1,4 +1,4 @@
-"""Ctrl-C, SIGTERM and a closed terminal become stop requests, or all of them what Ctrl-C is."""
+"""Turns Ctrl-C, SIGTERM and a closed terminal into stop requests or KeyboardInterrupt."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ STOP_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 @contextmanager
 def stop_on_signals(request_stop: Callable[[str], None]) -> Iterator[None]:
-    """Inside, these signals call `request_stop(name)`. Outside the main thread: does nothing.
+    """Context manager: signals call `request_stop(name)`. Does nothing outside the main thread.
 
-    A signal that is ignored stays ignored: `nohup` and background jobs ask for that.
+    Ignored signals stay ignored, for `nohup` and background jobs.
     """
 
     def stop(number: int, frame: FrameType | None) -> None:
@@ -28,7 +28,7 @@ def stop_on_signals(request_stop: Callable[[str], None]) -> Iterator[None]:
 
 @contextmanager
 def interrupted_by_signals() -> Iterator[None]:
-    """Inside, SIGTERM and a closed terminal are KeyboardInterrupts, as Ctrl-C is; see above."""
+    """Context manager: SIGTERM and SIGHUP raise KeyboardInterrupt, like Ctrl-C; see above."""
 
     def interrupt(number: int, frame: FrameType | None) -> NoReturn:
         raise KeyboardInterrupt(signal.Signals(number).name)

@@ -1,9 +1,9 @@
-"""Standard output and standard error of a command, when those who read them go away.
+"""Standard output and standard error of a command whose readers may close them.
 
-    forgive_readers()  # from here on `robocell report DATASET | head -1` is no failure
+    forgive_readers()  # from here on `robocell report DATASET | head -1` does not fail
 
-What nobody can read is dropped: neither the command's work nor its exit code depends on it. What
-cannot be written for another reason, as to a file on a full disk, is an OSError as ever.
+Output without a reader is dropped: neither the command's work nor its exit code depends on it.
+Writing fails with OSError for any other reason, such as a full disk.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ GONE = (errno.EPIPE, errno.EIO, errno.ENXIO)
 
 
 def leave(file: TextIO) -> None:
-    """From now on everything that is written to the file goes nowhere, what is buffered too."""
+    """Discards everything written to the file from now on, including buffered data."""
     with contextlib.suppress(OSError, ValueError):
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, file.fileno())
@@ -29,7 +29,7 @@ def leave(file: TextIO) -> None:
 
 
 def reader_is_gone(error: OSError, file: TextIO) -> bool:
-    """Whether a write failed because nobody is there any more: of a pipe, socket or terminal."""
+    """Returns True if a write failed because a pipe, socket or terminal has no reader."""
     if error.errno not in GONE:
         return False
     try:
@@ -39,14 +39,14 @@ def reader_is_gone(error: OSError, file: TextIO) -> bool:
 
 
 class Forgiving:
-    """A stream whose `write` and `flush` drop what nobody can read; all else is the stream's.
+    """Wraps a stream; `write` and `flush` drop output without a reader.
 
     Args:
         file: The stream.
-        forgives: Whether an error may be passed over, `reader_is_gone` or more.
+        forgives: Returns True for errors to ignore: `reader_is_gone` or more.
 
     Attributes:
-        itself: The stream.
+        itself: The wrapped stream.
     """
 
     def __init__(self, file: TextIO, forgives: Callable[[OSError, TextIO], bool]) -> None:
@@ -54,7 +54,7 @@ class Forgiving:
         self._forgives = forgives
 
     def write(self, text: str) -> int:
-        """As the stream's."""
+        """Writes like the stream."""
         try:
             return self.itself.write(text)
         except OSError as error:
@@ -62,7 +62,7 @@ class Forgiving:
             return len(text)
 
     def flush(self) -> None:
-        """As the stream's."""
+        """Flushes like the stream."""
         try:
             self.itself.flush()
         except OSError as error:
@@ -80,17 +80,17 @@ class Forgiving:
 def forgive_readers() -> None:
     """Lets both standard streams outlive their readers, until the process ends.
 
-    Standard error may fail in any way: there is nobody to tell it to.
+    Standard error ignores all errors, because they cannot be reported.
     """
     sys.stdout = _forgiving(sys.stdout, reader_is_gone)
     sys.stderr = _forgiving(sys.stderr, lambda error, file: True)
 
 
 def unforgiving(file: TextIO) -> TextIO:
-    """The stream itself, which raises what a `Forgiving` one passes over."""
+    """Returns the wrapped stream, which raises all errors."""
     return file.itself if isinstance(file, Forgiving) else file
 
 
 def _forgiving(file: Any, forgives: Callable[[OSError, TextIO], bool]) -> Any:
-    """None stays: Python has no stream where the descriptor was closed."""
+    """Wraps a stream. None stays: Python has no stream for a closed descriptor."""
     return file if file is None or isinstance(file, Forgiving) else Forgiving(file, forgives)

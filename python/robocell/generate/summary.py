@@ -11,19 +11,20 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
+from robocell._suggestions import counted
 from robocell.generate.items import STAGES, counts_text
-from robocell.generate.totals import Totals, counted, duration, percent, time_hint
+from robocell.generate.totals import Totals, duration, percent, time_hint
 
 
 @dataclass(frozen=True)
 class Summary:
-    """What the table is made from.
+    """Content of the final table.
 
     Attributes:
         run: The run's name.
-        dataset: Folder.
-        on_disk: Episodes of the plan that are on the disk, counted there.
-        totals: What this command did.
+        dataset: Folder of the dataset.
+        on_disk: Episodes of the plan, counted on the disk.
+        totals: Counts of this command.
         more: Further rows.
     """
 
@@ -34,17 +35,17 @@ class Summary:
     more: Mapping[str, str] = field(default_factory=dict)
 
     def rows(self) -> dict[str, str]:
-        """Label -> text, in order."""
+        """Returns label -> text, in order."""
         totals = self.totals
         rows = {
             "episodes": self._episodes() if totals.planned else "",
             **self._tried(),
             "refusals": counts_text(totals.refusals),
-            "placed again": counts_text(totals.redrawn),
+            "placements rejected": counts_text(totals.redrawn),
             "failures": counts_text(totals.failures),
             "hint": time_hint(totals.failures) or (totals.advice if totals.unmade else ""),
             "dropped": _dropped(totals),
-            "workers died": counts_text(Counter(death.reason for death in totals.deaths)),
+            "workers lost": _lost(totals),
             "made again": str(totals.retries) if totals.retries else "",
             "given up": ", ".join(unmade.id for unmade in totals.unmade),
             "time": stages_text(totals.seconds),
@@ -54,15 +55,15 @@ class Summary:
         return {label: text for label, text in rows.items() if text}
 
     def _episodes(self) -> str:
-        """'16 of 20'; when earlier commands asked for more '16, the last command asked for 14'."""
+        """Returns '16 of 20', or '16 (the last command requested 14)' if earlier ones made more."""
         totals = self.totals
         if self.on_disk > totals.planned:
-            return f"{self.on_disk}, the last command asked for {totals.planned}"
+            return f"{self.on_disk} (the last command requested {totals.planned})"
         before = f" ({totals.already} made before)" if totals.already else ""
         return f"{self.on_disk} of {totals.planned}{before}"
 
     def _tried(self) -> dict[str, str]:
-        """Nothing when all was there before."""
+        """Returns the rows about attempts; none if all episodes existed before."""
         totals = self.totals
         if not totals.attempts:
             return {}
@@ -70,13 +71,13 @@ class Summary:
             "success": f"{percent(totals.success_rate)} of {counted(totals.accepted, 'rollout')}",
             "success by object": _by_kind(totals),
             "starts accepted": f"{percent(totals.acceptance_rate)} of {totals.attempts} sampled",
-            "places accepted": f"{percent(totals.placement_rate)} of {totals.tried} tried",
+            "placements": f"{percent(totals.placement_rate)} of {totals.tried} accepted",
             "rate": f"{totals.per_hour:.0f} episodes/h: {totals.made} in "
             f"{duration(totals.elapsed_s)} on {counted(totals.workers, 'worker')}",
         }
 
     def table(self) -> Table:
-        """For a rich console."""
+        """Returns a table for a rich console."""
         table = Table(title=self.run, box=SIMPLE, show_header=False, title_justify="left")
         table.add_column(style="bold", no_wrap=True)
         table.add_column(overflow="fold")
@@ -86,7 +87,7 @@ class Summary:
 
 
 def _by_kind(totals: Totals) -> str:
-    """'box 50 % of 4, mug 90 % of 10', rollouts; nothing for objects of one kind."""
+    """Returns 'box 50 % of 4, mug 90 % of 10', rollouts; "" for objects of one kind."""
     if len(totals.kinds) < 2:
         return ""
     shares = ((kind, totals.rollouts[kind], totals.made_of[kind]) for kind in sorted(totals.kinds))
@@ -97,15 +98,21 @@ def _by_kind(totals: Totals) -> str:
 
 
 def _dropped(totals: Totals) -> str:
-    """What the end of a run, by a stop request or a failure, left undecided."""
+    """Describes attempts that the end of the run left undecided."""
     if not totals.undecided:
         return ""
     attempts = counted(totals.undecided, "attempt")
-    return f"{attempts} under way when the run stopped; made again by the next command"
+    return f"{attempts} interrupted by the end of the run; repeated by the next command"
+
+
+def _lost(totals: Totals) -> str:
+    """Returns '2 killed by SIGSEGV (tasks.py:12, in judge), 1 ended with exit code 3'."""
+    reasons = Counter(death.reason.removeprefix("was ") for death in totals.deaths)
+    return ", ".join(f"{number} {reason}" for reason, number in reasons.items())
 
 
 def stages_text(seconds: Mapping[str, float]) -> str:
-    """'acting 41 s (62 %), rendering 20 s (30 %)', the stages in order; empty without any."""
+    """Returns 'acting 41 s (62 %), rendering 20 s (30 %)', the stages in order; "" without any."""
     total = sum(seconds.values())
     if total <= 0:
         return ""

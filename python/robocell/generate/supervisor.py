@@ -3,14 +3,13 @@
     supervisor = Supervisor(items, command, workers=4, logs=dataset / ".logs", on_disk=on_disk)
     outcome = supervisor.run()
 
-An item that a worker could not finish, because it died, raised or took too long, is made again by a
-fresh worker, three times at most; then it is listed with the command that tries it alone. What is
-made is decided by the disk (`on_disk`), so a worker that dies between commit and result loses
-nothing and doubles nothing. A wrong spec is not tried again. When none of the first items works,
-the run ends (`canaries`).
+A new worker retries an item that a worker could not finish because it died, raised or took too
+long. After three tries, the item is listed with the command that makes it alone. The disk decides
+which items are made (`on_disk`), so a worker that dies between commit and result loses and doubles
+nothing. A wrong spec is not retried. If none of the first items works, the run ends (`canaries`).
 
-`request_stop` may be called from any thread or signal handler. Not for: what an item is, and what
-is on the disk; see `robocell.cli.generate`.
+`request_stop` may be called from any thread or signal handler. The content of items and of the disk
+belongs to `robocell.cli.generate`.
 """
 
 from __future__ import annotations
@@ -27,7 +26,7 @@ from typing import Any
 
 from robocell.generate.canaries import Canaries
 from robocell.generate.disk import with_trouble
-from robocell.generate.items import Item, ItemResult
+from robocell.generate.items import Item, ItemRecord
 from robocell.generate.observer import Observer, Unfailing
 from robocell.generate.protocol import Failure, FailureKind, ProtocolError
 from robocell.generate.totals import Again, Death, Totals, Unmade
@@ -39,12 +38,12 @@ STARTS_WITHOUT_SUCCESS = 3
 
 @dataclass(frozen=True)
 class Limits:
-    """How patient a supervisor is.
+    """Retries and time limits of a supervisor.
 
     Attributes:
-        tries: Of an item that workers do not finish.
-        item_timeout_s: For one item, and for a worker to become ready.
-        stop_grace_s: For workers to end after a stop request; then they are killed.
+        tries: Attempts per item that workers do not finish.
+        item_timeout_s: Time limit for one item, and for starting a worker.
+        stop_grace_s: Time for workers to end after a stop request; then they are killed.
     """
 
     tries: int = 3
@@ -54,7 +53,7 @@ class Limits:
 
 @dataclass(frozen=True)
 class Fatal:
-    """Why a run could not go on."""
+    """Reason that ended a run."""
 
     kind: FailureKind
     message: str
@@ -62,39 +61,40 @@ class Fatal:
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run ended.
+    """The end of a run.
 
     Attributes:
-        totals: What was done.
-        interrupted: By a stop request, with items left.
-        fatal: Why it could not go on, or None.
-        results: What became of each item that was decided, in this order.
+        totals: Counts of the run.
+        interrupted: True if a stop request left items.
+        fatal: Reason that ended the run, or None.
+        results: Results of the decided items, in the order of the decisions.
     """
 
     totals: Totals
     interrupted: bool
     fatal: Fatal | None
-    results: Sequence[ItemResult] = ()
+    results: Sequence[ItemRecord] = ()
 
 
 class Supervisor:
     """Makes the items with worker processes. One `run` per object.
 
     Args:
-        items: What is to be made.
+        items: Items to make.
         command: Starts a worker that speaks `robocell.generate.protocol`.
-        workers: How many at a time.
-        logs: Folder for the workers' standard error, a file each.
-        on_disk: What the disk says of an item: its result when its episode is there, else None.
-        flush: Makes what is there survive a power cut; OSError when that fails.
-        observer: Who is told; one that cannot be told any more (OSError) does not end the run.
-        already: Items of the plan that were made before, for the totals.
-        reproduce: The command that tries one item alone.
+        workers: Number of parallel workers.
+        logs: Folder for the workers' standard error, one file each.
+        on_disk: Returns an item's result if its episode is on the disk, else None.
+        flush: Flushes existing episodes to the disk; raises OSError on failure.
+        observer: Receives events; its OSErrors do not end the run.
+        already: Number of items that existed before, for the totals.
+        reproduce: Returns the command that makes one item alone.
         clean_up: Called with an item's id and the process that died while making it.
-        disk_trouble: Why nothing can be written, or None; asked after an input/output error.
-        limits: How patient to be.
-        tried_once: Items that are given up at their first error or death.
-        environment: Variables for workers, besides those of this process.
+        disk_trouble: Returns why the disk is not writable, or None; called after an input/output
+            error.
+        limits: Retries and time limits.
+        tried_once: Items without retries.
+        environment: Additional environment variables for workers.
     """
 
     def __init__(
@@ -104,7 +104,7 @@ class Supervisor:
         *,
         workers: int,
         logs: Path,
-        on_disk: Callable[[str], ItemResult | None],
+        on_disk: Callable[[str], ItemRecord | None],
         flush: Callable[[], object] = lambda: None,
         observer: Observer | None = None,
         already: int = 0,
@@ -133,7 +133,7 @@ class Supervisor:
         self._workers: dict[int, WorkerProcess] = {}
         self._tries: Counter[str] = Counter()
         self._told_logs: set[str] = set()
-        self._results: list[ItemResult] = []
+        self._results: list[ItemRecord] = []
         self._bad_starts = 0
         self._fatal: Fatal | None = None
         self._stop_reason: str | None = None
@@ -218,7 +218,7 @@ class Supervisor:
             worker.kill(str(error))
 
     def _bury(self, worker: WorkerProcess) -> None:
-        """A worker has ended; its item is decided or tried again."""
+        """Handles the end of a worker: decides or retries its item."""
         self._selector.unregister(worker)
         del self._workers[worker.number]
         how = worker.bury()
@@ -245,7 +245,7 @@ class Supervisor:
             self._give_up_run("other", f"{text}{said}\nIts log: {worker.log}")
 
     def _close(self) -> None:
-        """No worker outlives the run, however it ends."""
+        """Ends all workers, however the run ends."""
         deadline = time.monotonic() + self._limits.stop_grace_s
         for worker in self._workers.values():
             worker.stop()
@@ -272,7 +272,7 @@ class Supervisor:
                 self._bad_starts = 0
                 self._hand_next(worker)
             case {"done": values}:
-                self._take_result(worker, ItemResult.from_json(values))
+                self._take_result(worker, ItemRecord.from_json(values))
             case {"failed": values}:
                 self._take_failure(worker, Failure.from_json(values))
             case {"refused": values}:
@@ -290,10 +290,10 @@ class Supervisor:
         else:
             worker.hand(self._pending.popleft())
 
-    def _take_result(self, worker: WorkerProcess, result: ItemResult) -> None:
+    def _take_result(self, worker: WorkerProcess, result: ItemRecord) -> None:
         item = worker.item
         if item is None or result.id != item.id:
-            raise ProtocolError(f"a result of {result.id}, which it was not asked for")
+            raise ProtocolError(f"a result of {result.id}, which it was not given")
         self._totals.add(result)
         if result.stopped:
             self._drop_item(worker, f"worker {worker.number} was stopped by another process")
@@ -303,7 +303,7 @@ class Supervisor:
         self._decided(result)
         self._hand_next(worker)
 
-    def _decided(self, result: ItemResult) -> None:
+    def _decided(self, result: ItemRecord) -> None:
         self._results.append(result)
         self._observer.episode(result, self._totals)
 
@@ -327,7 +327,7 @@ class Supervisor:
     ) -> None:
         """Takes the item from a worker that did not finish it.
 
-        `trace` is shown in the place of the worker's log.
+        `trace` replaces the worker's log in the message.
         """
         item, worker.item = worker.item, None
         if item is None:
@@ -346,10 +346,9 @@ class Supervisor:
             self._try_again(item, reason, log, 1 if once else self._limits.tries)
 
     def _is_safe(self, item: Item, reason: str, kind: FailureKind) -> bool:
-        """Whether an episode that is there stays there.
+        """Returns True if an existing episode is flushed to the disk.
 
-        After a failure of writing it may be in place and yet not on the disk. The run ends when it
-        cannot be brought there.
+        After a failed write, it may exist without being flushed. The run ends if flushing fails.
         """
         if kind != "io":
             return True
@@ -371,9 +370,9 @@ class Supervisor:
         self._lose(item, reason, "other", log)
 
     def _lose(self, item: Item, reason: str, kind: FailureKind, log: str = "") -> None:
-        """Gives an item up for an error; this may be the end of the run.
+        """Gives up an item after an error; this may end the run.
 
-        The end of the worker's log is told with the first item that it says the same of.
+        Identical ends of workers' logs are printed once, with the first item.
         """
         is_new = log and log not in self._told_logs and log not in reason
         self._told_logs.add(log)
@@ -406,7 +405,7 @@ class Supervisor:
                     worker.kill("did not end")
             elif (worker.item or not worker.ready) and waited > self._limits.item_timeout_s:
                 what = worker.item.id if worker.item else "its start"
-                worker.kill(f"{what} took more than {self._limits.item_timeout_s:g} s")
+                worker.kill_hanging(f"{what} took more than {self._limits.item_timeout_s:g} s")
 
     def _enforce_stop(self, now: float) -> None:
         if self._stop_deadline is None:

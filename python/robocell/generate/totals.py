@@ -1,4 +1,4 @@
-"""The counts of a run while it goes on and when it is over."""
+"""The counts of a run, during and after it."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-from robocell.generate.items import ItemResult
+from robocell.generate.items import ItemRecord
 
-# These fields are summed; they have the same names in `Totals`, `ItemResult` and records.
+# These fields are summed; they have the same names in `Totals`, `ItemRecord` and records.
 NUMBERS = ("attempts", "accepted", "undecided", "rows")
 COUNTERS = ("refusals", "redrawn", "failures", "seconds", "kinds", "rollouts", "made_of")
 TIMEOUT = "timeout"  # why a rollout failed that used up `rates.max_steps`
@@ -58,22 +58,22 @@ class Totals:
 
     Attributes:
         planned: Items of the plan (of this shard).
-        already: Of these, on the disk before the start.
+        already: Planned items that were on the disk before the start.
         workers: Worker processes.
         made: Episodes made now.
         attempts: Starts sampled.
         accepted: Starts accepted by the sampler, that is rollouts.
-        undecided: Attempts that a stop request ended; they count nowhere else.
+        undecided: Attempts that a stop request ended; no other count includes them.
         rows: Rows of the episodes made now.
-        refusals: Reason -> starts refused.
-        redrawn: Reason -> places for objects and robot tried and given up within the attempts.
-        failures: Reason -> rollouts failed.
+        refusals: Reason -> rejected starts.
+        redrawn: Reason -> placements of objects and robot rejected within the attempts.
+        failures: Reason -> failed rollouts.
         seconds: Stage -> seconds, summed over the workers.
-        advice: Why starts are refused and what would help, of an item of which none was accepted.
+        advice: Reason and remedy of rejected starts, for an item without an accepted one.
         kinds: Object kind -> attempts.
         rollouts: Object kind -> rollouts.
         made_of: Object kind -> episodes made now.
-        again: Items taken up again after a worker died or failed.
+        again: Items retried after a worker died or failed.
         deaths: Workers that died.
         unmade: Items given up.
     """
@@ -100,11 +100,11 @@ class Totals:
     started: float = field(default_factory=time.monotonic)
     ended: float | None = None
 
-    def add(self, result: ItemResult) -> None:
+    def add(self, result: ItemRecord) -> None:
         """Counts a result.
 
-        Of an item that was stopped only the time and what was left undecided: it is made again, and
-        counts then with all its attempts.
+        For a stopped item, counts only time and undecided attempts; the next command repeats it and
+        counts it fully.
         """
         if result.stopped:
             self.undecided += result.undecided
@@ -116,7 +116,7 @@ class Totals:
 
     @property
     def retries(self) -> int:
-        """How often an item was taken up again."""
+        """Number of retries."""
         return len(self.again)
 
     @property
@@ -161,7 +161,7 @@ class Totals:
         return left * self.elapsed_s / self.made if self.made else None
 
     def to_json(self) -> dict[str, Any]:
-        """What machines are told."""
+        """Returns the JSON object for programs."""
         return {
             "planned": self.planned,
             "already": self.already,
@@ -187,7 +187,7 @@ class Totals:
         }
 
     def record(self) -> dict[str, Any]:
-        """All of it, for `from_record`."""
+        """Returns all counts, for `from_record`."""
         return {
             "counts": self.to_json(),
             "workers": self.workers,
@@ -201,7 +201,7 @@ class Totals:
 
     @classmethod
     def from_record(cls, values: Mapping[str, Any]) -> Totals:
-        """What `record` wrote; KeyError, TypeError and ValueError for anything else."""
+        """Reads the result of `record`. Raises KeyError, TypeError or ValueError otherwise."""
         # Lists go before their lengths; the first reports did not have all counts.
         later: dict[str, Any] = {name: {} for name in ("redrawn", "kinds", "rollouts", "made_of")}
         every = {"undecided": 0, **later, **values["counts"], **values}
@@ -220,7 +220,7 @@ class Totals:
 
 
 def one_after_the_other(runs: Sequence[Totals]) -> Totals:
-    """The sum over commands that went on with the same items; the last knows what is unmade."""
+    """Returns the sum over commands that continued the same items; the last has the unmade ones."""
     whole = _sum(runs)
     whole.planned, whole.unmade = runs[-1].planned, list(runs[-1].unmade)
     whole.workers = max(totals.workers for totals in runs)
@@ -229,7 +229,7 @@ def one_after_the_other(runs: Sequence[Totals]) -> Totals:
 
 
 def side_by_side(shards: Sequence[Totals]) -> Totals:
-    """The sum over shards that ran at the same time."""
+    """Returns the sum over shards that ran at the same time."""
     whole = _sum(shards)
     whole.ended = max(totals.elapsed_s for totals in shards)
     return whole
@@ -246,7 +246,7 @@ def _sum(parts: Sequence[Totals]) -> Totals:
     return whole
 
 
-def _add(totals: Totals, part: Totals | ItemResult, numbers: Sequence[str]) -> None:
+def _add(totals: Totals, part: Totals | ItemRecord, numbers: Sequence[str]) -> None:
     """Adds these numbers and all counters."""
     for name in numbers:
         setattr(totals, name, getattr(totals, name) + getattr(part, name))
@@ -255,29 +255,24 @@ def _add(totals: Totals, part: Totals | ItemResult, numbers: Sequence[str]) -> N
 
 
 def time_hint(failures: Mapping[str, int]) -> str:
-    """What may help when most rollouts that failed ran out of actions; else nothing."""
+    """Returns a hint if most failed rollouts ran out of actions; else ""."""
     if 2 * failures.get(TIMEOUT, 0) <= sum(failures.values()):
         return ""
     return "most failures are rollouts that ran out of actions: raise `rates.max_steps`"
 
 
-def counted(number: int, noun: str) -> str:
-    """'1 worker', '2 workers'."""
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
-
-
 def agreeing(number: int, one: str, several: str) -> str:
-    """The verb for so many: with 'is' and 'are' it is 'is' for 1."""
+    """Returns the verb that agrees with a count: 'is' of 'is' and 'are' for 1."""
     return one if number == 1 else several
 
 
 def percent(share: float | None) -> str:
-    """'95 %', or '-' when there is nothing to divide by."""
+    """Returns '95 %', or '-' for None."""
     return "-" if share is None else f"{100 * share:.0f} %"
 
 
 def duration(seconds: float | None) -> str:
-    """'1 h 05 min', '3 min 20 s', '12 s'; '-' for None."""
+    """Returns '1 h 05 min', '3 min 20 s', '12 s'; '-' for None."""
     if seconds is None:
         return "-"
     whole = round(seconds)
@@ -287,9 +282,12 @@ def duration(seconds: float | None) -> str:
 
 
 def size(number: float) -> str:
-    """'512 B', '3.4 MB'."""
-    for unit in ("B", "kB", "MB", "GB"):
-        if number < 1000:
-            return f"{number:.0f} B" if unit == "B" else f"{number:.3g} {unit}"
+    """Returns '512 B', '3.4 MB'."""
+    if round(number) < 1000:
+        return f"{number:.0f} B"
+    for unit in ("kB", "MB", "GB"):
         number /= 1000
-    return f"{number:.3g} TB"
+        if float(shown := f"{number:.3g}") < 1000:
+            return f"{shown} {unit}"
+    number /= 1000
+    return f"{number:.3g} TB" if number < 999.5 else f"{number:.0f} TB"

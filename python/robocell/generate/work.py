@@ -1,27 +1,27 @@
-"""The module `robocell.generate.work`: a worker process. Started by the supervisor, not by people.
+"""The module `robocell.generate.work`: a worker process, which the supervisor starts.
 
-It loads the run itself and refuses to go on when that, a model file or a version is not what
-the dataset was begun with.
+It loads the run itself, and ends if the run, a model file or a version differs from the start of
+the dataset.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from robocell import RunConfig
-from robocell.generate import ItemResult as CoreResult
+from robocell._ending import end_in_time
+from robocell.dataset_run import recorded_attempts, seed_of_dataset
 from robocell.generate import PlanItem, Runner, StopFlag, make_plan, require_same_run
-from robocell.generate.items import Item, ItemResult
+from robocell.generate.items import Item, ItemRecord
 from robocell.generate.own_process import own_process
 from robocell.generate.run_source import RunSource
 from robocell.generate.worker import MakeEpisode, serve
 
 
 def command(source: RunSource, overrides: Sequence[str]) -> list[str]:
-    """The command that starts a worker for a run."""
+    """Returns the command that starts a worker for a run."""
     sets = [f"--set={override}" for override in overrides]
     options = [*source.options(), *sets, "--", source.run]
     return [*own_process("robocell.generate.work"), *options]
@@ -32,35 +32,37 @@ def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
     run = source.load(arguments.set)
     run.output = str(Path(run.output).absolute())  # a task may change the working folder
     require_same_run(run)
-    run_item = _evaluating(run, source.policy) if source.policy else Runner(run).run
+    runner = Runner(run)
     plan = {item.id: item for item in make_plan(run)}
+    if not source.policy:
+        return lambda item: ItemRecord.from_core(runner.run(plan[item.id], stop=stop))
+    from robocell.policy import REPLAY
+    from robocell.policy_calls import present
 
-    def make(item: Item) -> ItemResult:
-        return ItemResult.from_core(run_item(plan[item.id], stop=stop))
+    if source.policy == REPLAY:
+        _begin_as_recorded(plan.values(), source.run, run.seed)
 
-    return make
+    def evaluate(item: Item) -> ItemRecord:
+        present.rollout, present.seed, present.calls = item.id, run.seed, []
+        result = runner.run(plan[item.id], stop=stop)
+        if present.calls:
+            present.save(Path(run.output))
+        return ItemRecord.from_core(result)
+
+    return evaluate
 
 
-def _evaluating(run: RunConfig, policy: str) -> Callable[..., CoreResult]:
-    """Returns what makes an item of an evaluation: one rollout, of its first accepted start."""
-    from robocell.evaluated import ExplainedStart, ending_at_errors, expert_of_python
-    from robocell.policy import EXPERT
-
-    maker = expert_of_python(run)
-    if maker is None:
-        return Runner(run).run
-    start = ExplainedStart(ending_at_errors(maker) if policy == EXPERT else maker)
-    runner = Runner(run, expert=start)
-
-    def run_item(item: PlanItem, stop: StopFlag | None = None) -> CoreResult:
-        with start.explained():
-            return runner.run(item, stop=stop)
-
-    return run_item
+def _begin_as_recorded(items: Iterable[PlanItem], dataset: str, seed: int) -> None:
+    """Lets items begin at the attempt that the dataset has recorded, if `seed` is the dataset's."""
+    if seed != seed_of_dataset(dataset):
+        return
+    attempts = recorded_attempts(dataset)
+    for item in items:
+        item.first_attempt = attempts.get((item.scene, item.episode), 0)
 
 
 def main() -> int:
-    """The process."""
+    """Entry point of the process."""
     parser = argparse.ArgumentParser(prog="robocell.generate.work", description=__doc__)
     parser.add_argument("--set", action="append", default=[])
     RunSource.add_options(parser)
@@ -70,4 +72,6 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    ended_with = main()
+    end_in_time(ended_with)
+    sys.exit(ended_with)

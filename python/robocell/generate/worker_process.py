@@ -1,4 +1,4 @@
-"""One worker process as the supervisor sees it: start, hand over, listen, stop, kill."""
+"""One worker process as the supervisor sees it: start, send items, read messages, stop, kill."""
 
 from __future__ import annotations
 
@@ -12,21 +12,23 @@ from typing import Any
 
 from robocell.generate.items import Item
 from robocell.generate.protocol import LineReader, encode
+from robocell.generate.stacks import FATAL, ask, place_in, without_stacks
 
 # After its pipe has closed a process has this long to end.
 END_GRACE_S = 5.0
 LOG_LINES_SHOWN = 12
+LOG_BYTES_READ = 65536
 
 
 class WorkerProcess:
-    """A child process in a process group of its own, so that Ctrl-C in the terminal passes it by.
+    """A child process in a separate process group, which Ctrl-C in the terminal does not reach.
 
     Attributes:
-        number: For people; the log is `worker-<number>.log`.
-        item: What it is making now, or None.
-        ready: It has loaded the run.
-        leaving: It was told that there is no more work.
-        since: When the latest of this began, `time.monotonic()`.
+        number: Number in messages; the log is `worker-<number>.log`.
+        item: The item that it is making, or None.
+        ready: True if it has loaded the run.
+        leaving: True if the supervisor asked it to exit.
+        since: Start of the latest of these states, `time.monotonic()`.
     """
 
     def __init__(
@@ -39,6 +41,7 @@ class WorkerProcess:
         self.leaving = False
         self.since = time.monotonic()
         self._killed_for = ""
+        self._hangs = False
         self._reader = LineReader()
         with log.open("ab") as file:
             self._log_start = file.tell()
@@ -59,20 +62,20 @@ class WorkerProcess:
 
     @property
     def pid(self) -> int:
-        """The process."""
+        """Id of the process."""
         return self._process.pid
 
     @property
     def ended(self) -> bool:
-        """Whether the process is gone, even if its pipe is still open."""
+        """True if the process has ended, even if its pipe is still open."""
         return self._process.poll() is not None
 
     def fileno(self) -> int:
-        """The pipe of its replies, for selectors."""
+        """Returns the pipe of its replies, for selectors."""
         return self._stdout.fileno()
 
     def hand(self, item: Item) -> None:
-        """Gives it an item. A worker that has just died is found out by its closed pipe."""
+        """Gives it an item. A closed pipe reveals a worker that has just died."""
         self.item = item
         self.since = time.monotonic()
         self._send({"do": item.to_json()})
@@ -89,10 +92,9 @@ class WorkerProcess:
             self._stdin.close()
 
     def kill(self, reason: str) -> None:
-        """Ends it by force, with what is in its process group.
+        """Kills the processes of its group.
 
-        Encoders have groups of their own: they end by themselves when the pipe that they read from
-        closes with the worker.
+        Encoders have separate groups: they end when the pipe from the worker closes.
         """
         if self.ended:
             return  # its number may be another process's by now
@@ -103,8 +105,16 @@ class WorkerProcess:
             except (ProcessLookupError, PermissionError):
                 continue
 
+    def kill_hanging(self, reason: str) -> None:
+        """Kills it after it has written its stacks to its log; `bury` names the place."""
+        if not self.ended:
+            self._killed_for = self._killed_for or reason
+            self._hangs = True
+            ask(self.pid, self.log)
+            self.kill(reason)
+
     def messages(self) -> Iterator[dict[str, Any]] | None:
-        """What it has said since the last call; None when it has ended and has said all."""
+        """Returns new messages since the last call; None after the last one."""
         ended = self.ended  # before reading: what it said last is in the pipe by then
         try:
             data = os.read(self.fileno(), 1 << 16)
@@ -121,17 +131,22 @@ class WorkerProcess:
             self.kill("did not end")
             code = self._process.wait()
         self._stdout.close()
-        return f"was killed: {self._killed_for}" if self._killed_for else describe_exit(code)
+        how = f"was killed: {self._killed_for}" if self._killed_for else describe_exit(code)
+        has_stacks = self._hangs or (not self._killed_for and -code in FATAL)
+        return how + (place_in(self._log_end()) if has_stacks else "")
 
     def log_tail(self) -> str:
-        """The last lines that this process wrote to its log."""
+        """Returns the last lines that this process wrote to its log, without stacks."""
+        return "\n".join(without_stacks(self._log_end()).splitlines()[-LOG_LINES_SHOWN:])
+
+    def _log_end(self) -> str:
+        """Returns the end of what this process wrote to its log."""
         try:
             with self.log.open("rb") as file:
-                file.seek(max(self._log_start, os.path.getsize(self.log) - 16384))
-                text = file.read().decode(errors="replace")
+                file.seek(max(self._log_start, os.path.getsize(self.log) - LOG_BYTES_READ))
+                return file.read().decode(errors="replace")
         except OSError:
             return ""
-        return "\n".join(text.splitlines()[-LOG_LINES_SHOWN:])
 
     def _send(self, message: Mapping[str, Any]) -> None:
         try:
@@ -142,7 +157,7 @@ class WorkerProcess:
 
 
 def describe_exit(code: int) -> str:
-    """'was killed by SIGKILL (out of memory?)' or 'ended with exit code 1'."""
+    """Returns 'was killed by SIGKILL (out of memory?)' or 'ended with exit code 1'."""
     if code >= 0:
         return f"ended with exit code {code}"
     try:

@@ -3,8 +3,9 @@
     guess = detect(Path("arm.xml"), Path("arm_model.xml"), "arm")
     print(robot_text(guess, Path("arm.yaml")))
 
-One file per idea: `roots`, `bases`, `limbs`, `hands`, `tcp`, `home`, `cameras`, `arm_control` read
-something off the model and say why; `detect` puts it together; `trial` loads and mends it.
+One file per idea: `roots`, `bases`, `limbs`, `hands`, `tcp`, `home`, `cameras`, `arm_control` each
+read one part from the model, with reasons; `detect` combines them; `trial` loads the file and fixes
+it.
 """
 
 from robocell.onboarding.detect import detect

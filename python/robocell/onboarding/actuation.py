@@ -1,4 +1,4 @@
-"""What moves the joints of a model: actuators, and the constraints that carry motion along."""
+"""Actuators and couplings that move a model's joints."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ LEAST_MOMENT = 1e-9
 
 
 class Drive(enum.Enum):
-    """The force that an actuator makes of its control; the value is the word in comments."""
+    """Kinds of actuators; the value is the word used in comments."""
 
     POSITION = "position servo"
     VELOCITY = "velocity servo"
@@ -55,27 +55,27 @@ class Actuation:
         self._coupled = _coupled_joints(source, self.followers)
 
     def of_joint(self, joint: int) -> list[Actuator]:
-        """The actuators that pull a joint directly."""
+        """Returns the actuators that pull a joint directly."""
         return [each for each in self.actuators if joint in each.joints]
 
     def on_joint(self, joint: int) -> list[Actuator]:
-        """The actuators that pull this joint and no other."""
+        """Returns the actuators that pull this joint and no other."""
         return [each for each in self.of_joint(joint) if each.is_on_joint]
 
     def coupled(self, joint: int) -> frozenset[int]:
-        """The joints that constraints move with this one, itself included."""
+        """Returns the joints that constraints move with this one, itself included."""
         return self._coupled.get(joint, frozenset((joint,)))
 
     def moved_by(self, actuator: Actuator) -> set[int]:
-        """All joints that an actuator moves, directly or through constraints."""
+        """Returns all joints that an actuator moves, directly or through constraints."""
         return {joint for each in actuator.joints for joint in self.coupled(each)}
 
     def is_moved(self, joint: int) -> bool:
-        """Whether some actuator moves it."""
+        """Returns True if an actuator moves the joint."""
         return any(self.of_joint(each) for each in self.coupled(joint))
 
     def follower(self, joint: int) -> Follower | None:
-        """How a joint follows another; None for a joint of its own."""
+        """Returns how a joint follows another; None if independent."""
         return next((each for each in self.followers if each.joint == joint), None)
 
 
@@ -99,7 +99,7 @@ def _actuator(source: SourceModel, index: int) -> Actuator:
 
 
 def _pulled(source: SourceModel, index: int) -> tuple[int, ...]:
-    """The joints that the engine's moment arms of an actuator are of."""
+    """Returns the joints on which an actuator has a moment arm."""
     m, d = source.model, source.data
     first = int(m.actuator_outadr[index])
     joints: dict[int, None] = {}
@@ -112,7 +112,7 @@ def _pulled(source: SourceModel, index: int) -> tuple[int, ...]:
 
 
 def _drive(m: Any, index: int) -> Drive:
-    """By the law force = gain * ctrl + bias, as robocell's controllers see it."""
+    """Classifies an actuator by force = gain * ctrl + bias."""
     gain = m.actuator_gainprm[index][0]
     bias = m.actuator_biasprm[index]
     if int(m.actuator_gaintype[index]) != int(mujoco.mjtGain.mjGAIN_FIXED) or gain == 0:
@@ -187,7 +187,7 @@ def _joints_of_tendon(source: SourceModel, tendon: int) -> list[int]:
 
 
 def _joints_of_loop(source: SourceModel, index: int, first: int, second: int) -> list[int]:
-    """The joints of both branches of a closed loop, up to where they part."""
+    """Returns the joints of both branches of a closed loop, up to where they part."""
     m = source.model
     if int(m.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE):
         first, second = int(m.site_bodyid[first]), int(m.site_bodyid[second])
@@ -201,7 +201,7 @@ def _joints_of_loop(source: SourceModel, index: int, first: int, second: int) ->
 
 
 def reflected_inertia(source: SourceModel, joint: int, qpos: Any) -> float:
-    """The inertia that a joint feels at joint positions, kg m2 or kg."""
+    """Returns the effective inertia of a joint at joint positions, kg m2 or kg."""
     data = source.new_data(qpos)
     mujoco.mj_makeM(source.model, data)
     mass = np.zeros((source.model.nv, source.model.nv))

@@ -1,4 +1,4 @@
-"""How the joints of an arm are driven, and whether robocell can command them."""
+"""Determines an arm's actuators and whether robocell can command them."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class ArmDrive:
 
 
 def drive_of(source: SourceModel, actuation: Actuation, joints: list[int]) -> ArmDrive:
-    """What drives an arm."""
+    """Returns the actuators of an arm."""
     follows = [joint for joint in joints if _leader_in(actuation, joint, joints) is not None]
     pulling = [a for joint in joints for a in actuation.of_joint(joint)]
     if follows:

@@ -1,4 +1,4 @@
-"""What a robot stands on: the joints that move its root, and the kind of base to give it."""
+"""Finds the joints that move a robot's root, and chooses its kind of base."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class Base:
 
 
 def find_base(source: SourceModel, root: int) -> Base:
-    """The base joints at the top of a robot's tree."""
+    """Finds the base joints at the top of a robot's tree."""
     free = int(mujoco.mjtJoint.mjJNT_FREE)
     base = Base(None, [], root)
     body = root
@@ -70,14 +70,14 @@ def _moves_base(source: SourceModel, joint: int, before: list[int]) -> bool:
 def guess_base(
     source: SourceModel, actuation: Actuation, base: Base, *, reach: float, on_box: bool
 ) -> Guess[dict[str, object]]:
-    """The field `base` of the robot file.
+    """Guesses the field `base` of the robot file.
 
     Args:
         source: The model.
         actuation: Its actuators.
         base: The joints of the base.
-        reach: Of the first arm, m; 0 without one.
-        on_box: Whether the arms' base is what stands on a box, and not what a torso carries.
+        reach: Reach of the first arm, m; 0 without one.
+        on_box: True if the arms' base stands on a box; False if a torso carries it.
     """
     has_arm = reach > 0
     value: dict[str, object] = {"kind": "mocap"}
@@ -105,7 +105,7 @@ def guess_base(
 
 
 def _fixed_points(source: SourceModel, body: int) -> Vector:
-    """(n, 3) points on the base and what is fixed to it, in its frame."""
+    """Returns (n, 3) points on the base and the bodies fixed to it, in its frame."""
     bodies = [each for each in source.rigid_with(body) if source.is_below(each, body)]
     geoms = [geom for each in bodies for geom in source.geoms_of(each)]
     points = surface_points(source, source.data, geoms)
@@ -114,13 +114,13 @@ def _fixed_points(source: SourceModel, body: int) -> Vector:
 
 
 def lowest_of_base(source: SourceModel, body: int) -> float:
-    """The height of the lowest point of a base in its frame, m; 0 without geoms."""
+    """Returns the height of the lowest point of a base in its frame, m; 0 without geoms."""
     points = _fixed_points(source, body)
     return float(points[:, 2].min()) if len(points) else 0.0
 
 
 def _stands_upright(source: SourceModel, body: int) -> bool:
-    """Whether a box of `pedestal_size` below its frame is below the base."""
+    """Returns True if a box of `pedestal_size` below its frame is below the base."""
     points = _fixed_points(source, body)
     if len(points) == 0:
         return True
@@ -130,13 +130,13 @@ def _stands_upright(source: SourceModel, body: int) -> bool:
 
 
 def is_at_origin(source: SourceModel, root: int) -> bool:
-    """Whether the model's file puts its topmost body at the world's origin, upright."""
+    """Returns True if the model's topmost body is at the world's origin, upright."""
     at, quat = source.model.body_pos[root], source.model.body_quat[root]
     return bool(np.abs(at).max() < 1e-6 and abs(abs(quat[0]) - 1) < 1e-6)
 
 
 def pedestal_size(source: SourceModel, body: int, reach: float) -> list[float]:
-    """Length, width and height of a box under the base, m."""
+    """Returns length, width and height of a box under the base, m."""
     points = _fixed_points(source, body)
     half = float(np.abs(points[:, :2]).max()) if len(points) else 0.0
     side = round(min(max(2 * half + 0.04, 0.16), 0.4), 2)

@@ -28,21 +28,21 @@ class Camera:
 
 
 def cameras_of_model(source: SourceModel, bodies: list[int]) -> list[str]:
-    """The cameras that move with the robot."""
+    """Returns the cameras that move with the robot."""
     own = set(bodies)
     m = source.model
     return [str(m.cam(c).name) for c in range(m.ncam) if int(m.cam_bodyid[c]) in own]
 
 
 def is_on(source: SourceModel, camera: str, body: int) -> bool:
-    """Whether a camera of the model is carried by a body."""
+    """Returns True if a body carries a camera of the model."""
     return source.is_below(int(source.model.cam_bodyid[source.model.cam(camera).id]), body)
 
 
 def wrist_camera(
     source: SourceModel, body: int, tcp: Vector, approach: Vector, closing: Vector, name: str
 ) -> Guess[Camera]:
-    """Beside the fingers, looking at the TCP; all vectors in the frame of the hand's body."""
+    """Returns a camera beside the fingers that looks at the TCP; all in the hand's frame."""
     side = np.cross(closing, approach)
     places = [
         tcp - BEHIND * approach + sign * offset * side for offset in BESIDE for sign in (1, -1)
@@ -66,7 +66,7 @@ def wrist_camera(
 
 
 def _sees(source: SourceModel, body: int, place: Vector, tcp: Vector) -> bool:
-    """Whether no geom of the hand is between a place and (nearly) the TCP."""
+    """Returns True if no geom of the hand is between a position and (nearly) the TCP."""
     d = source.data
     rotation = d.xmat[body].reshape(3, 3)
     begin, end = (rotation @ point + d.xpos[body] for point in (place, tcp))
@@ -78,7 +78,7 @@ def _sees(source: SourceModel, body: int, place: Vector, tcp: Vector) -> bool:
 
 
 def exo_camera(source: SourceModel, body: int, reach: float, name: str) -> Guess[Camera]:
-    """In front of the robot at its side, from where it and what it works on are in the picture."""
+    """Returns a camera in front and to the side that sees the robot and its workspace."""
     reach = max(reach, 0.15)
     field = {
         "name": name,

@@ -1,4 +1,4 @@
-"""Everything that a robot file says, guessed from a model."""
+"""Guesses the content of a robot file from a model."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def detect(
 
 @dataclass
 class _Arm:
-    """An arm with what is known of it."""
+    """An arm with its guesses."""
 
     limb: Limb
     name: str
@@ -166,7 +166,7 @@ class _Detection:
     # --- Arms ---
 
     def _root_body(self) -> int:
-        """What all arms hang on: the base, or what a torso's joints move."""
+        """Returns the body that carries all arms: the base, or a body that a torso moves."""
         source, top = self._source, self._base.body
         roots = [
             int(source.model.body_parentid[source.model.jnt_bodyid[limb.joints[0]]])
@@ -183,7 +183,7 @@ class _Detection:
     def _root_comment(self, roots: Guess[Roots]) -> str:
         if self._root_body() != self._base.body:
             return (
-                "the arms hang on it; the joints before it are a group of their own "
+                "the arms hang on it; the joints before it are a separate group "
                 f"[{Confidence.HIGH.value}]"
             )
         if self._base.joints:
@@ -199,7 +199,7 @@ class _Detection:
         return arms
 
     def _side(self, limb: Limb, index: int) -> str:
-        """'left_', 'right_' by the names of its joints; else a number."""
+        """Returns 'left_' or 'right_' by the names of its joints; else a number."""
         text = " ".join(self._source.joint_name(joint) for joint in limb.joints).lower()
         words = re.split(r"[^a-z]+", text)
         for side, short in (("left", "l"), ("right", "r")):
@@ -252,7 +252,7 @@ class _Detection:
         return _Arm(limb, name, comment, tcp, motion, frame)
 
     def _wrist(self, limb: Limb, hand: Hand) -> tuple[Vector, Vector | None]:
-        """Where the last joint of the arm is and, of a hinge, its axis; in the hand's frame."""
+        """Returns the position of the arm's last joint and a hinge's axis, in the hand's frame."""
         d, joint = self._source.data, limb.joints[-1]
         rotation = d.xmat[hand.body].reshape(3, 3)
         at = np.asarray(rotation.T @ (d.xanchor[joint] - d.xpos[hand.body]))
@@ -260,7 +260,7 @@ class _Detection:
         return at, axis
 
     def _outward(self, limb: Limb, tcp: Tcp) -> Vector:
-        """From the last joint to the TCP, else along the last joint's axis, in its body's frame."""
+        """Returns the direction from the last joint to the TCP, else the joint's axis."""
         d = self._source.data
         rotation = d.xmat[limb.end].reshape(3, 3)
         anchor = d.xanchor[limb.joints[-1]]
@@ -358,7 +358,7 @@ class _Detection:
             self._out.home_noise[group.name] = self._noise(group, joints, qpos)
 
     def _noise(self, group: Group, joints: list[int], qpos: Vector) -> list[float]:
-        """How far starts vary: inside the limits of every joint; grippers stay open."""
+        """Returns the variation of starts: inside the limits of every joint; grippers stay open."""
         if group.kind != "arm":
             return [0.0]
         values = []
@@ -370,7 +370,7 @@ class _Detection:
         return values[:1] if len(set(values)) == 1 else values
 
     def _open_values(self, joints: list[int], motions: list[HandMotion]) -> list[float] | None:
-        """Of an open gripper, if all its joints can be put there at once."""
+        """Returns the joint values of an open gripper, if all its joints can be set at once."""
         m = self._source.model
         for motion in motions:
             fingers = motion.fingers
@@ -383,7 +383,7 @@ class _Detection:
         return None
 
     def _within_limits(self, joints: list[int], values: Vector) -> list[float]:
-        """Rounded, and no farther than the limits."""
+        """Returns the values rounded and clipped to the limits."""
         out = []
         for joint, value in zip(joints, rounded(values, 4), strict=True):
             lower, upper = self._source.limits(joint) or (-np.inf, np.inf)
@@ -412,7 +412,7 @@ class _Detection:
             self._generic(f"{word}{counts[word]}", limb.joints, f"neither arm nor hand: a {word}")
 
     def _generic(self, name: str, joints: list[int], why: str) -> None:
-        """A group of joints that are driven one by one; nothing for joints without actuators."""
+        """Adds a group of joints that are driven one by one; none without actuators."""
         pairs = []
         for joint in joints:
             on = self._actuation.on_joint(joint)

@@ -1,4 +1,4 @@
-"""Points on the surfaces of a model's geoms, for distances that have to say where they are."""
+"""Points on the surfaces of a model's geoms, for distances with their positions."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def surface_points(source: SourceModel, data: Any, geoms: list[int]) -> Vector:
 
 
 def nearest_points(first: Vector, second: Vector) -> tuple[float, Vector, Vector]:
-    """The least distance of two clouds of points, and the two points."""
+    """Returns the least distance of two clouds of points, and the two points."""
     gaps = np.linalg.norm(first[:, None, :] - second[None, :, :], axis=2)
     i, k = np.unravel_index(int(np.argmin(gaps)), gaps.shape)
     return float(gaps[i, k]), first[i], second[k]

@@ -14,12 +14,17 @@ from robocell.onboarding.source_model import SourceModel
 from robocell.onboarding.tcp import Tcp, rounded
 from robocell.onboarding.yaml_text import name_list
 
-# Of the travel of fingers that overlap when closed: so much of it squeezes, and so much is left out
-# at least.
+# Fingers that overlap when closed squeeze over this share of their travel, and at least this share
+# is left out.
 SQUEEZE = 0.02
 LEAST_GAP = 0.04
 # Fingers that turn are measured at their tips when their least distance opens this much less, m.
 AT_THE_HINGE = 0.008
+
+
+def _are_measured_at_tips(fingers: Fingers) -> bool:
+    """Whether the distance of fingers is that of their tips: elsewhere they are nearer."""
+    return fingers.is_jaw or fingers.pad_open > fingers.open + AT_THE_HINGE
 
 
 class GripperGroups:
@@ -61,12 +66,14 @@ class GripperGroups:
             "leaf": tcp.leaf,
             "fingers": refs,
         }
-        how = "was closed and opened in a copy of the model"
+        how = f"{'were' if len(names) > 1 else 'was'} closed and opened in a copy of the model"
+        closed, opened = fingers.closed, fingers.open
+        if _are_measured_at_tips(fingers):
+            closed, opened = fingers.pad_closed, fingers.pad_open
         comment = (
             f"{' and '.join(names)} {how}: '{self._source.body_name(fingers.bodies[0])}' and "
             f"'{self._source.body_name(fingers.bodies[1])}' go from "
-            f"{1000 * fingers.pad_closed:.0f} to {1000 * fingers.pad_open:.0f} mm "
-            f"[{Confidence.HIGH.value}]"
+            f"{1000 * closed:.0f} to {1000 * opened:.0f} mm [{Confidence.HIGH.value}]"
         )
         if any(actuator.drive is Drive.MOTOR for actuator in motion.actuators):
             comment += ". Its actuators are motors: they push, and hold no opening in between"
@@ -89,7 +96,7 @@ class GripperGroups:
     def _until_they_meet(
         self, fields: dict[str, Any], fingers: Fingers, actuators: list[Actuator]
     ) -> dict[str, Any] | None:
-        """With controls that close the fingers until they meet and not into each other."""
+        """Returns the group with controls that close the fingers just until contact."""
         if len(actuators) != 1:
             return None
         share = max(fingers.meets - SQUEEZE, LEAST_GAP)
@@ -99,7 +106,7 @@ class GripperGroups:
 
     def _hand_without_fingers(self, hand: Hand, motion: HandMotion, name: str) -> None:
         self._out.notes.append(
-            f"the hand on '{self._source.body_name(hand.body)}' is no gripper: {motion.why_none}"
+            f"the hand on '{self._source.body_name(hand.body)}' is not a gripper: {motion.why_none}"
         )
         if not motion.actuators:
             return
@@ -115,7 +122,7 @@ class GripperGroups:
         self._out.groups.append(Group(own, fields, comment, "generic"))
 
     def _is_direct(self, joint: int, actuators: list[Actuator]) -> bool:
-        """Whether an actuator pulls a joint, or one that it follows by a joint equality."""
+        """Returns True if an actuator moves a joint, or one that it follows by a joint equality."""
         follower = self._actuation.follower(joint)
         pulled = {each for actuator in actuators for each in actuator.joints}
         return joint in pulled or (follower is not None and follower.leader in pulled)
@@ -123,7 +130,7 @@ class GripperGroups:
     def _finger_refs(self, fingers: Fingers, name: str) -> list[Any]:
         """Bodies, or sites at the tips of fingers that turn."""
         source = self._source
-        at_tips = fingers.is_jaw or fingers.pad_open > fingers.open + AT_THE_HINGE
+        at_tips = _are_measured_at_tips(fingers)
         if not at_tips:
             return [{"body": source.body_name(body)} for body in fingers.bodies]
         refs = []

@@ -17,7 +17,7 @@ T = TypeVar("T")
 
 
 class Confidence(enum.Enum):
-    """How sure a guess is; the value is the word in comments."""
+    """Confidence of a guess; the value is the word in comments."""
 
     HIGH = "sure"
     MEDIUM = "likely"
@@ -41,7 +41,7 @@ class Guess(Generic[T]):
     alternatives: tuple[T, ...] = ()
 
     def comment(self) -> str:
-        """The reason, the confidence, and the alternatives of a guess that is not sure."""
+        """Returns the reason, the confidence, and the alternatives of a guess that is not sure."""
         text = f"{self.reason} [{self.confidence.value}]"
         if self.alternatives and self.confidence is not Confidence.HIGH:
             text += f"; instead of it: {shortened([str(value) for value in self.alternatives])}"
@@ -49,7 +49,7 @@ class Guess(Generic[T]):
 
 
 def shortened(names: list[str], most: int = 6) -> str:
-    """'a, b, c and 4 more'."""
+    """Returns 'a, b, c and 4 more'."""
     if len(names) <= most:
         return ", ".join(names)
     return f"{', '.join(names[:most])} and {len(names) - most} more"

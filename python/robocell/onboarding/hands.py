@@ -1,8 +1,8 @@
-"""Which bodies of a hand grip, found by moving its actuators in a copy of the model.
+"""Finds the fingers of a hand by moving its actuators in a copy of the model.
 
-Linkages, tendons and equalities make it hard to tell from a hand's tree what an actuator does. So
-the hand is moved: without gravity, with its arm held still, touching nothing but itself, from one
-end of its controls to the other. The two bodies that come together are its fingers.
+With linkages, tendons and equalities, a hand's tree does not show the effect of an actuator. So the
+hand is moved from one end of its controls to the other: without gravity, with a fixed arm, and with
+contacts only within the hand. The two bodies that come together are its fingers.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class Fingers:
 
 @dataclass
 class HandMotion:
-    """What a hand's actuators do; `fingers` is None for the reason `why_none`.
+    """Motion of a hand's actuators; `fingers` is None for the reason `why_none`.
 
     `friction` has smaller friction losses for joints whose actuators cannot overcome theirs.
     """
@@ -85,7 +85,7 @@ class HandMotion:
 
 
 def hand_actuators(actuation: Actuation, hand: Hand) -> list[Actuator]:
-    """Those that move joints of the hand and no others."""
+    """Returns the actuators that move only joints of the hand."""
     own = set(hand.joints)
     found = []
     for actuator in actuation.actuators:
@@ -136,7 +136,7 @@ def find_fingers(
 
 
 def control_range(source: SourceModel, actuator: Actuator) -> tuple[float, float] | None:
-    """The ends of an actuator's control; those of its joint for a servo without a range."""
+    """Returns the ends of an actuator's control; its joint's for a servo without a range."""
     m = source.model
     address = int(m.actuator_ctrladr[actuator.id])
     if m.actuator_ctrllimited[address]:
@@ -148,7 +148,7 @@ def control_range(source: SourceModel, actuator: Actuator) -> tuple[float, float
 
 
 def _lower_friction(source: SourceModel, actuators: list[Actuator]) -> dict[int, float]:
-    """By joint, for servos on joints that dry friction holds against all they push with."""
+    """Returns smaller friction losses by joint, for servos that cannot overcome the model's."""
     m = source.model
     found = {}
     for actuator in actuators:
@@ -184,7 +184,7 @@ def _moved(
     qpos: Vector | None,
     friction: dict[int, float],
 ) -> Vector | None:
-    """Joint positions after the hand was driven to controls; None when that diverges."""
+    """Returns joint positions after the hand was driven to controls; None if that diverges."""
     m = copy.copy(source.model)
     m.opt.gravity[:] = 0
     for joint, loss in friction.items():
@@ -233,7 +233,7 @@ def _addresses(source: SourceModel, joints: list[int]) -> tuple[list[int], list[
 
 
 def _branches(source: SourceModel, hand: Hand) -> list[int]:
-    """The bodies that fingers begin with; one for a jaw that closes against the hand."""
+    """Returns the bodies with which fingers begin; one for a jaw that closes against the hand."""
     body = hand.body
     while True:
         branches = [child for child in source.children(body) if source.joints_below(child)]
@@ -243,7 +243,7 @@ def _branches(source: SourceModel, hand: Hand) -> list[int]:
 
 
 def _jaw(source: SourceModel, hand: Hand, poses: list[_Pose]) -> Fingers | None:
-    """A single jaw: its tip and that of the hand."""
+    """Returns a single jaw: its tip and that of the hand."""
     joint = hand.joints[-1]
     address = int(source.model.jnt_qposadr[joint])
     ends = [jaw_tips(source, joint, float(pose.qpos[address])) for pose in poses]
@@ -278,7 +278,7 @@ class _Pair:
 def _meeting_pair(
     source: SourceModel, hand: Hand, groups: list[list[int]], poses: list[_Pose]
 ) -> Fingers | None:
-    """The two bodies that come together, farthest apart before."""
+    """Returns the two bodies that come together, farthest apart before."""
     pairs = []
     for first, second in itertools.combinations(groups, 2):
         for bodies in itertools.product(first, second):
@@ -297,7 +297,7 @@ def _meeting_pair(
         candidate.meets = meets
     widest = max(fingers.open for fingers in candidates)
     best = [each for each in candidates if each.open > widest - NEARLY_AS_WIDE]
-    # Of several that are as wide, the outermost: pads, not what carries them.
+    # The outermost of several equally wide geoms are pads; the others carry them.
     return max(best, key=lambda each: min(_distance_from(source, hand, b) for b in each.bodies))
 
 
@@ -307,7 +307,7 @@ def _pads(source: SourceModel, pair: _Pair, poses: list[_Pose]) -> tuple[Vector,
 
 
 def _distance_from(source: SourceModel, hand: Hand, body: int) -> float:
-    """How far the geoms of a body are from the hand at the reference pose, m."""
+    """Returns the distance of a body's geoms from the hand at the reference pose, m."""
     d = source.data
     ends = [d.geom_xpos[geom] for geom in _geoms(source, [body])]
     return max((float(np.linalg.norm(end - d.xpos[hand.body])) for end in ends), default=0.0)
@@ -319,7 +319,7 @@ def _geoms(source: SourceModel, bodies: list[int]) -> list[int]:
 
 
 def _gap(source: SourceModel, data: mujoco.MjData, first: int, second: int) -> float:
-    """The least distance of the colliding geoms of two bodies, m; `FARTHEST` without any."""
+    """Returns the least distance of two bodies' colliding geoms, m; `FARTHEST` without any."""
     m = source.model
     best = FARTHEST
     for a, b in itertools.product(_geoms(source, [first]), _geoms(source, [second])):
@@ -367,12 +367,12 @@ def _fingers(
 
 
 def _between(closed: _Pose, opened: _Pose, share: float) -> Vector:
-    """Joint positions on the way; those of free and ball joints are the same at both ends."""
+    """Interpolates joint positions; free and ball joints are the same at both ends."""
     return np.asarray(closed.qpos + share * (opened.qpos - closed.qpos))
 
 
 def _meeting_share(source: SourceModel, pair: _Pair, poses: list[_Pose]) -> float:
-    """Up to which share of the travel from closed on two bodies overlap."""
+    """Returns the share of the travel from closed on up to which two bodies overlap."""
     closed, opened = poses[pair.closed_pose], poses[pair.open_pose]
     for share in np.linspace(0, 1, 41):
         data = source.new_data(_between(closed, opened, float(share)))
@@ -382,7 +382,7 @@ def _meeting_share(source: SourceModel, pair: _Pair, poses: list[_Pose]) -> floa
 
 
 def _pad(source: SourceModel, data: mujoco.MjData, bodies: tuple[int, int], which: int) -> Vector:
-    """The middle of what a finger meets the other with, in the frame of its body."""
+    """Returns the centre of a finger's contact surface, in the frame of its body."""
     own, other = bodies[which], bodies[1 - which]
     points = surface_points(source, data, _geoms(source, [own]))
     others = surface_points(source, data, _geoms(source, [other]))

@@ -1,7 +1,7 @@
-"""Where the arms stand when an episode begins: a keyframe of the model, or a pose with room.
+"""Chooses the arms' start configuration: a keyframe of the model, or a pose with room.
 
-A pose has room when it touches nothing, no joint is near a limit, the TCP can move in every
-direction, and it is in front of the robot, above its base and pointing down, where things to pick
+A pose has room if it is collision-free, no joint is near a limit, the TCP can move in every
+direction, and it is in front of the robot, above its base and pointing down, where objects to pick
 are.
 """
 
@@ -36,7 +36,7 @@ class Home:
 
 @dataclass(frozen=True)
 class ArmFrame:
-    """What is needed of an arm to judge its poses."""
+    """Data for judging an arm's poses."""
 
     joints: list[int]
     base: int  # body
@@ -48,7 +48,7 @@ class ArmFrame:
 
 
 def guess_home(source: SourceModel, arms: list[ArmFrame], start: Vector) -> Guess[Home]:
-    """The home of all arms.
+    """Guesses the home of all arms.
 
     Args:
         source: The model.
@@ -89,7 +89,7 @@ def guess_home(source: SourceModel, arms: list[ArmFrame], start: Vector) -> Gues
 
 
 def what_is_wrong(source: SourceModel, arms: list[ArmFrame], qpos: Vector) -> str:
-    """Why a pose cannot be home; "" for one that can."""
+    """Returns why a pose cannot be home; "" if it can."""
     m = source.model
     for arm in arms:
         for joint in arm.joints:
@@ -102,7 +102,7 @@ def what_is_wrong(source: SourceModel, arms: list[ArmFrame], qpos: Vector) -> st
 
 
 def first_contact(source: SourceModel, robot: list[int], qpos: Vector) -> tuple[str, str] | None:
-    """Two bodies of the robot that are in each other, neighbours left out."""
+    """Returns two penetrating bodies of the robot, neighbours excluded."""
     m = source.model
     own = set(robot)
     data = source.new_data(qpos)
@@ -124,7 +124,7 @@ def _are_neighbours(source: SourceModel, a: int, b: int) -> bool:
 
 
 class PoseJudge:
-    """Judges joint positions of one arm; keeps what it needs between calls."""
+    """Judges joint positions of one arm; keeps its buffers between calls."""
 
     def __init__(self, source: SourceModel, arm: ArmFrame):
         self._source = source
@@ -136,14 +136,14 @@ class PoseJudge:
         self.reach = self._measured_reach()
 
     def has_room(self, qpos: Vector) -> bool:
-        """Whether the arm can move in every direction and no joint is near a limit."""
+        """Returns True if the arm can move in every direction and no joint is near a limit."""
         best = max(self.manipulability(each) for each in self.samples(qpos, 60))
         return self.margin(qpos) > LEAST_MARGIN and (
             self.manipulability(qpos) > SINGULAR_SHARE * best
         )
 
     def found(self, start: Vector) -> Vector:
-        """A pose with room; `start` where every one that was tried touches something."""
+        """Returns a pose with room; `start` if every tried one is in collision."""
         samples = self.samples(start, SAMPLES)
         scores = np.array([self.score(qpos) for qpos in samples])
         for index in np.argsort(-scores)[:TRIED]:
@@ -169,7 +169,7 @@ class PoseJudge:
         return qpos
 
     def score(self, qpos: Vector) -> float:
-        """Higher for a TCP in front, above the base and pointing down, with room at the limits."""
+        """Scores a pose higher for a TCP in front, above the base, pointing down, with room."""
         arm, data = self._arm, self._at(qpos)
         rotation = data.xmat[arm.tip_body].reshape(3, 3)
         base = data.xmat[arm.base].reshape(3, 3)
@@ -183,7 +183,7 @@ class PoseJudge:
         return score - 4 * max(0.0, -lowest) / self.reach
 
     def margin(self, qpos: Vector) -> float:
-        """The least share of its range that a joint has left to a limit."""
+        """Returns the least share of its range that a joint has left to a limit."""
         least = 0.5
         for address, limits in zip(self._addresses, self._limits, strict=True):
             if limits and limits[1] > limits[0]:
@@ -192,7 +192,7 @@ class PoseJudge:
         return least
 
     def manipulability(self, qpos: Vector) -> float:
-        """The smallest velocity of the TCP that joints at unit speed give it in some direction."""
+        """Returns the TCP's smallest velocity in any direction for joints at unit speed."""
         data = self._at(qpos)
         mujoco.mj_comPos(self._source.model, data)
         rotation = data.xmat[self._arm.tip_body].reshape(3, 3)
@@ -236,7 +236,7 @@ class PoseJudge:
         return qpos
 
     def _tidied(self, qpos: Vector) -> Vector:
-        """Two digits behind the point are enough for a pose that was found by chance."""
+        """Rounds a pose that was found by chance to two digits."""
         tidy = qpos.copy()
         for address, limits in zip(self._addresses, self._limits, strict=True):
             lower, upper = limits or (-np.inf, np.inf)

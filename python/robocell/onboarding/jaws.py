@@ -20,10 +20,9 @@ COUNTERPART_SHARE = 0.4
 
 
 def is_jaw(source: SourceModel, joint: int) -> bool:
-    """Whether a joint's body closes against the body that carries it, and points away from the arm.
+    """Returns True if a joint's body closes against its parent body and points away from the arm.
 
-    A wrist that folds back onto the forearm also comes near to what carries it, but it points back
-    then.
+    A wrist that folds back onto the forearm also approaches its parent, but then it points back.
     """
     limits = source.limits(joint)
     if limits is None or not source.is_scalar(joint):
@@ -40,13 +39,13 @@ def is_jaw(source: SourceModel, joint: int) -> bool:
 
 
 def jaw_tips(source: SourceModel, joint: int, value: float) -> tuple[Vector, Vector] | None:
-    """Where the tips of the moving and the fixed jaw are nearest at a joint value, in the world."""
+    """Returns the closest points of the moving and the fixed jaw at a joint value, in the world."""
     found = _closing(source, joint, value)
     return (found[1], found[2]) if found else None
 
 
 def _closing(source: SourceModel, joint: int, value: float) -> tuple[float, Vector, Vector] | None:
-    """Distance and points of the moving tip and its counterpart; None where there is none."""
+    """Returns distance and points of the moving tip and its counterpart; None without one."""
     m = source.model
     body = int(m.jnt_bodyid[joint])
     carrier = int(m.body_parentid[body])
@@ -67,20 +66,20 @@ def _closing(source: SourceModel, joint: int, value: float) -> tuple[float, Vect
 
 
 def jaw_geoms(source: SourceModel, body: int) -> list[int]:
-    """Of the moving jaw: those that collide, if any do."""
+    """Returns the moving jaw's geoms: the colliding ones, if any."""
     geoms = [geom for each in source.subtree(body) for geom in source.geoms_of(each)]
     return [geom for geom in geoms if source.collides(geom)] or geoms
 
 
 def carrier_geoms(source: SourceModel, carrier: int) -> list[int]:
-    """Of the fixed jaw: those of the body that carries the moving one, and what is fixed to it."""
+    """Returns the fixed jaw's geoms: those of the parent body and of bodies fixed to it."""
     bodies = [each for each in source.rigid_with(carrier) if source.is_below(each, carrier)]
     geoms = [geom for each in bodies for geom in source.geoms_of(each)]
     return [geom for geom in geoms if source.collides(geom)] or geoms
 
 
 def _points_away(source: SourceModel, joint: int, tip: Vector) -> bool:
-    """Whether the tip of a closed jaw is beyond its joint, seen from the arm."""
+    """Returns True if the tip of a closed jaw is beyond its joint, seen from the arm."""
     m, d = source.model, source.data
     carrier = int(m.body_parentid[m.jnt_bodyid[joint]])
     wrist = _wrist(source, carrier)
@@ -91,7 +90,7 @@ def _points_away(source: SourceModel, joint: int, tip: Vector) -> bool:
 
 
 def _wrist(source: SourceModel, body: int) -> Vector:
-    """Where the joint is that moves a body."""
+    """Returns the position of the joint that moves a body."""
     while body and not source.joints_of(body):
         body = int(source.model.body_parentid[body])
     joints = source.joints_of(body)

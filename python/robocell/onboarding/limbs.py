@@ -26,7 +26,7 @@ LEAST_ARM_JOINTS = 3
 
 
 class LimbKind(enum.Enum):
-    """What a limb is for."""
+    """Kinds of limbs."""
 
     ARM = "arm"
     LEG = "leg"
@@ -36,7 +36,7 @@ class LimbKind(enum.Enum):
 
 @dataclass
 class Hand:
-    """What is beyond an arm, or a hand alone.
+    """The hand at the end of an arm, or a hand alone.
 
     Attributes:
         body: The body that carries the fingers.
@@ -75,7 +75,7 @@ class Anatomy:
 
     @property
     def arms(self) -> list[Limb]:
-        """Its limbs that are arms."""
+        """Returns the limbs that are arms."""
         return [limb for limb in self.limbs if limb.kind is LimbKind.ARM]
 
 
@@ -91,7 +91,7 @@ class _Stretch:
 def dissect(
     source: SourceModel, actuation: Actuation, root: int, skipped: set[int] | None = None
 ) -> Anatomy:
-    """The parts of the robot whose topmost body is `root`; joints in `skipped` are of its base."""
+    """Returns the parts of the robot with topmost body `root`; `skipped` are the base's joints."""
     return _Dissection(source, actuation, root, skipped or set()).run()
 
 
@@ -123,7 +123,7 @@ class _Dissection:
     # --- Following the tree ---
 
     def _stretch(self, body: int) -> _Stretch:
-        """From a body on, its own joints included."""
+        """Returns the stretch that begins with a body, including its joints."""
         joints = self._joints_of(body)
         while True:
             branches = [
@@ -161,7 +161,7 @@ class _Dissection:
                 self._split(branch, [], is_trunk=False)
 
     def _main_branch(self, stretch: _Stretch) -> int | None:
-        """The branch that goes on far beyond all others, as of an arm with a spring beside it."""
+        """Returns the branch that is far longer than all others; a spring is a short one."""
         sizes = {branch: self._size(branch) for branch in stretch.branches}
         depths = {branch: self._depth(branch) for branch in stretch.branches}
         main = max(sizes, key=lambda branch: (depths[branch], sizes[branch]))
@@ -173,16 +173,16 @@ class _Dissection:
         return main if beside and depths[main] > LEAST_ARM_JOINTS else None
 
     def _depth(self, body: int) -> int:
-        """The most joints one after the other below a body."""
+        """Returns the largest number of joints in series below a body."""
         below = [self._depth(child) for child in self._source.children(body)]
         return len(self._source.joints_of(body)) + max(below, default=0)
 
     def _size(self, body: int) -> float:
-        """How far a part reaches from where it hangs."""
+        """Returns the extent of a part from its attachment."""
         return self._source.extent_below(body)
 
     def _length(self, joints: list[int]) -> float:
-        """The way along joints at the reference pose, slides at their full travel, m."""
+        """Returns the length along joints at the reference pose, slides at full travel, m."""
         source = self._source
         anchors = [source.data.xanchor[joint] for joint in joints]
         length = sum(float(np.linalg.norm(b - a)) for a, b in itertools.pairwise(anchors))
@@ -226,7 +226,7 @@ class _Dissection:
         return any(other in self._actuation.coupled(joint) for other in others)
 
     def _end_limb(self, limb: Limb) -> None:
-        """A serial chain; its last joint may be a jaw that closes against what carries it."""
+        """Classifies a serial chain; its last joint may be a jaw that closes against its parent."""
         if len(limb.joints) > LEAST_ARM_JOINTS and is_jaw(self._source, limb.joints[-1]):
             jaw = limb.joints.pop()
             carrier = int(self._source.model.body_parentid[self._source.model.jnt_bodyid[jaw]])
@@ -262,7 +262,7 @@ class _Dissection:
                     limb.kind = LimbKind.ARM
 
     def _is_legged(self, rest: list[Limb], floor: float) -> bool:
-        """Whether the trunk is above the ends of several limbs, on a base that can fall."""
+        """Returns True if the trunk is above the ends of several limbs, on a base that can fall."""
         root = self._anatomy.root
         free = int(mujoco.mjtJoint.mjJNT_FREE)
         joints = self._source.joints_of(root)
@@ -274,7 +274,7 @@ class _Dissection:
         return float(min(self._source.data.xpos[body][2] for body in bodies))
 
     def _is_wheel(self, limb: Limb) -> bool:
-        """One or two joints, the last turning without end about a level axis, round or rollers."""
+        """Returns True for one or two joints, the last an unlimited hinge with a level axis."""
         source = self._source
         if limb.hand or len(limb.joints) > 2:
             return False

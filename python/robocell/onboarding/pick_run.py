@@ -9,12 +9,12 @@ from robocell.onboarding.yaml_text import flow, quoted
 
 
 def can_pick(guess: RobotGuess) -> bool:
-    """Whether it has what pick tasks need: an arm, a gripper, a base that tasks can place."""
+    """Returns True if the robot can do pick tasks: it has an arm, a gripper, a placeable base."""
     return bool(guess.of_kind("arm")) and bool(guess.of_kind("gripper"))
 
 
 def run_text(guess: RobotGuess, robot_file: Path) -> str:
-    """The run file, beside the robot file."""
+    """Returns the run file, beside the robot file."""
     name = robot_file.stem
     near, far = round(0.3 * guess.reach, 2), round(0.55 * guess.reach, 2)
     height = guess.base.value.get("size", [0, 0, 0])[2]

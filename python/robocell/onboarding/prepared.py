@@ -1,9 +1,9 @@
-"""A copy of a model with what robot files cannot add: servos, a base body, one robot of several.
+"""Makes a copy of a model with changes that robot files cannot make.
 
-Robot files change a model by `edits`. These cannot add actuators to a model that has none (every
-URDF), put a body under an arm whose first joint moves the model's topmost body, or make one robot
+Robot files change a model by `edits`. These cannot add actuators to a model that has none, put a
+body under an arm whose first joint moves the model's topmost body, or make one robot
 of two arms that stand beside each other in the model's world. For such models `robocell init`
-writes an MJCF of its own, with the changes and nothing else.
+writes a separate MJCF with only these changes.
 """
 
 from __future__ import annotations
@@ -33,10 +33,8 @@ LEAST_ARMATURE = 0.01  # kg m2 of a joint of an arm that has none: rotors behind
 
 
 def reasons_to_prepare(source: SourceModel, actuation: Actuation, roots: Roots) -> list[str]:
-    """Why a robot file alone does not do for this model; empty when it does."""
+    """Returns why the model needs a modified copy; empty if it does not."""
     reasons = []
-    if source.is_urdf:
-        reasons.append("robots are read from MJCF, and this is a URDF")
     if len(roots.bodies) > 1:
         reasons.append(f"{roots} stand beside each other, and a robot has one root")
     elif _starts_at_root(source, actuation, roots.bodies[0]):
@@ -57,7 +55,7 @@ def reasons_to_prepare(source: SourceModel, actuation: Actuation, roots: Roots) 
 
 
 def prepare(source: SourceModel, actuation: Actuation, roots: Roots, file: Path) -> SourceModel:
-    """The changed model, as it is when it is read from `file`, which is not written yet."""
+    """Returns the changed model, as it will be read from `file`, which does not exist yet."""
     spec = source.spec.copy()
     _make_paths_absolute(spec, source)
     for name in _joints_without_servo(source, actuation, roots):
@@ -79,11 +77,11 @@ def prepare(source: SourceModel, actuation: Actuation, roots: Roots, file: Path)
         ) from error
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    return SourceModel(file.absolute(), spec, model, data, False)
+    return SourceModel(file.absolute(), spec, model, data)
 
 
 def model_text(source: SourceModel, reasons: list[str], original: Path) -> str:
-    """The MJCF of a prepared model; files that it refers to are named from its folder."""
+    """Returns the MJCF of a prepared model; files that it refers to are named from its folder."""
     folder = source.path.parent
     text = str(source.spec.to_xml())
     for element in _with_files(source.spec):
@@ -100,7 +98,7 @@ def model_text(source: SourceModel, reasons: list[str], original: Path) -> str:
 
 
 def _starts_at_root(source: SourceModel, actuation: Actuation, root: int) -> bool:
-    """Whether a joint of an arm or hand moves the topmost body itself."""
+    """Returns True if a joint of an arm or hand moves the topmost body itself."""
     base = find_base(source, root)
     own = {j for j in source.joints_of(root) if j != base.free_joint and j not in base.joints}
     limbs = anatomy_of(source, actuation, root).limbs
@@ -117,7 +115,7 @@ def _is_bare(actuation: Actuation, limb: Limb) -> bool:
 
 
 def _joints_without_servo(source: SourceModel, actuation: Actuation, roots: Roots) -> list[str]:
-    """Of arms and hands that nothing moves: each joint that does not follow another."""
+    """Returns the joints of arms and hands that neither an actuator nor another joint moves."""
     names = []
     for root in roots.bodies:
         for limb in anatomy_of(source, actuation, root).limbs:
@@ -137,7 +135,7 @@ def _joints_without_servo(source: SourceModel, actuation: Actuation, roots: Root
 
 
 def _add_servo(source: SourceModel, actuation: Actuation, spec: Any, name: str) -> None:
-    """A position servo that is stiff enough to carry what the joint moves."""
+    """Adds a position servo that is stiff enough to carry the load of the joint."""
     m = source.model
     joint = int(m.joint(name).id)
     is_finger = source.is_slide(joint) and source.extent_below(int(m.jnt_bodyid[joint])) < 0.2
@@ -163,7 +161,7 @@ def _add_servo(source: SourceModel, actuation: Actuation, spec: Any, name: str) 
 
 
 def _largest_inertia(source: SourceModel, joint: int) -> float:
-    """Over some poses spread over the joints' ranges."""
+    """Returns the largest inertia over some poses spread over the joints' ranges."""
     rng = np.random.default_rng(0)
     most = reflected_inertia(source, joint, source.model.qpos0)
     for _ in range(12):
@@ -201,7 +199,7 @@ def _drop_others(source: SourceModel, spec: Any, roots: Roots) -> None:
 
 
 def _add_keys(source: SourceModel, spec: Any, model: Any) -> None:
-    """The keyframes of the given model, for the joints that are left."""
+    """Adds the keyframes of the given model, for the remaining joints."""
     for key in range(source.model.nkey):
         qpos = np.array(model.qpos0)
         for joint in range(model.njnt):
@@ -214,7 +212,7 @@ def _add_keys(source: SourceModel, spec: Any, model: Any) -> None:
 
 
 def _with_base(text: str, source: SourceModel, roots: Roots) -> str:
-    """A body without joints around all bodies of the world, at the place of the first.
+    """Adds a body without joints around all bodies of the world, at the pose of the first.
 
     Arms keep their places to each other; the first one stands at the origin.
     """

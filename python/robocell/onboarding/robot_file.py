@@ -11,7 +11,7 @@ from robocell.onboarding.yaml_text import comment, flow, quoted
 
 
 def robot_text(guess: RobotGuess, file: Path) -> str:
-    """The robot file, as it is written to `file`: the model is named from there."""
+    """Returns the robot file, as it is written to `file`: the model is named from there."""
     model = _model_name(guess, file)
     lines = comment(
         f"Written by `robocell init {_shown(guess.original, file)}` (robocell {__version__}). The "
@@ -78,7 +78,7 @@ def _groups(guess: RobotGuess) -> list[str]:
 
 
 def _model_name(guess: RobotGuess, file: Path) -> str:
-    """Relative to the robot file when the model is near it; else the whole path."""
+    """Returns the path relative to the robot file if the model is near; else the whole path."""
     path = guess.source.path
     folder = file.absolute().parent
     relative = os.path.relpath(path, folder)

@@ -1,4 +1,4 @@
-"""A robot file before it is written: values with the comments that say why."""
+"""A robot file before it is written: values with comments on their reasons."""
 
 from __future__ import annotations
 
@@ -59,5 +59,5 @@ class RobotGuess:
     notes: list[str] = field(default_factory=list)
 
     def of_kind(self, kind: str) -> list[Group]:
-        """Its groups of a kind."""
+        """Returns the groups of a kind."""
         return [group for group in self.groups if group.kind == kind]

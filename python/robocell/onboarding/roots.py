@@ -1,10 +1,8 @@
-"""Which bodies of a model's world are the robot; the others are floors, tables and objects."""
+"""Finds the bodies of a model's world that form the robot; others are floors, tables, objects."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-
-import mujoco
 
 from robocell import SpecError
 from robocell.onboarding.actuation import Actuation
@@ -26,7 +24,7 @@ class Roots:
 
 
 def find_roots(source: SourceModel, actuation: Actuation) -> Guess[Roots]:
-    """The robot of a model: what actuators move, else what has the most joints.
+    """Returns the robot of a model: the bodies with actuators, else those with the most joints.
 
     Several roots with an arm each are one robot of several arms.
     """
@@ -52,7 +50,7 @@ def find_roots(source: SourceModel, actuation: Actuation) -> Guess[Roots]:
 
 
 def anatomy_of(source: SourceModel, actuation: Actuation, root: int) -> Anatomy:
-    """The parts of the robot below a root, without the joints of its base."""
+    """Returns the parts of the robot below a root, without the joints of its base."""
     base = find_base(source, root)
     skipped = set(base.joints)
     if base.free_joint is not None:
@@ -88,9 +86,3 @@ def _is_driven(source: SourceModel, actuation: Actuation, body: int) -> bool:
 
 def _is_armed(anatomy: Anatomy) -> bool:
     return any(limb.kind is LimbKind.ARM or limb.hand for limb in anatomy.limbs)
-
-
-def has_free_joint(source: SourceModel, body: int) -> bool:
-    """Whether a body floats."""
-    free = int(mujoco.mjtJoint.mjJNT_FREE)
-    return any(int(source.model.jnt_type[joint]) == free for joint in source.joints_of(body))

@@ -1,4 +1,4 @@
-"""The model that a robot file is made for: a compiled MJCF or URDF whose elements all have names.
+"""The model of a new robot file: a compiled MJCF or URDF whose elements all have names.
 
 Elements without a name get the label that robot files call them by (`elbow:joint0`, `root_body`;
 docs/robots.md, "Naming what is unnamed").
@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 from numpy.typing import NDArray
 
-from robocell import SpecError
+from robocell import SpecError, _core
 
 Vector = NDArray[np.float64]
 
@@ -33,14 +33,12 @@ class SourceModel:
         spec: Where it was compiled from; labelled.
         model: The compiled model.
         data: At the reference pose, with everything computed.
-        is_urdf: Whether the file is a URDF.
     """
 
     path: Path
     spec: Any
     model: Any
     data: Any
-    is_urdf: bool
     _children: list[list[int]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
@@ -51,42 +49,42 @@ class SourceModel:
     # --- Names ---
 
     def body_name(self, body: int) -> str:
-        """The name or label of a body."""
+        """Returns the name or label of a body."""
         return str(self.model.body(body).name)
 
     def joint_name(self, joint: int) -> str:
-        """The name or label of a joint."""
+        """Returns the name or label of a joint."""
         return str(self.model.joint(joint).name)
 
     def actuator_name(self, actuator: int) -> str:
-        """The name or label of an actuator."""
+        """Returns the name or label of an actuator."""
         return str(self.model.actuator(actuator).name)
 
     def site_name(self, site: int) -> str:
-        """The name or label of a site."""
+        """Returns the name or label of a site."""
         return str(self.model.site(site).name)
 
     # --- The tree ---
 
     def children(self, body: int) -> list[int]:
-        """The bodies that hang on a body directly."""
+        """Returns the child bodies of a body."""
         return self._children[body]
 
     def subtree(self, body: int) -> list[int]:
-        """The body and all below it, parents first."""
+        """Returns the body and all below it, parents first."""
         found = [body]
         for each in found:  # grows while it is walked through
             found.extend(self._children[each])
         return found
 
     def is_below(self, body: int, ancestor: int) -> bool:
-        """Whether it hangs on the ancestor, or is it."""
+        """Returns True if a body is the ancestor or below it."""
         while body != ancestor and body != 0:
             body = self.model.body_parentid[body]
         return body == ancestor
 
     def way(self, top: int, body: int) -> list[int]:
-        """The bodies from below `top` down to `body`."""
+        """Returns the bodies between `top` (excluded) and `body`."""
         found: list[int] = []
         while body not in (top, 0):
             found.insert(0, body)
@@ -94,59 +92,59 @@ class SourceModel:
         return found
 
     def common_ancestor(self, first: int, second: int) -> int:
-        """The lowest body that both hang on."""
+        """Returns the lowest common ancestor of both bodies."""
         while not self.is_below(second, first):
             first = int(self.model.body_parentid[first])
         return first
 
     def joints_of(self, body: int) -> list[int]:
-        """The joints of a body itself."""
+        """Returns the joints of a body itself."""
         begin = int(self.model.body_jntadr[body])
         return list(range(begin, begin + int(self.model.body_jntnum[body]))) if begin >= 0 else []
 
     def joints_below(self, body: int) -> list[int]:
-        """The joints of a body and of all below it."""
+        """Returns the joints of a body and of all below it."""
         return [joint for each in self.subtree(body) for joint in self.joints_of(each)]
 
     def geoms_of(self, body: int) -> list[int]:
-        """The geoms of a body itself."""
+        """Returns the geoms of a body itself."""
         begin = int(self.model.body_geomadr[body])
         return list(range(begin, begin + int(self.model.body_geomnum[body]))) if begin >= 0 else []
 
     def collides(self, geom: int) -> bool:
-        """Whether a geom touches other things."""
+        """Returns True if a geom can collide."""
         return bool(self.model.geom_contype[geom] or self.model.geom_conaffinity[geom])
 
     def rigid_with(self, body: int) -> list[int]:
-        """All bodies that no joint moves against this one."""
+        """Returns all bodies rigidly connected to this one."""
         weld = self.model.body_weldid[body]
         return [each for each in range(1, self.model.nbody) if self.model.body_weldid[each] == weld]
 
     # --- Joints ---
 
     def is_scalar(self, joint: int) -> bool:
-        """Whether it is a hinge or a slide."""
+        """Returns True for a hinge or a slide."""
         return int(self.model.jnt_type[joint]) in SCALAR_JOINTS
 
     def is_slide(self, joint: int) -> bool:
-        """Whether it is a slide."""
+        """Returns True for a slide."""
         return int(self.model.jnt_type[joint]) == int(mujoco.mjtJoint.mjJNT_SLIDE)
 
     def limits(self, joint: int) -> tuple[float, float] | None:
-        """Lower and upper limit; None for a joint without."""
+        """Returns lower and upper limit; None for an unlimited joint."""
         if not self.model.jnt_limited[joint]:
             return None
         lower, upper = self.model.jnt_range[joint]
         return float(lower), float(upper)
 
     def joint_of_dof(self, dof: int) -> int:
-        """The joint that a degree of freedom is of."""
+        """Returns the joint of a degree of freedom."""
         return int(self.model.dof_jntid[dof])
 
     # --- Geometry at a state ---
 
     def new_data(self, qpos: Vector | None = None) -> Any:
-        """A state of its own, at the reference pose or at joint positions."""
+        """Returns a new state, at the reference pose or at joint positions."""
         data = mujoco.MjData(self.model)
         if qpos is not None:
             data.qpos[:] = qpos
@@ -155,7 +153,7 @@ class SourceModel:
         return data
 
     def extent_below(self, body: int) -> float:
-        """How far geoms and bodies of a subtree reach from its origin at the reference pose, m."""
+        """Returns the extent of a subtree from its origin at the reference pose, m."""
         origin = self.data.xpos[body]
         most = 0.0
         for each in self.subtree(body):
@@ -169,19 +167,15 @@ class SourceModel:
 
 
 def load_model(path: Path) -> SourceModel:
-    """Compiles a model file; SpecError says what is wrong with it and what to do next."""
-    is_urdf = _root_element(path) == "robot"
+    """Compiles a model file. Raises SpecError with the problem and the next step."""
     try:
-        spec = mujoco.MjSpec.from_file(str(path))
-    except (ValueError, OSError) as error:
-        raise SpecError(_unreadable(path, str(error), is_urdf)) from error
-    if is_urdf:
-        spec.compiler.fusestatic = False  # fixed links stay bodies: bases, flanges, tool frames
-    _label(spec)
-    try:
+        spec = _urdf(path) if _root_element(path) == "robot" else mujoco.MjSpec.from_file(str(path))
+        _label(spec)
         model = spec.compile()
+    except SpecError:
+        raise
     except (ValueError, OSError) as error:
-        raise SpecError(_unreadable(path, str(error), is_urdf)) from error
+        raise SpecError(_unreadable(path, str(error))) from error
     if model.nbody < 2:
         raise SpecError(
             f"{path}: the model has no bodies. Give the file whose <worldbody> has the robot; "
@@ -189,29 +183,35 @@ def load_model(path: Path) -> SourceModel:
         )
     data = mujoco.MjData(model)
     mujoco.mj_forward(model, data)
-    return SourceModel(path.absolute(), spec, model, data, is_urdf)
+    return SourceModel(path.absolute(), spec, model, data)
+
+
+def _urdf(path: Path) -> Any:
+    """Reads a URDF like robot files do: with servos, fixed links and joints that follow others."""
+    folder = str(path.absolute().parent)
+    text, _ = _core.urdf_to_mjcf(str(path), folder)
+    spec = mujoco.MjSpec.from_string(text)
+    spec.modelfiledir = folder
+    return spec
 
 
 def _root_element(path: Path) -> str:
-    """The name of the file's first element: 'mujoco', 'robot'."""
+    """Returns the name of the file's first element: 'mujoco', 'robot'."""
     try:
         for _, element in ElementTree.iterparse(path, events=("start",)):
             return str(element.tag)
     except ElementTree.ParseError as error:
-        raise SpecError(f"{path}: not an XML file: {error}. Give an MJCF or a URDF") from error
+        text = f"{path}: not an XML file: {error}. Give an MJCF or a URDF"
+        raise SpecError(_core.advice_about_pointers(str(path)) or text) from error
     return ""
 
 
-def _unreadable(path: Path, reason: str, is_urdf: bool) -> str:
+def _unreadable(path: Path, reason: str) -> str:
+    if pointers := _core.advice_about_pointers(str(path)):
+        return pointers
     text = f"{path}: MuJoCo cannot read it: {reason.strip()}"
     if "Error opening file" in reason:
         text += ". Put the missing file where the model expects it"
-        if is_urdf:
-            text += (
-                "; MuJoCo looks for the meshes of a URDF beside the file, by their last name. "
-                "<mujoco><compiler meshdir='FOLDER' strippath='false'/></mujoco> in the <robot> "
-                "element names another folder"
-            )
     elif _root_element(path) not in ("mujoco", "robot"):
         text += ". A model file begins with <mujoco> or <robot>; others are included by one"
     return text

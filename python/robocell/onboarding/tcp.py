@@ -16,6 +16,10 @@ from robocell.onboarding.source_model import SourceModel, Vector
 # axis points where they do, within this (cosine).
 NEAR_THE_FINGERS = 0.03
 ALONG = 0.9
+# A site that is named as a tool frame may be farther along the fingers, at their tips or before
+# them, but no farther beside the line on which they point, m.
+ALONG_THE_FINGERS = 0.06
+BESIDE_THE_LINE = 0.01
 # Cosine of the angle between the last joint's axis and the way from it to the fingers.
 ALONG_THE_ROLL = 0.8
 MUCH, LITTLE = 0.02, 1e-3  # m
@@ -52,7 +56,7 @@ class Tcp:
 def tcp_of_hand(
     source: SourceModel, hand: Hand, fingers: Fingers, approach: Vector, name: str
 ) -> Guess[Tcp]:
-    """A site of the hand between the fingers, or one to be added there.
+    """Returns a site of the hand between the fingers, or an added one.
 
     Args:
         source: The model.
@@ -65,11 +69,18 @@ def tcp_of_hand(
     others = []
     for site in _sites_fixed_to(source, hand.body):
         position, rotation = _in_body(source, hand.body, site)
-        distance = float(np.linalg.norm(position - fingers.middle))
-        if distance < NEAR_THE_FINGERS and float(rotation[:, 2] @ approach) > ALONG:
+        name_of_site = source.site_name(site)
+        way = position - fingers.middle
+        distance = float(np.linalg.norm(way))
+        ahead = float(way @ approach)
+        beside = float(np.linalg.norm(way - ahead * approach))
+        is_tool = any(word in name_of_site.lower() for word in WORDS)
+        is_on_line = beside < BESIDE_THE_LINE and abs(ahead) < ALONG_THE_FINGERS
+        is_near = distance < NEAR_THE_FINGERS or (is_tool and is_on_line)
+        if is_near and float(rotation[:, 2] @ approach) > ALONG:
             best = min(best or (distance, site), (distance, site))
         elif distance < 4 * NEAR_THE_FINGERS:
-            others.append(source.site_name(site))
+            others.append(f"{name_of_site} {1000 * distance:.0f} mm away")
     if best:
         site = best[1]
         return Guess(
@@ -87,19 +98,19 @@ def tcp_of_hand(
     }
     reason = "in the middle between the fingers, z where they point, y where they close"
     if others:
-        reason += f" (no site of the model is there with these axes: {', '.join(others)})"
+        reason += f" (no site of the model is near with these axes: {', '.join(others)})"
     at = source.data.xmat[hand.body].reshape(3, 3) @ fingers.middle + source.data.xpos[hand.body]
     return Guess(Tcp({"site": name}, edit, at), reason, Confidence.HIGH)
 
 
 def approach_of(fingers: Fingers, wrist: Vector, axis: Vector | None = None) -> Vector:
-    """Where the fingers point: away from the wrist, square to the direction in which they close.
+    """Returns the direction of the fingers: away from the wrist, normal to their closing direction.
 
     Args:
         fingers: The fingers.
-        wrist: Where the arm ends, in the frame of the hand's body.
-        axis: Of the arm's last joint there. Where it goes from the wrist to the fingers, they point
-            along it: an arm of five joints can turn nothing else downwards.
+        wrist: End of the arm, in the frame of the hand's body.
+        axis: Axis of the arm's last joint there. If it leads from the wrist to the fingers, they
+            point along it: an arm of five joints can turn no other direction downwards.
     """
     away = fingers.middle - wrist
     if axis is not None and float(np.linalg.norm(away)) > MUCH:
@@ -124,13 +135,13 @@ def approach_of(fingers: Fingers, wrist: Vector, axis: Vector | None = None) -> 
 
 
 def _square_to(vector: Vector, axis: Vector) -> Vector:
-    """The part of a vector that is square to an axis, as a unit vector."""
+    """Returns the part of a vector that is normal to an axis, as a unit vector."""
     rest = vector - (vector @ axis) * axis
     return np.asarray(rest / max(float(np.linalg.norm(rest)), 1e-9))
 
 
 def tcp_without_hand(source: SourceModel, limb: Limb, cup: int | None = None) -> Guess[Tcp]:
-    """The site for tools at the end of an arm, or its last link; of a suction cup its own."""
+    """Returns the tool site at the end of an arm, its last link, or a suction cup's site."""
     last = source.data.xanchor[limb.joints[-1]]
     sites = _sites_fixed_to(source, limb.end)
     on_cup = [site for site in sites if int(source.model.site_bodyid[site]) == cup]
@@ -170,13 +181,6 @@ def tcp_without_hand(source: SourceModel, limb: Limb, cup: int | None = None) ->
     )
 
 
-def tool_site(source: SourceModel, limb: Limb) -> str | None:
-    """The site that tools are mounted on, by its name; None without."""
-    sites = [source.site_name(site) for site in _sites_fixed_to(source, limb.end)]
-    named = [site for site in sites if re.search("attach|flange|mount", site.lower())]
-    return named[0] if named else None
-
-
 def _rank(name: str) -> int:
     words = re.split(r"[^a-z]+", name.lower())
     for index, word in enumerate(WORDS):
@@ -186,7 +190,7 @@ def _rank(name: str) -> int:
 
 
 def _sites_fixed_to(source: SourceModel, body: int) -> list[int]:
-    """The sites of a body and of what is fixed to it, farther from the base."""
+    """Returns the sites of a body and of bodies fixed to it, farther from the base."""
     bodies = set(source.rigid_with(body))
     return [
         site for site in range(source.model.nsite) if int(source.model.site_bodyid[site]) in bodies
@@ -201,5 +205,5 @@ def _in_body(source: SourceModel, body: int, site: int) -> tuple[Vector, Vector]
 
 
 def rounded(values: object, digits: int = 5) -> list[float]:
-    """Numbers for a file: no -0, no more digits than matter."""
+    """Returns numbers for a file: no -0, and only significant digits."""
     return [round(float(value), digits) + 0.0 for value in np.asarray(values, dtype=float)]

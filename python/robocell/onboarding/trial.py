@@ -1,8 +1,7 @@
-"""Loads a guessed robot file as every command does, tries the robot out, and mends what it can.
+"""Loads a guessed robot file as every command does, tries the robot out, and fixes what it can.
 
-Findings of `robocell check` that name an edit are taken: the edit goes into the file, with the
-finding as its reason. A gripper that robocell cannot load or measure becomes a generic group, and
-the reason is noted.
+Edits from findings of `robocell check` are added to the file, with the finding as the reason. A
+gripper that robocell cannot load or measure becomes a generic group, and the reason is noted.
 """
 
 from __future__ import annotations
@@ -26,11 +25,11 @@ TIMESTEP_S = 0.002
 
 @dataclass(frozen=True)
 class Trial:
-    """What came of it.
+    """Result of a trial.
 
     Attributes:
         text: The robot file.
-        problem: Why it does not load; "" when it does.
+        problem: Reason why it does not load; "" if it does.
     """
 
     text: str
@@ -38,7 +37,7 @@ class Trial:
 
 
 def tried(guess: RobotGuess, file: Path) -> Trial:
-    """The robot file of a guess, after it was loaded and mended; `file` is where it will be.
+    """Loads and fixes the robot file of a guess; `file` is its later path.
 
     Nothing stays behind: the text is loaded from a file of another name beside it.
     """
@@ -90,7 +89,7 @@ def _measure(robot: Robot) -> None:
 
 
 def _demote(guess: RobotGuess, problem: str) -> bool:
-    """Makes a gripper that is no use a generic group; False when the problem is another."""
+    """Turns an unusable gripper into a generic group. Returns False for any other problem."""
     for group in guess.groups:
         named = re.search(rf"move_groups\.{re.escape(group.name)}\b", problem)
         named = named or re.search(rf"group '{re.escape(group.name)}'", problem)
@@ -108,7 +107,7 @@ def _demote(guess: RobotGuess, problem: str) -> bool:
             group.fields = {"kind": "generic", **fields}
             reason = _first_sentence(problem)
             group.comment = f"no gripper, as robocell cannot use it as one: {reason}"
-            guess.notes.append(f"'{group.name}' is no gripper: {reason}")
+            guess.notes.append(f"'{group.name}' is not a gripper: {reason}")
             return True
     return False
 
@@ -121,11 +120,20 @@ def _first_sentence(problem: str) -> str:
 def _take_edits(guess: RobotGuess, robot: Robot) -> bool:
     """Adds the edits that findings name; False when there is none that is new."""
     known = {str(field.value) for field in guess.edits}
+    named = [
+        (finding.edit, finding.text)
+        for finding in check_robot(robot)
+        if finding.severity is Severity.WARNING and finding.edit
+    ]
+    # Warnings of the model itself name theirs in the text.
+    for warning in robot.scene.warnings:
+        if found := re.search(r"`edits: \[(.+?)\]`", warning):
+            named.append((found[1], re.sub(r"^\S+:\d+(:\d+)?: ", "", warning)))
     added = False
-    for finding in check_robot(robot):
-        if finding.severity is not Severity.WARNING or not finding.edit or finding.edit in known:
+    for edit, text in named:
+        if edit in known:
             continue
-        guess.edits.append(Field(Raw(finding.edit), f"`robocell check`: {finding.text}"))
-        known.add(finding.edit)
+        guess.edits.append(Field(Raw(edit), f"`robocell check`: {text}"))
+        known.add(edit)
         added = True
     return added

@@ -14,7 +14,7 @@ RESERVED = {"true", "false", "null", "yes", "no", "on", "off", "y", "n", "nan", 
 
 
 def flow(value: object) -> str:
-    """A value in one line: `{kind: arm, joints: [a, b]}`."""
+    """Formats a value in one line: `{kind: arm, joints: [a, b]}`."""
     if isinstance(value, dict):
         return "{" + ", ".join(f"{key}: {flow(each)}" for key, each in value.items()) + "}"
     if isinstance(value, list | tuple):
@@ -29,14 +29,14 @@ def flow(value: object) -> str:
 
 
 def quoted(text: str) -> str:
-    """A text, in quotes where YAML would read something else."""
+    """Returns a text, in quotes if YAML would read something else."""
     if PLAIN.fullmatch(text) and text.lower() not in RESERVED:
         return text
     return "'" + text.replace("'", "''") + "'"
 
 
 def comment(text: str, indent: str = "") -> list[str]:
-    """A comment as lines that are not too long."""
+    """Formats a comment as lines of limited length."""
     lead = f"{indent}# "
     return textwrap.wrap(
         " ".join(text.split()),

@@ -50,7 +50,7 @@ std::vector<std::string> ModelsWithFolder(const char* kind) {
   std::vector<std::string> names;
   const fs::path root = fs::path(ModelsRoot()) / kind;
   for (const std::string& name : FolderNamesIfAny(root)) {
-    std::error_code error;  // for a circle of links
+    std::error_code error;  // set by a circle of links
     if (fs::exists(root / name / (name + ".xml"), error)) names.push_back(name);
   }
   return names;

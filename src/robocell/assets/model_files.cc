@@ -6,13 +6,17 @@
 
 #include <algorithm>
 #include <cctype>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
+#include "robocell/assets/ros_packages.h"
+#include "robocell/assets/urdf.h"
 #include "robocell/base/error.h"
+#include "robocell/base/lfs_pointer.h"
 #include "robocell/base/real_file.h"
 
 namespace robocell::internal {
@@ -24,14 +28,15 @@ enum class NameKind { kAsset, kInclude, kModel };
 
 struct FileName {
   NameKind kind = NameKind::kAsset;
-  std::string name;  // with `/` between folders; the engine accepts `\` too
+  std::string name;  // folders are separated by `/`; the engine accepts `\` too
 };
 
 struct ModelText {
   std::string problem;  // why it is not XML; "" if it is
   std::vector<FileName> names;
-  std::vector<std::string> folders;  // of assets: meshdir, texturedir, assetdir
+  std::vector<std::string> folders;  // folders of assets: meshdir, texturedir, assetdir
   bool strips_paths = false;         // the engine removes folders from names
+  bool is_urdf = false;
 };
 
 using tinyxml2::XMLElement;
@@ -76,7 +81,7 @@ ModelText ReadModelText(std::string_view xml) {
   if (document.Parse(xml.data(), xml.size()) != tinyxml2::XML_SUCCESS) {
     text.problem = document.ErrorStr();
   } else if (const XMLElement* root = document.RootElement()) {
-    text.strips_paths = Is(*root, "robot");  // URDF
+    text.is_urdf = Is(*root, "robot");
     ReadElements(*root, text);
   } else {
     text.problem = "it has no element";
@@ -126,7 +131,7 @@ class Walk {
     fs::path folder;
     std::set<fs::path> documents;
     std::set<std::string> folders = {""};
-    bool strips_paths = false;
+    bool strips_paths = false, is_urdf = false;
     struct Named {
       fs::path document;
       FileName name;
@@ -138,6 +143,7 @@ class Walk {
     if (!models_.insert(path).second) return;
     Model model{.folder = path.parent_path()};
     ReadDocument(model, path);
+    if (model.is_urdf) return ReadMeshes(model, path);
     for (const auto& [document, name] : model.names) {
       for (const fs::path& found : Find(model, document, name)) {
         files_.insert(found);
@@ -146,12 +152,46 @@ class Walk {
     }
   }
 
+  // The meshes of a URDF, as ReadUrdf finds them.
+  void ReadMeshes(const Model& model, const fs::path& urdf) {
+    std::optional<RosPackages> packages;
+    try {
+      packages.emplace(urdf);
+    } catch (const ArgumentError& error) {  // in ROBOCELL_PACKAGES
+      missing_.push_back({urdf, "", error.what()});
+      return;
+    }
+    const std::string folder = model.folders.size() > 1 ? *model.folders.rbegin() : "";
+    for (const auto& [document, named] : model.names) {
+      std::string name = named.name;
+      if (model.strips_paths) name = fs::path(name).filename().string();
+      if (!HasScheme(name)) name = (fs::path(folder) / name).string();
+      try {
+        const fs::path mesh = ReadableMesh(packages->File(name));
+        std::error_code error;
+        const fs::file_type type = fs::status(mesh, error).type();
+        if (type == fs::file_type::regular) {
+          files_.insert(mesh);
+        } else if (MayNeverEnd(type)) {
+          no_files_.push_back(
+              {document, named.name, fmt::format("'{}' is {}", mesh.string(), WhatIsAt(mesh))});
+        } else {
+          missing_.push_back({document, named.name, "there is no such file"});
+        }
+      } catch (const Error& error) {
+        missing_.push_back({document, named.name, error.what()});
+      }
+    }
+    files_.insert(packages->manifests().begin(), packages->manifests().end());
+  }
+
   void ReadDocument(Model& model, const fs::path& document) {
     files_.insert(document);
     if (!model.documents.insert(document).second) return;
     const ModelText text = ReadModelText(ReadRealFile(document));
     if (!text.problem.empty()) missing_.push_back({document, "", text.problem});
     model.strips_paths |= text.strips_paths;
+    model.is_urdf |= text.is_urdf;
     for (const std::string& folder : text.folders) {
       if (HasScheme(folder)) missing_.push_back({document, folder, kScheme});
       model.folders.insert(folder);
@@ -218,10 +258,17 @@ void RequireOnlyFiles(const fs::path& model) {
   }
   if (found.no_files.empty()) return;
   const MissingFile& first = found.no_files.front();
-  throw SpecError(
-      fmt::format("model file '{}' names the file '{}', and {}, not a file. What it "
-                  "brings is written to a file first",
-                  first.document.string(), first.name, first.reason));
+  throw SpecError(fmt::format(
+      "model file '{}' names the file '{}', and {}, not a file. Write its content to a file first",
+      first.document.string(), first.name, first.reason));
+}
+
+std::string AdviceAboutPointers(const fs::path& model) {
+  try {
+    return LfsPointerAdvice(FindModelFiles(model).files);
+  } catch (const IoError&) {
+    return "";
+  }
 }
 
 FileSet ModelFileSet(const fs::path& model, const Hashing& hashing) {

@@ -19,7 +19,7 @@ namespace robocell::internal {
 // A name without a file. The engine reports it when the model is compiled.
 struct MissingFile {
   std::filesystem::path document;  // the document that names it
-  std::string name;                // as written; "" if the document itself cannot be read
+  std::string name;                // name as written; "" if the document itself cannot be read
   std::string reason;
 };
 
@@ -35,6 +35,10 @@ ModelFiles FindModelFiles(const std::filesystem::path& model);
 // Throws SpecError if `model`, or a file that it includes, names a pipe, a socket or a device: the
 // engine would open it and wait for ever. The engine reports files that cannot be read.
 void RequireOnlyFiles(const std::filesystem::path& model);
+
+// Returns what to do about files of `model` that are pointers of Git LFS (base/lfs_pointer.h), for a
+// model that the engine cannot read or compile; "" if none is one.
+std::string AdviceAboutPointers(const std::filesystem::path& model);
 
 // Returns the existing files, identified by their content.
 FileSet ModelFileSet(const std::filesystem::path& model, const Hashing& hashing = {});

@@ -74,7 +74,7 @@ TEST(ModelFiles, IncludesMeshesAndTexturesAreFoundWithTheirFolders) {
 }
 
 // The engine would open them and wait.
-TEST(ModelFiles, PipesAndDevicesAreNoFiles) {
+TEST(ModelFiles, RejectsPipesAndDevices) {
   TempDir temp;
   const fs::path arm = temp / "arm/arm.xml";
   const auto expect_refused = [&](const std::string& text, const std::string& message) {
@@ -88,7 +88,7 @@ TEST(ModelFiles, PipesAndDevicesAreNoFiles) {
   fs::create_symlink("/dev/zero", temp / "arm/zero.png");
   expect_refused("<mujoco><include file='hand.xml'/></mujoco>",
                  "arm.xml' names the file 'hand.xml', and '" + (temp / "arm/hand.xml").string() +
-                     "' is a pipe, not a file. What it brings is written to a file first");
+                     "' is a pipe, not a file. Write its content to a file first");
   expect_refused(MeshModel("a.obj", "<compiler meshdir='meshes'/>"), "meshes/a.obj' is a pipe");
   expect_refused("<mujoco><asset><texture type='2d' file='zero.png'/></asset></mujoco>",
                  "zero.png' is a link to '/dev/zero', not a file");
@@ -101,7 +101,7 @@ TEST(ModelFiles, PipesAndDevicesAreNoFiles) {
 }
 
 // robocell must find the mesh where the engine alone finds it.
-TEST(ModelFiles, AreWhereTheEngineFindsThem) {
+TEST(ModelFiles, AreFoundWhereTheEngineFindsThem) {
   const std::string includes = "<mujoco><include file='a.xml'/><include file='b.xml'/></mujoco>";
   const std::string folder = "<mujoco><compiler meshdir='meshes'/></mujoco>";
   const auto expect_found = [](const std::map<std::string, std::string>& texts,
@@ -147,7 +147,7 @@ TEST(ModelFiles, AreWhereTheEngineFindsThem) {
 }
 
 // The files are copied into datasets: a file that only a comment names stays where it is.
-TEST(ModelFiles, FilesInCommentsAreNone) {
+TEST(ModelFiles, IgnoresFilesInComments) {
   TempDir temp;
   AtomicWrite(temp / "secret", "");
   AtomicWrite(temp / "a.xml",
@@ -155,14 +155,14 @@ TEST(ModelFiles, FilesInCommentsAreNone) {
   EXPECT_THAT(Names(temp / "a.xml"), ElementsAre("a.xml"));
 }
 
-TEST(ModelFiles, ModelsThatIncludeEachOtherEnd) {
+TEST(ModelFiles, CyclicIncludesTerminate) {
   TempDir temp;
   AtomicWrite(temp / "a.xml", "<mujoco><include file='b.xml'/></mujoco>");
   AtomicWrite(temp / "b.xml", "<mujoco><include file='a.xml'/><model file='a.xml'/></mujoco>");
   EXPECT_EQ(Names(temp / "a.xml").size(), 2u);
 }
 
-TEST(ModelFiles, WhatCannotBeFoundOrReadIsNamed) {
+TEST(ModelFiles, NamesMissingAndUnreadableFiles) {
   ExpectThrow<IoError>([] { FindModelFiles("/no/such.xml"); }, "/no/such.xml");
   TempDir temp;
   AtomicWrite(temp / "bad.xml", "<mujoco><mesh file='../s.obj'");
@@ -227,11 +227,11 @@ size_t ExpectTheSpecsAssets(const fs::path& folder) {
   return assets;
 }
 
-TEST(ModelFiles, AreWhatTheSpecsOfShippedModelsReferTo) {
+TEST(ModelFiles, MatchTheAssetsOfShippedModels) {
   ExpectTheSpecsAssets(fs::path(SourceDir()) / "models");
 }
 
-TEST(ModelFiles, AreWhatTheSpecsOfTheMenagerieReferTo) {
+TEST(ModelFiles, MatchTheAssetsOfTheMenagerie) {
   REQUIRE_MENAGERIE("ufactory_xarm7");
   EXPECT_GT(ExpectTheSpecsAssets(fs::path(MenagerieModel("ufactory_xarm7")).parent_path()), 20u);
 }

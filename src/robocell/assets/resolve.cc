@@ -42,8 +42,12 @@ class Search {
   std::vector<std::string> looked_;
 };
 
+bool IsModelFile(const fs::path& name) {
+  return name.extension() == ".xml" || name.extension() == ".urdf";
+}
+
 bool IsPlainName(const std::string& name) {
-  return name.find('/') == std::string::npos && fs::path(name).extension() != ".xml";
+  return name.find('/') == std::string::npos && !IsModelFile(name);
 }
 
 bool TryBuiltin(Search& search, const std::string& name) {
@@ -75,7 +79,7 @@ std::string BuiltinHint(const std::string& name) {
 // folder has a model with a similar name.
 std::string NeighbourHint(const std::string& name, const fs::path& path) {
   std::vector<std::string> models = FolderNamesIfAny(path.parent_path());
-  std::erase_if(models, [](const fs::path& name) { return name.extension() != ".xml"; });
+  std::erase_if(models, [](const fs::path& name) { return !IsModelFile(name); });
   const std::vector<std::string> near = NearestNames(path.filename().string(), models, 1);
   if (near.empty()) return "";
   return "Did you mean '" + (fs::path(name).parent_path() / near[0]).string() + "'?";
@@ -183,7 +187,7 @@ std::optional<std::string> OverrideFile(const std::string& name) {
   std::error_code error;
   if (fs::is_regular_file(value, error)) return fs::absolute(value, error).lexically_normal();
   throw NotFoundError(
-      fmt::format("{} is '{}', which is no file; it takes the place of the model '{}': correct the "
+      fmt::format("{} is '{}', which is not a file; it replaces the model '{}': correct the "
                   "variable or unset it",
                   variable, value, name));
 }

@@ -7,8 +7,8 @@
 //   rc7, table, tabletop, ...            a built-in model by its name
 // A variable ROBOCELL_OVERRIDE_<NAME> replaces the model of that name by another file:
 // ROBOCELL_OVERRIDE_KINOVA_GEN3 is the file that `menagerie:kinova_gen3` means,
-// ROBOCELL_OVERRIDE_TABLE the one that `table` means. <NAME> is the model's name as it is asked for,
-// without `menagerie:`, in capitals and with `_` for everything that is no letter or digit. Paths are
+// ROBOCELL_OVERRIDE_TABLE the one that `table` means. <NAME> is the requested name of the model
+// without `menagerie:`, in capitals and with `_` for everything but letters and digits. Paths are
 // never replaced.
 //
 //   const std::string path = assets::Resolve("menagerie:ufactory_xarm7/xarm7.xml");
@@ -29,10 +29,11 @@ namespace robocell::assets {
 // model.
 std::string Resolve(const std::string& name, const std::string& directory = "");
 
-// The variable that replaces a model. `menagerie:` in front of the name is left out.
+// Returns the name of the variable that replaces a model. The name's prefix `menagerie:` is
+// dropped.
 std::string OverrideVariable(const std::string& name);
-// Absolute path of the file that it names; unset when the variable is not. NotFoundError with the
-// variable when its value is no file.
+// Returns the absolute path that the variable contains; unset without the variable. Throws
+// NotFoundError, with the variable, if the path is not a file.
 std::optional<std::string> OverrideFile(const std::string& name);
 
 // Returns the roots of ROBOCELL_MODEL_PATH, in order.
@@ -58,8 +59,8 @@ std::string BuiltinRobotFile(const std::string& name);
 std::vector<std::string> BuiltinCells();
 std::string BuiltinCellFile(const std::string& name);
 
-// The inverse of Resolve: a name of a model file that is the same on every machine, of a built-in or
-// Menagerie model that Resolve maps to exactly this file.
+// Inverse of Resolve: returns a portable name if Resolve maps a built-in or Menagerie name to this
+// file; else unset.
 //
 //   PortableName("<menagerie>/ufactory_xarm7/xarm7.xml")   // menagerie:ufactory_xarm7/xarm7.xml
 //   PortableName("<models>/robots/rc7/rc7.xml")               // rc7

@@ -51,7 +51,7 @@ TEST_F(Resolving, AnAbsolutePathIsThatFile) {
       "model file '" + At("a/leg.xml") + "' not found. Looked for: " + At("a/leg.xml"));
 }
 
-TEST_F(Resolving, WhatIsThereAndNoFileIsSaid) {
+TEST_F(Resolving, RejectsAPathThatIsNotAFile) {
   ASSERT_EQ(mkfifo(At("arm.xml").c_str(), 0600), 0);
   for (const std::string& name : {At("arm.xml"), std::string("arm.xml")}) {
     ExpectThrow<NotFoundError>([&] { Resolve(name, folder_.string()); },
@@ -74,7 +74,7 @@ TEST_F(Resolving, TheModelPathIsSearchedRootByRoot) {
   EXPECT_EQ(Resolve("hand.xml"), second);
 }
 
-TEST_F(Resolving, AMissSaysWhereItLooked) {
+TEST_F(Resolving, AMissingFileErrorListsTheSearchedPlaces) {
   const ScopedEnv env("ROBOCELL_MODEL_PATH", At("one"));
   const std::string message =
       ExpectThrow<NotFoundError>([&] { Resolve("arms/leg.xml", At("robots")); },
@@ -84,11 +84,13 @@ TEST_F(Resolving, AMissSaysWhereItLooked) {
   EXPECT_THAT(message, HasSubstr("ROBOCELL_MODEL_PATH"));
 }
 
-TEST_F(Resolving, AMisspeltFileIsToldWithItsNeighbour) {
+TEST_F(Resolving, SuggestsTheNearestFile) {
   Write("robots/models/stork.xml");
   Write("robots/models/stork.yaml");
+  Write("robots/models/crane.urdf");
   for (const auto& [name, near] :
        {std::pair<std::string, std::string>{"models/storck.xml", "models/stork.xml"},
+        {"models/cranne.urdf", "models/crane.urdf"},
         {At("robots/models/storck.xml"), At("robots/models/stork.xml")}}) {
     ExpectThrow<NotFoundError>([&] { Resolve(name, At("robots")); },
                                "Did you mean '" + near + "'?");
@@ -108,7 +110,7 @@ TEST_F(Resolving, NamesBelowARootStayInside) {
   ExpectThrow<ArgumentError>([] { Resolve("link.xml"); }, "through a symbolic link");
 }
 
-TEST_F(Resolving, ANameIsNotCutShortAtANulByte) {
+TEST_F(Resolving, RejectsANulByteInAName) {
   Write("arm.xml");
   for (const std::string& name : {At("arm.xml"), std::string("arm.xml")}) {
     ExpectThrow<ArgumentError>([&] { Resolve(name + '\0' + "../../etc", folder_); },
@@ -136,7 +138,7 @@ TEST_F(Resolving, ReadyMadeEnvironmentsAreFoundByName) {
   EXPECT_TRUE(BuiltinCells().empty()) << "none beside models of one's own";
 }
 
-TEST_F(Resolving, AVariablePutsAFileInTheModelsPlace) {
+TEST_F(Resolving, AVariableOverridesAModelFile) {
   const std::string mine = Write("my table.xml"), arm = Write("arm.xml");
   const ScopedEnv root("MENAGERIE_ROOT", At("none")), cache("MENAGERIE_CACHE_DIR", At("none"));
   const ScopedEnv table("ROBOCELL_OVERRIDE_TABLE", mine);
@@ -152,11 +154,11 @@ TEST_F(Resolving, AVariablePutsAFileInTheModelsPlace) {
   ExpectThrow<NotFoundError>(
       [] { Resolve("table"); },
       "ROBOCELL_OVERRIDE_TABLE is '" + At("nowhere.xml") +
-          "', which is no file; it takes the place of the model 'table': correct the variable or "
+          "', which is not a file; it replaces the model 'table': correct the variable or "
           "unset it");
 }
 
-TEST_F(Resolving, EquipmentIsFoundByNameAndIsNothingToPick) {
+TEST_F(Resolving, EquipmentIsFoundByNameAndIsNotPickable) {
   EXPECT_THAT(BuiltinEquipment(),
               ::testing::ElementsAre("cabinet", "d405", "fr3_duo_mount", "ft_sensor", "green_cube",
                                      "open_bottle", "parallel_hand", "receiver",
@@ -167,7 +169,7 @@ TEST_F(Resolving, EquipmentIsFoundByNameAndIsNothingToPick) {
 }
 
 // Both must raise an Error: an earlier version let a foreign exception escape.
-TEST_F(Resolving, LinksInACircleAndNamesOfNoRobotAreErrorsLikeOthers) {
+TEST_F(Resolving, LinkCyclesAndUnknownRobotsAreNotFoundErrors) {
   Write("robots/mine/mine.xml");
   fs::create_symlink("circle", folder_ / "robots/circle");
   fs::create_symlink("arm.xml", folder_ / "arm.xml");
@@ -194,7 +196,7 @@ TEST_F(Resolving, BuiltInModelsCanBeMoved) {
   ExpectThrow<NotFoundError>([] { Resolve("mine"); }, "ROBOCELL_MODELS is " + At("robots"));
 }
 
-TEST_F(Resolving, TheMenagerieRootComesFirst) {
+TEST_F(Resolving, TheMenagerieRootTakesPrecedence) {
   const std::string file = Write("kinova_gen3/gen3.xml");
   Write("kinova_gen3/scene.xml");
   const ScopedEnv env("MENAGERIE_ROOT", folder_.string());
@@ -222,7 +224,7 @@ TEST_F(Resolving, TheMenagerieCacheHoldsCompleteVersionsOnly) {
 }
 
 // Otherwise a run would silently use another robot than before.
-TEST_F(Resolving, ARecordedVersionThatIsNotInTheCacheIsToldOnce) {
+TEST_F(Resolving, WarnsOnceAboutARecordedVersionMissingFromTheCache) {
   const std::string other = "models/franka_fr3-0123456789abcdef/";
   const std::string file = Write(other + "fr3.xml");
   Write(other + ".complete");
@@ -249,7 +251,7 @@ TEST_F(Resolving, ARecordedVersionThatIsNotInTheCacheIsToldOnce) {
   EXPECT_THAT(lines, ElementsAre());
 }
 
-TEST_F(Resolving, AMisspeltRobotOfTheMenagerieIsToldWithTheNearestHere) {
+TEST_F(Resolving, SuggestsTheNearestLocalRobotOfTheMenagerie) {
   Write("franka_emika_panda/panda.xml");
   Write("kinova_gen3/gen3.xml");
   const ScopedEnv root("MENAGERIE_ROOT", folder_.string());
@@ -278,17 +280,17 @@ TEST_F(Resolving, ARobotWithSeveralModelsIsNotGuessed) {
 
 namespace {
 
-TEST(PortableName, OfEveryBuiltinModelIsItsName) {
+TEST(PortableName, OfABuiltInModelIsItsName) {
   for (const std::string& name : BuiltinModels()) EXPECT_EQ(PortableName(Resolve(name)), name);
 }
 
-TEST(PortableName, OfAModelOfTheMenagerieSaysSo) {
+TEST(PortableName, OfAMenagerieModelHasItsPrefix) {
   REQUIRE_MENAGERIE("ufactory_xarm7");
   const std::string name = "menagerie:ufactory_xarm7/xarm7.xml";
   EXPECT_EQ(PortableName(Resolve(name)), name);
 }
 
-TEST(PortableName, IsNoneForAFileOfOnesOwn) {
+TEST(PortableName, IsEmptyForACustomFile) {
   TempDir temp;
   AtomicWrite(temp / "arm.xml", "<mujoco/>");
   EXPECT_EQ(PortableName(temp / "arm.xml"), std::nullopt);
@@ -297,7 +299,7 @@ TEST(PortableName, IsNoneForAFileOfOnesOwn) {
   EXPECT_EQ(PortableName(temp / "rc7/rc7.xml"), std::nullopt);
 }
 
-TEST(PortableName, IsNoneForAFileThatTakesTheModelsPlaceHere) {
+TEST(PortableName, IsEmptyForAnOverriddenModel) {
   const TempDir temp;
   const std::string mine = temp / "table.xml";
   AtomicWrite(mine, "<mujoco/>");

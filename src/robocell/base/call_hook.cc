@@ -9,8 +9,9 @@ void RethrowOfHook(const Hooks& hooks, const char* method) {
   try {
     throw;
   } catch (const HookError& error) {
-    if (error.has_place()) throw;
-    throw HookError(error.what(), hooks.PlaceOfHook(method), error.kind());
+    const std::string place = error.has_place() ? "" : hooks.PlaceOfHook(method);
+    if (place.empty()) throw;
+    throw HookError(error.what(), place, error.kind());
   } catch (const IoError&) {
     throw;
   } catch (const SpecError&) {

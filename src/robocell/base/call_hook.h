@@ -11,7 +11,8 @@ namespace robocell::internal {
 
 // Rethrows the exception being handled as a HookError if it means that a hook failed. Other
 // exceptions pass through: a full disk and a wrong spec would fail again; errors of the engine,
-// closed scenes, divergence and exceptions of other languages contain more information.
+// closed scenes and divergence contain more information. Hooks in another language throw HookErrors
+// themselves.
 [[noreturn]] void RethrowOfHook(const Hooks& hooks, const char* method);
 
 // Calls a hook, or a check of its result. Exceptions of the standard library and of robocell become

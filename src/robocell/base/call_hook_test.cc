@@ -27,7 +27,7 @@ std::string MessageOf(const E& error, const Hooks& hooks) {
   return "no HookError";
 }
 
-TEST(HookErrors, GiveBackWhatTheHookReturns) {
+TEST(HookErrors, ReturnTheResultOfTheHook) {
   EXPECT_EQ(CallHook(Hooks(), "judge", [] { return 3; }), 3);
 }
 
@@ -38,7 +38,7 @@ TEST(HookErrors, NameThePlaceOfTheHook) {
   EXPECT_EQ(MessageOf(HookError("wrong", ""), WithPlace()), "wrong (mine.py:7, in judge)");
 }
 
-TEST(HookErrors, KeepThePlaceThatIsKnown) {
+TEST(HookErrors, KeepAKnownPlace) {
   EXPECT_EQ(MessageOf(HookError("wrong", "other.py:1, in act"), WithPlace()),
             "wrong (other.py:1, in act)");
 }
@@ -47,7 +47,7 @@ TEST(HookErrors, OfCompiledCodeHaveNoPlace) {
   EXPECT_EQ(MessageOf(ArgumentError("no number"), Hooks()), "no number");
 }
 
-TEST(HookErrors, AreNotMadeOfWhatWouldFailAgain) {
+TEST(HookErrors, KeepErrorsThatWouldRecur) {
   EXPECT_THROW(MessageOf(IoError("disk full"), WithPlace()), IoError);
   EXPECT_THROW(MessageOf(SpecError("wrong file"), WithPlace()), SpecError);
   EXPECT_THROW(MessageOf(3, WithPlace()), int);

@@ -33,9 +33,10 @@ struct Hashing {
 inline constexpr Hashing kFingerprints = {FingerprintOfFile, Fingerprint};
 
 struct FileSet {
-  std::string main;                                    // the name of the file that names the others
-  std::map<std::string, std::filesystem::path> files;  // by names relative to the common folder
-  std::string hash;                                    // of names and contents, hexadecimal
+  std::string main;  // the name of the file that names the others
+  std::map<std::string, std::filesystem::path>
+      files;         // files by name relative to the common folder
+  std::string hash;  // hash of names and contents, hexadecimal
 };
 
 // `files` are absolute paths and include `main`.
@@ -51,7 +52,7 @@ FileSums SumsOfFolder(const std::filesystem::path& folder);
 
 // Returns one line each, in the format of `sha256sum`. Its own SHA-256 is the hash of the set.
 std::string TextOf(const FileSums& sums);
-// Unset for another text.
+// Parses the result of TextOf; unset for any other text.
 std::optional<FileSums> ParseSums(const std::string& text);
 
 }  // namespace robocell

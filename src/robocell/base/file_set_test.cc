@@ -21,7 +21,7 @@ FileSet Arm(const fs::path& folder, const std::string& mesh = "mesh") {
   return MakeFileSet(folder / "arm/arm.xml", {folder / "arm/arm.xml", folder / "common/a.stl"});
 }
 
-TEST(FileSet, HasNamesFromTheCommonFolderOn) {
+TEST(FileSet, HasNamesRelativeToTheCommonFolder) {
   TempDir temp;
   const FileSet arm = Arm(temp.path());
   EXPECT_EQ(arm.main, "arm/arm.xml");
@@ -29,7 +29,7 @@ TEST(FileSet, HasNamesFromTheCommonFolderOn) {
   EXPECT_EQ(MakeFileSet(temp / "arm/arm.xml", {temp / "arm/arm.xml"}).main, "arm.xml");
 }
 
-TEST(FileSet, HasTheSameHashWhereverItIs) {
+TEST(FileSet, HasTheSameHashInAnyFolder) {
   TempDir here, there;
   EXPECT_EQ(Arm(here.path()).hash, Arm(there.path()).hash);
   EXPECT_EQ(Arm(here.path()).hash, Sha256(TextOf(SumsOfFolder(there.path()))));
@@ -50,7 +50,7 @@ TEST(FileSet, HasAnotherHashWhenANameChanges) {
   EXPECT_NE(Sha256(TextOf(SumsOfFolder(temp.path()))), before);
 }
 
-TEST(FileSums, ComeBackFromTheirText) {
+TEST(FileSums, RoundTripThroughText) {
   const FileSums sums = {{"a b.xml", Sha256("a")}, {"assets/a.stl", Sha256("mesh")}};
   EXPECT_EQ(ParseSums(TextOf(sums)), sums);
   EXPECT_EQ(ParseSums(""), FileSums());
@@ -58,7 +58,7 @@ TEST(FileSums, ComeBackFromTheirText) {
   EXPECT_EQ(ParseSums(Sha256("a") + "  "), std::nullopt);
 }
 
-TEST(FileSet, IsKnownByTheHashThatWasAskedFor) {
+TEST(FileSet, CachesTheRequestedHash) {
   TempDir temp;
   const auto quick = [&](const std::string& mesh) {
     const FileSet arm = Arm(temp.path(), mesh);

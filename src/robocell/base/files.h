@@ -30,7 +30,7 @@ std::string ReadFile(const std::filesystem::path& path);
 //   ReadBlocks(path, [&](std::string_view block) { hash.Update(block); });
 void ReadBlocks(const std::filesystem::path& path, const std::function<void(std::string_view)>& f);
 
-// The same for an open file, from its present position; `path` is for the message.
+// Reads an open file from its present position; `path` is for the message.
 void ReadBlocks(int descriptor, const std::filesystem::path& path,
                 const std::function<void(std::string_view)>& f);
 
@@ -74,8 +74,8 @@ void CommitDirectory(const std::filesystem::path& temporary, const std::filesyst
 // Returns the names in a folder, sorted. Throws IoError if it cannot be listed completely.
 std::vector<std::string> FolderNames(const std::filesystem::path& folder);
 
-// The same as far as the folder can be listed, empty without a folder: for hints in messages, and
-// for optional folders.
+// Returns the names that can be listed, none without a folder: for hints in messages, and for
+// optional folders.
 std::vector<std::string> FolderNamesIfAny(const std::filesystem::path& folder);
 
 }  // namespace robocell

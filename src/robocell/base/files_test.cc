@@ -50,7 +50,7 @@ class FilesTest : public ::testing::Test {
   TempDir temp_;
 };
 
-TEST_F(FilesTest, WhatIsWrittenIsReadBack) {
+TEST_F(FilesTest, ReadsBackWhatItWrote) {
   std::string bytes;
   for (int i = 0; i < 300000; ++i) bytes.push_back(static_cast<char>(i * 7));
   for (const std::string& content :
@@ -61,7 +61,7 @@ TEST_F(FilesTest, WhatIsWrittenIsReadBack) {
   EXPECT_THAT(Names(root()), ElementsAre("file"));
 }
 
-TEST_F(FilesTest, NamesMayBeStrangeAndLong) {
+TEST_F(FilesTest, AcceptsUnusualAndLongNames) {
   for (const std::string name : {"with space", "$(rm -rf x)", "quote'\"", "\u00e4\u6f22", "-n"}) {
     AtomicWrite(root() / name, name);
     EXPECT_EQ(ReadFile(root() / name), name);
@@ -75,26 +75,26 @@ TEST_F(FilesTest, AFileWithoutSizeIsReadToItsEnd) {
   EXPECT_THAT(ReadFile("/proc/self/status"), HasSubstr("Name:"));
 }
 
-TEST_F(FilesTest, ReadingWhatIsNotThereNamesItAndTheReason) {
+TEST_F(FilesTest, ReadingAMissingFileNamesItAndTheReason) {
   ExpectThrow<IoError>(
       [&] { ReadFile(root() / "nothing"); },
       "cannot read '" + (root() / "nothing").native() + "': No such file or directory");
   ExpectThrow<IoError>([&] { ReadFile(root()); }, "Is a directory");
 }
 
-TEST_F(FilesTest, WritingIntoNoFolderNamesItAndTheReason) {
+TEST_F(FilesTest, WritingIntoAMissingFolderNamesItAndTheReason) {
   ExpectThrow<IoError>(
       [&] { AtomicWrite(root() / "no" / "file", "x"); },
       "cannot write '" + (root() / "no/file").native() + "': No such file or directory");
 }
 
-TEST_F(FilesTest, AFolderInTheWayIsAnErrorAndLeavesNothingBehind) {
+TEST_F(FilesTest, WritingOverAFolderIsAnErrorAndLeavesNoFile) {
   fs::create_directory(root() / "taken");
   ExpectThrow<IoError>([&] { AtomicWrite(root() / "taken", "x"); }, "Is a directory");
   EXPECT_THAT(Names(root()), ElementsAre("taken"));
 }
 
-TEST_F(FilesTest, AWriteThatFailsInTheMiddleKeepsTheFormerFile) {
+TEST_F(FilesTest, AFailedWriteKeepsThePreviousFile) {
   AtomicWrite(root() / "file", "former");
   rlimit former_limit = {};
   ::getrlimit(RLIMIT_FSIZE, &former_limit);
@@ -114,7 +114,7 @@ TEST_F(FilesTest, AWriteThatFailsInTheMiddleKeepsTheFormerFile) {
   EXPECT_THAT(Names(root()), ElementsAre("file"));
 }
 
-TEST_F(FilesTest, AFullDiskSaysHowMuchIsMissing) {
+TEST_F(FilesTest, AFullDiskErrorReportsTheMissingBytes) {
   const int full = ::open("/dev/full", O_WRONLY | O_CLOEXEC);
   ASSERT_GE(full, 0);
   const std::string message =
@@ -182,7 +182,7 @@ TEST_F(FilesTest, InterruptedAndPartialWritesAreContinued) {
   }
 }
 
-TEST_F(FilesTest, AKilledWriterLeavesOneContentOrTheOther) {
+TEST_F(FilesTest, AKilledWriterLeavesTheOldOrTheNewContent) {
   const fs::path path = root() / "file";
   const std::string a(40000, 'a'), b(70000, 'b');
   AtomicWrite(path, a);
@@ -227,7 +227,7 @@ TEST_F(FilesTest, TempDirectoriesAreHiddenDifferentAndRecognised) {
 }
 
 // On a shared disk, processes of several machines may have the same number.
-TEST_F(FilesTest, TemporaryNamesThatOthersHaveArePassedBy) {
+TEST_F(FilesTest, SkipsTemporaryNamesInUse) {
   const auto number = [](const fs::path& path) {
     return internal::TemporaryName::Parse(path.filename().native())->number;
   };
@@ -252,7 +252,7 @@ TEST_F(FilesTest, CommitMakesTheWholeFolderAppear) {
   EXPECT_EQ(ReadFile(root() / "ep_1/extra/note"), "note");
 }
 
-TEST_F(FilesTest, CommitNeverReplacesWhatIsThere) {
+TEST_F(FilesTest, CommitNeverReplacesAnExistingTarget) {
   for (const std::string taken : {"full", "empty", "file", "dangling"}) {
     const fs::path target = root() / taken;
     if (taken == "full") fs::create_directories(target / "x");
@@ -267,7 +267,7 @@ TEST_F(FilesTest, CommitNeverReplacesWhatIsThere) {
   EXPECT_EQ(ReadFile(root() / "file"), "former");
 }
 
-TEST_F(FilesTest, CommitRefusesLinksAndPipes) {
+TEST_F(FilesTest, CommitRejectsLinksAndPipes) {
   const fs::path work = MakeTempDirectory(root(), "ep_1");
   fs::create_symlink("/etc/passwd", work / "link");
   ExpectThrow<IoError>([&] { CommitDirectory(work, root() / "ep_1"); },
@@ -275,13 +275,13 @@ TEST_F(FilesTest, CommitRefusesLinksAndPipes) {
   EXPECT_FALSE(fs::exists(root() / "ep_1"));
 }
 
-TEST_F(FilesTest, CommitOfNothingNamesTheMissingFolder) {
+TEST_F(FilesTest, CommitNamesAMissingFolder) {
   ExpectThrow<IoError>(
       [&] { CommitDirectory(root() / "gone", root() / "ep_1"); },
       "cannot list '" + (root() / "gone").native() + "': No such file or directory");
 }
 
-TEST_F(FilesTest, FlushingWhatIsNotThereIsAnError) {
+TEST_F(FilesTest, FlushingAMissingFileIsAnError) {
   ExpectThrow<IoError>([&] { FsyncFile(root() / "gone"); }, "cannot flush '");
   AtomicWrite(root() / "file", "x");
   ExpectThrow<IoError>([&] { FsyncDirectory(root() / "file"); }, "Not a directory");
@@ -295,7 +295,7 @@ TEST_F(FilesTest, FreeBytesAreThoseOfTheNearestFolder) {
   EXPECT_EQ(FreeBytes("/proc"), 0u);
 }
 
-TEST(IoError, SaysWhatToDoWhereThatIsKnown) {
+TEST(IoError, SuggestsAKnownRemedy) {
   ExpectThrow<IoError>([] { ThrowIoError("write", "/x", EROFS); },
                        "cannot write '/x': Read-only file system. Choose another place");
   ExpectThrow<IoError>([] { ThrowIoError("read", "/x", EMFILE); }, "raise the limit (ulimit -n)");
@@ -303,7 +303,7 @@ TEST(IoError, SaysWhatToDoWhereThatIsKnown) {
 }
 
 // A user who may write into a folder but not read it can rename in it, but not flush it.
-TEST_F(FilesTest, AFailureAfterTheRenameSaysThatTheThingIsThere) {
+TEST_F(FilesTest, ReportsThatTheFileExistsAfterALateFailure) {
   const fs::path dataset = root() / "dataset", work = dataset / "work", final = dataset / "episode";
   fs::create_directories(work);
   fs::permissions(root(), fs::perms(0755));
@@ -330,7 +330,7 @@ TEST(FolderNames, AreSortedAndWithoutTheFolder) {
   EXPECT_EQ(FolderNamesIfAny(folder.path()), FolderNames(folder.path()));
 }
 
-TEST(FolderNames, OfWhatCannotBeListedAreNoneOrAnErrorOfOurs) {
+TEST(FolderNames, AreEmptyOrAnIoErrorForAMissingFolder) {
   const TempDir folder;
   AtomicWrite(folder / "file", "");
   for (const char* name : {"missing", "file"}) {

@@ -1,5 +1,5 @@
-// Hashes of bytes and files: SHA-256, as 64 lower-case hexadecimal digits (what `sha256sum` prints),
-// and XXH3; SipHash of names.
+// Hashes of bytes and files: SHA-256, as 64 lower-case hexadecimal digits (what `sha256sum`
+// prints), and XXH3; SipHash of names.
 #pragma once
 
 #include <array>

@@ -33,14 +33,14 @@ TEST(Sha256, OfAFileIsThatOfItsBytes) {
   EXPECT_EQ(Sha256File(temp.path() / "empty"), kEmpty);
 }
 
-TEST(Sha256, OfWhatCannotBeReadNamesIt) {
+TEST(Sha256, OfAnUnreadableFileNamesIt) {
   const TempDir temp;
   ExpectThrow<IoError>([&] { Sha256File(temp.path() / "gone"); },
                        "gone': No such file or directory");
   ExpectThrow<IoError>([&] { Sha256File(temp.path()); }, "Is a directory");
 }
 
-TEST(Sha256, PiecesAreTheSameAsTheWhole) {
+TEST(Sha256, ChunksMatchTheWhole) {
   Sha256Stream stream;
   stream.Update("a");
   stream.Update("");
@@ -57,12 +57,12 @@ TEST(Sha256, PiecesAreTheSameAsTheWhole) {
 namespace {
 
 // The output of `xxhsum -H2`.
-TEST(Fingerprint, IsTheOneThatOthersCompute) {
+TEST(Fingerprint, MatchesReferenceValues) {
   EXPECT_EQ(Fingerprint(""), "99aa06d3014798d86001c324468d497f");
   EXPECT_EQ(Fingerprint("abc"), "06b05ab6733a618578af5f94892f3950");
 }
 
-TEST(Fingerprint, OfAFileIsThatOfItsBytesHoweverManyBlocksItHas) {
+TEST(Fingerprint, OfAFileIsThatOfItsBytesForAnySize) {
   const TempDir temp;
   for (const size_t size : {0, 1, 262144, 262145, 3000000}) {
     std::string bytes(size, 'a');
@@ -72,7 +72,7 @@ TEST(Fingerprint, OfAFileIsThatOfItsBytesHoweverManyBlocksItHas) {
   }
 }
 
-TEST(Fingerprint, OfWhatCannotBeReadNamesIt) {
+TEST(Fingerprint, OfAnUnreadableFileNamesIt) {
   const TempDir temp;
   ExpectThrow<IoError>([&] { FingerprintFile(temp / "gone"); }, "gone': No such file or directory");
   ExpectThrow<IoError>([&] { FingerprintFile(temp.path()); }, "Is a directory");

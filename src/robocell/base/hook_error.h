@@ -1,6 +1,6 @@
 // Hooks: methods of tasks, experts and samplers, and functions of features, which users may write.
-// HookError: a hook failed, or returned an unusable value. It ends the attempt of a run, whatever
-// code detected it.
+// HookError: a hook failed, or returned an unusable value. It ends the attempt of a run, no matter
+// which code detected it.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@ namespace robocell {
 
 class HookError : public ArgumentError {
  public:
-  // In Python: TypeError, ArgumentError, Error.
+  // Kinds of errors; in Python: TypeError, ArgumentError, Error.
   enum class Kind { kType, kValue, kFailed };
   // `place`: where the hook is written, "my_task.py:12, in judge"; it ends the message. "" if
   // unknown, or for compiled code.
@@ -21,6 +21,8 @@ class HookError : public ArgumentError {
         kind_(kind) {}
   bool has_place() const { return has_place_; }
   Kind kind() const { return kind_; }
+  // Returns the calls that led to the error, one a line; "" for compiled code.
+  virtual std::string trace() const { return ""; }
 
  private:
   bool has_place_;

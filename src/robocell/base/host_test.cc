@@ -13,7 +13,7 @@ TEST(Host, IsNamedAsTheSystemNamesIt) {
   EXPECT_EQ(HostName(), name);
 }
 
-TEST(ProcessStart, IsTheSameWheneverItIsAskedFor) {
+TEST(ProcessStart, IsConstant) {
   const auto start = ProcessStart(getpid());
   ASSERT_TRUE(start.has_value());
   EXPECT_EQ(ProcessStart(getpid()), start);
@@ -37,7 +37,7 @@ TEST(ProcessStart, OfAChildIsNotBeforeItsParents) {
   EXPECT_EQ(ProcessStart(child), std::nullopt) << "it has ended";
 }
 
-TEST(ProcessStart, IsUnsetForNumbersOfNoProcess) {
+TEST(ProcessStart, IsUnsetForUnusedProcessIds) {
   EXPECT_EQ(ProcessStart(-1), std::nullopt);
   EXPECT_EQ(ProcessStart(int64_t{1} << 40), std::nullopt);
 }

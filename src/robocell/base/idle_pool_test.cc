@@ -26,7 +26,7 @@ auto Named(const std::string& name) {
   return [name](const Counted& value) { return value.name == name; };
 }
 
-TEST(IdlePool, AValueIsTakenByOneOnly) {
+TEST(IdlePool, AValueIsTakenOnce) {
   IdlePool<Counted> pool(3);
   pool.Give(Counted("a"));
   pool.Give(Counted("b"));
@@ -38,7 +38,7 @@ TEST(IdlePool, AValueIsTakenByOneOnly) {
   EXPECT_EQ(pool.idle(), 1u);
 }
 
-TEST(IdlePool, TheOneThatWasIdleLongestGoesFirst) {
+TEST(IdlePool, DropsTheLongestIdleFirst) {
   const int before = Counted::alive;
   IdlePool<Counted> pool(2);
   pool.Give(Counted("a"));
@@ -70,7 +70,7 @@ TEST(IdlePool, AForkLeavesBothProcessesAnEmptyPoolThatWorks) {
   EXPECT_EQ(status, 0);
 }
 
-TEST(IdlePool, OneThatIsGoneIsNoMatterToForks) {
+TEST(IdlePool, ADestroyedPoolDoesNotAffectForks) {
   { IdlePool<Counted>(2).Give(Counted("a")); }
   const pid_t child = fork();
   if (child == 0) _exit(0);

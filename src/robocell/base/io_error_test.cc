@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::MatchesRegex;
 
-TEST(FullDisk, SaysHowMuchIsNeededAndHowMuchThereIs) {
+TEST(FullDisk, ReportsNeededAndFreeBytes) {
   EXPECT_THAT(
       SpaceHint("/tmp", 123),
       MatchesRegex("123 bytes are needed, [0-9]+ are free there. Make room and try again."));
@@ -20,7 +20,7 @@ TEST(FullDisk, SaysHowMuchIsNeededAndHowMuchThereIs) {
               MatchesRegex("[0-9]+ bytes are free there. Make room and try again."));
 }
 
-TEST(FullDisk, WhatOthersSayOfItGetsOneHintThatDoesNotContradictItself) {
+TEST(FullDisk, AddsOneConsistentHintToOtherMessages) {
   constexpr uint64_t kWritten = uint64_t{1} << 50;
   for (const char* own :
        {"", ". 12 bytes are needed, 0 are free there. Make room and try again."}) {

@@ -57,7 +57,7 @@ TEST_F(LogTest, StderrIsTheDefaultSink) {
   EXPECT_THAT(GetCapturedStderr(), HasSubstr(" robocell warning: the message {} %s\n"));
 }
 
-TEST_F(LogTest, AScopedSinkPutsTheFormerOneBack) {
+TEST_F(LogTest, AScopedSinkRestoresThePreviousOne) {
   SetLogSink(Collect());
   {
     std::vector<std::string> inner;
@@ -69,7 +69,7 @@ TEST_F(LogTest, AScopedSinkPutsTheFormerOneBack) {
   EXPECT_THAT(lines_, ElementsAre("info outside"));
 }
 
-TEST_F(LogTest, ASinkMayLogAndReplaceItself) {
+TEST_F(LogTest, ASinkCanLogAndReplaceItself) {
   SetLogSink([this](LogLevel, std::string_view) {
     SetLogSink(Collect());
     LogInfo("from the sink");
@@ -79,7 +79,7 @@ TEST_F(LogTest, ASinkMayLogAndReplaceItself) {
   EXPECT_THAT(lines_, ElementsAre("info from the sink", "info second"));
 }
 
-TEST_F(LogTest, AFailingSinkIsReportedAndGoesNoFurther) {
+TEST_F(LogTest, AFailingSinkIsReportedWithoutAnException) {
   SetLogSink([](LogLevel, std::string_view) { throw std::runtime_error("no space"); });
   CaptureStderr();
   LogInfo("lost words");

@@ -29,8 +29,8 @@ bool ValidFileName(std::string_view name);
 // name, such as "camera".
 void RequireFileName(std::string_view what, std::string_view name);
 
-// For paths in commands that messages contain: returns `text` as one word of a POSIX shell, in
-// single quotes where it needs them: 'out/two words'. Like Python's shlex.quote.
+// Quotes `text` as one word of a POSIX shell where needed, for commands in messages: 'out/two
+// words'. Like Python's shlex.quote.
 std::string ShellWord(std::string_view text);
 
 }  // namespace robocell::internal

@@ -40,14 +40,14 @@ TEST_F(ConfinedPathTest, PathsInsideAreJoined) {
   EXPECT_EQ(ConfinedPath("/not/there", "x"), "/not/there/x");
 }
 
-TEST_F(ConfinedPathTest, StrangeNamesAreFine) {
+TEST_F(ConfinedPathTest, AcceptsUnusualNames) {
   for (const std::string name : {"with space", "'\"", "$(touch x)", "`x`", "..x", "x..", "...",
                                  "\u00e4\u6f22\U0001F916", "-rf", "a\\..\\b", "%2e%2e", "a\nb"}) {
     EXPECT_EQ(ConfinedPath(root(), name), root() / name);
   }
 }
 
-TEST_F(ConfinedPathTest, PathsThatLeaveAreRefused) {
+TEST_F(ConfinedPathTest, RejectsPathsThatLeaveTheRoot) {
   ExpectRefused("../outside/x",
                 "path '../outside/x' contains '..'; it must lead to a place inside");
   ExpectRefused("assets/../../outside", "contains '..'");
@@ -61,13 +61,13 @@ TEST_F(ConfinedPathTest, PathsThatLeaveAreRefused) {
   ExpectRefused(deep, "path '...' has 4096 bytes, more than the 4095 of a path; it must lead to");
 }
 
-TEST(RequireNoNul, NamesWhatTheSystemWouldCutShort) {
+TEST(RequireNoNul, RejectsTextWithANulByte) {
   RequireNoNul("model", "a b/\u00fc.xml");
   ExpectThrow<ArgumentError>([] { RequireNoNul("model", std::string_view("a\0b", 3)); },
                              "model 'a\\0b' contains a NUL byte, where the system would end it");
 }
 
-TEST_F(ConfinedPathTest, LinksThatLeaveAreRefused) {
+TEST_F(ConfinedPathTest, RejectsLinksThatLeaveTheRoot) {
   fs::create_symlink(outside(), root() / "absolute");
   fs::create_symlink("../outside", root() / "relative");
   fs::create_symlink("absolute/deeper", root() / "twice");
@@ -80,7 +80,7 @@ TEST_F(ConfinedPathTest, LinksThatLeaveAreRefused) {
   ExpectRefused("dangling", "leads to '/not/there/at/all' through a symbolic link");
 }
 
-TEST_F(ConfinedPathTest, LinksThatStayAreFollowed) {
+TEST_F(ConfinedPathTest, FollowsLinksInsideTheRoot) {
   fs::create_symlink("assets", root() / "link");
   fs::create_symlink("../root/assets", root() / "around");
   fs::create_symlink(root() / "assets", root() / "absolute");
@@ -92,26 +92,26 @@ TEST_F(ConfinedPathTest, LinksThatStayAreFollowed) {
   EXPECT_EQ(ConfinedPath(other, "absolute/x"), other / "absolute/x");
 }
 
-TEST_F(ConfinedPathTest, LinksInACircleAreRefused) {
+TEST_F(ConfinedPathTest, RejectsLinkCycles) {
   fs::create_symlink("b", root() / "a");
   fs::create_symlink("a", root() / "b");
   ExpectRefused("a/x", "goes through too many symbolic links");
 }
 
-TEST_F(ConfinedPathTest, AFolderWhoseNameBeginsLikeTheRootIsOutside) {
+TEST_F(ConfinedPathTest, AFolderWithThePrefixOfTheRootIsOutside) {
   fs::create_directory(root().native() + "_2");
   fs::create_symlink("../root_2", root() / "sibling");
   ExpectRefused("sibling/x", "root_2/x' through a symbolic link");
 }
 
-TEST(FileName, ValidOnesNameOneFile) {
+TEST(FileName, AcceptsValidNames) {
   for (const std::string name : {"a", "wrist camera", "\u00e4", ".hidden", "..x", "$(x)", "-n"}) {
     EXPECT_TRUE(ValidFileName(name)) << name;
   }
   EXPECT_TRUE(ValidFileName(std::string(255, 'x')));
 }
 
-TEST(FileName, OthersAreRefusedWithTheReason) {
+TEST(FileName, RejectsInvalidNamesWithTheReason) {
   const auto refuse = [](std::string_view name) {
     EXPECT_FALSE(ValidFileName(name));
     RequireFileName("camera", name);
@@ -129,14 +129,14 @@ TEST(FileName, OthersAreRefusedWithTheReason) {
 
 namespace {
 
-TEST(ShellWord, PlainOnesStayAsTheyAre) {
+TEST(ShellWord, LeavesPlainWordsUnquoted) {
   EXPECT_EQ(ShellWord("out/pick_v1-2.0"), "out/pick_v1-2.0");
   EXPECT_EQ(ShellWord(""), "''");
   EXPECT_EQ(ShellWord("two words"), "'two words'");
 }
 
 // The shell is the oracle.
-TEST(ShellWord, TheShellReadsWhatWasMeant) {
+TEST(ShellWord, TheShellReadsTheOriginalText) {
   for (const std::string text :
        {"a b", "it's", "$(date)", "\"x\"", "`x`", "a\\b", "\xce\xa9", "*"}) {
     FILE* shell = popen(("printf %s " + ShellWord(text)).c_str(), "r");

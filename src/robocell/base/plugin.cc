@@ -26,7 +26,7 @@ struct PluginState {
 struct LoadedPlugins {
   // One thread at a time loads; a plugin's function may load another plugin.
   std::recursive_mutex loading;
-  std::mutex mutex;  // of `files`
+  std::mutex mutex;  // guards `files`
   std::map<std::string, PluginState> files;
 };
 
@@ -88,10 +88,10 @@ std::string LoadPlugin(const std::string& path) {
   auto* const registers = FunctionOf<void()>(library, "robocell_plugin_register");
   if (version == nullptr || registers == nullptr) {
     dlclose(library);
-    throw ArgumentError(
-        fmt::format("'{}' is no plugin: no source file of it says ROBOCELL_PLUGIN(function), see "
-                    "robocell/base/plugin.h",
-                    path));
+    throw ArgumentError(fmt::format(
+        "'{}' is not a plugin: none of its source files contains ROBOCELL_PLUGIN(function), see "
+        "robocell/base/plugin.h",
+        path));
   }
   if (const std::string built_for = version(); built_for != Version()) {
     dlclose(library);

@@ -12,25 +12,26 @@ namespace robocell {
 namespace {
 
 // tests/integration/test_plugin.py tests the effects of a plugin with one that is built.
-TEST(Plugin, AFileThatIsNotThereIsNamed) {
+TEST(Plugin, NamesAMissingFile) {
   ExpectThrow<IoError>([] { LoadPlugin("no_such_plugin.so"); },
                        "cannot load plugin 'no_such_plugin.so': No such file");
 }
 
-TEST(Plugin, AFileThatIsNoLibraryIsNamed) {
+TEST(Plugin, NamesAFileThatIsNotALibrary) {
   const TempDir folder;
   AtomicWrite(folder / "text.so", "not a library");
   ExpectThrow<IoError>([&] { LoadPlugin((folder / "text.so").string()); }, "text.so");
 }
 
-TEST(Plugin, ALibraryThatRegistersNothingIsNone) {
+TEST(Plugin, RejectsALibraryThatRegistersNothing) {
   Dl_info own;
   ASSERT_NE(dladdr(reinterpret_cast<const void*>(&LoadPlugin), &own), 0);
-  ExpectThrow<ArgumentError>([&] { LoadPlugin(own.dli_fname); },
-                             "is no plugin: no source file of it says ROBOCELL_PLUGIN(function)");
+  ExpectThrow<ArgumentError>(
+      [&] { LoadPlugin(own.dli_fname); },
+      "is not a plugin: none of its source files contains ROBOCELL_PLUGIN(function)");
 }
 
-TEST(Plugin, ObjectsOfTheProgramAreOfNoPlugin) {
+TEST(Plugin, ObjectsOfTheProgramBelongToNoPlugin) {
   const Error error("of this program");
   EXPECT_EQ(PluginOf(error), "");
 }

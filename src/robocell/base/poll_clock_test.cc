@@ -46,7 +46,7 @@ Told Work(BasicPollClock<ToldClock>& clock, int steps, std::chrono::microseconds
   return told;
 }
 
-TEST(PollClock, IsDueEveryTenMillisecondsAndRarelyAsksWhileStepsAreQuick) {
+TEST(PollClock, IsDueEveryTenMillisecondsAndRarelyReadsTheClock) {
   BasicPollClock<ToldClock> clock;
   const Told told = Work(clock, 80'000, 10us);
   EXPECT_NEAR(told.due, 80, 2);
@@ -54,14 +54,14 @@ TEST(PollClock, IsDueEveryTenMillisecondsAndRarelyAsksWhileStepsAreQuick) {
   EXPECT_LE(told.asked, 80'000 / 8 + 1);
 }
 
-TEST(PollClock, IsDueAfterEachStepThatTakesLong) {
+TEST(PollClock, IsDueAfterEachLongStep) {
   BasicPollClock<ToldClock> clock;
   const Told told = Work(clock, 20, 100ms);
   EXPECT_EQ(told.due, 20);
   EXPECT_LE(told.longest, 100ms);
 }
 
-TEST(PollClock, FollowsStepsThatBecomeSlowOrQuick) {
+TEST(PollClock, AdaptsToTheDurationOfSteps) {
   BasicPollClock<ToldClock> clock;
   Work(clock, 1001, 10us);
   const Told slow = Work(clock, 100, 100ms);

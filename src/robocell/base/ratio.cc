@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kMostDenominator = 1e9;
 constexpr double kAgreement = 1e-12;
-constexpr double kWhole = 1e-6;  // as many digits as people write for 100/3
+constexpr double kWhole = 1e-6;  // accuracy of 100/3 as people write it
 
 int64_t Times(int64_t a, int64_t b) {
   int64_t product = 0;

@@ -7,7 +7,7 @@
 namespace robocell {
 namespace {
 
-TEST(Ratio, OfADecimalIsTheFractionThatItWrites) {
+TEST(Ratio, OfADecimalIsItsFraction) {
   EXPECT_EQ(RatioOf(0.002), (Ratio{1, 500}));
   EXPECT_EQ(RatioOf(66), (Ratio{66, 1}));
   EXPECT_EQ(RatioOf(29.97), (Ratio{2997, 100}));
@@ -31,7 +31,7 @@ TEST(Ratio, HasNoDriftInArithmetic) {
   EXPECT_EQ(step.value(), 1.0 / 480);
 }
 
-TEST(Ratio, OfNothingIsAnError) {
+TEST(Ratio, RejectsNonPositiveNumbers) {
   EXPECT_THROW(RatioOf(0), ArgumentError);
   EXPECT_THROW(RatioOf(-1), ArgumentError);
 }

@@ -75,10 +75,10 @@ void RequireRealFolder(const fs::path& folder) {
   std::error_code error;
   const fs::file_type type = fs::symlink_status(folder, error).type();
   if (type == fs::file_type::directory || type == fs::file_type::not_found) return;
-  throw IoError(fmt::format(
-      "cannot use '{}': it is {}, not a folder, so what is written into it would go elsewhere. "
-      "Remove it, or put the folder itself there",
-      folder.string(), WhatIsAt(folder)));
+  throw IoError(
+      fmt::format("cannot use '{}': it is {}, not a folder, so writes would leave the folder. "
+                  "Remove it, or put the folder itself there",
+                  folder.string(), WhatIsAt(folder)));
 }
 
 void ThrowOpenError(std::string_view action, const fs::path& path, int error) {

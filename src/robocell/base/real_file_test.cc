@@ -32,7 +32,7 @@ class RealFileTest : public ::testing::Test {
   TempDir temp;
 };
 
-TEST_F(RealFileTest, AnIdentityIsAnotherOnceAFileIsReplaced) {
+TEST_F(RealFileTest, ReplacingAFileChangesItsIdentity) {
   const std::string before = FileIdentity(temp / "file");
   EXPECT_EQ(FileIdentity(temp / "file"), before);
   AtomicWrite(temp / "file", "abd");
@@ -49,7 +49,7 @@ TEST_F(RealFileTest, AFileIsReadAndHashedLikeAnyOther) {
   EXPECT_EQ(Sha256RealFile(temp / "large"), Sha256(large));
 }
 
-TEST_F(RealFileTest, WhatIsNoFileIsNamedWithTheNextStep) {
+TEST_F(RealFileTest, RejectsPathsThatAreNotFiles) {
   fs::create_symlink(temp / "none", temp / "dangling");
   for (const auto& [name, what] : std::map<std::string, std::string>{
            {"endless", "a link to '/dev/zero'"},
@@ -67,14 +67,14 @@ TEST_F(RealFileTest, WhatIsNoFileIsNamedWithTheNextStep) {
   }
 }
 
-TEST_F(RealFileTest, APathIsNotCutShortAtANulByte) {
+TEST_F(RealFileTest, RejectsANulByteInAPath) {
   const fs::path cut = (temp / "file").native() + '\0' + "x";
   ExpectThrow<ArgumentError>([&] { ReadRealFile(cut); }, "file\\0x' contains a NUL byte");
   ExpectThrow<ArgumentError>([&] { AtomicWrite(cut, "other"); }, "contains a NUL byte");
   EXPECT_EQ(ReadFile(temp / "file"), "abc");
 }
 
-TEST_F(RealFileTest, ALinkToAFileIsReadAsThatFile) {
+TEST_F(RealFileTest, FollowsALinkToAFile) {
   fs::create_symlink(temp / "link", temp / "link_to_link");
   for (const char* name : {"link", "link_to_link"}) {
     EXPECT_EQ(WhatIsAt(temp / name).substr(0, 9), "a link to");
@@ -91,7 +91,7 @@ TEST_F(RealFileTest, WritingFollowsNoLink) {
   EXPECT_EQ(ReadFile(temp / "file"), "abc");
 }
 
-TEST_F(RealFileTest, AMissingOneSaysTheSystemsReason) {
+TEST_F(RealFileTest, AMissingFileErrorHasTheReasonOfTheSystem) {
   EXPECT_EQ(WhatIsAt(temp / "none"), "nothing");
   ExpectThrow<IoError>([&] { ReadRealFile(temp / "none"); }, "none': No such file or directory");
 }

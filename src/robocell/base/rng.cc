@@ -76,7 +76,7 @@ double Rng::Uniform() { return static_cast<double>(NextBits() >> 11) * 0x1.0p-53
 
 double Rng::Uniform(double low, double high) {
   if (!(low <= high) || !std::isfinite(high - low)) {
-    throw ArgumentError(fmt::format("Rng::Uniform: [{}, {}) is no finite range", low, high));
+    throw ArgumentError(fmt::format("Rng::Uniform: [{}, {}) is not a finite range", low, high));
   }
   const double value = low + (high - low) * Uniform();
   return value < high ? value : low;  // rounding may reach high; the chance is below 2^-50

@@ -1,15 +1,15 @@
 // Random streams named by keys: the only source of randomness for anything that ends up in data.
 //
 // A stream is a pure function of its keys, the same on every machine and with every standard
-// library. "Episode 17, attempt 0, object pose" gives the same numbers whatever was drawn before,
-// by any code in any process.
+// library. "Episode 17, attempt 0, object pose" gives the same numbers independent of earlier
+// draws, by any code in any process.
 //
 //   Rng rng = Rng::Stream(run_seed, "scene", scene_name, index, attempt, "object pose");
 //   const double x = rng.Uniform(-0.2, 0.2);
 //   Rng noise = rng.Fork("camera noise");  // does not depend on what was drawn from rng
 //
 // Laws: Stream(seed, a, b) equals Stream(seed, a).Fork(b). Integer keys are equal when their values
-// are, whatever their type; 7 and "7" are different keys. Forking twice with the same key gives the
+// are, for any type; 7 and "7" are different keys. Forking twice with the same key gives the
 // same stream twice.
 //
 // Keys are hashed with SipHash-2-4-128; numbers come from xoshiro256++ (D. Blackman and S. Vigna,
@@ -98,7 +98,7 @@ class Rng {
   explicit Rng(const Hash128& id);
 
   Hash128 id_;                     // hash of the keys
-  std::array<uint64_t, 4> state_;  // of xoshiro256++
+  std::array<uint64_t, 4> state_;  // state of xoshiro256++
 };
 
 }  // namespace robocell

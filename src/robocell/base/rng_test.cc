@@ -76,12 +76,12 @@ TEST(Rng, NormalNumbersArePinned) {
   EXPECT_NEAR(draws[2], 0.15092227596622323, 6e-17);
 }
 
-TEST(Rng, KeysAreOneAfterTheOtherTheSameAsForks) {
+TEST(Rng, SequentialKeysMatchForks) {
   EXPECT_EQ(Draw(Rng::Stream(1, "a", 2, "c")), Draw(Rng::Stream(1, "a").Fork(2).Fork("c")));
   EXPECT_EQ(Draw(Rng::Stream(1)), Draw(Rng::Stream(1, std::span<const RngKey>())));
 }
 
-TEST(Rng, ForksDoNotDependOnWhatWasDrawn) {
+TEST(Rng, ForksDoNotDependOnEarlierDraws) {
   Rng rng = Rng::Stream(1, "a");
   const std::vector<uint64_t> before = Draw(rng.Fork("noise"));
   for (int i = 0; i < 100; ++i) rng.Normal();
@@ -155,9 +155,10 @@ TEST(Rng, UniformStaysInItsRange) {
   }
 }
 
-TEST(Rng, UniformRefusesEmptyAndInfiniteRanges) {
+TEST(Rng, UniformRejectsEmptyAndInfiniteRanges) {
   Rng rng = Rng::Stream(5);
-  ExpectThrow<ArgumentError>([&] { rng.Uniform(1, 0); }, "Rng::Uniform: [1, 0) is no finite range");
+  ExpectThrow<ArgumentError>([&] { rng.Uniform(1, 0); },
+                             "Rng::Uniform: [1, 0) is not a finite range");
   ExpectThrow<ArgumentError>([&] { rng.Uniform(0, INFINITY); }, "[0, inf)");
   ExpectThrow<ArgumentError>([&] { rng.Uniform(0, NAN); }, "[0, nan)");
 }
@@ -185,7 +186,7 @@ TEST(Rng, UniformIntIsFairNearTwoToTheSixtyFour) {
   EXPECT_NEAR(low, 5000, 200);
 }
 
-TEST(Rng, UniformIntRefusesAnEmptyChoice) {
+TEST(Rng, UniformIntRejectsAnEmptyRange) {
   Rng rng = Rng::Stream(6);
   ExpectThrow<ArgumentError>([&] { rng.UniformInt(0); }, "cannot choose among 0 elements");
   ExpectThrow<ArgumentError>([&] { rng.Choice(std::vector<int>()); }, "among 0 elements");
@@ -219,7 +220,7 @@ TEST(Rng, WeightedIndexFollowsItsWeights) {
   EXPECT_NEAR(counts[3], 30000, 400);
 }
 
-TEST(Rng, WeightedIndexRefusesWeightsThatAreNone) {
+TEST(Rng, WeightedIndexRejectsInvalidWeights) {
   Rng rng = Rng::Stream(9);
   const std::vector<double> negative = {1, -1}, nothing = {0, 0}, nan = {NAN},
                             infinite = {INFINITY};

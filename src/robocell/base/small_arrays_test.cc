@@ -27,7 +27,7 @@ TEST(SmallArrays, AreCopiedToTheByte) {
   }
 }
 
-TEST(SmallArrays, AreWithinALimitWhenAllMagnitudesAre) {
+TEST(SmallArrays, AreWithinALimitIfAllMagnitudesAre) {
   for (size_t n = 0; n < 12; ++n) {
     std::vector<double> x(n, -1e10);
     EXPECT_TRUE(AllWithin(1e10, x.data(), n));

@@ -135,6 +135,10 @@ std::string ListNames(const std::vector<std::string>& names, int limit) {
   return out;
 }
 
+std::string Counted(int64_t count, std::string_view noun) {
+  return std::to_string(count) + " " + (count == 1 ? std::string(noun) : Plural(noun));
+}
+
 std::string DidYouMean(std::string_view name, const std::vector<std::string>& candidates) {
   const std::vector<ScoredName> near = ScoredNames(name, candidates);
   if (near.empty()) return "";

@@ -1,6 +1,7 @@
-// Texts about missing names: the nearest names, short listings, whole messages.
+// Texts of messages: the nearest names of a missing one, short listings, counted nouns.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -17,6 +18,9 @@ std::vector<std::string> NearestNames(std::string_view name,
 // Returns "joint1 ... joint7" for a numbered run, else "a, b, c" with at most `limit` names and
 // "and 12 more".
 std::string ListNames(const std::vector<std::string>& names, int limit = 12);
+
+// Returns "1 joint", "2 joints", "0 joints"; the noun is in the singular.
+std::string Counted(int64_t count, std::string_view noun);
 
 // Returns " Did you mean 'joint7'?", or "" if no name is near.
 std::string DidYouMean(std::string_view name, const std::vector<std::string>& candidates);

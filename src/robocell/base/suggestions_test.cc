@@ -16,7 +16,7 @@ using Names = std::vector<std::string>;
 
 const Names kJoints = {"joint1", "joint2", "joint3", "joint4", "joint5", "joint6", "joint7"};
 
-TEST(NearestNames, FindsSlipsOfTheFinger) {
+TEST(NearestNames, FindsTypingErrors) {
   const Names names = {"wrist_camera", "gripper", "left_finger", "right_finger", "base"};
   EXPECT_THAT(NearestNames("griper", names), ElementsAre("gripper"));    // missing
   EXPECT_THAT(NearestNames("grippper", names), ElementsAre("gripper"));  // doubled
@@ -37,7 +37,7 @@ TEST(NearestNames, FindsNamesWithAnotherPrefix) {
   EXPECT_THAT(NearestNames("left/tcp", {"base", "tcp"}), ElementsAre("tcp"));
 }
 
-TEST(NearestNames, SaysNothingWhenNothingIsNear) {
+TEST(NearestNames, IsEmptyWithoutASimilarName) {
   EXPECT_THAT(NearestNames("camera", {"joint1", "gripper"}), IsEmpty());
   EXPECT_THAT(NearestNames("ab", {"xy", "q"}), IsEmpty());
   EXPECT_THAT(NearestNames("", {"a", "ab", ""}), IsEmpty());
@@ -56,12 +56,12 @@ TEST(ListNames, ShortensNumberedRuns) {
   EXPECT_EQ(ListNames({"j4", "j3", "j2", "j1"}), "j4, j3, j2, j1");
 }
 
-TEST(ListNames, SaysHowManyMoreThereAre) {
+TEST(ListNames, CountsOmittedNames) {
   EXPECT_EQ(ListNames({"a", "b", "c"}, 2), "a, b and 1 more");
   EXPECT_EQ(ListNames({"a", "b", "c"}, 3), "a, b, c");
 }
 
-TEST(ListNames, ShowsWhatIsEmpty) {
+TEST(ListNames, ShowsEmptyLists) {
   EXPECT_EQ(ListNames({}), "(none)");
   EXPECT_EQ(ListNames({"a", "", "c"}), "a, '', c");
 }
@@ -72,7 +72,15 @@ TEST(DidYouMean, IsASentenceOrNothing) {
   EXPECT_EQ(DidYouMean("goalz", {"goal", "goals", "spread"}), " Did you mean 'goal' or 'goals'?");
 }
 
-TEST(NoSuchName, NamesPlaceThingAlternativesAndTheNearest) {
+TEST(Counted, IsInThePluralUnlessOne) {
+  EXPECT_EQ(Counted(1, "number"), "1 number");
+  EXPECT_EQ(Counted(2, "number"), "2 numbers");
+  EXPECT_EQ(Counted(0, "copy"), "0 copies");
+  EXPECT_EQ(Counted(1, "copy"), "1 copy");
+  EXPECT_EQ(Counted(3, "kind of object"), "3 kinds of object");
+}
+
+TEST(NoSuchName, NamesPlaceElementAlternativesAndTheNearest) {
   EXPECT_EQ(NoSuchName("scene 'pick' / robot 'left'", "joint", "joint8", kJoints),
             "scene 'pick' / robot 'left': no joint 'joint8'. Its joints: joint1 ... joint7. "
             "Did you mean 'joint7'?");

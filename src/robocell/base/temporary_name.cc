@@ -7,7 +7,7 @@
 namespace robocell::internal {
 namespace {
 
-constexpr size_t kLongest = 180;  // of 255 bytes
+constexpr size_t kLongest = 180;  // part of the 255 bytes of a name
 
 // Removes ".<number>" from the end.
 template <class T>

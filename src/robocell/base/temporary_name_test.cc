@@ -9,7 +9,7 @@
 namespace robocell::internal {
 namespace {
 
-TEST(TemporaryName, IsReadAsItWasWritten) {
+TEST(TemporaryName, RoundTrips) {
   const auto parsed = TemporaryName::Parse(TemporaryName{"steps.v2.h5", 4711, 3}.Text());
   ASSERT_TRUE(parsed);
   EXPECT_EQ(parsed->name, "steps.v2.h5");
@@ -26,7 +26,7 @@ TEST(TemporaryName, OfAWorkFolderNamesItsProcess) {
   EXPECT_EQ(parsed->process, getpid());
 }
 
-TEST(TemporaryName, OtherNamesAreNone) {
+TEST(TemporaryName, RejectsOtherNames) {
   for (const char* name : {"", ".", ".partial", "e1.7.1.partial", ".e1.7.1", ".e1.x.1.partial",
                            ".e1.7..partial", ".lock-0-of-2"}) {
     EXPECT_FALSE(TemporaryName::Parse(name)) << name;

@@ -24,7 +24,7 @@ WorkerThreads::WorkerThreads(int threads, int most) {
     Start(count);
   } catch (const std::system_error& error) {
     Stop();
-    throw Error(fmt::format("thread {} of {} could not be started ({}); ask for fewer with threads",
+    throw Error(fmt::format("thread {} of {} could not be started ({}); set fewer with threads",
                             threads_.size() + 2, count, error.what()));
   } catch (...) {
     Stop();

@@ -26,7 +26,7 @@ TEST(WorkerThreads, DoEachNumberOnce) {
   }
 }
 
-TEST(WorkerThreads, ThrowWhatTheLowestNumberThrewWhenAllIsDone) {
+TEST(WorkerThreads, RethrowTheExceptionOfTheLowestNumberAtTheEnd) {
   WorkerThreads workers(3, 3);
   std::atomic<int> done = 0;
   const auto run = [&] {
@@ -42,21 +42,26 @@ TEST(WorkerThreads, ThrowWhatTheLowestNumberThrewWhenAllIsDone) {
   EXPECT_EQ(done, 4) << "they go on after an error";
 }
 
-TEST(WorkerThreads, CallMeanwhileWhileOthersWork) {
+TEST(WorkerThreads, CallTheCallbackDuringWork) {
   WorkerThreads workers(2, 2);
+  std::atomic<bool> other_works = false;
   std::atomic<bool> called = false;
   const std::thread::id caller = std::this_thread::get_id();
+  // The caller keeps one number until the other thread has taken the second one, however late that
+  // thread wakes up. The other thread then works until the callback was called.
   const auto work = [&](int) {
-    if (std::this_thread::get_id() == caller) return;
+    const bool on_caller = std::this_thread::get_id() == caller;
+    if (!on_caller) other_works = true;
+    const std::atomic<bool>& awaited = on_caller ? other_works : called;
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (!called && std::chrono::steady_clock::now() < end)
+    while (!awaited && std::chrono::steady_clock::now() < end)
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
   };
-  for (int round = 0; round < 50 && !called; ++round) workers.Run(2, work, [&] { called = true; });
+  workers.Run(2, work, [&] { called = true; });
   EXPECT_TRUE(called);
 }
 
-TEST(WorkerThreads, ANumberBelowZeroIsRefused) {
+TEST(WorkerThreads, RejectANegativeNumber) {
   ExpectThrow<ArgumentError>([] { const WorkerThreads workers(-1, 2); }, "-1");
 }
 

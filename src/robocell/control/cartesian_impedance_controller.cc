@@ -5,7 +5,7 @@
 
 #include "robocell/base/small_arrays.h"
 #include "robocell/control/joint_impedance_controller.h"
-#include "robocell/kinematics/link_kernel.h"
+#include "robocell/kinematics/link_answer.h"
 #include "robocell/math/rotation.h"
 #include "robocell/robot/joint_torque_controller.h"
 
@@ -103,7 +103,7 @@ void CartesianImpedanceController::Compute(std::span<double> ctrl) {
   const Chain& chain = arm_.chain();
   const Eigen::Vector3d gravity = arm_.gravity_in_base();
   internal::LinkAnswer links;
-  internal::ComputeLinks(chain.links(), internal::LinkPart::kAll,
+  internal::ComputeChain(chain, internal::LinkPart::kAll,
                          {.q = q_.data(), .qd = qd, .gravity = gravity.data()}, &links);
   for (const JointCoupling& c : chain.couplings()) links.mass[c.second][c.first] += c.inertia;
   OperationalSpaceResult leaf;

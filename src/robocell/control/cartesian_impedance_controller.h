@@ -1,6 +1,6 @@
-// Cartesian impedance: springs and dampers along and about the axes of the robot base frame hold the
-// TCP of an arm at its target; a null-space task pulls redundant joints towards a posture without
-// moving the TCP.
+// Cartesian impedance: springs and dampers along and about the axes of the robot base frame hold
+// the TCP of an arm at its target; a null-space task pulls redundant joints towards a posture
+// without moving the TCP.
 //
 //   force  = stiffness * (target - pose) - damping * velocity
 //   torque = J^T force + N^T posture torque + gravity + Coriolis
@@ -9,9 +9,9 @@
 //   soft.SetStiffness({800, 800, 100, 40, 40, 40});        // N/m, then Nm/rad
 //   soft.SetPose(target_in_robot);
 //
-// It needs the control mode torque. With damping_ratio 1 no motion of the TCP overshoots, whatever
-// its present operational-space inertia is; N is the dynamically consistent null space (O. Khatib,
-// "A unified approach for motion and force control of robot manipulators", 1987). Poses are in the
+// It needs the control mode torque. With damping_ratio 1 no motion of the TCP overshoots, for any
+// present operational-space inertia; N is the dynamically consistent null space (O. Khatib, "A
+// unified approach for motion and force control of robot manipulators", 1987). Poses are in the
 // robot base frame. Compute does not allocate.
 #pragma once
 

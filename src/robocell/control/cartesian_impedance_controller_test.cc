@@ -21,7 +21,7 @@ class CartesianImpedance : public ::testing::TestWithParam<RobotCase> {
 };
 INSTANTIATE_TEST_SUITE_P(Robots, CartesianImpedance, ::testing::ValuesIn(AllRobots()), CaseName);
 
-TEST_P(CartesianImpedance, TheLeafGivesWayAsASpringAlongTheAxesOfTheBase) {
+TEST_P(CartesianImpedance, TheTcpYieldsLikeASpringAlongTheAxesOfTheBase) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build();
   Robot robot = In(scene);
@@ -38,7 +38,7 @@ TEST_P(CartesianImpedance, TheLeafGivesWayAsASpringAlongTheAxesOfTheBase) {
   EXPECT_LT((start.inverse() * robot.FkFrame()).angle(), 0.01);
 }
 
-TEST_P(CartesianImpedance, AFeedforwardThatIsNoneIsToldByItsName) {
+TEST_P(CartesianImpedance, RejectsANonFiniteFeedforwardByName) {
   REQUIRE_ROBOT(GetParam());
   Robot robot = In(Build());
   auto& soft = robot.SetController<CartesianImpedanceController>("arm");
@@ -49,7 +49,7 @@ TEST_P(CartesianImpedance, AFeedforwardThatIsNoneIsToldByItsName) {
       "value 2 of the feedforward is nan; all values must be finite");
 }
 
-TEST_P(CartesianImpedance, TheLeafGoesToItsTargetWithoutOvershoot) {
+TEST_P(CartesianImpedance, TheTcpReachesItsTargetWithoutOvershoot) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build();
   Robot robot = In(scene);
@@ -69,7 +69,7 @@ TEST_P(CartesianImpedance, TheLeafGoesToItsTargetWithoutOvershoot) {
   EXPECT_LT(off.angle(), 5e-3);
 }
 
-TEST_P(CartesianImpedance, TheLeafDoesNotFeelThePosture) {
+TEST_P(CartesianImpedance, ThePostureDoesNotMoveTheTcp) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build();
   Robot robot = In(scene);
@@ -89,7 +89,7 @@ TEST_P(CartesianImpedance, TheLeafDoesNotFeelThePosture) {
   EXPECT_GT(std::abs(robot.arm().joint_pos()[0] - before[0]), 5e-3) << "the elbow went";
 }
 
-TEST(CartesianImpedanceTarget, IsCommandedByPosesAndJoints) {
+TEST(CartesianImpedanceTarget, IsSetByPosesAndJoints) {
   Robot robot = RobotAlone(Rc7());
   std::vector<double> q = robot.arm().joint_pos();
   q[0] += 0.2;

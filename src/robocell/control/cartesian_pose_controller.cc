@@ -23,8 +23,8 @@ constexpr double kDamping = 1e-4;
 constexpr double kPostureRate = 1;           // 1/s
 constexpr double kLongestTick = 0.1;         // s; avoids a jump after a pause
 constexpr double kLargestJointSpeed = M_PI;  // rad/s or m/s
-// How far the reference may be ahead of the joints, m and rad, so that it does not have to come all
-// the way back from an unreachable target.
+// Largest lead of the reference over the joints, m and rad. It keeps the reference near the joints
+// if the target is unreachable.
 constexpr double kLongestLead = 0.02, kWidestLead = 0.1;
 
 [[maybe_unused]] const bool kCartesianPoseRegistered = [] {

@@ -62,7 +62,7 @@ class CartesianPoseController : public Controller {
   Transform reference_;
   std::vector<double> posture_;
   double max_linear_speed_ = 0.25, max_angular_speed_ = 1;
-  double time_ = 0;  // of the last Compute
+  double time_ = 0;  // time of the last Compute, s
 };
 
 }  // namespace robocell

@@ -20,7 +20,7 @@ CartesianPoseController& Use(Robot& robot) {
 class CartesianPose : public ::testing::TestWithParam<RobotCase> {};
 INSTANTIATE_TEST_SUITE_P(Robots, CartesianPose, ::testing::ValuesIn(AllRobots()), CaseName);
 
-TEST_P(CartesianPose, GoesStraightAndNotTooFast) {
+TEST_P(CartesianPose, MovesStraightWithinItsSpeedLimit) {
   REQUIRE_ROBOT(GetParam());
   RobotSpec spec = GetParam().spec();
   spec.name = GetParam().name;
@@ -55,7 +55,7 @@ TEST_P(CartesianPose, GoesStraightAndNotTooFast) {
   EXPECT_TRUE(end.is_close(goal, 1e-3, 1e-4));
 }
 
-TEST(CartesianPoseLimits, ATargetOutOfReachIsApproachedAsFarAsTheJointsAllow) {
+TEST(CartesianPoseLimits, ApproachesATargetOutOfReachWithinTheJointLimits) {
   Robot robot = RobotAlone(Rc7());
   CartesianPoseController& cartesian = Use(robot);
   cartesian.SetMaxSpeeds(1, 3);
@@ -94,7 +94,7 @@ TEST(CartesianPoseLimits, HoldsWithoutATargetAndAfterAReset) {
   EXPECT_TRUE(cartesian.pose().is_close(robot.FkFrame(), 1e-12, 1e-12));
 }
 
-TEST(CartesianPoseLimits, RefusesBadNumbers) {
+TEST(CartesianPoseLimits, RejectsInvalidNumbers) {
   Robot robot = RobotAlone(Rc7());
   CartesianPoseController& cartesian = Use(robot);
   ExpectThrow<ArgumentError>([&] { cartesian.SetMaxSpeeds(0, 1); },

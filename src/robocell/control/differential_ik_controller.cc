@@ -12,7 +12,7 @@
 namespace robocell {
 namespace {
 
-constexpr double kMostSeconds = 0.1;  // of a tick; avoids a jump after a pause
+constexpr double kMostSeconds = 0.1;  // longest tick; avoids a jump after a pause
 
 [[maybe_unused]] const bool kDifferentialIkRegistered = [] {
   RegisterController("differential_ik", [](MoveGroup& group) -> std::unique_ptr<Controller> {

@@ -31,7 +31,7 @@ class DifferentialIkController : public Controller {
   const Scene* scene() const override { return arm_.scene(); }
   TargetKind target_kind() const override { return TargetKind::kTwist; }
   int target_size() const override { return 6; }
-  // Linear then angular velocity of the leaf, m/s and rad/s, in the axes of frame().
+  // Linear then angular velocity of the TCP, m/s and rad/s, in the axes of frame().
   void SetTarget(std::span<const double> twist) override;
   std::span<const double> target() const override { return target_; }
   std::span<const double> commanded_joint_pos() const override { return servos_.target(); }
@@ -42,7 +42,7 @@ class DifferentialIkController : public Controller {
 
   void SetTwist(const Twist& twist);
   Twist twist() const;
-  // The axes of the twist: the robot base's by default; or the leaf's, or the world's.
+  // The axes of the twist: the robot base's by default; or the TCP's, or the world's.
   TwistFrame frame() const { return options_.frame; }
   void SetFrame(TwistFrame frame) { options_.frame = frame; }
   // Largest speed of each joint, rad/s or m/s, above 0; default pi.
@@ -65,7 +65,7 @@ class DifferentialIkController : public Controller {
   std::array<double, 6> target_{};
   DifferentialIkOptions options_;
   bool slower_ = false;
-  double time_ = 0;  // of the last Compute
+  double time_ = 0;  // time of the last Compute, s
 };
 
 }  // namespace robocell

@@ -26,7 +26,7 @@ void Drive(Robot& robot, double seconds) {
   }
 }
 
-TEST(DifferentialIkController, TheLeafMovesAsToldAndStopsAtZero) {
+TEST(DifferentialIkController, FollowsTheTwistAndStopsAtZero) {
   Robot robot = RobotAlone(Rc7());
   DifferentialIkController& jog = Jog(robot);
   const Pose start = robot.FkFrame();
@@ -49,7 +49,7 @@ TEST(DifferentialIkController, TheLeafMovesAsToldAndStopsAtZero) {
   EXPECT_EQ(jog.twist(), Twist{});
 }
 
-TEST(DifferentialIkController, TwistsMayHaveTheAxesOfTheWorld) {
+TEST(DifferentialIkController, AcceptsTwistsInWorldAxes) {
   const Scene scene =
       Scene::Build(SceneWith({.name = "a", .config = Rc7(), .euler = {25, -40, 70}}));
   Robot robot = Robot::Of(scene, "a");
@@ -64,7 +64,7 @@ TEST(DifferentialIkController, TwistsMayHaveTheAxesOfTheWorld) {
   EXPECT_TRUE((base * robot.FkFrame(jog.commanded_joint_pos())).is_close(there, 2e-3, 1e-3));
 }
 
-TEST(DifferentialIkController, ObeysLimitsAndSpeedsAndMovesJointsToSpare) {
+TEST(DifferentialIkController, ObeysLimitsAndSpeedsAndMovesRedundantJoints) {
   Robot robot = RobotAlone(Rc7());
   DifferentialIkController& jog = Jog(robot);
   const std::vector<double> most(7, 0.3);
@@ -97,7 +97,7 @@ TEST(DifferentialIkController, ObeysLimitsAndSpeedsAndMovesJointsToSpare) {
   EXPECT_TRUE(robot.FkFrame(jog.commanded_joint_pos()).is_close(start, 2e-3, 2e-3));
 }
 
-TEST(DifferentialIkController, RefusesBadNumbers) {
+TEST(DifferentialIkController, RejectsInvalidNumbers) {
   Robot robot = RobotAlone(Rc7());
   DifferentialIkController& jog = Jog(robot);
   ExpectThrow<ArgumentError>([&] { jog.SetTarget(std::vector<double>(3)); },

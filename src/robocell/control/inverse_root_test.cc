@@ -24,7 +24,7 @@ TEST(InverseRoot, IsWithinATenThousandthOverItsRange) {
   }
 }
 
-TEST(InverseRoot, CountsLessThanItShouldBelowItsRange) {
+TEST(InverseRoot, UnderestimatesBelowItsRange) {
   for (int i = 0; i < kInverseRoots; ++i) {
     const InverseRoot& root = InverseRoots()[i];
     for (const double below : {10.0, 1e3, 1e6}) {
@@ -35,7 +35,7 @@ TEST(InverseRoot, CountsLessThanItShouldBelowItsRange) {
   }
 }
 
-TEST(InverseRoot, EachHasAWiderRangeAndIsPaddedWithNothing) {
+TEST(InverseRoot, EachHasAWiderRangeAndZeroPadding) {
   for (int i = 0; i < kInverseRoots; ++i) {
     const InverseRoot& root = InverseRoots()[i];
     ASSERT_LE(root.n_poles, InverseRoot::kMostPoles);

@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
-#include "robocell/kinematics/link_kernel.h"
+#include "robocell/base/suggestions.h"
+#include "robocell/kinematics/link_answer.h"
 #include "robocell/robot/joint_torque_controller.h"
 
 namespace robocell {
@@ -46,8 +47,9 @@ std::vector<double> MiddleInertia(const Chain& chain) {
 std::vector<double> PositiveGains(std::string_view place, std::string_view what,
                                   std::span<const double> values, int expected) {
   if (values.size() != 1 && values.size() != static_cast<size_t>(expected)) {
-    throw ArgumentError(
-        fmt::format("{}: {} has {} values; give 1 or {}", place, what, values.size(), expected));
+    throw ArgumentError(fmt::format("{}: {} has {}; give {}", place, what,
+                                    Counted(std::ssize(values), "value"),
+                                    expected == 1 ? "1" : fmt::format("1 or {}", expected)));
   }
   for (const double value : values) {
     if (std::isfinite(value) && value >= 0) continue;
@@ -108,7 +110,7 @@ void JointImpedanceController::Compute(std::span<double> ctrl) {
   arm_.GetJointVel({qd, n});
   const Eigen::Vector3d gravity = arm_.gravity_in_base();
   internal::LinkAnswer links;
-  internal::ComputeLinks(arm_.chain().links(), internal::LinkPart::kMotion,
+  internal::ComputeChain(arm_.chain(), internal::LinkPart::kMotion,
                          {.q = q, .qd = qd, .gravity = gravity.data()},
                          &links);  // gravity and Coriolis
   double* torque = links.torques;

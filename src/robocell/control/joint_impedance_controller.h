@@ -1,5 +1,5 @@
-// Joint impedance: each joint of an arm is a spring and a damper towards its target, whatever the
-// arm weighs.
+// Joint impedance: each joint of an arm is a spring and a damper towards its target, for any weight
+// of the arm.
 //
 //   torque = stiffness * (target - q) - damping * qd + gravity + Coriolis
 //

@@ -18,7 +18,7 @@ class JointImpedance : public ::testing::TestWithParam<RobotCase> {
 };
 INSTANTIATE_TEST_SUITE_P(Robots, JointImpedance, ::testing::ValuesIn(AllRobots()), CaseName);
 
-TEST_P(JointImpedance, AJointGivesWayAsASpring) {
+TEST_P(JointImpedance, AJointYieldsLikeASpring) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build();
   Robot robot = In(scene);
@@ -34,7 +34,7 @@ TEST_P(JointImpedance, AJointGivesWayAsASpring) {
   EXPECT_NEAR(robot.arm().joint_pos()[3] - start[3], 0.02, 1e-3);
 }
 
-TEST(JointImpedanceTarget, IsCommandedByPortsAndActions) {
+TEST(JointImpedanceTarget, IsSetByPortsAndActions) {
   Robot robot = RobotAlone(Rc7());
   robot.SetController<JointImpedanceController>("arm");
   EXPECT_EQ(robot.ctrl_mode(), CtrlMode::kTorque);

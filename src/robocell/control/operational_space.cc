@@ -21,7 +21,7 @@
 #include "robocell/kinematics/lane_six-inl.h"
 
 namespace robocell {
-// For rotations that are no longer small. For all instruction sets.
+// Handles large rotations, on all instruction sets.
 void FarTurn(const double (*from)[4], const double* to, double* out);
 // True if a few instructions on eight numbers do not lower the clock of the processor, at which the
 // engine steps beside this code. On Zen 4 they save 0.05 us of a control tick; on Intel's
@@ -113,7 +113,7 @@ HWY_INLINE void LeafMotions(const Columns& columns, const OperationalSpaceQuery&
   PutAnywhere(sums[3], wanted + 3);
 }
 
-// With mass = L D L^T: computes (L^-1 J^T)^T, and 1 / D. With a constant number of joints the mass
+// Computes (L^-1 J^T)^T and 1 / D, where mass = L D L^T. With a constant number of joints the mass
 // stays in registers.
 template <int N>
 HWY_INLINE void Eliminate(int joints, const LinkTable::Row* mass, const Columns& columns,
@@ -233,7 +233,7 @@ HWY_INLINE void MassTimesAny(int n, const LinkTable::Row* mass, const double* ve
 
 // The damping and the forces on the leaf before they are combined.
 struct Damped {
-  double determinant = 1;  // of the inverse_inertia
+  double determinant = 1;  // determinant of inverse_inertia
   double along[6] = {};
   double inertial_force[6] = {};
 };

@@ -35,9 +35,9 @@ struct OperationalSpaceQuery {
   // (LinkPart::kAll without accelerations).
   const internal::LinkAnswer* arm = nullptr;
   const double* wanted = nullptr;    // target joint accelerations
-  const double* velocity = nullptr;  // of the joints
+  const double* velocity = nullptr;  // joint velocities
   const TcpSprings* springs = nullptr;
-  // For the torques: the target pose, an additional wrench (6), and the damping ratio.
+  // Inputs of the torques: target pose, additional wrench (6), damping ratio.
   TcpTarget goal;
   const double* feedforward = nullptr;
   double damping_ratio = 1;
@@ -66,7 +66,7 @@ void ComputeInverseInertia(int n, const internal::LinkAnswer& arm, double* inver
 void CriticalDamping(const double* stiffness, const double* inverse_inertia, const double* velocity,
                      double* out);
 
-// At a singular pose the inertia would be infinite; this bounds its inverse from below, 1/kg.
+// Lower bound of the inverse inertia, 1/kg; the inertia is infinite at a singular pose.
 inline constexpr double kLeastInverseInertia = 1e-6;
 
 }  // namespace robocell

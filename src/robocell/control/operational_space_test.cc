@@ -74,7 +74,7 @@ double Off(const VectorXd& stiffness, const VectorXd& got, const VectorXd& expec
   return length > 0 ? (got - expected).cwiseProduct(scale).norm() / length : got.norm();
 }
 
-TEST(LeafKernel, DampsAsTheEigenvectorsSayFromEvenToNearlySingularMasses) {
+TEST(OperationalSpace, DampingMatchesEigenvectorsUpToNearlySingularMasses) {
   OnEveryInstructionSet([](const std::string&) {
     Rng rng = Rng::Stream(1, "damping");
     for (int k = 0; k < 300; ++k) {
@@ -91,7 +91,7 @@ TEST(LeafKernel, DampsAsTheEigenvectorsSayFromEvenToNearlySingularMasses) {
 }
 
 // Stretched out: a direction without motion has the smallest inverse_inertia.
-TEST(LeafKernel, DampsSingularPosesWithinItsTolerance) {
+TEST(OperationalSpace, DampsSingularPosesWithinItsTolerance) {
   OnEveryInstructionSet([](const std::string&) {
     Rng rng = Rng::Stream(2, "damping");
     for (int k = 0; k < 100; ++k) {
@@ -106,7 +106,7 @@ TEST(LeafKernel, DampsSingularPosesWithinItsTolerance) {
   });
 }
 
-TEST(LeafKernel, LeavesAxesWithoutSpringsAloneAndDampsTheOthersAsIfThereWereNoMore) {
+TEST(OperationalSpace, DampsOnlyAxesWithSprings) {
   OnEveryInstructionSet([](const std::string&) {
     Rng rng = Rng::Stream(3, "damping");
     for (int k = 0; k < 50; ++k) {
@@ -130,7 +130,7 @@ TEST(LeafKernel, LeavesAxesWithoutSpringsAloneAndDampsTheOthersAsIfThereWereNoMo
 }
 
 // Springs as different as possible: the damping still brakes, and never too much.
-TEST(LeafKernel, TakesEnergyOutWhateverTheSprings) {
+TEST(OperationalSpace, DampingRemovesEnergyForAnySprings) {
   OnEveryInstructionSet([](const std::string&) {
     Rng rng = Rng::Stream(4, "damping");
     for (int k = 0; k < 200; ++k) {
@@ -147,7 +147,7 @@ TEST(LeafKernel, TakesEnergyOutWhateverTheSprings) {
   });
 }
 
-TEST(LeafKernel, IsCriticalForOneMassOnOneSpring) {
+TEST(OperationalSpace, IsCriticallyDampedForOneMassOnOneSpring) {
   MatrixXd inverse_inertia = MatrixXd::Identity(6, 6) / 2.0;  // 2 kg
   const VectorXd stiffness{{800, 200, 50, 8, 2, 0.5}};
   const VectorXd force = Damping(stiffness, inverse_inertia, VectorXd::Ones(6));
@@ -195,7 +195,7 @@ VectorXd Numbers(const internal::PoseError& error) {
 }
 
 // From a tiny rotation to half a turn, where the axis has no direction.
-TEST(LeafKernel, KnowsHowFarTheLeafIsFromItsGoal) {
+TEST(OperationalSpace, ComputesThePoseError) {
   OnEveryInstructionSet([](const std::string&) {
     Rng rng = Rng::Stream(5, "goal");
     for (int k = 0; k < 400; ++k) {
@@ -217,7 +217,7 @@ TEST(LeafKernel, KnowsHowFarTheLeafIsFromItsGoal) {
   });
 }
 
-TEST(LeafKernel, KnowsWhatTheLeafYieldsForAnyNumberOfJoints) {
+TEST(OperationalSpace, ComputesTheInverseInertiaForAnyNumberOfJoints) {
   OnEveryInstructionSet([](const std::string&) {
     for (int n = 1; n <= kMaxChainJoints; ++n) {
       Rng rng = Rng::Stream(n, "leaf");
@@ -231,7 +231,7 @@ TEST(LeafKernel, KnowsWhatTheLeafYieldsForAnyNumberOfJoints) {
   });
 }
 
-TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
+TEST(OperationalSpace, DampsAndCompensatesJointVelocities) {
   OnEveryInstructionSet([](const std::string&) {
     for (const int n : {2, 5, 6, 7, 8, 9, 12, 16}) {
       Rng rng = Rng::Stream(n, "inertial_force");
@@ -255,7 +255,7 @@ TEST(LeafKernel, DampsAndFeelsWhatTheJointsDo) {
                               &answer);
       const Eigen::Map<VectorXd> inertial_force(answer.inertial_force, 6);
       const VectorXd moved = leaf.j * wanted;
-      // As small as for a solution that is exact for an inverse_inertia with rounding errors.
+      // The residual of a solution that is exact for an inverse_inertia with rounding errors.
       EXPECT_LT((leaf.InverseInertia() * inertial_force - moved).norm(),
                 1e-14 * leaf.InverseInertia().norm() * inertial_force.norm())
           << n;

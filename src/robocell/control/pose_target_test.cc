@@ -16,7 +16,7 @@ namespace {
 
 const Pose kTarget(Eigen::Vector3d(0.3, -0.2, 0.5), QuaternionFromRpy({0.4, -1.1, 2.0}));
 
-TEST(PoseTarget, ComesBackFromItsNumbers) {
+TEST(PoseTarget, RoundTripsThroughNumbers) {
   const Robot robot = RobotAlone(Rc7());
   const PoseNumbers numbers = ToNumbers(kTarget);
   EXPECT_EQ(numbers[0], 0.3);
@@ -27,7 +27,7 @@ TEST(PoseTarget, ComesBackFromItsNumbers) {
       << "both quaternions of a rotation mean the same";
 }
 
-TEST(PoseTarget, ThatIsNoneIsRefusedByItsGroup) {
+TEST(PoseTarget, RejectsInvalidPosesAndNamesTheGroup) {
   const Robot robot = RobotAlone(Rc7());
   const PoseNumbers good = ToNumbers(kTarget);
   ExpectThrow<ArgumentError>([&] { PoseFromNumbers(std::vector<double>(6), robot.arm()); },

@@ -12,7 +12,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ControllersStay,
                                            "joint_impedance", "relative_joint_position"));
 
 // The arm moves like in an untouched scene. Another body changes the rounding of its motion.
-TEST_P(ControllersStay, AndTheArmGoesOnToItsTarget) {
+TEST_P(ControllersStay, AndTheArmContinuesToItsTarget) {
   const auto run = [&](bool rebuild) {
     Scene scene = Scene::Build(SceneWith({.name = "a", .config = Rc7()}));
     Robot robot = Robot::Of(scene, "a");

@@ -24,7 +24,7 @@ class RelativeJoint : public ::testing::Test {
   const std::vector<double> home = Rc7().home.at("arm");
 };
 
-TEST_F(RelativeJoint, AddsToTheTargetNotToWhereTheArmIs) {
+TEST_F(RelativeJoint, AddsToTheTargetRatherThanTheMeasuredPosition) {
   EXPECT_EQ(controller().kind(), "relative_joint_position");
   EXPECT_EQ(controller().target_kind(), TargetKind::kJointSteps);
   Add(1, 0.125);
@@ -42,7 +42,7 @@ TEST_F(RelativeJoint, AddsToTheTargetNotToWhereTheArmIs) {
   EXPECT_NEAR(robot.arm().joint_pos()[1], home[1] + 0.25, 1e-6) << "added once, not every tick";
 }
 
-TEST_F(RelativeJoint, StopsAtTheLimitsAndComesBackFromThem) {
+TEST_F(RelativeJoint, StopsAtTheLimitsAndReturnsFromThem) {
   for (int i = 0; i < 100; ++i) Add(0, 0.5);
   EXPECT_EQ(controller().commanded_joint_pos()[0], 2.9);
   Add(0, -0.5);
@@ -55,7 +55,7 @@ TEST_F(RelativeJoint, ItsPortIsTheAbsoluteTarget) {
   EXPECT_DOUBLE_EQ(controller().commanded_joint_pos()[2], 0.8);
 }
 
-TEST_F(RelativeJoint, ForgetsEverythingAtAReset) {
+TEST_F(RelativeJoint, AResetClearsItsTarget) {
   Add(0, 1);
   Scene scene = robot.scene();
   scene.Reset();
@@ -63,7 +63,7 @@ TEST_F(RelativeJoint, ForgetsEverythingAtAReset) {
   EXPECT_EQ(controller().target()[0], 0);
 }
 
-TEST_F(RelativeJoint, RefusesBadTargetsAndKeepsItsOwn) {
+TEST_F(RelativeJoint, RejectsInvalidTargetsAndKeepsItsOwn) {
   Add(0, 0.5);
   ExpectThrow<ArgumentError>([&] { controller().SetTarget(std::vector<double>(2)); },
                              "group 'arm': expected 7 joint values, got 2");
@@ -72,7 +72,7 @@ TEST_F(RelativeJoint, RefusesBadTargetsAndKeepsItsOwn) {
   EXPECT_EQ(controller().commanded_joint_pos()[3], home[3]);
 }
 
-TEST(RelativeJointConfig, ChoosesItForAnArm) {
+TEST(RelativeJointConfig, SelectsItForAnArm) {
   RobotConfig config = Rc7();
   config.control["arm"] = ControlKind::kRelativeJointPosition;
   Robot robot = RobotAlone(config);

@@ -12,7 +12,7 @@
 namespace robocell {
 namespace {
 
-TEST(SetController, RefusesByNameWhatAGripperCannotHave) {
+TEST(SetController, RejectsControllersThatAGripperCannotHave) {
   Robot robot = RobotAlone(Rc7());
   for (const std::string& kind : ControllerKinds()) {
     if (internal::WhyNotControlledBy(MoveGroupKind::kGripper, kind).empty()) continue;
@@ -28,7 +28,7 @@ TEST(SetController, RefusesByNameWhatAGripperCannotHave) {
   EXPECT_EQ(robot.controller("gripper").target_kind(), TargetKind::kOpening);
 }
 
-TEST(SetController, RefusesByNameWhatAGenericGroupCannotHave) {
+TEST(SetController, RejectsControllersThatAGenericGroupCannotHave) {
   RobotConfig config = Rc7();
   MoveGroupConfig& arm = config.move_groups.at("arm");
   arm.kind = MoveGroupKind::kGeneric;
@@ -44,7 +44,7 @@ TEST(SetController, RefusesByNameWhatAGenericGroupCannotHave) {
   EXPECT_EQ(robot.controller("arm").target_kind(), TargetKind::kJointSteps);
 }
 
-TEST(SetController, ByItsClassReturnsWhatIsPutIn) {
+TEST(SetController, ByItsClassReturnsTheController) {
   Robot robot = RobotAlone(Rc7());
   auto& soft = robot.SetController<CartesianImpedanceController>("arm");
   EXPECT_EQ(&soft, &robot.controller("arm"));
@@ -52,7 +52,7 @@ TEST(SetController, ByItsClassReturnsWhatIsPutIn) {
 }
 
 // The gripper's controller has the same name and another class.
-TEST(SetController, ByAClassThatTheGroupHasNotChangesNothing) {
+TEST(SetController, ByAMissingClassChangesNothing) {
   Robot robot = RobotAlone(Rc7());
   const Controller* before = &robot.controller("gripper");
   ExpectThrow<ArgumentError>(

@@ -51,7 +51,7 @@ std::optional<std::string> JsonDamage(const std::string& text) {
   const std::string hash = text.substr(at, kHashPlaceholder.size());
   unsigned_text.replace(at, kHashPlaceholder.size(), kHashPlaceholder);
   if (Sha256(unsigned_text) == hash) return std::nullopt;
-  return "its text is not what was written: its own hash does not fit";
+  return "its hash does not match its text";
 }
 
 template <class Count>

@@ -21,8 +21,8 @@ inline constexpr const char* kJsonHash = "json_sha256";
 inline constexpr std::string_view kHashPlaceholder =
     "0000000000000000000000000000000000000000000000000000000000000000";
 
-// Replaces the placeholder by the hash. Throws Error unless the text has the placeholder, written as
-// `"json_sha256": "000..."`.
+// Replaces the placeholder by the hash. Throws Error unless the text has the placeholder, written
+// as `"json_sha256": "000..."`.
 std::string InsertSelfHash(std::string text);
 // Returns why the text does not match its hash ("its text is not ..."), or nothing when it does.
 std::optional<std::string> JsonDamage(const std::string& text);

@@ -18,7 +18,7 @@ std::string Text() {
          "\"}}\n";
 }
 
-TEST(SelfHashedJson, EveryBitCounts) {
+TEST(SelfHashedJson, DetectsEveryFlippedBit) {
   const std::string text = InsertSelfHash(Text());
   EXPECT_EQ(text.size(), Text().size());
   EXPECT_EQ(JsonDamage(text), std::nullopt);
@@ -30,21 +30,21 @@ TEST(SelfHashedJson, EveryBitCounts) {
   for (size_t size = 0; size < text.size(); ++size) {
     EXPECT_TRUE(JsonDamage(text.substr(0, size))) << size << " bytes";
   }
-  EXPECT_THAT(JsonDamage(text + " "), Optional(HasSubstr("its own hash does not fit")));
+  EXPECT_THAT(JsonDamage(text + " "), Optional(HasSubstr("its hash does not match its text")));
 }
 
-TEST(SelfHashedJson, ATextWithoutAPlaceForItsHashIsRefused) {
+TEST(SelfHashedJson, RejectsATextWithoutAHashPlaceholder) {
   ExpectThrow<Error>([] { InsertSelfHash("{}"); }, "no placeholder for its own hash");
   EXPECT_THAT(JsonDamage("{\"id\": \"a"),
               ::testing::Optional(
                   std::string("it is cut short: its text ends after 9 bytes, in the middle")));
   EXPECT_THAT(JsonDamage("{}"), Optional(HasSubstr("carries no hash of itself")));
-  EXPECT_THAT(JsonDamage(Text()), Optional(HasSubstr("its own hash does not fit")));
+  EXPECT_THAT(JsonDamage(Text()), Optional(HasSubstr("its hash does not match its text")));
 }
 
 using Json = nlohmann::ordered_json;
 
-TEST(JsonCount, TakesWholeNumbersOfItsRangeOnly) {
+TEST(JsonCount, AcceptsOnlyIntegersInItsRange) {
   EXPECT_EQ(JsonCount<int>(Json::parse("0")), 0);
   EXPECT_EQ(JsonCount<int>(Json::parse("2147483647")), 2147483647);
   EXPECT_EQ(JsonCount<uint64_t>(Json::parse("18446744073709551615")), ~uint64_t{0});

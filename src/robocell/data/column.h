@@ -18,12 +18,12 @@ struct ColumnSpec {
   std::string name;  // a path such as "robots/xarm7/arm/qpos"; unique in the episode
   ColumnType type = ColumnType::kFloat64;
   std::vector<int64_t>
-      shape;          // of one row; {} is a single number, {4, 4} a matrix in row-major order
+      shape;          // shape of one row; {} is a single number, {4, 4} a matrix in row-major order
   std::string units;  // "rad", "m", "1"; "m, 1" for positions with quaternions
   std::string frame;  // frame of the values: "world", "base of xarm7"
   std::vector<std::string>
       names;  // names of the components along the last axis: joint names, "x" "y" "z"
-  std::vector<std::string> values;  // for integers: the name of value 0, 1, ... (phases)
+  std::vector<std::string> values;  // names of the integer values 0, 1, ... (phases)
   std::string description;          // one sentence, if the name does not explain it
 };
 

@@ -79,7 +79,7 @@ void Dataset::Refresh() {
 }
 
 bool Dataset::Contains(std::string_view id) const {
-  if (is_selection_) return std::ranges::find(ids_, id) != ids_.end();  // in any order
+  if (is_selection_) return std::ranges::find(ids_, id) != ids_.end();  // any order
   return std::binary_search(ids_.begin(), ids_.end(), id);
 }
 

@@ -81,8 +81,8 @@ std::vector<ForeignThing> NotOwn(const fs::path& dataset) {
 void RequireOwnFolders(const fs::path& dataset) {
   for (const ForeignThing& thing : NotOwn(dataset)) {
     throw IoError(
-        fmt::format("cannot use '{}': it is {}, so what is written into it would leave the "
-                    "dataset. Remove it, or put what it leads to there itself",
+        fmt::format("cannot use '{}': it is {}, so writes would leave the dataset. Remove it, or "
+                    "replace it with its target",
                     (dataset / thing.name).string(), thing.what));
   }
 }
@@ -95,7 +95,7 @@ void RequireDataset(const fs::path& folder) {
   const std::string holds =
       names.empty() ? "it is empty" : fmt::format("it holds {}", ListNames(names, kShown));
   throw ArgumentError(
-      fmt::format("'{}' is no dataset: it has neither a dataset.json nor episodes, {}{}",
+      fmt::format("'{}' is not a dataset: it has neither a dataset.json nor episodes, {}{}",
                   folder.string(), holds, NearestDataset(folder, names)));
 }
 

@@ -22,7 +22,7 @@ std::vector<std::string> NamesOf(const std::vector<ForeignThing>& things) {
   return names;
 }
 
-TEST(DatasetFolder, ItsOwnFoldersAreRealOnes) {
+TEST(DatasetFolder, RejectsLinksAsItsOwnFolders) {
   const TempDir folder, elsewhere;
   std::filesystem::create_directories(folder / ".logs/worker");
   AtomicWrite(folder / ".logs/worker/0.log", "a log");
@@ -38,7 +38,7 @@ TEST(DatasetFolder, ItsOwnFoldersAreRealOnes) {
                        "models': it is a link to '" + elsewhere.path().string() + "'");
 }
 
-TEST(DatasetFolder, AnythingThatADatasetLeavesMakesItOne) {
+TEST(DatasetFolder, AnyFileOfADatasetIdentifiesIt) {
   for (const char* name : {"dataset.json", ".quarantine", "models", "report.json"}) {
     const TempDir folder;
     AtomicWrite(folder / name, "{}");
@@ -46,7 +46,7 @@ TEST(DatasetFolder, AnythingThatADatasetLeavesMakesItOne) {
   }
 }
 
-TEST(DatasetFolder, OneThatIsNoDatasetNamesTheDatasetNearIt) {
+TEST(DatasetFolder, ANonDatasetErrorNamesANearbyDataset) {
   const TempDir folder;
   ExpectThrow<ArgumentError>([&] { RequireDataset(folder.path()); },
                              "it has neither a dataset.json nor episodes, it is empty");
@@ -65,7 +65,7 @@ TEST(DatasetFolder, OneThatIsNoDatasetNamesTheDatasetNearIt) {
       "It is a part of a dataset; give '" + (folder / "first").string() + "'");
 }
 
-TEST(DatasetFolder, WhatIsSetAsideKeepsItsNameWhereThatIsFree) {
+TEST(DatasetFolder, QuarantineKeepsANameThatIsFree) {
   const TempDir folder;
   for (const char* content : {"one", "two", "three"}) {
     std::filesystem::create_directories(folder / "models/rc7");
@@ -79,7 +79,7 @@ TEST(DatasetFolder, WhatIsSetAsideKeepsItsNameWhereThatIsFree) {
   EXPECT_TRUE(std::filesystem::is_directory(folder / ".quarantine/rc7.2"));
 }
 
-TEST(DatasetFolder, NothingIsSetAsideThroughALink) {
+TEST(DatasetFolder, QuarantineFollowsNoLink) {
   const TempDir folder, elsewhere;
   std::filesystem::create_directory(folder / "a");
   std::filesystem::create_directory_symlink(elsewhere.path(), folder / ".quarantine");

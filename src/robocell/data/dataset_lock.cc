@@ -32,7 +32,7 @@ void CreateIfMissing(const fs::path& path) {
 
 const std::string kWhole(kLockFile);
 const std::string kWriters = kWhole + "-writers";
-const std::string kStart = kWhole + "-start";  // of a shard that takes its lock
+const std::string kStart = kWhole + "-start";  // held while a shard takes its lock
 
 // Writes who has an exclusive lock, for messages of others only. The text is never removed: the
 // start time shows whether it still belongs to the process of that number.

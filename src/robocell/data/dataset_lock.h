@@ -29,7 +29,7 @@ class DatasetLock {
   // Locks for a writer that numbers its episodes "<prefix>-000017" and so on: no other one has that
   // prefix. Throws IoError that names its owner if another one has it.
   static DatasetLock Numbering(const std::filesystem::path& dataset, const std::string& prefix);
-  // Locks against runs and writers, for changes of existing parts (repair, beginning anew).
+  // Locks against runs and writers, for changes of existing parts (repair, restart).
   static DatasetLock Alone(const std::filesystem::path& dataset);
   DatasetLock(DatasetLock&&) = default;
   DatasetLock& operator=(DatasetLock&&) = default;

@@ -88,7 +88,7 @@ TEST(DatasetLock, ShardsShareTheFolderButNotAShard) {
 }
 
 // Each checks whether the locks of the others are held.
-TEST(DatasetLock, ShardsThatStartTogetherDoNotRefuseEachOther) {
+TEST(DatasetLock, ConcurrentShardsDoNotRejectEachOther) {
   constexpr int kShards = 8, kRounds = 200;
   TempDir folder;
   std::barrier together(kShards);
@@ -116,7 +116,7 @@ TEST(DatasetLock, ShardsThatStartTogetherDoNotRefuseEachOther) {
 }
 
 // Both would make the same episodes; rejecting both would leave none at work.
-TEST(DatasetLock, OfShardsOfDifferentCountsThatStartTogetherOneBegins) {
+TEST(DatasetLock, OneOfTwoConcurrentShardCountsWins) {
   constexpr int kRounds = 100;
   TempDir folder;
   std::barrier together(2);
@@ -143,7 +143,7 @@ TEST(DatasetLock, OfShardsOfDifferentCountsThatStartTogetherOneBegins) {
     EXPECT_TRUE(text.empty() || text.find("give all shards the same N") != text.npos) << text;
 }
 
-TEST(DatasetLock, ShardsOfDifferentCountsAreRefusedTogether) {
+TEST(DatasetLock, RejectsShardsOfDifferentCounts) {
   TempDir folder;
   std::optional<DatasetLock> half(std::in_place, folder.path(), 0, 2);
   const std::string text =
@@ -155,7 +155,7 @@ TEST(DatasetLock, ShardsOfDifferentCountsAreRefusedTogether) {
   EXPECT_THROW(DatasetLock(folder.path(), 1, 2), IoError);
 }
 
-TEST(DatasetLock, WritersWorkBesideRunsButNotBesideARepair) {
+TEST(DatasetLock, WritersCoexistWithRunsButNotWithARepair) {
   TempDir folder;
   WriteManifest(folder.path(), "{}");
   std::optional<DatasetLock> writer = DatasetLock::Writing(folder.path());
@@ -168,7 +168,7 @@ TEST(DatasetLock, WritersWorkBesideRunsButNotBesideARepair) {
   EXPECT_THROW(DatasetLock run(folder.path()), IoError);
 }
 
-TEST(DatasetLock, OfAKilledProcessIsFree) {
+TEST(DatasetLock, OfAKilledProcessIsReleased) {
   TempDir folder;
   int pipe[2];
   ASSERT_EQ(::pipe(pipe), 0);
@@ -189,7 +189,7 @@ TEST(DatasetLock, OfAKilledProcessIsFree) {
   close(pipe[1]);
 }
 
-TEST(DatasetLock, RepairRefusesADatasetThatIsInUse) {
+TEST(DatasetLock, RepairRejectsADatasetInUse) {
   TempDir folder;
   WriteManifest(folder.path(), "{}");
   const DatasetLock run(folder.path(), 3, 8);
@@ -200,7 +200,7 @@ TEST(DatasetLock, AMissingFolderIsNamed) {
   ExpectThrow<IoError>([] { DatasetLock lock("/no/such/folder"); }, "/no/such/folder");
 }
 
-TEST(DatasetLock, IsNotWrittenThroughALinkOrWaitedForInAPipe) {
+TEST(DatasetLock, RejectsLinksAndPipes) {
   TempDir folder, elsewhere;
   AtomicWrite(elsewhere / "precious", "text");
   const auto expect_refused = [&](const std::string& what) {
@@ -220,7 +220,7 @@ TEST(DatasetLock, IsNotWrittenThroughALinkOrWaitedForInAPipe) {
   EXPECT_FALSE(std::filesystem::exists(elsewhere / "new"));
 }
 
-TEST(DatasetLock, LogsThatLeadElsewhereAreRefused) {
+TEST(DatasetLock, RejectsLogFoldersThatAreLinks) {
   TempDir folder, elsewhere;
   std::filesystem::create_directory(folder / ".logs");
   AtomicWrite(folder / ".logs/worker-0.log", "kept");

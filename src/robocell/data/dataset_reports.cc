@@ -88,6 +88,30 @@ std::vector<std::string> LostEpisodes(const fs::path& dataset) {
   return {told.begin(), told.end()};
 }
 
+std::optional<std::vector<int>> HousesOfReports(const fs::path& dataset) {
+  std::optional<std::vector<int>> latest;
+  std::string latest_end;  // UTC, ISO 8601: the order of texts is that of times
+  for (const std::string& name : FolderNames(dataset)) {
+    if (!IsReportFile(name)) continue;
+    try {
+      const std::string text = internal::ReadRealFile(dataset / name);
+      if (JsonDamage(text)) continue;
+      const json report = json::parse(text);
+      const json& commands = report.at("commands");
+      if (!report.contains("houses") || report.at("houses").is_null() || commands.empty()) continue;
+      const auto end = commands.back().at("finished").get<std::string>();
+      if (latest && end <= latest_end) continue;
+      std::vector<int> houses;
+      for (const json& house : report.at("houses")) houses.push_back(house.get<int>());
+      latest = std::move(houses);
+      latest_end = end;
+    } catch (const IoError&) {
+    } catch (const json::exception&) {
+    }
+  }
+  return latest;
+}
+
 std::optional<std::string> OtherRunOf(const std::string& report,
                                       const std::filesystem::path& dataset) try {
   const std::optional<std::string> manifest = ReadManifest(dataset);

@@ -24,7 +24,7 @@ using ::testing::StartsWith;
 
 class DatasetReports : public DatasetOfThree {};
 
-TEST_F(DatasetReports, EpisodesThatAReportKnowsAndThatAreGoneAreNamed) {
+TEST_F(DatasetReports, NamesEpisodesOfAReportThatAreMissing) {
   const auto report_of = [](const std::string& episodes) {
     return InsertSelfHash("{\"episodes\": [" + episodes + "], \"json_sha256\": \"" +
                           std::string(kHashPlaceholder) + "\"}");
@@ -45,7 +45,23 @@ TEST_F(DatasetReports, EpisodesThatAReportKnowsAndThatAreGoneAreNamed) {
   EXPECT_THAT(LostEpisodes(folder_.path()), ElementsAre("d")) << "it is known where b is";
 }
 
-TEST_F(DatasetReports, ADamagedReportIsNamedAndSetAside) {
+TEST_F(DatasetReports, HousesAreThoseOfTheCommandThatEndedLast) {
+  const auto store = [&](const char* name, const std::string& houses, const std::string& finished) {
+    Store(folder_ / name, InsertSelfHash("{\"commands\": [{\"finished\": \"" + finished +
+                                         "\"}], \"houses\": " + houses + ", \"json_sha256\": \"" +
+                                         std::string(kHashPlaceholder) + "\"}"));
+  };
+  EXPECT_EQ(HousesOfReports(folder_.path()), std::nullopt);
+  store("report.json", "[3, 1]", "2026-01-02T00:00:00Z");
+  store("report-0-of-2.json", "[7]", "2026-01-01T23:59:59Z");
+  EXPECT_THAT(HousesOfReports(folder_.path()).value(), ElementsAre(3, 1));
+  store("report-1-of-2.json", "[]", "2026-01-03T00:00:00Z");
+  EXPECT_THAT(HousesOfReports(folder_.path()).value(), IsEmpty());
+  Store(folder_ / "report-1-of-2.json", "{}");
+  EXPECT_THAT(HousesOfReports(folder_.path()).value(), ElementsAre(3, 1)) << "that one is damaged";
+}
+
+TEST_F(DatasetReports, NamesAndQuarantinesADamagedReport) {
   Store(folder_ / "report-0-of-2.json", "{}");
   const VerifyResult result = Verify(folder_.path());
   EXPECT_THAT(result.Text(), HasSubstr("report-0-of-2.json: it carries no hash of itself"));
@@ -54,7 +70,7 @@ TEST_F(DatasetReports, ADamagedReportIsNamedAndSetAside) {
 }
 
 // A report.json that was copied from another dataset.
-TEST_F(DatasetReports, AReportOfAnotherRunIsNamedAndNotBelieved) {
+TEST_F(DatasetReports, NamesAndIgnoresAReportOfAnotherRun) {
   WriteManifest(folder_.path(), R"({"identity": "seed: 0"})");
   const auto account = [](const std::string& identity) {
     return InsertSelfHash(fmt::format(R"({{"run": "pick", "identity": "{}", "episodes": )"

@@ -19,7 +19,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Pair;
 
-TEST(Dataset, EpisodesComeInTheOrderOfTheirIds) {
+TEST(Dataset, EpisodesAreSortedById) {
   TempDir folder;
   for (const char* id : {"e-10", "e-02", "e-01"}) SampleEpisode(0, false).Write(folder.path(), id);
   const Dataset dataset(folder.path());
@@ -29,7 +29,7 @@ TEST(Dataset, EpisodesComeInTheOrderOfTheirIds) {
   ExpectThrow<NotFoundError>([&] { dataset.Open("e-03"); }, "no episode 'e-03'");
 }
 
-TEST(Dataset, OnlyCommittedEpisodesCount) {
+TEST(Dataset, CountsOnlyCommittedEpisodes) {
   TempDir folder;
   const SampleEpisode sample(0, false);
   EpisodeWriter unfinished(folder.path(), "b", sample.schema);
@@ -45,7 +45,7 @@ TEST(Dataset, OnlyCommittedEpisodesCount) {
   EXPECT_THAT(dataset.broken(), ElementsAre("c")) << "not dropped silently";
 }
 
-TEST(Dataset, CopiedAndRenamedEpisodesAreToldAndDoNotCount) {
+TEST(Dataset, ReportsCopiedAndRenamedEpisodes) {
   TempDir folder;
   for (const char* id : {"a", "b"}) SampleEpisode(0, false).Write(folder.path(), id);
   fs::copy(folder / "a", folder / "a_copy");
@@ -62,7 +62,7 @@ TEST(Dataset, CopiedAndRenamedEpisodesAreToldAndDoNotCount) {
                                     "back")));
 }
 
-TEST(Dataset, ASelectionIsADatasetOfThoseOnly) {
+TEST(Dataset, ASelectionContainsOnlyItsEpisodes) {
   TempDir folder;
   for (const char* id : {"a", "b", "c"}) SampleEpisode(0, false).Write(folder.path(), id, 1);
   const Dataset dataset(folder.path());
@@ -81,7 +81,7 @@ TEST(Dataset, ASelectionIsADatasetOfThoseOnly) {
   EXPECT_THAT(some.ids(), ElementsAre("c")) << "what is new is not selected";
 }
 
-TEST(Dataset, ARestoredOneKnowsWhatWasKnown) {
+TEST(Dataset, RestoresTheSameEpisodes) {
   TempDir folder;
   SampleEpisode(0, false).Write(folder.path(), "a", 1);
   const Dataset dataset(folder.path());
@@ -95,7 +95,7 @@ TEST(Dataset, AMissingFolderIsNamed) {
   ExpectThrow<IoError>([] { Dataset("/no/such/folder"); }, "/no/such/folder");
 }
 
-TEST(Manifest, ItComesBackAsItWasWritten) {
+TEST(Manifest, RoundTrips) {
   TempDir folder;
   EXPECT_EQ(ReadManifest(folder.path()), std::nullopt);
   WriteManifest(folder.path(), R"({"run": "pick"})");

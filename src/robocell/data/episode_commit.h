@@ -31,11 +31,11 @@ struct EpisodeContent {
     int64_t colour = 0, depth = 0, segmentation = 0;
   };
   std::string id;
-  std::string name;              // for messages
-  std::filesystem::path folder;  // where its files are
+  std::string name;              // name for messages
+  std::filesystem::path folder;  // folder of its files
   const EpisodeSchema& schema;
-  std::vector<int64_t> rows = {};   // of each table of the schema
-  std::vector<Frames> frames = {};  // of each of its cameras
+  std::vector<int64_t> rows = {};   // rows of each table of the schema
+  std::vector<Frames> frames = {};  // frames of each of its cameras
   const nlohmann::ordered_json& metadata;
   const nlohmann::ordered_json& features;  // empty for none
   const nlohmann::ordered_json& versions;  // beside robocell's own

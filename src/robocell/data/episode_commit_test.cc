@@ -26,7 +26,7 @@ using ::testing::HasSubstr;
 using ::testing::StartsWith;
 using Json = nlohmann::ordered_json;
 
-TEST(EpisodeCommit, EpisodeJsonSaysWhatAndWithWhatItWasMade) {
+TEST(EpisodeCommit, EpisodeJsonRecordsContentsAndVersions) {
   TempDir folder;
   const Json json = Json::parse(Episode(SampleEpisode(17).Write(folder.path(), "pick-000")).json());
   EXPECT_EQ(json["format"], "robocell-episode");
@@ -54,7 +54,7 @@ TEST(EpisodeCommit, AnEpisodeIsNeverReplaced) {
   EXPECT_TRUE(Verify(folder.path()).ok());
 }
 
-TEST(EpisodeCommit, WhatTakesTheEpisodesNameMeanwhileStays) {
+TEST(EpisodeCommit, KeepsAFileThatTakesTheNameOfTheEpisode) {
   TempDir folder;
   const SampleEpisode sample(0, false);
   const auto refused = [&](const std::string& id, const auto& appear) {
@@ -81,7 +81,7 @@ TEST(EpisodeCommit, WhatTakesTheEpisodesNameMeanwhileStays) {
 }
 
 // The folder may be written but not read: the rename works, flushing it does not.
-TEST(EpisodeCommit, AnEpisodeThatIsInPlaceIsNotCalledLost) {
+TEST(EpisodeCommit, DoesNotReportACommittedEpisodeAsLost) {
   TempDir folder;
   const SampleEpisode sample(0, false);
   if (geteuid() == 0) {
@@ -99,7 +99,7 @@ TEST(EpisodeCommit, AnEpisodeThatIsInPlaceIsNotCalledLost) {
   EXPECT_TRUE(Verify(folder.path()).ok());
 }
 
-TEST(EpisodeCommit, KeysThatItAddsItselfAreRefused) {
+TEST(EpisodeCommit, RejectsReservedKeys) {
   EpisodeSummary summary;
   summary.run_json = R"({"worker": 3})";
   const internal::EpisodeResults results("episode 'a'", "then", summary);
@@ -123,7 +123,7 @@ TEST(EpisodeCommit, KeysThatItAddsItselfAreRefused) {
   }
 }
 
-TEST(EpisodeCommit, KillingTheProcessAtAnyMomentLeavesWholeEpisodesOnly) {
+TEST(EpisodeCommit, AKilledProcessLeavesOnlyCompleteEpisodes) {
   TempDir folder;
   const SampleEpisode sample(0, false);
   size_t acknowledged = 0;

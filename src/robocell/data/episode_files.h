@@ -15,8 +15,8 @@ inline constexpr std::string_view kManifestFile = "dataset.json";
 inline constexpr std::string_view kQuarantineFolder = ".quarantine";
 inline constexpr std::string_view kModelsFolder = "models";
 inline constexpr std::string_view kLogsFolder = ".logs";
-inline constexpr std::string_view kReportFile = "report.json";  // of a shard: report-3-of-8.json
-inline constexpr std::string_view kLockFile = ".lock";          // of a shard: .lock-3-of-8
+inline constexpr std::string_view kReportFile = "report.json";  // a shard has report-3-of-8.json
+inline constexpr std::string_view kLockFile = ".lock";          // a shard has .lock-3-of-8
 
 // A run's own report stands beside the episodes and belongs to none.
 inline bool IsReportFile(std::string_view name) {

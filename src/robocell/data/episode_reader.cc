@@ -19,6 +19,7 @@
 #include "robocell/data/hdf5.h"
 #include "robocell/data/model_store.h"
 #include "robocell/media/frame_pool.h"
+#include "robocell/media/warm_program.h"
 
 namespace robocell {
 namespace {
@@ -87,8 +88,8 @@ std::vector<std::string> Names(const std::vector<Info>& infos) {
 // steps.h5 of an episode, open between calls.
 struct OpenSteps {
   std::filesystem::path path;
-  std::string identity;  // of the file
-  std::string sha256;    // that it was compared with, or just written with
+  std::string identity;  // identity of the file
+  std::string sha256;    // hash that it was compared with, or just written with
   internal::hdf5::File file;
 };
 
@@ -125,6 +126,7 @@ std::string_view NameOf(ImageKind kind) {
 void ReleaseIdleFiles() {
   StepsPool().Clear();
   internal::FramePool::Shared().Clear();
+  internal::EndWarmPrograms();
 }
 
 struct Episode::Impl {
@@ -176,7 +178,7 @@ struct Episode::Impl {
       RequireModels();
     } catch (const nlohmann::json::exception&) {
       ThrowDamaged();
-    } catch (const SpecError& error) {  // of the features
+    } catch (const SpecError& error) {  // invalid features
       throw IoError(fmt::format("{}: episode.json: {}", Name(), error.what()));
     }
   }
@@ -209,8 +211,8 @@ struct Episode::Impl {
         throw IoError(fmt::format("{}: '{}': {}{}", Name(), file, error.message(), Advice()));
       const auto written = JsonCount<uint64_t>(facts.at("bytes"));
       if (size == written) continue;
-      throw IoError(fmt::format("{}: '{}' has {} bytes, {} were written{}", Name(), file, size,
-                                written, Advice()));
+      throw IoError(fmt::format("{}: '{}' has {} bytes, expected {}{}", Name(), file, size, written,
+                                Advice()));
     }
   }
 
@@ -251,8 +253,10 @@ struct Episode::Impl {
                  std::span<Pixel> pixels) const {
     const fs::path video = VideoOf(camera, kind);
     if (index < 0 || index >= camera.frames) {
-      throw ArgumentError(fmt::format("{}: no frame {} of '{}'. It has {} frames: 0 ... {}", Name(),
-                                      index, camera.name, camera.frames, camera.frames - 1));
+      throw ArgumentError(fmt::format(
+          "{}: no frame {} of '{}'. It has {}: {}", Name(), index, camera.name,
+          Counted(camera.frames, "frame"),
+          camera.frames > 1 ? fmt::format("0 ... {}", camera.frames - 1) : std::string("0")));
     }
     internal::FramePool::Shared().Read(video, index, pixels);
   }
@@ -261,8 +265,8 @@ struct Episode::Impl {
   void RequireUndamagedSteps() const {
     const std::string name(kStepsFile), written = WrittenHash();
     if (!written.empty() && written == internal::Sha256RealFile(folder / name)) return;
-    throw IoError(fmt::format("{}: '{}' is not what was written: the hash does not fit{}", Name(),
-                              name, Advice()));
+    throw IoError(
+        fmt::format("{}: '{}' is damaged: its hash does not match{}", Name(), name, Advice()));
   }
 
   std::string WrittenHash() const {
@@ -316,7 +320,7 @@ struct Episode::Impl {
     const int64_t count = range.count.value_or(info.rows - range.first);
     if (range.first >= 0 && count >= 0 && count <= info.rows - range.first)
       return {range.first, count};
-    throw ArgumentError(fmt::format("{}: rows {} ... {} of '{}' were asked for, it has {}", Name(),
+    throw ArgumentError(fmt::format("{}: rows {} ... {} of '{}' were requested, it has {}", Name(),
                                     range.first, range.first + count - 1, info.spec.name,
                                     info.rows));
   }

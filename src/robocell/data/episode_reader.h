@@ -36,7 +36,7 @@ namespace robocell {
 struct ColumnInfo {
   ColumnSpec spec;
   std::string table;  // "steps", "control"; "" for a constant
-  int64_t rows = 0;   // of its table; 0 for a constant
+  int64_t rows = 0;   // rows of its table; 0 for a constant
 };
 
 struct CameraInfo {
@@ -68,11 +68,11 @@ struct ImageStream {
 
 struct RowRange {
   int64_t first = 0;
-  std::optional<int64_t> count;  // to the end if unset
+  std::optional<int64_t> count;  // unset: to the end
 };
 
-// Whether HDF5 may read steps.h5 right away because its bytes were just compared with their hash,
-// or the bytes must be compared first.
+// State of the bytes of steps.h5: they must be compared with their hash first, or they were just
+// compared, so that HDF5 may read them right away.
 enum class StepsBytes { kCompare, kCompared };
 
 class Episode {

@@ -28,7 +28,7 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-TEST(Episode, ItListsWhatItHolds) {
+TEST(Episode, ListsItsContents) {
   TempDir folder;
   const Episode episode(SampleEpisode().Write(folder.path(), "a"));
   EXPECT_THAT(episode.tables(), ElementsAre("steps", "control"));
@@ -42,7 +42,7 @@ TEST(Episode, ItListsWhatItHolds) {
   EXPECT_EQ(episode.camera("wrist").table, "steps");
 }
 
-TEST(Episode, WhatItDoesNotHoldGetsASuggestion) {
+TEST(Episode, SuggestsTheNearestName) {
   TempDir folder;
   const Episode episode(SampleEpisode().Write(folder.path(), "a"));
   ExpectThrow<NotFoundError>([&] { episode.Read<double>("rewrad"); }, "Did you mean 'reward'?");
@@ -50,18 +50,18 @@ TEST(Episode, WhatItDoesNotHoldGetsASuggestion) {
   ExpectThrow<NotFoundError>([&] { episode.rows("ctrl"); }, "no table 'ctrl'");
 }
 
-TEST(Episode, RowsBeyondTheEndAndOtherTypesAreRefused) {
+TEST(Episode, RejectsRowsBeyondTheEndAndOtherTypes) {
   TempDir folder;
   const Episode episode(SampleEpisode().Write(folder.path(), "a", 20));
   ExpectThrow<ArgumentError>([&] { episode.Read<double>("reward", {.first = 18, .count = 3}); },
-                             "rows 18 ... 20 of 'reward' were asked for, it has 20");
+                             "rows 18 ... 20 of 'reward' were requested, it has 20");
   ExpectThrow<ArgumentError>([&] { episode.Read<double>("reward", {.first = -1}); }, "it has 20");
   ExpectThrow<ArgumentError>([&] { episode.Read<double>("phase"); },
                              "column 'phase' holds int32, it cannot be read as float64");
   EXPECT_TRUE(episode.Read<double>("reward", {.first = 20}).empty());
 }
 
-TEST(Episode, AFolderThatIsNoEpisodeIsNamed) {
+TEST(Episode, NamesAFolderThatIsNotAnEpisode) {
   TempDir folder;
   ExpectThrow<IoError>([&] { Episode(folder / "none"); }, (folder / "none").string());
   SampleEpisode(0, false).Write(folder.path(), "a");
@@ -81,7 +81,7 @@ TEST(Episode, AFolderThatIsNoEpisodeIsNamed) {
                        "format version 99 is not 1, which this robocell reads");
 }
 
-TEST(Episode, NumbersThatAreNoneInADescriptionAreDamage) {
+TEST(Episode, InvalidNumbersInADescriptionAreDamage) {
   TempDir folder;
   const fs::path file = SampleEpisode().Write(folder.path(), "a") / "episode.json";
   const auto good = nlohmann::ordered_json::parse(ReadFile(file));
@@ -106,17 +106,16 @@ TEST(Episode, ChangedBytesNeverReachTheirReaders) {
   };
   flip("steps.h5", 100);
   const Episode episode(folder / "a");
-  const std::string text =
-      ExpectThrow<IoError>([&] { episode.Read<double>("time"); },
-                           "'steps.h5' is not what was written: the hash does not fit");
+  const std::string text = ExpectThrow<IoError>([&] { episode.Read<double>("time"); },
+                                                "'steps.h5' is damaged: its hash does not match");
   EXPECT_THAT(text, HasSubstr("`robocell verify --repair "));
   const size_t digit = ReadFile(folder / "a" / "episode.json").find("\"rows\": 3") + 8;
   flip("episode.json", digit);  // another number of rows, and still JSON
   ExpectThrow<IoError>([&] { Episode(folder / "a"); },
-                       "episode.json is damaged: its text is not what was written");
+                       "episode.json is damaged: its hash does not match its text");
 }
 
-TEST(Episode, AFileThatIsMissingOrShortIsNamedWhenItIsOpened) {
+TEST(Episode, NamesAMissingOrShortFileAtOpen) {
   TempDir folder;
   const fs::path path = SampleEpisode().Write(folder.path(), "a");
   fs::resize_file(path / "wrist.mp4", 100);
@@ -125,7 +124,7 @@ TEST(Episode, AFileThatIsMissingOrShortIsNamedWhenItIsOpened) {
   ExpectThrow<IoError>([&] { Episode episode(path); }, "'wrist.mp4': No such file or directory");
 }
 
-TEST(Episode, FramesInAnyOrderAreThoseThatWereWritten) {
+TEST(Episode, ReadsFramesInAnyOrder) {
   TempDir folder;
   const SampleEpisode sample(3, true, true);
   const Episode episode(sample.Write(folder.path(), "a", 12));
@@ -143,7 +142,7 @@ TEST(Episode, FramesInAnyOrderAreThoseThatWereWritten) {
   ExpectNoChildLeft();
 }
 
-TEST(Episode, FramesThatItDoesNotHoldAreRefused) {
+TEST(Episode, RejectsMissingFrames) {
   TempDir folder;
   const SampleEpisode sample(3, true, false);
   const Episode episode(sample.Write(folder.path(), "a", 12));
@@ -175,7 +174,7 @@ TEST(Episode, StreamsHaveTheNamesOfTheirFiles) {
 }
 
 // The camera is slower than the rows: its frames are rows of a table of its own.
-TEST(Episode, RowsOfAnotherTableFindTheirFramesByTime) {
+TEST(Episode, RowsOfOtherTablesFindFramesByTime) {
   TempDir folder;
   EpisodeSchema schema;
   const ColumnId time = schema.AddColumn({.name = "time", .units = "s"});
@@ -208,7 +207,7 @@ int64_t OpenDescriptors() {
   return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
 }
 
-TEST(Episode, ManyThatAreReadKeepFewFilesOpen) {
+TEST(Episode, ManyEpisodesKeepFewFilesOpen) {
   TempDir folder;
   SampleEpisode(0, false).Write(folder.path(), "a", 2);
   std::vector<Episode> all;
@@ -228,17 +227,17 @@ TEST(Episode, ManyThatAreReadKeepFewFilesOpen) {
   EXPECT_EQ(OpenDescriptors(), before);
 }
 
-TEST(Episode, AFileThatIsDamagedAfterItWasReadIsComparedAgain) {
+TEST(Episode, DetectsDamageAfterTheFirstRead) {
   TempDir folder;
   const Episode episode(SampleEpisode(0, false).Write(folder.path(), "a", 2));
   EXPECT_EQ(episode.Read<double>("time").size(), 2u);
   std::string bytes = ReadFile(folder / "a" / "steps.h5");
   bytes[bytes.size() / 2] ^= 1;
   AtomicWrite(folder / "a" / "steps.h5", bytes);
-  ExpectThrow<IoError>([&] { episode.Read<double>("time"); }, "the hash does not fit");
+  ExpectThrow<IoError>([&] { episode.Read<double>("time"); }, "its hash does not match");
 }
 
-TEST(Episode, AFileThatWasWrittenOverInItsPlaceIsReadAnew) {
+TEST(Episode, AnOverwrittenFileIsReadAgain) {
   TempDir folder;
   const fs::path path = SampleEpisode(0, false).Write(folder.path(), "a", 2);
   EXPECT_EQ(Episode(path).Read<double>("time").size(), 2u);
@@ -253,7 +252,7 @@ TEST(Episode, AFileThatWasWrittenOverInItsPlaceIsReadAnew) {
   EXPECT_EQ(longer.Read<double>("time").back(), 0.066 * 8);
 }
 
-TEST(Episode, AForkedChildReadsOn) {
+TEST(Episode, AForkedChildContinuesReading) {
   TempDir folder;
   const SampleEpisode sample(0, true);
   const Episode episode(sample.Write(folder.path(), "a", 12));

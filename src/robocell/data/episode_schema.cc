@@ -28,7 +28,8 @@ void RequirePath(const std::string& name) {
     const size_t slash = name.find('/', begin);
     const std::string part = name.substr(begin, slash - begin);
     if (!internal::ValidFileName(part)) {
-      throw ArgumentError(fmt::format("column '{}': '{}' is no valid part of a path", name, part));
+      throw ArgumentError(
+          fmt::format("column '{}': '{}' is not a valid part of a path", name, part));
     }
     if (slash == std::string::npos) return;
     begin = slash + 1;
@@ -140,9 +141,9 @@ void EpisodeSchema::AddConstant(ColumnSpec column, std::span<const double> value
         fmt::format("constant '{}' must be float64, not {}", column.name, NameOf(column.type)));
   }
   if (static_cast<int64_t>(values.size()) != RowValues(column.shape)) {
-    throw ArgumentError(fmt::format("constant '{}': expected {} values of shape {}, got {}",
-                                    column.name, RowValues(column.shape), ShapeText(column.shape),
-                                    values.size()));
+    throw ArgumentError(fmt::format("constant '{}': expected {} of shape {}, got {}", column.name,
+                                    Counted(RowValues(column.shape), "value"),
+                                    ShapeText(column.shape), values.size()));
   }
   constants_.push_back({std::move(column), {values.begin(), values.end()}});
 }

@@ -58,11 +58,11 @@ struct CameraStream {
   // 3x3 in row-major order, px, OpenCV axes; stored as cameras/<name>/intrinsics. A per-row
   // extrinsics column is added like any other column.
   std::optional<std::array<double, 9>> intrinsics;
-  // Also a lossless video <name>.depth.mov: uint16, millimetres along the camera's axis, 0 where
+  // Adds a lossless video <name>.depth.mov: uint16, millimetres along the camera's axis, 0 where
   // nothing was hit, 65535 for everything farther.
   bool depth = false;
-  // Also a lossless video <name>.segmentation.mov: uint16, the visible element of each pixel as a
-  // number of the schema's segment labels, or kNoSegment. The schema then needs labels.
+  // Adds a lossless video <name>.segmentation.mov: uint16, the visible element of each pixel as an
+  // index of the schema's segment labels, or kNoSegment. The schema then needs labels.
   bool segmentation = false;
 };
 
@@ -84,9 +84,9 @@ struct ConstantSpec {
 
 struct TableSpec {
   std::string name;                 // "steps", "control"
-  std::string group;                // where its columns are: "" for steps, "control/" for others
+  std::string group;                // path of its columns: "" for steps, "control/" for control
   int64_t chunk_rows;               // rows written to the file at a time
-  std::vector<ColumnSpec> columns;  // with their full names
+  std::vector<ColumnSpec> columns;  // columns with full names
 };
 
 struct CameraEntry {

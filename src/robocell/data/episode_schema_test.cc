@@ -20,7 +20,7 @@ TEST(EpisodeSchema, ColumnsOfOtherTablesAreInTheirFolder) {
   EXPECT_EQ(schema.FindColumn("control/left/ctrl"), ctrl);
 }
 
-TEST(EpisodeSchema, AMisspelledNameGetsASuggestion) {
+TEST(EpisodeSchema, SuggestsTheNearestName) {
   EpisodeSchema schema;
   schema.AddColumn({.name = "robots/arm/qpos"});
   schema.AddCamera({.name = "wrist", .width = 2, .height = 2});
@@ -29,7 +29,7 @@ TEST(EpisodeSchema, AMisspelledNameGetsASuggestion) {
   ExpectThrow<NotFoundError>([&] { schema.FindCamera("wirst"); }, "Did you mean 'wrist'?");
 }
 
-TEST(EpisodeSchema, NamesThatCannotStandTogetherAreRefused) {
+TEST(EpisodeSchema, RejectsConflictingNames) {
   EpisodeSchema schema;
   schema.AddColumn({.name = "arm/qpos"});
   const TableId control = schema.AddTable("control");
@@ -49,18 +49,18 @@ TEST(EpisodeSchema, NamesThatCannotStandTogetherAreRefused) {
   schema.AddColumn({.name = "arm/qpos"}, control);  // control/arm/qpos is another one
 }
 
-TEST(EpisodeSchema, NamesThatAreNoPathsAreRefused) {
+TEST(EpisodeSchema, RejectsInvalidPaths) {
   EpisodeSchema schema;
   for (const char* name : {"", "/qpos", "a//b", "a/", "..", "a/../b", "tab\t"}) {
     ExpectThrow<ArgumentError>([&] { schema.AddColumn({.name = name}); },
-                               "is no valid part of a path");
+                               "is not a valid part of a path");
   }
   ExpectThrow<ArgumentError>([&] { schema.AddCamera({.name = "a/b", .width = 2, .height = 2}); },
                              "camera name 'a/b'");
   ExpectThrow<ArgumentError>([&] { schema.AddTable("../x"); }, "table name '../x'");
 }
 
-TEST(EpisodeSchema, ShapesAndNamesOfComponentsMustFit) {
+TEST(EpisodeSchema, ShapesAndComponentNamesMustMatch) {
   EpisodeSchema schema;
   ExpectThrow<ArgumentError>(
       [&] {
@@ -81,7 +81,7 @@ TEST(EpisodeSchema, ShapesAndNamesOfComponentsMustFit) {
       "constant 'k': expected 9 values of shape (3, 3), got 1");
 }
 
-TEST(EpisodeSchema, AnOddVideoIsRefusedWhenItIsDeclared) {
+TEST(EpisodeSchema, RejectsAnOddVideoSizeAtDeclaration) {
   EpisodeSchema schema;
   ExpectThrow<ArgumentError>(
       [&] { schema.AddCamera({.name = "wrist", .width = 321, .height = 240}); },
@@ -91,7 +91,7 @@ TEST(EpisodeSchema, AnOddVideoIsRefusedWhenItIsDeclared) {
                              "camera 'wrist' is declared twice");
 }
 
-TEST(EpisodeSchema, AHandleOfAnotherSchemaIsRefused) {
+TEST(EpisodeSchema, RejectsAHandleOfAnotherSchema) {
   EpisodeSchema schema;
   ExpectThrow<ArgumentError>([&] { schema.AddColumn({.name = "q"}, TableId{3}); },
                              "there is no table number 3");

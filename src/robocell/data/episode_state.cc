@@ -79,8 +79,8 @@ EpisodeLook LookAtEpisode(const fs::path& folder) {
   if (status.type() == fs::file_type::not_found) return {};
   if (error) ThrowIoError("look at", folder, error.value());
   if (!fs::is_directory(folder, error)) {
-    return Broken(fmt::format("'{}' has an episode's name and is no folder: {}", folder.string(),
-                              kLeftAlone));
+    return Broken(fmt::format("'{}' has the name of an episode but is not a folder: {}",
+                              folder.string(), kLeftAlone));
   }
   if (fs::is_empty(folder, error)) return {};
   if (error)

@@ -20,7 +20,7 @@ enum class EpisodeState {
 
 struct EpisodeLook {
   EpisodeState state = EpisodeState::kAbsent;
-  bool success = false;      // of a complete one
+  bool success = false;      // success of a complete episode
   std::string problem = {};  // the reason if the episode is broken, with the folder
 };
 

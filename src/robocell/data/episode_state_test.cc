@@ -39,21 +39,21 @@ TEST_F(EpisodeStateTest, NothingAndAnEmptyFolderAreAbsent) {
   EXPECT_THAT(Dataset(folder_.path()).ids(), IsEmpty());
 }
 
-TEST_F(EpisodeStateTest, AnEmptyFolderIsNotInTheWayOfTheEpisode) {
+TEST_F(EpisodeStateTest, AnEmptyFolderDoesNotBlockTheEpisode) {
   fs::create_directory(e());
   SampleEpisode(0, false).Write(folder_.path(), "e");
   EXPECT_EQ(LookAtEpisode(e()).state, EpisodeState::kWhole);
   EXPECT_TRUE(Verify(folder_.path()).ok());
 }
 
-TEST_F(EpisodeStateTest, ACommittedOneIsWhole) {
+TEST_F(EpisodeStateTest, ACommittedEpisodeIsWhole) {
   SampleEpisode(0, false).Write(folder_.path(), "e");
   const EpisodeLook look = LookAtEpisode(e());
   EXPECT_EQ(look.state, EpisodeState::kWhole);
   EXPECT_EQ(look.success, Episode(e()).success());
 }
 
-TEST_F(EpisodeStateTest, HalfAnEpisodeIsBrokenAndRepairSetsItAside) {
+TEST_F(EpisodeStateTest, AnIncompleteEpisodeIsBrokenAndQuarantined) {
   SampleEpisode(0, false).Write(folder_.path(), "e");
   fs::remove(e() / "episode.json");
   ExpectBroken("half an episode: episode.json is missing");
@@ -70,7 +70,7 @@ TEST_F(EpisodeStateTest, DamageIsNamed) {
   ExpectBroken("episode.json");
 }
 
-TEST_F(EpisodeStateTest, OneThatWasCopiedOrRenamedIsNoEpisodeOfThatName) {
+TEST_F(EpisodeStateTest, ACopiedOrRenamedEpisodeIsBroken) {
   SampleEpisode(0, false).Write(folder_.path(), "f");
   EXPECT_EQ(OtherIdIn(folder_ / "f"), std::nullopt);
   fs::copy(folder_ / "f", e());
@@ -83,9 +83,9 @@ TEST_F(EpisodeStateTest, OneThatWasCopiedOrRenamedIsNoEpisodeOfThatName) {
   EXPECT_EQ(OtherIdIn(folder_ / "none"), std::nullopt);
 }
 
-TEST_F(EpisodeStateTest, ForeignThingsAreLeftAloneWithAWordAboutIt) {
+TEST_F(EpisodeStateTest, ReportsForeignFilesAndKeepsThem) {
   AtomicWrite(e(), "a file");
-  ExpectBroken("is no folder: repair leaves it alone, move it away yourself");
+  ExpectBroken("is not a folder: repair leaves it alone, move it away yourself");
   fs::remove(e());
   fs::create_directory(e());
   AtomicWrite(e() / "thesis.txt", "x");

@@ -12,6 +12,7 @@
 #include "robocell/base/io_error.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/data/checked_json.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
@@ -29,8 +30,9 @@ std::vector<std::string> ColumnsOfWrongLength(const fs::path& folder) {
   std::vector<std::string> found;
   for (const ColumnInfo& column : episode.columns()) {
     if (column.table.empty() || column.rows == episode.rows(column.table)) continue;
-    found.push_back(fmt::format("column '{}' has {} rows, table '{}' {}", column.spec.name,
-                                column.rows, column.table, episode.rows(column.table)));
+    found.push_back(fmt::format("column '{}' has {}, table '{}' {}", column.spec.name,
+                                Counted(column.rows, "row"), column.table,
+                                episode.rows(column.table)));
   }
   return found;
 }
@@ -148,9 +150,9 @@ class EpisodeVerification {
     if (error) ThrowIoError("look at", path, error.value());
     if (size < expected)
       return fmt::format("it is cut short: {} of {} bytes are there", size, expected);
-    if (size > expected) return fmt::format("it has {} bytes, {} were written", size, expected);
+    if (size > expected) return fmt::format("{} bytes, expected {}", size, expected);
     if (Sha256RealFile(path) != facts.at("sha256").get<std::string>())
-      return "its bytes are not what was written: the hash does not fit";
+      return "its hash does not match its bytes";
     return std::nullopt;
   }
 
@@ -182,7 +184,8 @@ class EpisodeVerification {
       const int64_t rows = episode.rows(camera.table);
       if (info.kind != kind) return Report(file, "it is a video of another kind");
       if (info.frames != rows)
-        Report(file, fmt::format("it has {} frames for {} rows", info.frames, rows));
+        Report(file, fmt::format("it has {} for {}", Counted(info.frames, "frame"),
+                                 Counted(rows, "row")));
     } catch (const IoError& error) {
       return Report(file, error.what(), KindOf(error));
     }
@@ -218,8 +221,8 @@ class EpisodeVerification {
     TryToDecode(file, [&] {
       const size_t labels = episode.segment_labels().size();
       if (const auto stray = StrayLabel(episode.SegmentationVideo(camera.name), labels))
-        Report(file,
-               fmt::format("a pixel of it is {}, and episode.json has {} labels", *stray, labels));
+        Report(file, fmt::format("a pixel of it is {}, and episode.json has {}", *stray,
+                                 Counted(labels, "label")));
     });
   }
 

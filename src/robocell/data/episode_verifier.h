@@ -10,7 +10,7 @@
 
 namespace robocell::internal {
 
-// A file is parsed only after its hash was found correct, and HDF5 reads in a process of its own:
+// A file is parsed only after its hash was found correct, and HDF5 reads in a separate process:
 // the author of the hash may be malicious. With `decode` every frame of the videos is decoded.
 class EpisodeVerifier {
  public:

@@ -34,7 +34,7 @@ TEST_F(EpisodeVerifierTest, AFlippedBitIsFoundAnywhereInEveryFile) {
       const std::vector<VerifyProblem> problems = EpisodeVerifier(false).Verify(folder_ / "b");
       ASSERT_EQ(problems.size(), 1u) << file << " byte " << at;
       EXPECT_EQ(problems[0].file, file);
-      EXPECT_THAT(problems[0].reason, HasSubstr("hash does not fit"));
+      EXPECT_THAT(problems[0].reason, HasSubstr("hash does not match"));
     }
     Store(B(file), whole);
   }
@@ -62,7 +62,7 @@ TEST_F(EpisodeVerifierTest, AMissingFileIsNamed) {
 }
 
 // The layout of a download cache: all files are links to blobs beside the dataset.
-TEST_F(EpisodeVerifierTest, FilesMayBeLinksToFiles) {
+TEST_F(EpisodeVerifierTest, AcceptsLinksToFiles) {
   TempDir blobs;
   for (const char* file : {"episode.json", "steps.h5", "scene.mjb"}) {
     fs::copy(B(file), blobs / file);
@@ -75,7 +75,7 @@ TEST_F(EpisodeVerifierTest, FilesMayBeLinksToFiles) {
   std::string bytes = ReadFile(blobs / "scene.mjb");
   bytes[10] ^= 1;
   Store(blobs / "scene.mjb", bytes);
-  EXPECT_THAT(OnlyProblem(), HasSubstr("b/scene.mjb: its bytes are not what was written"));
+  EXPECT_THAT(OnlyProblem(), HasSubstr("b/scene.mjb: its hash does not match its bytes"));
   fs::remove(blobs / "scene.mjb");
   EXPECT_EQ(OnlyProblem(), fmt::format("b/scene.mjb: it is a link to '{}', where there is nothing, "
                                        "not a file",
@@ -84,12 +84,12 @@ TEST_F(EpisodeVerifierTest, FilesMayBeLinksToFiles) {
   EXPECT_TRUE(fs::exists(blobs / "steps.h5")) << "the links were moved, not what they lead to";
 }
 
-TEST_F(EpisodeVerifierTest, DamagedDepthIsNamedAndWholeDepthDecodes) {
+TEST_F(EpisodeVerifierTest, NamesDamagedDepthAndAcceptsIntactDepth) {
   EXPECT_TRUE(Verify(folder_.path(), {.decode_videos = true}).ok());
   std::string bytes = ReadFile(B("wrist.depth.mov"));
   bytes[bytes.size() / 2] ^= 1;
   Store(B("wrist.depth.mov"), bytes);
-  EXPECT_THAT(OnlyProblem(), HasSubstr("b/wrist.depth.mov: its bytes are not what was written"));
+  EXPECT_THAT(OnlyProblem(), HasSubstr("b/wrist.depth.mov: its hash does not match its bytes"));
 }
 
 TEST_F(EpisodeVerifierTest, SwappedVideosOfTwoEpisodesAreFound) {

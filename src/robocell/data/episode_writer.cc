@@ -7,6 +7,7 @@
 #include <memory>
 #include <optional>
 #include <system_error>
+#include <type_traits>
 #include <utility>
 #include <nlohmann/json.hpp>
 
@@ -49,20 +50,20 @@ struct EpisodeWriter::Impl {
   fs::path final;
   std::unique_ptr<internal::WorkFolder> work;
   std::string id;
-  std::string name;  // for messages
+  std::string name;  // name for messages
   std::string started = internal::UtcNow();
   EpisodeSchema schema;
   Json metadata;
   Json features;  // the meaning of the columns
   Json versions;
   std::unique_ptr<internal::StepsFile> steps;
-  // By the camera's number.
+  // Indexed by camera.
   std::unique_ptr<std::vector<CameraFiles>> owned_videos =
       std::make_unique<std::vector<CameraFiles>>();
   std::vector<CameraFiles>& videos = *owned_videos;
   std::vector<std::string> extra_files;
   Json models = Json::object();
-  std::vector<FileSet> model_files;  // by the metadata's names
+  std::vector<FileSet> model_files;  // files by the metadata's names
   State state = State::kOpen;
   pid_t owner = getpid();
   std::string failure;
@@ -88,10 +89,10 @@ struct EpisodeWriter::Impl {
   void Do(const char* call, Action action) {
     if (state == State::kFailed) throw IoError(failure);
     if (getpid() != owner) {
-      throw ClosedError(fmt::format(
-          "{}: {} in a fork of process {}, which began it and goes on writing; begin an "
-          "episode after the fork",
-          name, call, owner));
+      throw ClosedError(
+          fmt::format("{}: {} in a fork of process {}, which is still writing it; begin an episode "
+                      "after the fork",
+                      name, call, owner));
     }
     if (state != State::kOpen) {
       throw ClosedError(fmt::format("{}: {} after it was {}", name, call,
@@ -101,18 +102,22 @@ struct EpisodeWriter::Impl {
       action();
     } catch (const ArgumentError&) {
       throw;  // the caller's mistake: nothing was changed
+    } catch (const EncoderDied& error) {
+      FailAs<EncoderDied>(error.what());
     } catch (const std::exception& error) {
       if (state == State::kCommitted) throw IoError(fmt::format("{}: {}", name, error.what()));
-      Fail(error.what());
+      FailAs<IoError>(error.what());
     }
   }
 
-  [[noreturn]] void Fail(const std::string& reason) {
+  template <class Kind>
+  [[noreturn]] void FailAs(const std::string& reason) {
     state = State::kFailed;
-    failure =
-        fmt::format("{} is not saved: {}", name, WithSpaceHint(reason, dataset, BytesWritten()));
+    // Whoever made the episode can make it again after a killed encoder.
+    const char* end = std::is_same_v<Kind, EncoderDied> ? "" : " is not saved";
+    failure = fmt::format("{}{}: {}", name, end, WithSpaceHint(reason, dataset, BytesWritten()));
     Remove();
-    throw IoError(failure);
+    throw Kind(failure);
   }
 
   // Returns the bytes on the disk so far.
@@ -167,10 +172,10 @@ void EpisodeWriter::Impl::Open(const EpisodeOptions& options) {
 void EpisodeWriter::Impl::RequireFramesMatchRows() const {
   if (steps->rows(kStepsTable) == 0) throw ArgumentError(fmt::format("{}: it has no row", name));
   for (size_t i = 0; i < videos.size(); ++i) {
-    RequireOnePerRow(schema.cameras()[i], "frames", videos[i].colour);
-    if (videos[i].depth) RequireOnePerRow(schema.cameras()[i], "depth frames", *videos[i].depth);
+    RequireOnePerRow(schema.cameras()[i], "frame", videos[i].colour);
+    if (videos[i].depth) RequireOnePerRow(schema.cameras()[i], "depth frame", *videos[i].depth);
     if (videos[i].segmentation)
-      RequireOnePerRow(schema.cameras()[i], "segmentation frames", *videos[i].segmentation);
+      RequireOnePerRow(schema.cameras()[i], "segmentation frame", *videos[i].segmentation);
   }
 }
 
@@ -178,9 +183,10 @@ void EpisodeWriter::Impl::RequireOnePerRow(const CameraEntry& camera, const char
                                            const VideoWriter& video) const {
   const int64_t rows = steps->rows(camera.table);
   if (video.frames() == rows) return;
-  throw ArgumentError(fmt::format(
-      "{}: camera '{}' has {} {} for the {} rows of table '{}'; each row needs one", name,
-      camera.stream.name, video.frames(), what, rows, schema.tables()[camera.table.index].name));
+  throw ArgumentError(
+      fmt::format("{}: camera '{}' has {} for the {} of table '{}'; each row needs one", name,
+                  camera.stream.name, Counted(video.frames(), what), Counted(rows, "row"),
+                  schema.tables()[camera.table.index].name));
 }
 
 void EpisodeWriter::Impl::CloseFiles() {

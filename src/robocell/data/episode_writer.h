@@ -5,7 +5,7 @@
 // reads back the files, compares rows and frames with the given ones, writes episode.json, flushes
 // all to the disk and renames the folder. Until then, and after Abort(), a failure, a crash or the
 // destructor, no episode is visible. After an IoError the episode cannot be saved: every later call
-// throws the same error.
+// throws the same error. EncoderDied (media/video_writer.h) is one: another writer may succeed.
 //
 //   EpisodeWriter episode(dataset, "pick-000017", schema, {.metadata_json = R"({"seed": 17})"});
 //   while (!done) {
@@ -54,7 +54,7 @@ struct EpisodeSummary {
   bool terminated = false;
   bool truncated = false;
   std::string end_reason;             // one of the stepper's: "success", "timeout", "diverged" ...
-  std::vector<std::string> warnings;  // of the engine and of ours, one a line
+  std::vector<std::string> warnings;  // warnings of engine and robocell, one per line
   std::string results_json = "{}";    // an object: numbers for the report
   // An object for the `run` block: worker, attempt times. The only place for values that differ
   // between runs; `host`, `process`, `started`, `finished` and `json_sha256` are added.
@@ -86,17 +86,17 @@ class EpisodeWriter {
   void Put(ColumnId column, int32_t value) { Put(column, std::span(&value, 1)); }
   void Put(ColumnId column, uint8_t value) { Put(column, std::span(&value, 1)); }
   void Put(ColumnId column, bool value) { Put(column, std::span(&value, 1)); }
-  // For callers that do not know types at compile time: the bytes of one row.
+  // Puts one row as bytes, for callers that do not know the type at compile time.
   void PutBytes(ColumnId column, ColumnType type, std::span<const std::byte> bytes);
   void EndRow(TableId table = kStepsTable);
 
   // Writes the frame of the next row without one: row-major RGB. May be called before or after
   // EndRow().
   void WriteFrame(CameraId camera, std::span<const uint8_t> rgb);
-  // The same for a camera with depth: row-major millimetres. Also needed once per row.
+  // Writes the image of a camera with depth: row-major millimetres. Also needed once per row.
   void WriteDepth(CameraId camera, std::span<const uint16_t> millimetres);
-  // The same for a camera with segmentation: numbers of the schema's labels, or kNoSegment. Throws
-  // ArgumentError for a number without a label.
+  // Writes the image of a camera with segmentation: indices of the schema's labels, or kNoSegment.
+  // Throws ArgumentError for a number without a label.
   void WriteSegmentation(CameraId camera, std::span<const uint16_t> labels);
 
   // Adds another file to the episode, such as "notes.txt".

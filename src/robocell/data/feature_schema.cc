@@ -169,9 +169,10 @@ void FeatureSchema::Add(Feature feature) {
   };
   if (!fits(feature.lower) || !fits(feature.upper) ||
       feature.lower.size() != feature.upper.size()) {
-    throw ArgumentError(fmt::format(
-        "feature '{}': its range has {} lower and {} upper bounds, and it has {} numbers", name,
-        feature.lower.size(), feature.upper.size(), feature.size()));
+    throw ArgumentError(fmt::format("feature '{}': its range has {} and {}, and it has {}", name,
+                                    Counted(std::ssize(feature.lower), "lower bound"),
+                                    Counted(std::ssize(feature.upper), "upper bound"),
+                                    Counted(feature.size(), "number")));
   }
   for (size_t i = 0; i < feature.lower.size(); ++i) {
     if (feature.lower[i] <= feature.upper[i]) continue;
@@ -200,12 +201,6 @@ std::vector<std::string> FeatureSchema::Names(FeatureRole role) const {
     if (feature.role == role) names.push_back(feature.column.name);
   }
   return names;
-}
-
-FeatureSchema FeatureSchema::Only(const std::vector<std::string>& names) const {
-  FeatureSchema chosen;
-  for (const std::string& name : names) chosen.Add(Find(name));
-  return chosen;
 }
 
 int64_t FeatureSchema::size() const {

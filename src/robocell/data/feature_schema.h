@@ -46,8 +46,6 @@ class FeatureSchema {
   const Feature& Find(std::string_view name) const;
   bool Has(std::string_view name) const;
   std::vector<std::string> Names(FeatureRole role) const;
-  // Returns the features of these names, in this order.
-  FeatureSchema Only(const std::vector<std::string>& names) const;
   // The total number of values.
   int64_t size() const;
 
@@ -56,7 +54,7 @@ class FeatureSchema {
   // Accepts an empty array too. Rejects unknown fields, which may change the meaning of a number.
   static FeatureSchema FromJson(std::string_view text);
 
-  // Returns "" if both have the same features, whatever their order, ranges, descriptions and
+  // Returns "" if both have the same features, apart from their order, ranges, descriptions and
   // sources; else the first difference in words: "feature 'a' is (7) rad here and (6) rad there".
   // `here` and `there` are the words for the two.
   std::string DifferenceFrom(const FeatureSchema& other, std::string_view here = "here",

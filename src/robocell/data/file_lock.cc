@@ -33,8 +33,8 @@ void WarnOfNoLocks(const std::filesystem::path& path, int error) {
   static std::atomic<bool> warned = false;
   if (warned.exchange(true)) return;
   LogWarn(
-      fmt::format("'{}' cannot be locked ({}): two runs in one folder are not noticed there, and "
-                  "what killed processes left half-written stays until you remove it",
+      fmt::format("'{}' cannot be locked ({}): two runs in one folder are not detected there, and "
+                  "half-written files of killed processes stay until you remove them",
                   path.string(), std::system_category().message(error)));
 }
 

@@ -27,7 +27,7 @@ bool IsFreeElsewhere(const std::filesystem::path& path, LockKind kind) {
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-TEST(FileLock, OfOneKeepsAllOthersOut) {
+TEST(FileLock, AnExclusiveLockExcludesAllOthers) {
   TempDir folder;
   const auto path = folder / "lock";
   {
@@ -42,7 +42,7 @@ TEST(FileLock, OfOneKeepsAllOthersOut) {
   EXPECT_TRUE(IsFreeElsewhere(path, LockKind::kExclusive)) << "it went out of scope";
 }
 
-TEST(FileLock, OfSeveralKeepsOutWhoWantsItAlone) {
+TEST(FileLock, SharedLocksExcludeAnExclusiveOne) {
   TempDir folder;
   const auto path = folder / "lock";
   FileLock::Try(path, LockKind::kExclusive);  // creates the file
@@ -52,7 +52,7 @@ TEST(FileLock, OfSeveralKeepsOutWhoWantsItAlone) {
   EXPECT_FALSE(IsFreeElsewhere(path, LockKind::kExclusive));
 }
 
-TEST(FileLock, GoesWithTheOneThatItIsMovedTo) {
+TEST(FileLock, MovesWithItsOwner) {
   TempDir folder;
   const auto path = folder / "lock";
   std::optional<FileLock> kept;
@@ -66,7 +66,7 @@ TEST(FileLock, GoesWithTheOneThatItIsMovedTo) {
   EXPECT_TRUE(IsFreeElsewhere(path, LockKind::kExclusive));
 }
 
-TEST(FileLock, OfAFileThatIsNotThereIsSharedByNobody) {
+TEST(FileLock, ASharedLockNeedsAnExistingFile) {
   TempDir folder;
   ExpectThrow<IoError>([&] { FileLock::Try(folder / "none", LockKind::kShared); }, "none");
   ExpectThrow<IoError>([&] { FileLock::Try(folder / "no/lock", LockKind::kExclusive); }, "no/lock");

@@ -79,7 +79,7 @@ class H5Dataset {
   Id SelectRows(int64_t first, int64_t count) const;
 
   Id id_;
-  std::string file_;  // for messages
+  std::string file_;  // file name for messages
   std::string name_;
   ColumnType type_ = ColumnType::kFloat64;
   std::vector<int64_t> shape_;

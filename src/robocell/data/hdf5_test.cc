@@ -36,7 +36,7 @@ void WriteRows(const std::filesystem::path& path) {
   file.Close();
 }
 
-TEST(Hdf5, RowsAndAttributesComeBackAsTheyWereWritten) {
+TEST(Hdf5, RowsAndAttributesRoundTrip) {
   TempDir folder;
   WriteRows(folder / "f.h5");
   const hdf5::File file = hdf5::File::OpenReadOnly(folder / "f.h5");

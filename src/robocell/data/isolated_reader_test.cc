@@ -24,7 +24,7 @@ using ::testing::IsEmpty;
 
 using Lines = std::vector<std::string>;
 
-TEST(Apart, GivesTheLinesOfAChild) {
+TEST(IsolatedReader, ReturnsTheLinesOfTheChild) {
   const pid_t here = getpid();
   bool changed = false;
   IsolatedReader reader([&](const std::string& question) {
@@ -36,20 +36,20 @@ TEST(Apart, GivesTheLinesOfAChild) {
   EXPECT_THAT(IsolatedReader([](const std::string&) { return Lines(); }).Ask(""), IsEmpty());
 }
 
-TEST(Apart, OneChildAnswersManyQuestions) {
+TEST(IsolatedReader, OneChildServesManyQueries) {
   int count = 0;
   IsolatedReader reader([&](const std::string&) { return Lines{std::to_string(++count)}; });
   EXPECT_THAT(reader.Ask(""), ElementsAre("1"));
   EXPECT_THAT(reader.Ask(""), ElementsAre("2"));
 }
 
-TEST(Apart, LongQuestionsAndAnswersComeWhole) {
+TEST(IsolatedReader, TransfersLongQueriesAndResults) {
   const std::string line(1 << 20, 'x');
   IsolatedReader reader([](const std::string& question) { return Lines{question, question}; });
   EXPECT_THAT(reader.Ask(line), ElementsAre(line, line));
 }
 
-TEST(Apart, WhatIsThrownThereIsThrownHere) {
+TEST(IsolatedReader, RethrowsExceptionsOfTheChild) {
   IsolatedReader reader([](const std::string& question) -> Lines {
     if (question == "closed") throw IoError("cannot read", EACCES);
     if (question == "empty") throw Error("no rows");
@@ -71,7 +71,7 @@ void Crash() {
   raise(SIGSEGV);
 }
 
-TEST(Apart, ACrashIsAnAnswerAndTheNextQuestionGetsItsOwn) {
+TEST(IsolatedReader, ReportsACrashAndServesTheNextQuery) {
   IsolatedReader reader([](const std::string& question) {
     if (question == "bad") Crash();
     return Lines{question};
@@ -82,7 +82,7 @@ TEST(Apart, ACrashIsAnAnswerAndTheNextQuestionGetsItsOwn) {
   EXPECT_THAT(reader.Ask("good"), ElementsAre("good"));
 }
 
-TEST(Apart, NobodyAnswersForWhatAnotherBroke) {
+TEST(IsolatedReader, ReplacesABrokenChild) {
   bool broken = false;
   IsolatedReader reader([&](const std::string& question) {
     if (broken) Crash();
@@ -93,7 +93,7 @@ TEST(Apart, NobodyAnswersForWhatAnotherBroke) {
   EXPECT_THAT(reader.Ask("good"), ElementsAre("good"));
 }
 
-TEST(Apart, KeepsNothingOpenThatOthersWaitFor) {
+TEST(IsolatedReader, KeepsNoInheritedDescriptorsOpen) {
   int ends[2];
   ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
   IsolatedReader reader([](const std::string& question) { return Lines{question}; });
@@ -106,7 +106,7 @@ TEST(Apart, KeepsNothingOpenThatOthersWaitFor) {
   EXPECT_THAT(reader.Ask("still"), ElementsAre("still"));
 }
 
-TEST(Apart, AProgramThatIgnoresItsChildrenGetsNoVerdict) {
+TEST(IsolatedReader, ReportsAnUnknownEndIfSigchldIsIgnored) {
   const auto before = std::signal(SIGCHLD, SIG_IGN);
   IsolatedReader reader([](const std::string&) -> Lines {
     Crash();
@@ -118,13 +118,14 @@ TEST(Apart, AProgramThatIgnoresItsChildrenGetsNoVerdict) {
 }
 
 // Returns the errno of the IoError; 0 if there is none.
-int SystemError(const std::function<void()>& end, const std::string& text) {
+int SystemError(const std::function<void()>& end, const std::string& text,
+                std::chrono::seconds timeout = std::chrono::seconds(60)) {
   IsolatedReader reader(
       [&](const std::string&) {
         end();
         return Lines();
       },
-      std::chrono::seconds(1));
+      timeout);
   try {
     reader.Ask("");
   } catch (const IoError& error) {
@@ -136,8 +137,10 @@ int SystemError(const std::function<void()>& end, const std::string& text) {
 }
 
 // Such an end says nothing about the input: an overloaded machine, or one without memory.
-TEST(Apart, WhatDoesNotEndOrIsEndedByOthersIsTheSystems) {
-  EXPECT_EQ(SystemError([] { pause(); }, "reading it had not ended after 1 s"), ETIMEDOUT);
+TEST(IsolatedReader, ReportsTimeoutsAndKillsAsSystemErrors) {
+  EXPECT_EQ(
+      SystemError([] { pause(); }, "reading it had not ended after 1 s", std::chrono::seconds(1)),
+      ETIMEDOUT);
   EXPECT_EQ(SystemError([] { raise(SIGKILL); }, "reading it ends the process (Killed)"), EINTR);
   EXPECT_EQ(SystemError([] { throw std::bad_alloc(); }, "there is not enough memory to read it"),
             ENOMEM);

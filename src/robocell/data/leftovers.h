@@ -20,7 +20,7 @@ bool IsBeingWritten(const std::filesystem::path& unfinished);
 std::vector<std::string> UnfinishedIn(const std::filesystem::path& dataset);
 
 struct DeadWriter {
-  std::string episode;  // also its attempts: names that begin with it
+  std::string episode;  // episode id; includes its attempts (names that begin with it)
   int64_t process = 0;
 };
 
@@ -30,9 +30,9 @@ struct DeadWriter {
 // machines may write into the folder. On a file system without locks folders stay.
 std::vector<std::string> RemoveLeftovers(const std::filesystem::path& dataset,
                                          const std::optional<DeadWriter>& writer = {});
-// The same for folders only; any process may call it, for example beside other shards.
+// Removes only folders; any process may call it, for example beside other shards.
 std::vector<std::string> RemoveLeftoverFolders(const std::filesystem::path& dataset);
-// The same for folders of episodes "<prefix>-000017" and so on, and of models: for a writer that
+// Removes folders of episodes "<prefix>-000017" and so on, and of models: for a writer that
 // numbers its episodes in this way (DatasetLock::Numbering).
 std::vector<std::string> RemoveLeftoversOfNumbering(const std::filesystem::path& dataset,
                                                     const std::string& prefix);

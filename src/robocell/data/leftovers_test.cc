@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-TEST(RemoveLeftovers, TakesFilesLinksAndFoldersAndNothingElse) {
+TEST(RemoveLeftovers, RemovesFilesLinksAndFoldersOnly) {
   TempDir temp;
   AtomicWrite(temp / ".a.7.1.partial", "a file");
   fs::create_directory(temp / "elsewhere");
@@ -31,7 +31,7 @@ TEST(RemoveLeftovers, TakesFilesLinksAndFoldersAndNothingElse) {
   EXPECT_TRUE(fs::exists(temp / ".lock"));
 }
 
-TEST(RemoveLeftovers, OfFoldersLeavesFilesAndTheFoldersOfTheLiving) {
+TEST(RemoveLeftovers, OfFoldersKeepsFilesAndFoldersInUse) {
   TempDir temp;
   AtomicWrite(temp / ".report-0-of-2.json.7.1.partial", "another shard may be writing it");
   fs::create_directory(temp / ".e0.7.1.partial");
@@ -41,7 +41,7 @@ TEST(RemoveLeftovers, OfFoldersLeavesFilesAndTheFoldersOfTheLiving) {
   EXPECT_EQ(UnfinishedIn(temp.path()).size(), 2u);
 }
 
-TEST(RemoveLeftovers, OfADeadWriterAreItsAttemptsAndItsModels) {
+TEST(RemoveLeftovers, OfADeadWriterIncludeItsEpisodesAndModels) {
   TempDir temp;
   fs::create_directories(temp / "models/.rc7-0123.7.3.partial/content");
   fs::create_directories(temp / "models/.rc7-0123.8.3.partial/content");
@@ -55,7 +55,7 @@ TEST(RemoveLeftovers, OfADeadWriterAreItsAttemptsAndItsModels) {
               ElementsAre(".e1.8.1.partial", ".e2.7.1.partial", "models/.rc7-0123.8.3.partial"));
 }
 
-TEST(RemoveLeftovers, OfANumberingLeaveOtherPrefixesFilesAndTheLiving) {
+TEST(RemoveLeftovers, OfAPrefixKeepOtherPrefixesFilesAndFoldersInUse) {
   TempDir temp;
   const SampleEpisode sample(0, false);
   EpisodeWriter writer(temp.path(), "e-000004", sample.schema);
@@ -72,7 +72,7 @@ TEST(RemoveLeftovers, OfANumberingLeaveOtherPrefixesFilesAndTheLiving) {
   EXPECT_EQ(Verify(temp.path()).being_written.size(), 1u);
 }
 
-TEST(RemoveLeftovers, LeavesWhatALivingWriterIsAt) {
+TEST(RemoveLeftovers, KeepsTheFolderOfALiveWriter) {
   TempDir temp;
   const SampleEpisode sample(0, false);
   EpisodeWriter writer(temp.path(), "e1", sample.schema);
@@ -82,7 +82,7 @@ TEST(RemoveLeftovers, LeavesWhatALivingWriterIsAt) {
 }
 
 // The lock of a work folder leaves no trace in the committed episode.
-TEST(RemoveLeftovers, FindsNothingOfACommittedEpisode) {
+TEST(RemoveLeftovers, IgnoresCommittedEpisodes) {
   TempDir temp;
   SampleEpisode(0, false).Write(temp.path(), "e1");
   EXPECT_THAT(UnfinishedIn(temp.path()), IsEmpty());
@@ -90,7 +90,7 @@ TEST(RemoveLeftovers, FindsNothingOfACommittedEpisode) {
     EXPECT_FALSE(file.path().filename().string().starts_with('.')) << file.path();
 }
 
-TEST(RemoveLeftovers, WhetherSomebodyWritesIsSeenWithoutWriting) {
+TEST(RemoveLeftovers, DetectsAWriterWithoutWriting) {
   TempDir temp;
   fs::create_directory(temp / ".e1.7.1.partial");
   EXPECT_FALSE(IsBeingWritten(temp / ".e1.7.1.partial"));
@@ -99,7 +99,7 @@ TEST(RemoveLeftovers, WhetherSomebodyWritesIsSeenWithoutWriting) {
 }
 
 // A new folder is not locked for a moment: its writer notices its removal and takes another.
-TEST(RemoveLeftovers, DoesNotDisturbWritersThatJustBegin) {
+TEST(RemoveLeftovers, DoesNotDisturbStartingWriters) {
   TempDir temp;
   std::atomic<bool> done = false;
   std::thread sweeper([&] {

@@ -21,8 +21,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kDigits = 16;  // of the hash in a folder's name
-constexpr const char* kNotStored = "its bytes are not what was stored: the hash does not fit";
+constexpr size_t kDigits = 16;  // digits of the hash in a folder's name
+constexpr const char* kNotStored = "its hash does not match its bytes";
 
 std::string FolderName(const FileSet& model) {
   return fs::path(model.main).stem().string() + "-" + model.hash.substr(0, kDigits);
@@ -155,7 +155,7 @@ std::map<std::string, std::string> DamageOfStoredModel(const fs::path& dataset,
   const FileSums there = SumsOfModel(dataset / folder);
   if (const auto stored = StoredSums(dataset / folder)) return Differences(*stored, there);
   if (IsStoredIn(dataset / folder, TextOf(there))) return {};  // only its list is lost
-  return {{"", "its files are not what was stored"}};
+  return {{"", "its files differ from the stored ones"}};
 }
 
 FileSums SumsOfStoredModel(const fs::path& dataset, const std::string& path) {
@@ -217,7 +217,7 @@ SumsByName SumsOfRun(const fs::path& dataset) {
       sums[OwnName(name)].insert(sum.get<std::string>());
   } catch (const Error&) {  // reported separately
   } catch (const nlohmann::json::exception&) {
-    return {};  // in another format
+    return {};  // another format
   }
   return sums;
 }

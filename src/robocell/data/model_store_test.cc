@@ -52,7 +52,7 @@ TEST_F(ModelStoreTest, KeepsAModelOnceWithItsFiles) {
   EXPECT_TRUE(Verify(dataset).ok());
 }
 
-TEST_F(ModelStoreTest, TellsWhatWasChangedTakenAwayOrAdded) {
+TEST_F(ModelStoreTest, ListsChangedRemovedAndAddedFiles) {
   StoreModel(dataset, arm);
   const fs::path folder = dataset / StoredModels(dataset)[0];
   const fs::path mesh = folder / "assets/a.stl", sums = folder / "SHA256SUMS";
@@ -61,19 +61,19 @@ TEST_F(ModelStoreTest, TellsWhatWasChangedTakenAwayOrAdded) {
   fs::remove(folder / "more");
   EXPECT_THAT(Damage(), IsEmpty());
   AtomicWrite(mesh, "hsem");
-  EXPECT_THAT(Damage(), ElementsAre(Pair("assets/a.stl", HasSubstr("the hash does not fit"))));
+  EXPECT_THAT(Damage(), ElementsAre(Pair("assets/a.stl", HasSubstr("its hash does not match"))));
   fs::remove(mesh);
   EXPECT_THAT(Damage(), ElementsAre(Pair("assets/a.stl", "it is missing")));
   AtomicWrite(mesh, "mesh");
   AtomicWrite(sums, "");
   EXPECT_THAT(Damage(), IsEmpty()) << "the folder's name says that the files are right";
   AtomicWrite(mesh, "hsem");
-  EXPECT_THAT(Damage(), ElementsAre(Pair("", "its files are not what was stored")));
+  EXPECT_THAT(Damage(), ElementsAre(Pair("", "its files differ from the stored ones")));
   fs::remove_all(folder);
   EXPECT_THROW(Damage(), IoError);
 }
 
-TEST_F(ModelStoreTest, AListThatIsMissingOrDamagedIsToldAndWrittenAgain) {
+TEST_F(ModelStoreTest, ReportsAndRestoresAMissingOrDamagedList) {
   StoreModel(dataset, arm);
   const std::string name = StoredModels(dataset)[0];
   const fs::path sums = dataset / name / "SHA256SUMS";
@@ -85,10 +85,9 @@ TEST_F(ModelStoreTest, AListThatIsMissingOrDamagedIsToldAndWrittenAgain) {
       AtomicWrite(sums, listed + "x");
     const VerifyResult result = Verify(dataset);
     EXPECT_FALSE(result.ok());
-    EXPECT_THAT(
-        result.Text(),
-        HasSubstr(name + "/SHA256SUMS: it is missing or damaged; the model's files are "
-                         "what was stored, and `robocell verify --repair` lists them again"));
+    EXPECT_THAT(result.Text(),
+                HasSubstr(name + "/SHA256SUMS: it is missing or damaged; the model's files are "
+                                 "intact, and `robocell verify --repair` lists them again"));
     const RepairResult repaired = Repair(dataset);
     EXPECT_EQ(repaired.moved,
               missing ? std::vector<std::string>() : std::vector{sums.filename().string()});
@@ -100,7 +99,7 @@ TEST_F(ModelStoreTest, AListThatIsMissingOrDamagedIsToldAndWrittenAgain) {
 }
 
 // A repair was killed while it wrote the list.
-TEST_F(ModelStoreTest, AnUnfinishedListIsNoPartOfTheModel) {
+TEST_F(ModelStoreTest, IgnoresAnUnfinishedList) {
   StoreModel(dataset, arm);
   const std::string name = StoredModels(dataset)[0], left = name + "/.SHA256SUMS.7.1.partial";
   fs::rename(dataset / name / "SHA256SUMS", dataset / left);
@@ -116,22 +115,22 @@ TEST_F(ModelStoreTest, ReadsModelsWithoutAList) {
   fs::remove(folder / "SHA256SUMS");
   EXPECT_THAT(Damage(), IsEmpty());
   AtomicWrite(folder / "assets/a.stl", "hsem");
-  EXPECT_THAT(Damage(), ElementsAre(Pair("", "its files are not what was stored")));
+  EXPECT_THAT(Damage(), ElementsAre(Pair("", "its files differ from the stored ones")));
 }
 
-TEST_F(ModelStoreTest, LeavesNothingWhenAFileCannotBeRead) {
+TEST_F(ModelStoreTest, LeavesNothingIfAFileIsUnreadable) {
   fs::remove(temp / "arm/assets/a.stl");
   EXPECT_THROW(StoreModel(dataset, arm), IoError);
   EXPECT_TRUE(fs::is_empty(dataset / "models"));
 }
 
-TEST_F(ModelStoreTest, DoesNotStoreAFileThatChangedMeanwhile) {
+TEST_F(ModelStoreTest, RejectsAFileThatChangesMeanwhile) {
   AtomicWrite(temp / "arm/arm.xml", "other");
   EXPECT_THROW(StoreModel(dataset, arm), IoError);
   EXPECT_THAT(StoredModels(dataset), IsEmpty());
 }
 
-TEST_F(ModelStoreTest, ManyMayStoreTheSameAtOnce) {
+TEST_F(ModelStoreTest, SupportsConcurrentStores) {
   std::vector<std::thread> threads;
   for (int i = 0; i < 8; ++i) threads.emplace_back([&] { StoreModel(dataset, arm); });
   for (std::thread& thread : threads) thread.join();
@@ -140,7 +139,7 @@ TEST_F(ModelStoreTest, ManyMayStoreTheSameAtOnce) {
   EXPECT_EQ(std::distance(fs::directory_iterator(dataset / "models"), {}), 1);
 }
 
-TEST_F(ModelStoreTest, WhatHasTheNameOfAModelAndIsNoFolderIsForeign) {
+TEST_F(ModelStoreTest, AFileNamedLikeAModelIsForeign) {
   StoreModel(dataset, arm);
   const std::string stored = StoredModels(dataset)[0];
   const std::string file = "models/foo-0123456789abcdef", link = "models/goo-0123456789abcdef";
@@ -159,7 +158,7 @@ TEST_F(ModelStoreTest, WhatHasTheNameOfAModelAndIsNoFolderIsForeign) {
   EXPECT_TRUE(Verify(dataset).ok());
 }
 
-TEST_F(ModelStoreTest, IsNotStoredWhereAFileStands) {
+TEST_F(ModelStoreTest, RejectsAFileAtTheTargetPath) {
   fs::create_directory(dataset / "models");
   const std::string folder = StoredModelFolder(StoredModelPath(arm));
   AtomicWrite(dataset / folder, "");
@@ -170,7 +169,7 @@ TEST_F(ModelStoreTest, IsNotStoredWhereAFileStands) {
   EXPECT_TRUE(IsStored(dataset, StoredModelPath(arm)));
 }
 
-TEST_F(ModelStoreTest, PathsLeadNowhereElse) {
+TEST_F(ModelStoreTest, RejectsPathsOutsideTheStore) {
   EXPECT_TRUE(IsStoredModelPath("models/rc7-0123456789abcdef/rc7.xml"));
   for (const char* path :
        {"", "models", "models/rc7-0123456789abcdef", "other/rc7-0123456789abcdef/rc7.xml",
@@ -180,7 +179,7 @@ TEST_F(ModelStoreTest, PathsLeadNowhereElse) {
   }
 }
 
-TEST_F(ModelStoreTest, FoldersAreNoLinksAndFilesMayBeLinksToFiles) {
+TEST_F(ModelStoreTest, RejectsLinkedFoldersAndAcceptsLinkedFiles) {
   fs::create_directory(temp / "elsewhere");
   fs::create_directory_symlink(temp / "elsewhere", dataset / "models");
   EXPECT_THROW(StoreModel(dataset, arm), IoError);

@@ -69,7 +69,7 @@ class Segmentation : public ::testing::Test {
   CameraId eye, other;
 };
 
-TEST_F(Segmentation, IsReadAsItWasWrittenToTheLastBit) {
+TEST_F(Segmentation, RoundTripsBitwise) {
   const Episode episode(Write("a"));
   VideoReader video = episode.SegmentationVideo("eye");
   EXPECT_EQ(video.info().frames, 12);
@@ -97,11 +97,11 @@ TEST_F(Segmentation, HasTheSameBytesEveryTime) {
             ReadFile(Write("b") / "eye.segmentation.mov"));
 }
 
-TEST_F(Segmentation, IsNeededInEveryRow) {
+TEST_F(Segmentation, IsRequiredInEveryRow) {
   EpisodeWriter episode(folder.path(), "a", schema);
   PutRow(episode, 0);
   ExpectThrow<ArgumentError>([&] { episode.Commit({}); },
-                             "camera 'eye' has 0 segmentation frames for the 1 rows");
+                             "camera 'eye' has 0 segmentation frames for the 1 row of");
   episode.WriteSegmentation(eye, TestLabels(0));
   EXPECT_EQ(episode.segmentation_frames(eye), 1);
   episode.Commit({});
@@ -130,7 +130,7 @@ TEST_F(Segmentation, NeedsLabels) {
       "its images hold 1 to 65535 of them");
 }
 
-TEST_F(Segmentation, ThatACameraLacksIsNamed) {
+TEST_F(Segmentation, NamesACameraWithoutSegmentation) {
   const Episode episode(Write("a"));
   ExpectThrow<NotFoundError>([&] { episode.SegmentationVideo("other"); },
                              "camera 'other' has no segmentation. Cameras with segmentation: eye");
@@ -145,7 +145,7 @@ TEST_F(Segmentation, IsVerified) {
   EXPECT_THAT(result.Text(), HasSubstr("a/eye.segmentation.mov: it is cut short"));
 }
 
-TEST_F(Segmentation, WithATableThatIsTooShortIsNotGood) {
+TEST_F(Segmentation, WithATruncatedTableIsDamaged) {
   const std::filesystem::path file = Write("a") / "episode.json";
   auto json = nlohmann::ordered_json::parse(ReadFile(file));
   json["segmentation"]["labels"].erase(2);
@@ -156,7 +156,7 @@ TEST_F(Segmentation, WithATableThatIsTooShortIsNotGood) {
 }
 
 // Readers treat 65535 as unlabelled: an episode with another number must be rejected.
-TEST_F(Segmentation, WithAnotherNumberForNothingIsRefused) {
+TEST_F(Segmentation, RejectsAnotherBackgroundNumber) {
   const std::filesystem::path file = Write("a") / "episode.json";
   const auto original = nlohmann::ordered_json::parse(ReadFile(file));
   for (const nlohmann::ordered_json& none :

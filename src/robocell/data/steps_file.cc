@@ -112,8 +112,9 @@ void StepsFile::Put(ColumnId id, ColumnType type, std::span<const std::byte> val
                                     NameOf(column.spec->type), NameOf(type)));
   }
   if (values.size() != column.row_bytes) {
-    throw ArgumentError(fmt::format("{}: column '{}' expects {} values of shape {}, got {}", name_,
-                                    column.spec->name, RowValues(column.spec->shape),
+    throw ArgumentError(fmt::format("{}: column '{}' expects {} of shape {}, got {}", name_,
+                                    column.spec->name,
+                                    Counted(RowValues(column.spec->shape), "value"),
                                     ShapeText(column.spec->shape), values.size() / SizeOf(type)));
   }
   if (column.rows_put > table.rows) {
@@ -192,7 +193,7 @@ void StepsFile::VerifyContent() const {
       }
       if (stored == table.rows && content.Hex() == column.content.Hex()) continue;
       throw IoError(
-          fmt::format("{}: '{}' does not hold what was written to column '{}' ({} rows of {})",
+          fmt::format("{}: '{}' does not contain the rows written to column '{}' ({} rows of {})",
                       name_, path_.string(), column.spec->name, stored, table.rows));
     }
   }

@@ -25,7 +25,7 @@ struct TwoColumns {
   }
 };
 
-TEST(StepsFile, RowsAreThereAndAreWhatWasPut) {
+TEST(StepsFile, ReadsBackTheWrittenRows) {
   TempDir folder;
   const TwoColumns two;
   StepsFile file(folder / "steps.h5", "episode 'e'", two.schema);
@@ -41,7 +41,7 @@ TEST(StepsFile, RowsAreThereAndAreWhatWasPut) {
   EXPECT_EQ(row, std::vector<double>(3, 999));
 }
 
-TEST(StepsFile, RowsThatAreNotWholeAreRefusedByName) {
+TEST(StepsFile, RejectsIncompleteRowsByName) {
   TempDir folder;
   const TwoColumns two;
   StepsFile file(folder / "steps.h5", "episode 'e'", two.schema);

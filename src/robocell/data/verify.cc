@@ -128,7 +128,7 @@ void VerifyStoredModel(const fs::path& dataset, const std::string& model, Verify
   if (!damage.empty()) return result.bad_parts.push_back(model);
   if (internal::HasModelList(dataset, model)) return;
   result.problems.push_back({"", model + "/" + std::string(internal::kModelListFile),
-                             "it is missing or damaged; the model's files are what was stored, and "
+                             "it is missing or damaged; the model's files are intact, and "
                              "`robocell verify --repair` lists them again"});
   result.unlisted.push_back(model);
 }
@@ -209,12 +209,10 @@ std::string VerifyResult::Text() const {
   if (lost_manifest)
     text +=
         "dataset.json: there is none; `robocell generate` with the run's file writes it again\n";
-  text += fmt::format("{} good, {} bad", CountOfEpisodes(good.size()), bad.size());
+  text += fmt::format("{} intact, {} damaged", CountOfEpisodes(good.size()), bad.size());
   if (!unjudged.empty())
-    text += fmt::format(
-        ", {} not judged: nothing says that they are damaged, and repair leaves "
-        "them alone",
-        unjudged.size());
+    text += fmt::format(", {} not judged: they may be intact, and repair leaves them alone",
+                        unjudged.size());
   return text + "\n";
 }
 

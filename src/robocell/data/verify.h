@@ -33,7 +33,7 @@ struct VerifyProblem {
   std::string Text() const;
 };
 
-// A system error says nothing about the bytes; any other error is about them.
+// Classifies an exception: a system error does not concern the bytes, any other error does.
 ProblemKind KindOf(const std::exception& error);
 
 struct VerifyResult {
@@ -44,9 +44,9 @@ struct VerifyResult {
                                         // the dataset
   std::vector<std::string> bad_parts;   // damaged parts of the dataset itself, by name
   std::vector<std::string> unlisted;    // complete models without the list of their files
-  std::vector<VerifyProblem> problems;  // of the bad ones, and of the dataset
+  std::vector<VerifyProblem> problems;  // problems of damaged episodes and of the dataset
   // Temporary folders and files, which are no problem.
-  std::vector<std::string> leftovers;  // what a crash left behind
+  std::vector<std::string> leftovers;  // leftovers of a crash
   std::vector<std::string>
       being_written;  // episodes whose writer lives, on this machine or another
   // Files and folders that do not belong to a dataset: logs, notes. No problem either.
@@ -64,7 +64,7 @@ struct VerifyResult {
 };
 
 struct VerifyOptions {
-  bool decode_videos = false;  // also decodes every frame: slow, and hashes find damage without it
+  bool decode_videos = false;  // decodes every frame: slow, and hashes find damage without it
   // Called after each episode with the number of finished episodes and of all; may be empty.
   std::function<void(size_t done, size_t total)> progress;
 };

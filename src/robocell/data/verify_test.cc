@@ -35,10 +35,10 @@ TEST_F(VerifyTest, AnIntactDatasetHasNoProblems) {
   const VerifyResult result = Verify(folder_.path(), {.decode_videos = true});
   EXPECT_TRUE(result.ok()) << result.Text();
   EXPECT_THAT(result.good, ElementsAre("a", "b", "c"));
-  EXPECT_EQ(result.Text(), "3 episodes good, 0 bad\n");
+  EXPECT_EQ(result.Text(), "3 episodes intact, 0 damaged\n");
   fs::remove_all(folder_ / "a");
   fs::remove_all(folder_ / "b");
-  EXPECT_EQ(Verify(folder_.path()).Text(), "1 episode good, 0 bad\n");
+  EXPECT_EQ(Verify(folder_.path()).Text(), "1 episode intact, 0 damaged\n");
 }
 
 TEST_F(VerifyTest, AMissingDescriptionIsNamed) {
@@ -47,7 +47,7 @@ TEST_F(VerifyTest, AMissingDescriptionIsNamed) {
               HasSubstr("b/episode.json: it is missing: the episode was never finished"));
 }
 
-TEST_F(VerifyTest, AForeignFileIsNamedAndSetAsideWithoutItsEpisode) {
+TEST_F(VerifyTest, NamesAndQuarantinesAForeignFileButNotItsEpisode) {
   Store(B(".DS_Store"), "x");
   const VerifyResult result = Verify(folder_.path());
   EXPECT_THAT(result.Text(), HasSubstr("b/.DS_Store: it does not belong to the episode"));
@@ -68,7 +68,7 @@ class Unjudged : public VerifyTest {
     EXPECT_THAT(result.bad, IsEmpty());
     EXPECT_TRUE(result.only_unreadable());
     EXPECT_THAT(result.Text(), HasSubstr(reason));
-    EXPECT_THAT(result.Text(), HasSubstr("2 episodes good, 0 bad, 1 not judged"));
+    EXPECT_THAT(result.Text(), HasSubstr("2 episodes intact, 0 damaged, 1 not judged"));
     const RepairResult repaired = Repair(folder_.path(), options);
     EXPECT_THAT(repaired.moved, IsEmpty());
     ASSERT_EQ(repaired.remaining.size(), 1u);
@@ -98,7 +98,7 @@ class AsNobody {
   uid_t root_ = geteuid();
 };
 
-TEST_F(Unjudged, WhatThisUserMayNotRead) {
+TEST_F(Unjudged, UnreadableFiles) {
   for (const char* name : {"steps.h5", "episode.json", ""}) {
     const fs::path path = folder_ / "b" / name;
     const fs::perms before = fs::status(path).permissions();
@@ -117,7 +117,7 @@ TEST_F(Unjudged, WhatThisUserMayNotRead) {
 }
 
 // For example in a cache that several users share: the episodes are judged all the same.
-TEST_F(VerifyTest, ModelsThatThisUserMayNotReadHideNoEpisode) {
+TEST_F(VerifyTest, UnreadableModelsHideNoEpisode) {
   const std::string sums = Sha256("<mujoco/>") + "  arm.xml\n";
   const std::string model = "models/arm-" + Sha256(sums).substr(0, 16);
   fs::create_directories(folder_ / model);
@@ -150,7 +150,7 @@ TEST_F(VerifyTest, ModelsThatThisUserMayNotReadHideNoEpisode) {
   }
 }
 
-TEST_F(VerifyTest, WithoutADecoderNothingIsJudged) {
+TEST_F(VerifyTest, AMissingDecoderIsAnError) {
   setenv("ROBOCELL_FFMPEG", "/no/ffmpeg", 1);
   ExpectThrow<IoError>([&] { Repair(folder_.path(), {.decode_videos = true}); },
                        "ROBOCELL_FFMPEG is '/no/ffmpeg', which is not an executable file");
@@ -158,7 +158,7 @@ TEST_F(VerifyTest, WithoutADecoderNothingIsJudged) {
   EXPECT_TRUE(Verify(folder_.path(), {.decode_videos = true}).ok());
 }
 
-TEST_F(VerifyTest, ACircleOfLinksIsNoEpisodeAndHidesNone) {
+TEST_F(VerifyTest, IgnoresALinkCycle) {
   fs::create_symlink("loop", folder_ / "loop");
   const VerifyResult result = Verify(folder_.path());
   EXPECT_TRUE(result.ok()) << result.Text();
@@ -175,7 +175,7 @@ TEST_F(VerifyTest, ARenamedEpisodeIsNamed) {
             "not count. Remove the copy, or give the folder its name back");
 }
 
-TEST_F(VerifyTest, LeftoversAndForeignFoldersAreToldButAreNoProblem) {
+TEST_F(VerifyTest, ReportsLeftoversAndForeignFoldersWithoutAProblem) {
   const SampleEpisode sample(0, false);
   EpisodeWriter running(folder_.path(), "d", sample.schema);
   fs::create_directory(folder_ / ".e.99999999.1.partial");
@@ -202,7 +202,7 @@ TEST_F(VerifyTest, ADamagedManifestIsNamed) {
   EXPECT_THAT(result.good, ElementsAre("a", "b", "c"));
 }
 
-TEST_F(VerifyTest, RepairMovesBadEpisodesAsideAndDeletesNothing) {
+TEST_F(VerifyTest, RepairQuarantinesBadEpisodesAndDeletesNothing) {
   fs::resize_file(B("steps.h5"), 10);
   fs::create_directory(folder_ / ".e.99999999.1.partial");
   const SampleEpisode sample(0, false);
@@ -221,13 +221,13 @@ TEST_F(VerifyTest, RepairMovesBadEpisodesAsideAndDeletesNothing) {
 }
 
 // A process number proves nothing: it may be another machine's, or may have been reused since.
-TEST_F(VerifyTest, RepairJudgesAWriterByItsLockNotByItsNumber) {
+TEST_F(VerifyTest, RepairDetectsAWriterByItsLock) {
   const std::string name = fmt::format(".e.{}.7.partial", getpid());
   fs::create_directory(folder_ / name);
   EXPECT_THAT(Repair(folder_.path()).moved, ElementsAre(name));
 }
 
-TEST_F(VerifyTest, ProgressIsTold) {
+TEST_F(VerifyTest, ReportsProgress) {
   std::vector<size_t> done;
   Verify(folder_.path(), {.progress = [&](size_t n, size_t total) {
            EXPECT_EQ(total, 3u);
@@ -240,18 +240,19 @@ TEST(Verify, AMissingDatasetIsNamed) {
   ExpectThrow<IoError>([] { Verify("/no/such/folder"); }, "/no/such/folder");
 }
 
-TEST_F(VerifyTest, AFolderThatIsNoDatasetIsRefusedWithWhereOneIs) {
+TEST_F(VerifyTest, RejectsANonDatasetAndNamesANearbyOne) {
   TempDir around;
-  ExpectThrow<ArgumentError>([&] { Verify(around.path()); },
-                             "' is no dataset: it has neither a dataset.json nor episodes, it is "
-                             "empty");
+  ExpectThrow<ArgumentError>(
+      [&] { Verify(around.path()); },
+      "' is not a dataset: it has neither a dataset.json nor episodes, it is "
+      "empty");
   fs::copy(folder_.path(), around / "set", fs::copy_options::recursive);
   WriteManifest(around / "set", "{}");
   Store(around / "notes.txt", "x");
   const std::string text =
       ExpectThrow<ArgumentError>([&] { Verify(around.path()); }, "it holds notes.txt, set. ");
   EXPECT_THAT(text, HasSubstr("Did you mean '" + (around / "set").string() + "'?"));
-  ExpectThrow<ArgumentError>([&] { Repair(around.path()); }, "is no dataset");
+  ExpectThrow<ArgumentError>([&] { Repair(around.path()); }, "is not a dataset");
   ExpectThrow<ArgumentError>([&] { Dataset{around.path()}; }, text);
   fs::create_directory(around / "set" / "notes");
   ExpectThrow<ArgumentError>([&] { Verify(around / "set" / "notes" / ""); },
@@ -266,7 +267,7 @@ TEST_F(VerifyTest, AFolderThatIsNoDatasetIsRefusedWithWhereOneIs) {
 }
 
 // An opened pipe would wait for ever, and a device would never end.
-TEST_F(VerifyTest, PipesLinksAndDevicesAreNamedAndNotOpened) {
+TEST_F(VerifyTest, NamesPipesLinksAndDevicesWithoutOpeningThem) {
   for (const char* file : {"episode.json", "steps.h5"}) {
     fs::remove(B(file));
     ASSERT_EQ(::mkfifo(B(file).c_str(), 0600), 0);
@@ -280,12 +281,12 @@ TEST_F(VerifyTest, PipesLinksAndDevicesAreNamedAndNotOpened) {
   }
 }
 
-TEST_F(VerifyTest, ADescriptionOfATerabyteIsNotRead) {
+TEST_F(VerifyTest, DoesNotReadAHugeDescription) {
   fs::resize_file(B("episode.json"), uint64_t{1} << 40);
   EXPECT_THAT(OnlyProblem(), HasSubstr("it has 1099511627776 bytes, 67108864 are the most"));
 }
 
-TEST_F(VerifyTest, AManifestThatIsAPipeIsSetAside) {
+TEST_F(VerifyTest, QuarantinesAManifestThatIsAPipe) {
   ASSERT_EQ(::mkfifo((folder_ / "dataset.json").c_str(), 0600), 0);
   const VerifyResult result = Verify(folder_.path());
   ASSERT_EQ(result.problems.size(), 1u) << result.Text();
@@ -301,7 +302,7 @@ TEST_F(VerifyTest, RepairMovesNothingThroughALink) {
     const std::string what = fmt::format("it is a link to '{}'", elsewhere.path().string());
     const std::string text = ExpectThrow<IoError>([&] { Repair(folder_.path()); }, what);
     EXPECT_THAT(text, HasSubstr((folder_ / name).string()));
-    EXPECT_THAT(text, HasSubstr("Remove it, or put what it leads to there itself"));
+    EXPECT_THAT(text, HasSubstr("Remove it, or replace it with its target"));
     EXPECT_THAT(Verify(folder_.path()).Text(), HasSubstr(fmt::format("{}: {}", name, what)));
     fs::remove(folder_ / name);
   }

@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 std::vector<std::string> NamesIn(const TempDir& folder) { return FolderNames(folder.path()); }
 
-TEST(WorkFolder, IsHiddenAndLockedWhileSomebodyWrites) {
+TEST(WorkFolder, IsHiddenAndLockedWhileInUse) {
   TempDir folder;
   const WorkFolder work(folder.path(), "e1");
   ASSERT_EQ(NamesIn(folder).size(), 1u);
@@ -24,7 +24,7 @@ TEST(WorkFolder, IsHiddenAndLockedWhileSomebodyWrites) {
   EXPECT_FALSE(TryLockOfWork(folder / name, LockKind::kExclusive).has_value());
 }
 
-TEST(WorkFolder, LeavesNothingUnlessItWasCommitted) {
+TEST(WorkFolder, LeavesNothingWithoutACommit) {
   TempDir folder;
   {
     const WorkFolder work(folder.path(), "e1");
@@ -41,7 +41,7 @@ TEST(WorkFolder, LeavesNothingUnlessItWasCommitted) {
   EXPECT_EQ(ReadFile(folder / "e1/steps.h5"), "rows");
 }
 
-TEST(WorkFolder, ReplacesNothing) {
+TEST(WorkFolder, NeverReplacesAFolder) {
   TempDir folder;
   AtomicWrite(folder / "e1", "mine");
   WorkFolder work(folder.path(), "e1");
@@ -50,7 +50,7 @@ TEST(WorkFolder, ReplacesNothing) {
   EXPECT_EQ(ReadFile(folder / "e1"), "mine");
 }
 
-TEST(WorkFolder, NeedsItsParent) {
+TEST(WorkFolder, RequiresItsParent) {
   TempDir folder;
   ExpectThrow<IoError>([&] { WorkFolder(folder / "none", "e1"); }, "none");
 }

@@ -11,7 +11,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
-#include "robocell/diagnose/checks.h"
+#include "robocell/diagnose/trials.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
@@ -28,27 +28,25 @@ namespace {
 constexpr double kHoldSeconds = 1.0;
 // A drift of a hinge and of a slide up to these is tolerated, or the robot's arrival_tolerance.
 constexpr double kHeldRad = 0.01, kHeldMetres = 0.001;
-constexpr double kRampSeconds = 0.5, kFollowSeconds = 2.5;  // of a step
-constexpr double kLastSeconds = 1;                          // of them, in which it must not swing
-constexpr double kTurn = 0.1, kShift = 0.05;                // a step of a hinge, of a slide
-constexpr double kShareOfRange = 0.25;                      // that a step has at most
-constexpr double kShareMissing = 0.2;                       // of a step, tolerated
-constexpr double kRestSpeed = 0.05;                         // rad/s or m/s
-constexpr double kStaySeconds = 0.1;                        // at its target; a swing is shorter
-constexpr double kSaturated = 0.98;                         // of the largest force of a servo
-constexpr double kSlow = 0.4;                               // a servo's time constant, seconds
-constexpr double kHopeless = 5;                             // a time constant that no force helps
-constexpr double kTypingError = 100;                        // a servo's own time constant, seconds
-constexpr double kExplains = 0.5;                           // of the missing motion, for a cause
+constexpr double kRampSeconds = 0.5, kFollowSeconds = 2.5;  // duration of a step
+constexpr double kLastSeconds = 1;            // end of the step, in which it must not swing
+constexpr double kTurn = 0.1, kShift = 0.05;  // a step of a hinge, of a slide
+constexpr double kShareOfRange = 0.25;        // largest step
+constexpr double kShareMissing = 0.2;         // tolerated share of a step
+constexpr double kRestSpeed = 0.05;           // rad/s or m/s
+constexpr double kStaySeconds = 0.1;          // time at its target; a swing is shorter
+constexpr double kSaturated = 0.98;           // share of a servo's largest force
+constexpr double kSlow = 0.4;                 // a servo's time constant, seconds
+constexpr double kHopeless = 5;               // a time constant that no force helps
+constexpr double kTypingError = 100;          // a servo's own time constant, seconds
+constexpr double kExplains = 0.5;             // share of the missing motion that a cause explains
 
 // The reason why a joint is not where it should be, and what to do about it.
 struct Cause {
   std::string why, remedy;
-  std::string field;         // of the robot's file
+  std::string field;         // field of the robot's file
   bool in_warnings = false;  // the scene's
-  // A gain of one servo that would do, appended to the remedy as an edit; "" for none.
-  std::string actuator = "", gain = "";  // "kp" or "kv"
-  double value = 0;
+  std::string edit = "";     // appended to the remedy with those of others; "" for none
 };
 
 struct Miss {
@@ -197,7 +195,7 @@ class ArmTrial {
     const int steps = static_cast<int>(std::ceil(kFollowSeconds / scene_.timestep()));
     const int stay = static_cast<int>(std::ceil(kStaySeconds / scene_.timestep()));
     int there = 0;                                      // and at rest, steps in a row
-    Interval errors{HUGE_VAL, -HUGE_VAL}, speeds = {};  // of the last seconds
+    Interval errors{HUGE_VAL, -HUGE_VAL}, speeds = {};  // values of the last seconds
     for (int k = 0; k < steps; ++k) {
       const double part = std::min(1.0, k * scene_.timestep() / kRampSeconds);
       q[i] = home_[i] + part * step;
@@ -252,19 +250,18 @@ class ArmTrial {
         Resistance(i) - model()->actuator_biasprm[mjNBIAS * servo + 2] * gear * gear;
     const double seconds = damping / stiffness * std::log(rest / tolerance);
     if (seconds <= kFollowSeconds) return std::nullopt;
-    const double most = stiffness * tolerance;  // of friction that it still overcomes there
+    const double most = stiffness * tolerance;  // friction that it still overcomes there
     return Miss{
         JointName(i),
         fmt::format("creeps over the last {:.3g} {} for {:.2g} s", rest, Unit(i), seconds), rest,
-        Cause{
-            fmt::format(": its frictionloss of {:.3g} is more than its servo '{}' pushes with when "
-                        "it is {:g} {} away (arrival_tolerance), {:.3g} {} at {:g} {}/{}",
-                        friction, ServoName(servo), tolerance, Unit(i), most, ForceUnit(i),
-                        stiffness, ForceUnit(i), Unit(i)),
-            fmt::format("Lower the frictionloss of the joint, in the model or its edit: "
-                        "[{{joint: '{}', frictionloss: {:g}}}], or give the servo a larger kp",
-                        JointName(i), Rounded(most / 2)),
-            Field()}};
+        Cause{.why = fmt::format(
+                  ": its frictionloss of {:.3g} is more than its servo '{}' pushes with when "
+                  "it is {:g} {} away (arrival_tolerance), {:.3g} {} at {:g} {}/{}",
+                  friction, ServoName(servo), tolerance, Unit(i), most, ForceUnit(i), stiffness,
+                  ForceUnit(i), Unit(i)),
+              .remedy = "Give its servo a larger kp, or lower the frictionloss of the joint",
+              .field = Field(),
+              .edit = JointEdit(i, "frictionloss", most / 2)}};
   }
 
   // Returns the resistance to a slow motion per speed, N m s/rad or N s/m.
@@ -284,12 +281,15 @@ class ArmTrial {
     return -model()->actuator_biasprm[mjNBIAS * servo + 1] * gear * gear;
   }
 
+  std::string JointEdit(size_t i, const char* field, double value) const {
+    return fmt::format("{{joint: '{}', {}: {:g}}}", JointName(i), field, Rounded(value));
+  }
+
   // Adds an edit that gives a servo the stiffness or damping `value` of its joint.
   void AddGain(const char* gain, int servo, double value, Cause& cause) const {
     const double gear = Gear(model(), servo);
-    cause.actuator = ServoName(servo);
-    cause.gain = gain;
-    cause.value = Rounded(value / (gear * gear));
+    cause.edit = fmt::format("{{actuator: '{}', {}: {:g}}}", ServoName(servo), gain,
+                             Rounded(value / (gear * gear)));
   }
 
   // It passes its target again and again.
@@ -322,10 +322,7 @@ class ArmTrial {
         const bool same = miss.cause.remedy == worst.cause.remedy;
         if (same && miss.joint != worst.joint)
           others += fmt::format("{}'{}' {}", others.empty() ? "" : ", ", miss.joint, miss.how);
-        if (same && !miss.cause.gain.empty()) {
-          edits.push_back(fmt::format("{{actuator: '{}', {}: {:g}}}", miss.cause.actuator,
-                                      miss.cause.gain, miss.cause.value));
-        }
+        if (same && !miss.cause.edit.empty()) edits.push_back(miss.cause.edit);
         return same;
       });
       const std::string edit =
@@ -463,23 +460,22 @@ class ArmTrial {
     }
     if (passive > kHopeless * stiffness) {
       return Cause{
-          fmt::format(": its damping of {:.3g} is too large for its servo's stiffness of "
-                      "{:g} {}/{}, so that it takes {:.3g} s",
-                      passive, stiffness, ForceUnit(i), Unit(i), passive / stiffness),
-          fmt::format("Lower the damping of the joint, in the model or its edit: [{{joint: "
-                      "'{}', damping: {:g}}}]",
-                      JointName(i), Rounded(kSlow / 4 * stiffness)),
-          Field()};
+          .why = fmt::format(": its damping of {:.3g} is too large for its servo's stiffness of "
+                             "{:g} {}/{}, so that it takes {:.3g} s",
+                             passive, stiffness, ForceUnit(i), Unit(i), passive / stiffness),
+          .remedy = "Lower the damping of the joint",
+          .field = Field(),
+          .edit = JointEdit(i, "damping", kSlow / 4 * stiffness)};
     }
     if (armature > kHopeless * kHopeless * stiffness) {
-      return Cause{fmt::format(": its armature of {:.3g} is too large for its servo's stiffness of "
-                               "{:g} {}/{}, so that it swings once in {:.3g} s",
-                               armature, stiffness, ForceUnit(i), Unit(i),
-                               2 * kPi * std::sqrt(armature / stiffness)),
-                   fmt::format("Lower the armature of the joint, in the model or its edit: "
-                               "[{{joint: '{}', armature: 0.1}}]",
-                               JointName(i)),
-                   Field()};
+      return Cause{
+          .why = fmt::format(": its armature of {:.3g} is too large for its servo's stiffness of "
+                             "{:g} {}/{}, so that it swings once in {:.3g} s",
+                             armature, stiffness, ForceUnit(i), Unit(i),
+                             2 * kPi * std::sqrt(armature / stiffness)),
+          .remedy = "Lower the armature of the joint",
+          .field = Field(),
+          .edit = JointEdit(i, "armature", 0.1)};
     }
     return std::nullopt;
   }
@@ -488,8 +484,7 @@ class ArmTrial {
     Cause cause{fmt::format(": its servo '{}' pushes with all it may, {:.3g} {}", ServoName(servo),
                             most, ForceUnit(i)),
                 "", config().force_limit ? "force_limit" : Field()};
-    if (gravity > most / 2)
-      cause.why += fmt::format(", and gravity asks for {:.3g} at home", gravity);
+    if (gravity > most / 2) cause.why += fmt::format(", and gravity needs {:.3g} at home", gravity);
     cause.remedy = config().force_limit
                        ? fmt::format("Raise `force_limit` ({:g} is set)", *config().force_limit)
                        : "Give the servos larger forces (edits: [{actuator: NAME, forcerange: [-F, "
@@ -526,7 +521,7 @@ class ArmTrial {
       cause.why += fmt::format(", it pushes with {:.3g} {} and the joint is still {:.3g} {} away",
                                Force(i), ForceUnit(i), off, Unit(i));
       cause.remedy =
-          "Look for what holds it (its limits, spring, frictionloss, equality constraints, margins "
+          "Check what blocks it (its limits, spring, frictionloss, equality constraints, margins "
           "of "
           "geoms, other actuators) or ";
     }
@@ -557,7 +552,7 @@ class ArmTrial {
   bool beside_warnings_;
   Findings& findings_;
   std::vector<int> joints_;
-  std::vector<double> tolerances_;  // that the trial grants each joint, rad or m
+  std::vector<double> tolerances_;  // tolerance of each joint in the trial, rad or m
   std::vector<double> arrived_;     // within which a step of an environment has arrived
   std::vector<double> home_;
   std::vector<std::string> touching_;

@@ -17,12 +17,12 @@ using ::testing::StartsWith;
 
 using ArmTrials = BarTrial;
 
-TEST_F(ArmTrials, AStrongServoIsNotSpokenOf) {
+TEST_F(ArmTrials, AcceptsAStrongServo) {
   EXPECT_THAT(Doubts("kp='2000' kv='100'"), IsEmpty());
   EXPECT_THAT(Doubts("kp='50' kv='5'", "gravcomp: true\n"), IsEmpty());
 }
 
-TEST_F(ArmTrials, AServoThatSagsUnderGravityIsToldHowMuchItNeeds) {
+TEST_F(ArmTrials, ReportsTheStiffnessThatASaggingServoNeeds) {
   EXPECT_THAT(Doubts("kp='50' kv='5'"),
               ElementsAre(AllOf(
                   StartsWith(file_ + ":4:8: move_groups.arm: joint 'hip' drifts by 0.04"),
@@ -33,7 +33,7 @@ TEST_F(ArmTrials, AServoThatSagsUnderGravityIsToldHowMuchItNeeds) {
 }
 
 // The advice leaves out settings that are already present.
-TEST_F(ArmTrials, WhatIsSetIsLookedAt) {
+TEST_F(ArmTrials, ReportsTheConfiguredStiffnessAndDamping) {
   EXPECT_THAT(Doubts("kp='50' kv='5'", "stiffness: 60\n"),
               ElementsAre(AllOf(StartsWith(file_ + ":5:12: stiffness: joint 'hip' drifts by"),
                                 HasSubstr("at home (490 would do). Set `gravcomp: true` or raise "
@@ -50,7 +50,7 @@ TEST_F(ArmTrials, WhatIsSetIsLookedAt) {
       ElementsAre(HasSubstr("Lower `damping` (20 is set) or raise `stiffness` (1 is set)")));
 }
 
-TEST_F(ArmTrials, AJointThatNothingDampsIsToldThatItSwings) {
+TEST_F(ArmTrials, WarnsAboutUndampedJoints) {
   EXPECT_THAT(Doubts("kp='500'", "gravcomp: true\n"),
               ElementsAre(AllOf(HasSubstr("joint 'hip' still swings by 0."),
                                 HasSubstr(" rad around its target when it is sent there from home "
@@ -61,25 +61,27 @@ TEST_F(ArmTrials, AJointThatNothingDampsIsToldThatItSwings) {
 }
 
 // Whatever the servo may push, and says: it is not too weak.
-TEST_F(ArmTrials, AJointWithATypingErrorIsToldByItsEdit) {
-  EXPECT_THAT(Doubts("kp='500' kv='50' forcerange='-2 2'",
-                     "gravcomp: true\nedits: [{joint: hip, damping: 1.0e+12}]\n"),
-              ElementsAre(AllOf(HasSubstr(": its damping of 1e+12 is too large for its servo's "
-                                          "stiffness of 500 N m/rad"),
-                                HasSubstr("edit: [{joint: 'hip', damping: 50}]"))));
+TEST_F(ArmTrials, SuggestsAnEditForAnExcessiveJointValue) {
+  EXPECT_THAT(
+      Doubts("kp='500' kv='50' forcerange='-2 2'",
+             "gravcomp: true\nedits: [{joint: hip, damping: 1.0e+12}]\n"),
+      ElementsAre(AllOf(
+          HasSubstr(": its damping of 1e+12 is too large for its servo's "
+                    "stiffness of 500 N m/rad"),
+          HasSubstr("Lower the damping of the joint (edits: [{joint: 'hip', damping: 50}])"))));
   EXPECT_THAT(Doubts("kp='500' kv='50' forcerange='-2 2'",
                      "gravcomp: true\nedits: [{joint: hip, armature: 1.0e+9}]\n"),
               ElementsAre(HasSubstr("its armature of 1e+09 is too large for its servo's")));
 }
 
-TEST_F(ArmTrials, AKvThatIsATypingErrorIsToldAtItsServo) {
+TEST_F(ArmTrials, ReportsAnExcessiveKvAtItsServo) {
   EXPECT_THAT(Doubts("kp='500' kv='1e7' forcerange='-50 50'", "gravcomp: true\n"),
               ElementsAre(AllOf(HasSubstr(": the kv of its servo 'drive', 1e+07, is too large for "
                                           "its stiffness of 500 N m/rad"),
                                 HasSubstr("Lower it in the model to 50"))));
 }
 
-TEST_F(ArmTrials, FrictionAboveTheForceOfAServoIsTold) {
+TEST_F(ArmTrials, ReportsFrictionAboveTheForceOfAServo) {
   EXPECT_THAT(
       Doubts("kp='2000' kv='100' forcerange='-60 60'", "gravcomp: true\n", "",
              "frictionloss='100'"),
@@ -88,11 +90,11 @@ TEST_F(ArmTrials, FrictionAboveTheForceOfAServoIsTold) {
                             "'drive' may push with")));
 }
 
-TEST_F(ArmTrials, AServoThatIsTooWeakIsToldWithItsLimit) {
+TEST_F(ArmTrials, ReportsTheForceLimitOfAWeakServo) {
   EXPECT_THAT(Doubts("kp='500' kv='50' forcerange='-2 2'"),
               ElementsAre(AllOf(HasSubstr("joint 'hip' drifts by "),
                                 HasSubstr(": its servo 'drive' pushes with all it may, 2 N m, and "
-                                          "gravity asks for 2.45 at home. Give the servos larger "
+                                          "gravity needs 2.45 at home. Give the servos larger "
                                           "forces (edits: [{actuator: NAME, forcerange: [-F, F]}], "
                                           "or `force_limit` for all), or set `gravcomp: true`"))));
   EXPECT_THAT(Doubts("kp='500' kv='50'", "gravcomp: true\nforce_limit: 0.001\n"),
@@ -102,7 +104,7 @@ TEST_F(ArmTrials, AServoThatIsTooWeakIsToldWithItsLimit) {
                                 Not(HasSubstr("gravcomp")))));
 }
 
-TEST_F(ArmTrials, AServoThatMayNotBeSentThereIsToldWithItsRange) {
+TEST_F(ArmTrials, ReportsAControlRangeThatExcludesHome) {
   EXPECT_THAT(
       Doubts("kp='500' kv='50' ctrlrange='-0.1 0.1'", "gravcomp: true\nhome: {arm: [0.3]}\n"),
       ElementsAre(
@@ -114,7 +116,7 @@ TEST_F(ArmTrials, AServoThatMayNotBeSentThereIsToldWithItsRange) {
 }
 
 // The scene itself warns of it, with the numbers to write.
-TEST_F(ArmTrials, AServoThatTheSceneWarnsOfIsToldOnce) {
+TEST_F(ArmTrials, ReportsAServoOnceIfTheSceneWarnsAboutIt) {
   Doubts("kp='500' kv='50' ctrlrange='-0.1 0.1'", "gravcomp: true\nhome: {arm: [0.3]}\n");
   const Robot robot = RobotAlone(RobotConfig::Load(file_));
   EXPECT_THAT(robot.scene().compiled()->warnings(),
@@ -130,14 +132,14 @@ TEST_F(ArmTrials, AServoThatTheSceneWarnsOfIsToldOnce) {
 }
 
 // Neither gravity nor damping: the finding has the measurement, and no useless advice.
-TEST_F(ArmTrials, AServoThatSomethingElseHoldsIsToldWithWhatIsMeasured) {
+TEST_F(ArmTrials, ReportsMeasurementsOfABlockedServo) {
   EXPECT_THAT(
       Doubts("kp='500' kv='50'", "gravcomp: true\n", "", "stiffness='500'"),
       ElementsAre(AllOf(
           HasSubstr("joint 'hip' moves "),
           HasSubstr(": its servo's stiffness is 500 N m/rad, it pushes with "),
           HasSubstr(" N m and the joint is still 0.0"),
-          HasSubstr(" rad away. Look for what holds it (its limits, spring, "
+          HasSubstr(" rad away. Check what blocks it (its limits, spring, "
                     "frictionloss, equality constraints, margins of geoms, other actuators) or "
                     "raise the servos' stiffness"),
           Not(HasSubstr("would do")))));
@@ -176,7 +178,7 @@ pos="0 0 -0.1"><joint name="turn" axis="0 0 1" range="-2 2" armature="0.01" {}/>
   ModelFolder folder_;
 };
 
-TEST_F(UnlikeJoints, AreEachToldTheGainOfTheirOwnServo) {
+TEST_F(UnlikeJoints, GetTheGainOfTheirOwnServo) {
   EXPECT_THAT(Doubts({}), IsEmpty());
   ExpectRemedy(
       {.lift_servo = "kp='300' kv='600'", .fields = ""},
@@ -195,15 +197,23 @@ TEST_F(UnlikeJoints, AreEachToldTheGainOfTheirOwnServo) {
                "{actuator: 'turner', kv: 2}");
 }
 
-TEST_F(UnlikeJoints, FrictionThatAJointCreepsAgainstIsTold) {
+TEST_F(UnlikeJoints, ReportsFrictionThatMakesAJointCreep) {
   ExpectRemedy({.lift = "frictionloss='300'", .lift_servo = "kp='8000' kv='1000'"},
                "its frictionloss of 300 is more than its servo 'lifter' pushes with when it is "
                "0.0002 m away (arrival_tolerance), 1.6 N at 8000 N/m",
                "{joint: 'lift', frictionloss: 0.8}");
+  const std::vector<std::string> both = Doubts({.lift = "frictionloss='300'",
+                                                .lift_servo = "kp='8000' kv='1000'",
+                                                .turn = "frictionloss='300'",
+                                                .turn_servo = "kp='100' kv='120'"});
+  EXPECT_THAT(both, ElementsAre(AllOf(HasSubstr("; likewise '"),
+                                      HasSubstr("{joint: 'lift', frictionloss: 0.8}"),
+                                      HasSubstr("{joint: 'turn', frictionloss: "))))
+      << "one text for all";
   EXPECT_THAT(Doubts({.lift = "frictionloss='1'", .turn = "frictionloss='0.1'"}), IsEmpty());
 }
 
-TEST_F(ArmTrials, AnArmOfTorquesIsHeldOnly) {
+TEST_F(ArmTrials, TestsHoldingOnlyForTorqueArms) {
   EXPECT_THAT(Doubts("kp='2000' kv='100'", "control: {arm: joint_torque}\n"), IsEmpty());
 }
 

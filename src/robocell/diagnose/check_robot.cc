@@ -1,8 +1,15 @@
 #include "robocell/diagnose/check_robot.h"
 
-#include "robocell/diagnose/checks.h"
+#include "robocell/diagnose/trials.h"
 
 namespace robocell {
+namespace {
+
+#define ROBOCELL_ADDRESS(function) &internal::function,
+constexpr internal::RobotTrial* kRobotTrials[] = {ROBOCELL_ROBOT_TRIALS(ROBOCELL_ADDRESS)};
+#undef ROBOCELL_ADDRESS
+
+}  // namespace
 
 std::vector<Finding> CheckRobot(Robot robot, const RobotCheckOptions& options) {
   internal::Findings findings("robot '" + robot.name() + "'",
@@ -12,7 +19,7 @@ std::vector<Finding> CheckRobot(Robot robot, const RobotCheckOptions& options) {
   const internal::TrialOptions trial{.beside_warnings = options.beside_warnings,
                                      .for_run = options.for_run};
   robot.scene().Reset();
-  for (internal::RobotTrial* attempt : internal::RobotTrials()) attempt(robot, trial, findings);
+  for (internal::RobotTrial* attempt : kRobotTrials) attempt(robot, trial, findings);
   return findings.list();
 }
 

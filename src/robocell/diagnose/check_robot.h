@@ -14,8 +14,8 @@
 
 #include <vector>
 
-#include "robocell/diagnose/finding.h"
 #include "robocell/robot/robot.h"
+#include "robocell/scene/inspection/finding.h"
 
 namespace robocell {
 
@@ -23,7 +23,7 @@ struct RobotCheckOptions {
   // Leaves out findings that the warnings of the robot's scene already contain: an arm's servo
   // whose ctrlrange ends before home (servos.cc).
   bool beside_warnings = false;
-  // For a run, whose task chooses the arms: leaves out findings about the first arm.
+  // Omits findings about the first arm; for runs, whose task selects the arms.
   bool for_run = false;
 };
 

@@ -11,7 +11,7 @@ namespace {
 
 using ::testing::IsEmpty;
 
-TEST(CheckRobot, ShippedRobotsDoWhatTheyAreTold) {
+TEST(CheckRobot, ShippedRobotsFollowTheirCommands) {
   const auto doubts = [](const char* file) {
     const Robot robot = RobotAlone(LoadShipped(file));
     std::vector<std::string> all = robot.scene().compiled()->warnings();

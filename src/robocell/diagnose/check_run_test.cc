@@ -22,7 +22,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
 
-TEST(CheckRun, WhatWorksAndMayNotBeMeantIsReturned) {
+TEST(CheckRun, ReturnsWarningsAboutSuspiciousValues) {
   RunConfig run = Demo();
   EXPECT_THAT(CheckRun(run), IsEmpty());
   TempDir folder;
@@ -33,13 +33,13 @@ TEST(CheckRun, WhatWorksAndMayNotBeMeantIsReturned) {
   run.cameras.resolution = {4, 4};
   run.options.cone = FrictionCone::kPyramidal;  // the table and the robot specify another one
   EXPECT_THAT(CheckRun(run),
-              ElementsAre(HasSubstr("base: asks for cone elliptic, the scene uses pyramidal"),
-                          HasSubstr("robot 'rc7': asks for cone elliptic"),
+              ElementsAre(HasSubstr("base: sets cone elliptic, but the scene uses pyramidal"),
+                          HasSubstr("robot 'rc7': sets cone elliptic"),
                           HasSubstr("cameras.streams[0]: images of 'wrist' have 4 x 4 pixels"),
                           HasSubstr("cameras.streams[1]: images of 'exo'")));
 }
 
-TEST(CheckRun, AnArmThatDoesNotFollowIsTold) {
+TEST(CheckRun, WarnsAboutAnArmThatDoesNotFollow) {
   RunConfig run = Demo();
   run.robot.config.force_limit = 0.01;
   const std::vector<std::string> warnings = CheckRun(run);
@@ -49,17 +49,17 @@ TEST(CheckRun, AnArmThatDoesNotFollowIsTold) {
   EXPECT_THAT(CheckRun(run, {.scripted_expert = false}), IsEmpty());
 }
 
-TEST(CheckRun, AnArmThatItsWeightPullsDownIsTold) {
+TEST(CheckRun, WarnsAboutAnArmThatSagsUnderItsWeight) {
   RunConfig run = Demo();
   run.robot.config.gravcomp = false;
   EXPECT_THAT(CheckRun(run), Not(Contains(HasSubstr("touch at home"))));
   run.robot.config.force_limit = 3;
   EXPECT_THAT(CheckRun(run), Contains(AllOf(HasSubstr("pushes with all it may, 3 N m"),
-                                            HasSubstr("gravity asks for"))));
+                                            HasSubstr("gravity needs"))));
 }
 
 // A group without actuators has no actions, and is no reason to reject a run.
-TEST(CheckRun, AGroupWithoutAControllerIsToldAndRecordedWithoutActions) {
+TEST(CheckRun, WarnsAboutAGroupWithoutAControllerAndRecordsNoActions) {
   TempDir folder;
   RunConfig run = Demo();
   std::string model = ReadFile(run.robot.config.source_dir + "/rc7.xml");

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "robocell/base/error.h"
-#include "robocell/diagnose/checks.h"
+#include "robocell/diagnose/trials.h"
 #include "robocell/robot/gripper_group.h"
 
 namespace robocell::internal {

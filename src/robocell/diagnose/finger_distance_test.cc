@@ -51,7 +51,7 @@ class FingerDistance : public ::testing::Test {
       "[{add_site: tip, body: jaw, pos: [...]}] adds one)";
 };
 
-TEST_F(FingerDistance, FingersThatAreNearestAtTheirHingeAreToldToBeNamedByTheirTips) {
+TEST_F(FingerDistance, SuggestsTipsIfFingersAreClosestAtTheHinge) {
   EXPECT_THAT(LinesOfRobot(RobotAlone(Config(0.002, "[{body: hand}, {body: jaw}]"))),
               Contains(HasSubstr("move_groups.gripper.fingers: " + tips_)));
   for (const char* tips : {"[{geom: still}, {geom: moves}]", "[{site: still}, {site: moves}]",
@@ -61,7 +61,7 @@ TEST_F(FingerDistance, FingersThatAreNearestAtTheirHingeAreToldToBeNamedByTheirT
   }
 }
 
-TEST_F(FingerDistance, FingersThatOverlapAtTheirHingeAreToldToo) {
+TEST_F(FingerDistance, SuggestsTipsIfFingersOverlapAtTheHinge) {
   Robot robot = RobotAlone(Config(-0.004, "[{body: hand}, {body: jaw}]"));
   ExpectThrow<ArgumentError>([&] { robot.gripper().opening(); },
                              "the finger distance stays at 0.0000 m between control 0 and -1.2; "
@@ -112,7 +112,7 @@ std::string Advice(const std::string& line, const std::string& start) {
   return line.substr(from, to + 1 - from);
 }
 
-TEST_F(HingedFingers, WhoseDistanceIsThatOfTheirHingesAreToldWhereToMeasure) {
+TEST_F(HingedFingers, SuggestWhereToMeasureTheDistance) {
   std::vector<std::string> warnings;
   const ScopedLogSink sink([&](LogLevel, std::string_view text) { warnings.emplace_back(text); });
   const RobotConfig config = Config(gentle_, "}\n");
@@ -136,7 +136,7 @@ TEST_F(HingedFingers, WhoseDistanceIsThatOfTheirHingesAreToldWhereToMeasure) {
   EXPECT_THAT(warnings, IsEmpty());
 }
 
-TEST_F(HingedFingers, ThatPressThroughEachOtherAreToldWhatHelps) {
+TEST_F(HingedFingers, SuggestEditsAgainstPenetration) {
   const std::vector<std::string> lines = LinesOfRobot(RobotAlone(Config(strong_, "}\n")));
   const auto press = HasSubstr("press 0.01");
   ASSERT_THAT(lines, Contains(press));

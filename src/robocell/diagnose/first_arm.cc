@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "robocell/base/suggestions.h"
-#include "robocell/diagnose/checks.h"
+#include "robocell/diagnose/trials.h"
 
 namespace robocell::internal {
 namespace {

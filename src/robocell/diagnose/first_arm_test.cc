@@ -1,4 +1,5 @@
 // Tests which of several arms is meant where one is used.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -48,7 +49,7 @@ class FirstArm : public ::testing::Test {
   const std::string file_ = (folder_.path() / "two.yaml").string();
 };
 
-TEST_F(FirstArm, WithTheGripperIsNotedAsTheOneThatIsUsed) {
+TEST_F(FirstArm, WithTheGripperIsNoted) {
   const std::vector<Finding> found = CheckRobot(Make("right", "left"));
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found[0].severity, Severity::kNote);
@@ -57,14 +58,14 @@ TEST_F(FirstArm, WithTheGripperIsNotedAsTheOneThatIsUsed) {
             "first, 'right', and hold the others still; robot.group(name) has each of them");
 }
 
-TEST_F(FirstArm, WithoutTheGripperIsWarnedOf) {
+TEST_F(FirstArm, WithoutTheGripperGivesAWarning) {
   EXPECT_THAT(LinesOfRobot(Make("left", "right")),
               Contains(HasSubstr("move_groups: the first arm, 'left', which environments and pick "
                                  "tasks use, carries no gripper: 'grip' is on 'right'. Put the arm "
                                  "with the gripper before other arms")));
 }
 
-TEST_F(FirstArm, IsNotSpokenOfBeforeARun) {
+TEST_F(FirstArm, IsNotReportedBeforeARun) {
   EXPECT_THAT(LinesOfRobot(Make("left", "right"), {.for_run = true}),
               Not(Contains(HasSubstr("first arm"))));
 }

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "robocell/diagnose/checks.h"
+#include "robocell/diagnose/trials.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/gripper_group.h"

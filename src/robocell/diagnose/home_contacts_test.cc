@@ -17,7 +17,7 @@ using ::testing::Not;
 
 using HomeContacts = BarTrial;
 
-TEST_F(HomeContacts, WhatTouchesIsNamedBeforeStiffness) {
+TEST_F(HomeContacts, AreReportedBeforeStiffness) {
   const char* block = "<body name='block' pos='0.3 0 0'><geom type='box' size='.02 .1 .1'/></body>";
   const std::vector<std::string> doubts = Doubts("kp='500' kv='50'", "gravcomp: true\n", block);
   ASSERT_FALSE(doubts.empty());
@@ -28,7 +28,7 @@ TEST_F(HomeContacts, WhatTouchesIsNamedBeforeStiffness) {
                 AllOf(HasSubstr("'bar' and 'block' touch"), Not(HasSubstr("stiffness"))));
 }
 
-TEST_F(HomeContacts, WhatIsWithinAMarginDoesNotTouch) {
+TEST_F(HomeContacts, IgnoresGeomsThatOnlyTheirMarginsReach) {
   const char* block =
       "<body name='block' pos='0.3 0 0.05'><geom type='box' size='.02 .1 .02' "
       "margin='.0105'/></body>";
@@ -36,7 +36,7 @@ TEST_F(HomeContacts, WhatIsWithinAMarginDoesNotTouch) {
 }
 
 // Excludes contacts of two objects of its scene and of the fingers of a closed gripper.
-TEST_F(HomeContacts, ContactsAreThoseOfTheRobot) {
+TEST_F(HomeContacts, IncludeOnlyContactsOfTheRobot) {
   Doubts("kp='500' kv='50'");
   const std::string gripper = folder_.Write("grip", kTwoFingerGripper);
   AtomicWrite(file_, "name: bar\nmodel: bar.xml\ngravcomp: true\nattachments: [{mjcf_path: " +

@@ -9,7 +9,7 @@
 #include <string>
 #include <Eigen/Core>
 
-#include "robocell/diagnose/checks.h"
+#include "robocell/diagnose/trials.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/gripper_group.h"
 #include "robocell/scene/tool_elements.h"
@@ -24,7 +24,7 @@ constexpr double kTcpFar = 0.15;  // metres: a TCP at the wrist is nearer, with 
 
 // The box around a geom.
 struct GeomBox {
-  Vector3d center, half;  // in the geom's frame
+  Vector3d center, half;  // values in the geom's frame
   Vector3d pos;
   RowMatrix3d axes;
 
@@ -94,8 +94,8 @@ void WarnOfFarTcp(const Robot& robot, const MoveGroup& arm, Findings& findings) 
   findings.WarnAbout(
       "move_groups." + arm.name() + ".leaf",
       fmt::format(
-          "the TCP is {:.3g} m away from the fingers of '{}', and it is what poses are commanded "
-          "and recorded of. In the frame of '{}' it is at {} m, and the middle between the fingers "
+          "the TCP is {:.3g} m away from the fingers of '{}', and commands and recordings use the "
+          "TCP. In the frame of '{}' it is at {} m, and the middle between the fingers "
           "at {}: name a site there ({})",
           distance, name, body, in_hand(tcp), middle, advice.text),
       advice.edit);

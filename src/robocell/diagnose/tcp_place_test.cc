@@ -47,17 +47,17 @@ class TcpPlace : public ::testing::Test {
   const std::string file_ = (folder_.path() / "slides.yaml").string();
 };
 
-TEST_F(TcpPlace, BetweenTheFingersOrAtTheWristIsAsItShouldBe) {
+TEST_F(TcpPlace, AcceptsATcpBetweenTheFingersOrAtTheWrist) {
   for (const char* tcp : {"0 0 0.1", "0 0 0", "0 0 -0.05", "0 0 0.2"})
     EXPECT_THAT(Doubts(tcp), IsEmpty()) << tcp;
 }
 
-TEST_F(TcpPlace, FarFromTheFingersIsToldWithWhereTheyAre) {
+TEST_F(TcpPlace, WarnsAboutATcpFarFromTheFingers) {
   EXPECT_THAT(
       Doubts("0 0 10"),
       ElementsAre(file_ +
                   ":4:59: move_groups.arm.leaf: the TCP is 9.89 m away from the fingers of "
-                  "'gripper', and it is what poses are commanded and recorded of. In the frame of "
+                  "'gripper', and commands and recordings use the TCP. In the frame of "
                   "'hand' it is at [0, 0, 10] m, and the middle between the fingers at [0, 0, "
                   "0.06]: name a site there (edits: [{add_site: tcp, body: hand, pos: [0, 0, "
                   "0.06]}] adds one)"));

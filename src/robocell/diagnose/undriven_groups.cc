@@ -10,7 +10,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/function_name.h"
 #include "robocell/base/suggestions.h"
-#include "robocell/diagnose/checks.h"
+#include "robocell/diagnose/trials.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/unused_groups.h"

@@ -27,6 +27,10 @@ TEST_F(UndrivenGroups, ActuatorsOfNoGroupAreNamed) {
               Not(Contains(HasSubstr("no move group"))));
 }
 
+TEST_F(UndrivenGroups, VelocityServosBesidePositionServosAreMeantToBrake) {
+  EXPECT_THAT(Doubts("kp='2000'/><velocity name='brake' kv='100' joint='hip'"), ElementsAre());
+}
+
 TEST_F(UndrivenGroups, ActuatorsOfSeveralInputsAreNamedOnce) {
   const std::string more =
       "kp='2000' kv='100'/><pid name='spare' joint='spin' kp='1' kv='1' input='pos vel ff'/>"

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
+#include "robocell/env/base_frame.h"
 #include "robocell/env/env_scene.h"
 #include "robocell/kinematics/ik_step.h"
 #include "robocell/math/rotation.h"
@@ -135,8 +136,8 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
       layout_(std::move(layout)),
       joint_limits_(CommandLimits(robot_)),
       turns_freely_(TurnFreely(robot_)),
-      base_in_shared_(robot_.scene().shared_base_frame_to_world().inverse() *
-                      robot_.base_in_world()) {
+      base_moves_(internal::BaseTravel(robot_).has_value()),
+      fixed_base_(internal::BaseInSharedFrame(robot_)) {
   if (gripper_) fingers_.emplace(*gripper_);
   RequireJointPositions(config, robot_);
   for (const ChainJoint& joint : robot_.chain().joints()) {
@@ -158,8 +159,9 @@ std::vector<Robot> ArmDriver::robots() const {
 
 void ArmDriver::Reset() {
   controller_ = robot_.shared_controller(robot_.arm().name());
+  fixed_base_ = internal::BaseInSharedFrame(robot_);
   memory_.sent_joints = PositionsOf(controller_->commanded_joint_pos());
-  memory_.sent = base_in_shared_ * robot_.FkFrame(memory_.sent_joints);
+  memory_.sent = base_in_shared() * robot_.FkFrame(memory_.sent_joints);
   if (gripper_) memory_.sent_opening = Opening(gripper_->controller(gripper()->name()).target()[0]);
   if (fingers_) fingers_->Begin(robot_.scene().time());
   memory_.pending = {};
@@ -173,6 +175,10 @@ void ArmDriver::Reset() {
 void ArmDriver::SetOriginToCurrent() {
   memory_.origin = memory_.sent;
   memory_.origin_joints = memory_.sent_joints;
+}
+
+Pose ArmDriver::base_in_shared() const {
+  return base_moves_ ? internal::BaseInSharedFrame(robot_) : fixed_base_;
 }
 
 ArmDriver::Memory ArmDriver::memory() const {
@@ -342,7 +348,7 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
     last = LastPose(last, move, pending, seen);
   }
   Pose next = keeps ? last : NextPose(last, given);
-  const Pose target = base_in_shared_.inverse() * next;
+  const Pose target = base_in_shared().inverse() * next;
   bool solved = false;
   if (bounded) {
     const IkResult ik = internal::IkStep(robot_.chain(), target, joints);
@@ -361,7 +367,7 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
     if (!near.success) return false;
     sent_.position_shortfall = near.position_error;
     sent_.rotation_shortfall = near.rotation_error;
-    next = base_in_shared_ * robot_.FkFrame(near.q);
+    next = base_in_shared() * robot_.FkFrame(near.q);
     robot_.Apply({{arm, GroupCommand::Joints(PositionsOf(near.q))}});
   }
   sent_.position_taken_back = (memory_.sent.translation() - last.translation()).norm();

@@ -27,8 +27,8 @@ struct ArmMotion {
   // Distance between the target and the commanded pose, m and rad: not zero when the pose had no
   // solution nearby and the arm went towards it in damped steps.
   double position_shortfall = 0, rotation_shortfall = 0;
-  // How far the target from which the action started was taken back, because it led the arm by more
-  // than max_target_lead: the largest value of any joint, rad or m, or of the pose, m and rad.
+  // Distance by which the action's start target was taken back because it led the arm by more than
+  // max_target_lead: the largest value of any joint, rad or m, or of the pose, m and rad.
   double joint_taken_back = 0, position_taken_back = 0, rotation_taken_back = 0;
 };
 
@@ -57,7 +57,7 @@ class ArmDriver {
     Pose seen = {};
     std::vector<double> seen_joints = {};
 
-    // All but fingers.window, whose length is the gripper's.
+    // Returns all numbers except fingers.window, whose length depends on the gripper.
     std::vector<double> numbers() const;
     // Reads the memory of an arm with `joints` joints and removes its numbers from the front of
     // `numbers`.
@@ -71,7 +71,7 @@ class ArmDriver {
 
   const RobotLayout& layout() const { return layout_; }
   const Robot& robot() const { return robot_; }
-  // Returns the robots that it moves: the arm, and its gripper if that is a robot of its own.
+  // Returns the robots that it moves: the arm, and its gripper if that is a separate robot.
   std::vector<Robot> robots() const;
 
   // Takes the last target and the origin from the scene after a reset.
@@ -125,7 +125,9 @@ class ArmDriver {
   bool IsHeldAwayByGravity();
   void WatchFromNow();
   // Returns the TCP with the joints at `q`, in the shared base frame.
-  Pose TcpAt(std::span<const double> q) const { return base_in_shared_ * robot_.FkFrame(q); }
+  Pose TcpAt(std::span<const double> q) const { return base_in_shared() * robot_.FkFrame(q); }
+  // Returns the pose of the robot's base in the shared base frame, also of one that joints move.
+  Pose base_in_shared() const;
   Pose NextPose(const Pose& last, const Pose& given) const;
   bool GripperIsStill(double time) { return fingers_->IsStill(time, memory_.sent_opening); }
   const GripperGroup* gripper() const { return gripper_ ? &gripper_->gripper() : nullptr; }
@@ -144,11 +146,12 @@ class ArmDriver {
   RobotLayout layout_;
   std::vector<Interval> joint_limits_;
   std::vector<bool> turns_freely_;  // a joint without limits
-  Pose base_in_shared_;
+  bool base_moves_;
+  Pose fixed_base_;  // in the shared base frame, since the last reset; unless base_moves_
 
   Memory memory_;
-  ArmMotion sent_;  // of the last Send: shortfall of the command, and what was taken back
-  std::shared_ptr<Controller> controller_;  // of the arm, at the last Send
+  ArmMotion sent_;                          // motion of the last Send: shortfall, taken-back target
+  std::shared_ptr<Controller> controller_;  // the arm's controller at the last Send
 };
 
 }  // namespace robocell

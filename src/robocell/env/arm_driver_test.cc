@@ -22,7 +22,7 @@ double TargetOf(const Env& env) {
   return Robot::Of(env.scene(), "robot").controller("arm").commanded_joint_pos()[0];
 }
 
-TEST(EnvTargetLead, AJointIsLedByNoMoreThanTheLeadAndOneAction) {
+TEST(EnvTargetLead, LimitsTheLeadOfAJointToOneActionMore) {
   ModelFolder folder;
   EnvConfig config = OneHingeOnABlock(folder);
   for (const double lead : {0.1, 0.05}) {
@@ -39,7 +39,7 @@ TEST(EnvTargetLead, AJointIsLedByNoMoreThanTheLeadAndOneAction) {
 }
 
 // The lag of a fast arm becomes lead as soon as something stops the arm.
-TEST(EnvTargetLead, AFastApproachLeadsABlockedArmNoMore) {
+TEST(EnvTargetLead, LimitsTheLeadAfterAFastApproach) {
   ModelFolder folder;
   EnvConfig config = OneHingeOnABlock(folder);
   config.max_relative_movement = {0.2};
@@ -59,7 +59,7 @@ TEST(EnvTargetLead, AFastApproachLeadsABlockedArmNoMore) {
 }
 
 // An arm that cannot follow loses part of its target; the motion of the step reports how much.
-TEST(EnvTargetLead, WhatIsTakenBackIsTold) {
+TEST(EnvTargetLead, ReportsTheDistanceTakenBack) {
   ModelFolder folder;
   Env env(OneHingeOnABlock(folder));
   env.Reset({.seed = 1});
@@ -78,7 +78,7 @@ TEST(EnvTargetLead, WhatIsTakenBackIsTold) {
 
 // Many small steps add up to the full distance, however much the arm lags and sags; so do fast
 // ones, as long as the lead allows for the arm's start.
-TEST(EnvTargetLead, RampsGoAllTheWay) {
+TEST(EnvTargetLead, RampsReachTheirEnd) {
   for (const bool sagging : {true, false}) {
     for (const double step : {-0.0005, -0.02}) {
       ModelFolder folder;
@@ -100,7 +100,7 @@ TEST(EnvTargetLead, RampsGoAllTheWay) {
   }
 }
 
-TEST(EnvTargetLead, ZerosKeepTheTargetOfAnArmThatIsHeldAway) {
+TEST(EnvTargetLead, AZeroActionKeepsTheTargetOfABlockedArm) {
   ModelFolder folder;
   Env env(OneHingeOnABlock(folder));
   env.Reset({.seed = 1});
@@ -111,7 +111,7 @@ TEST(EnvTargetLead, ZerosKeepTheTargetOfAnArmThatIsHeldAway) {
 }
 
 // Only the blocked direction is taken back: the tool keeps its orientation and its place.
-TEST(EnvTargetLead, AToolThatIsPressedOntoSomethingIsNotTurnedAway) {
+TEST(EnvTargetLead, PressingDoesNotTurnATool) {
   EnvConfig config = Rc7Env(ControlMode::kCartesianTrpy);
   config.add_floor = true;
   config.sim.on_collision = OnCollision::kReport;
@@ -132,7 +132,7 @@ TEST(EnvTargetLead, AToolThatIsPressedOntoSomethingIsNotTurnedAway) {
 }
 
 // Earlier commands do not delay a blocked arm that leaves, whatever actions are relative to.
-TEST(EnvTargetLead, AbsoluteActionsLeaveAtOnceToo) {
+TEST(EnvTargetLead, AbsoluteActionsRetreatAtOnce) {
   ModelFolder folder;
   EnvConfig config = OneHingeOnABlock(folder);
   config.max_relative_movement = {0.05};
@@ -216,18 +216,16 @@ void ExpectToBeLedLittle(EnvConfig config) {
   }
 }
 
-TEST(EnvTargetLead, ABuiltInArmIsLedLittleAfterAFastApproach) { ExpectToBeLedLittle(Rc7Env()); }
+TEST(EnvTargetLead, ABuiltInArmHasASmallLeadAfterAFastApproach) { ExpectToBeLedLittle(Rc7Env()); }
 
-TEST(EnvTargetLead, AnFr3IsLedLittleAfterAFastApproach) {
+TEST(EnvTargetLead, AnFr3HasASmallLeadAfterAFastApproach) {
   REQUIRE_MENAGERIE("franka_fr3");
   ExpectToBeLedLittle(EnvConfig::Load(assets::BuiltinCellFile("fr3")));
 }
 
-TEST(EnvTargetLead, ABuiltInArmRisesAtOnceAfterItWasPushedIntoTheFloor) {
-  ExpectToRiseAtOnce(Rc7Env());
-}
+TEST(EnvTargetLead, ABuiltInArmRisesAtOnceFromTheFloor) { ExpectToRiseAtOnce(Rc7Env()); }
 
-TEST(EnvTargetLead, AnFr3RisesAtOnceAfterItWasPushedIntoTheFloor) {
+TEST(EnvTargetLead, AnFr3RisesAtOnceFromTheFloor) {
   REQUIRE_MENAGERIE("franka_fr3");
   ExpectToRiseAtOnce(EnvConfig::Load(assets::BuiltinCellFile("fr3")));
 }
@@ -286,16 +284,16 @@ void ExpectJointsToBeLedLittle(EnvConfig config, const BlockedLink& blocked) {
 
 const BlockedLink kShoulderBehind = {{-0.35, 0.1, 0.3}, {-0.0129, 0.0061, -0.0141}};
 
-TEST(EnvTargetLead, JointsOfABlockedLinkOfABuiltInArmAreLedLittle) {
+TEST(EnvTargetLead, ABlockedBuiltInArmHasASmallLead) {
   ExpectJointsToBeLedLittle(Rc7Env(), {{0.3, 0.3, 0.3}, {-0.0099, 0.0028, 0.0172}});
 }
 
-TEST(EnvTargetLead, JointsOfABlockedLinkOfAnFr3AreLedLittle) {
+TEST(EnvTargetLead, ABlockedFr3HasASmallLead) {
   REQUIRE_MENAGERIE("franka_fr3");
   ExpectJointsToBeLedLittle(EnvConfig::Load(assets::BuiltinCellFile("fr3")), kShoulderBehind);
 }
 
-TEST(EnvTargetLead, JointsOfABlockedLinkOfAGen3AreLedLittle) {
+TEST(EnvTargetLead, ABlockedGen3HasASmallLead) {
   REQUIRE_MENAGERIE("kinova_gen3", "robotiq_2f85");
   ExpectJointsToBeLedLittle(EnvConfig::Load(assets::BuiltinCellFile("gen3_2f85")), kShoulderBehind);
 }
@@ -324,7 +322,7 @@ TEST(EnvTargetLead, AGen3FollowsFreelyWithoutSwinging) {
   EXPECT_LT(speed, 8);
 }
 
-TEST(EnvTargetLead, JointsOfABlockedLinkOfAPandaAreLedLittle) {
+TEST(EnvTargetLead, ABlockedPandaHasASmallLead) {
   REQUIRE_MENAGERIE("franka_emika_panda");
   ExpectJointsToBeLedLittle(EnvConfig::Load(assets::BuiltinCellFile("panda")), kShoulderBehind);
 }

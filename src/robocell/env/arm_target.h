@@ -25,8 +25,8 @@ bool HasDirection(std::span<const double> quaternion);
 
 // Writes x y z and the quaternion xyzw into seven numbers.
 void PutTquat(const Pose& pose, std::span<double> out);
-// The same for an observation: by rounding, the quaternion of a product may be longer than 1 by a
-// unit in the last place.
+// Writes them for an observation, with quaternion components in [-1, 1]: by rounding, those of a
+// product may exceed 1 by a unit in the last place.
 void ObserveTquat(const Pose& pose, std::span<double> out);
 
 // Maps a hinge without limits into +-`most`, which is more than half a turn, by removing whole

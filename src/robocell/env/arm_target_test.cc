@@ -23,7 +23,7 @@ TEST(ArmTarget, MovesAlongAndTurnsAroundTheAxesOfTheFrame) {
   }
 }
 
-TEST(ArmTarget, WhatIsNearIsReached) {
+TEST(ArmTarget, ReachesANearTarget) {
   Rng rng = Rng::Stream(2, "arm target");
   for (int i = 0; i < 100; ++i) {
     const Pose from = RandomPose(rng), to = RandomPose(rng);
@@ -32,7 +32,7 @@ TEST(ArmTarget, WhatIsNearIsReached) {
   }
 }
 
-TEST(ArmTarget, WhatIsFarIsApproachedByTheLimit) {
+TEST(ArmTarget, ApproachesAFarTargetByTheLimit) {
   Rng rng = Rng::Stream(3, "arm target");
   constexpr StepLimit kLimit{0.05, 0.2};
   for (int i = 0; i < 100; ++i) {
@@ -49,14 +49,14 @@ TEST(ArmTarget, WhatIsFarIsApproachedByTheLimit) {
   }
 }
 
-TEST(ArmTarget, StepsAddUpToTheWholeWay) {
+TEST(ArmTarget, StepsAddUpToTheWholeMotion) {
   const Pose to = Pose::FromRpy({0.3, -0.2, 0.1}, {0.4, 0.5, -1});
   Pose at;
   for (int i = 0; i < 20; ++i) at = LimitedStep(at, to, {0.05, 0.1});
   EXPECT_TRUE(at.is_close(to, 1e-9, 1e-9));
 }
 
-TEST(ArmTarget, JointsAreLimitedOneByOne) {
+TEST(ArmTarget, LimitsEachJointSeparately) {
   const std::vector<double> from = {0, 1, 2};
   std::vector<double> to = {1, 1.05, -3};
   LimitJointStep(from, 0.1, to);
@@ -110,7 +110,7 @@ TEST(ArmTarget, QuaternionsOfAnyLengthAreTheSameRotation) {
           .is_close(Pose::FromRpy({0, 0, 0}, {internal::kPi / 2, 0, 0}), 1e-12, 0));
 }
 
-TEST(ArmTarget, PlacesThatAreAsFarAsNumbersGoAreApproachedByTheLimit) {
+TEST(ArmTarget, ApproachesExtremelyFarTargetsByTheLimit) {
   const Pose sent = LimitedStep(Pose(), Pose(Eigen::Vector3d(3e300, 0, 4e300)), {0.05, 0.1});
   EXPECT_TRUE(sent.translation().isApprox(Eigen::Vector3d(0.03, 0, 0.04), 1e-12));
 }

@@ -86,8 +86,8 @@ bool ArmWatch::is_slow() const {
   return true;
 }
 
-// In the window, by little of the tolerance, or by too little of the remaining distance to get
-// there soon.
+// True if the joint moved in the window by little of its tolerance, or too little to cover the
+// remaining distance soon.
 bool ArmWatch::HasHardlyMoved(std::span<const double> wanted, double window) const {
   for (size_t i = 0; i < tolerances_.size(); ++i) {
     const double now = Mean(i), left = std::abs(now - wanted[i]);

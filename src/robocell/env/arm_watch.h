@@ -52,7 +52,8 @@ class ArmWatch {
   // Positions now, and one and two engine steps ago, as far as they were observed.
   std::array<std::vector<double>, 3> seen_;
   size_t steps_ = 0;
-  std::vector<double> window_pos_, middle_pos_;  // at the beginning of the window, and half-way
+  // Positions at the start and the middle of the window.
+  std::vector<double> window_pos_, middle_pos_;
   double window_since_ = 0;
   bool has_middle_ = false;
   bool at_rest_ = false;

@@ -1,11 +1,11 @@
 // CollisionMonitor: finds which robots collide, by robot and body, and whether the contact is new.
 //
-// A robot's collision geoms (RobotConfig::collision_geoms, else all of its own) count, what it
-// carries included. Of its gripper, whose business it is to touch things, only the geoms count that
-// its own `collision_geoms` names, of a mounted gripper that gripper's, and never those of one finger
-// on the other. What
-// `ignored_collision_geoms` of a robot or gripper names may be touched by its geoms. Contacts of a
-// robot with itself count too, but for links with a joint between them: models let these overlap.
+// A robot's collision geoms (RobotConfig::collision_geoms, else all) count, including carried
+// objects. Of its gripper, which has to touch objects, only the geoms count that its own
+// `collision_geoms` names, of a mounted gripper that gripper's, and never those of one finger on
+// the other. What `ignored_collision_geoms` of a robot or gripper names may be touched by its
+// geoms. Contacts of a robot with itself count too, but for links with a joint between them: models
+// let these overlap.
 //
 //   monitor.Begin();                               // what touched at the last look is not new
 //   ... step ...; if (monitor.FindNew()) ...       // no allocation unless something is new
@@ -24,7 +24,7 @@ namespace robocell {
 
 struct Collision {
   std::string robot;        // name in the scene
-  std::string body;         // of the robot, full name
+  std::string body;         // the robot's body, full name
   std::string other_robot;  // "" if the other body belongs to no robot
   std::string other_body;
 
@@ -61,8 +61,7 @@ class CollisionMonitor {
   void Look();
   void MarkGeoms(const Watched& watched, int index);
   void Ignore(const Robot& robot);
-  // The geoms of a robot's own hand, which count only where the robot's `collision_geoms` names
-  // some.
+  // Marks the geoms of a robot's own hand, which count only if `collision_geoms` names some.
   void MarkHand(const MoveGroup& gripper, bool counts);
   Collision MakeCollision(std::pair<int, int> bodies) const;
 
@@ -75,7 +74,7 @@ class CollisionMonitor {
   std::set<std::pair<int, int>> harmless_;  // counted geom, geom that it may touch
   bool bound_ = false;                      // names were looked up and are correct
   bool looked_ = false;                     // since Forget
-  Memory touching_;                         // at the last look
+  Memory touching_;                         // contacts at the last check
   Memory found_;                            // since Begin
 };
 

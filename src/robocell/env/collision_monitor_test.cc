@@ -45,39 +45,39 @@ class GripperCollisions : public ::testing::Test {
   EnvConfig config_;
 };
 
-TEST_F(GripperCollisions, AreNoneUnlessItsGeomsAreNamed) {
+TEST_F(GripperCollisions, AreReportedOnlyForNamedGeoms) {
   EXPECT_THAT(WhenAFingerIsTouched(), IsEmpty());
   gripper().collision_geoms = {{.name = "left_pad"}};
   const Collision expected{"left", "gripperleft_left", "", "post"};
   EXPECT_THAT(WhenAFingerIsTouched(), ::testing::Contains(expected));
 }
 
-TEST_F(GripperCollisions, DoNotCountBetweenItsFingers) {
+TEST_F(GripperCollisions, ExcludeContactsBetweenFingers) {
   gripper().collision_geoms = {{.name = "left_pad"}, {.name = "right_pad"}};
   for (const Collision& collision : WhenAFingerIsTouched()) EXPECT_EQ(collision.other_body, "post");
 }
 
-TEST_F(GripperCollisions, AreNoneWithWhatIsIgnored) {
+TEST_F(GripperCollisions, ExcludeIgnoredGeoms) {
   gripper().collision_geoms = {{.name = "left_pad"}, {.name = "right_pad"}};
   gripper().ignored_collision_geoms = {"post_geom"};
   EXPECT_THAT(WhenAFingerIsTouched(), IsEmpty());
 }
 
-TEST_F(GripperCollisions, NameAnIgnoredGeomThatIsNotThere) {
+TEST_F(GripperCollisions, NameAMissingIgnoredGeom) {
   gripper().collision_geoms = {{.name = "left_pad"}};
   gripper().ignored_collision_geoms = {"pst_geom"};
   ExpectThrow<NotFoundError>([&] { WhenAFingerIsTouched(); },
                              "robot 'gripperleft': ignored_collision_geoms: no geom 'pst_geom'");
 }
 
-TEST_F(GripperCollisions, NameAnIgnoredGeomThatIsNotThereWithoutGeomsToo) {
+TEST_F(GripperCollisions, NameAMissingIgnoredGeomWithoutCollisionGeoms) {
   gripper().ignored_collision_geoms = {"pst_geom"};
   ExpectThrow<NotFoundError>([&] { WhenAFingerIsTouched(); },
                              "robot 'gripperleft': ignored_collision_geoms: no geom 'pst_geom'");
 }
 
 // An arm with a hand of its own.
-TEST(HandCollisions, CountWhereTheRobotNamesTheirGeoms) {
+TEST(HandCollisions, AreReportedForNamedGeoms) {
   const auto when_touched = [](const std::vector<ElementRef>& geoms) {
     EnvConfig config = Rc7Env();
     config.robots["robot"].collision_geoms = geoms;

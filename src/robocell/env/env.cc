@@ -10,10 +10,13 @@
 #include "robocell/base/function_name.h"
 #include "robocell/base/log.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/env/cell.h"
 #include "robocell/env/env_scene.h"
 #include "robocell/robot/unused_groups.h"
 #include "robocell/robot/validate_config.h"
+#include "robocell/spec/locations.h"
 #include "robocell/spec/validate.h"
+#include "robocell/task/task_calls.h"
 #include "robocell/task/task_judge.h"
 #include "robocell/task/task_kind.h"
 
@@ -68,15 +71,14 @@ CameraSystemConfig StreamsOf(const EnvConfig& config) {
   return cameras;
 }
 
-// A pointer without ownership: the environment's own is the only one (Env::task).
-std::shared_ptr<const DeclaresFeatures> Lent(const std::shared_ptr<Task>& task) {
-  return {std::shared_ptr<void>(), task.get()};
-}
-
-std::shared_ptr<internal::TaskJudge> JudgeOf(const std::shared_ptr<Task>& task, const Scene& scene,
-                                             std::string place) {
-  if (!task) return nullptr;
-  return std::make_shared<internal::TaskJudge>(*task, scene, std::move(place));
+// Returns make(), whose NotFoundError begins with the place of the field in the file.
+template <class Make>
+auto MadeOf(const EnvConfig& config, const std::string& field, const Make& make) {
+  try {
+    return make();
+  } catch (const NotFoundError& error) {
+    throw NotFoundError(WithPlace(config.locations.At(field), error.what()));
+  }
 }
 
 EnvConfig Checked(EnvConfig config) {
@@ -131,21 +133,29 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       scene_(std::move(scene)),
       variations_(config_, scene_.inner()),
       task_(MakeTask(config_, scene_)),
-      judge_(JudgeOf(task_, scene_.inner(), place())),
       signals_(scene_.inner(), Lent(task_), "task"),
-      chosen_(scene_.inner(), RobotsOf(scene_.inner()), config_.features.names),
+      chosen_(MadeOf(config_, "features",
+                     [&] {
+                       return ChosenFeatures(scene_.inner(), RobotsOf(scene_.inner()),
+                                             config_.features.names);
+                     })),
       layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_), task_.get(), signals_, chosen_)),
       objects_(ObservedObjects(layout_, scene_)),
       arms_(DriversOf(config_, scene_.inner(), layout_)),
-      stepper_(scene_.inner(), RobotsOfDrivers(arms_), {.control_ticks = 1, .sim_steps = 1}),
+      cell_(std::make_shared<internal::Cell>(scene_.inner(), RobotsOfDrivers(arms_),
+                                             StepperRates{.control_ticks = 1, .sim_steps = 1},
+                                             task_.get(), place())),
       collisions_(WatchedOf(arms_)),
-      cameras_(scene_.inner(), StreamsOf(config_), drawing),
+      cameras_(MadeOf(config_, "cameras.streams",
+                      [&] { return EnvCameras(scene_.inner(), StreamsOf(config_), drawing); })),
       seeds_(copy ? Rng::Stream(0, kSeedPurpose, *copy) : Rng::Stream(0, kSeedPurpose)),
       observation_(layout_.observation.size()),
       motions_(arms_.size()),
       draws_(!drawing) {
   const bool is_first = copy.value_or(0) == 0;  // only the first copy logs
   if (is_first) {
+    for (const std::string& warning : scene_.compiled()->warnings())
+      LogWarn(fmt::format("{}: {}", place(), warning));
     for (const ArmDriver& arm : arms_) {
       TellUndriven(arm.robot());
       RequireDistances(arm);
@@ -181,13 +191,15 @@ void Env::Reset(const EnvResetOptions& options) {
   if (!config_.wrappers.home_on_reset && !options.keyframe && phase_ == Phase::kReady) {
     for (const ArmDriver& arm : arms_) kept.push_back(arm.robot().arm().joint_pos());
   }
+  const bool is_first = phase_ == Phase::kUnready;
   phase_ = Phase::kBroken;  // until the reset is complete
   const uint64_t seed = seeds_.NextBits();
   Rng variation = Rng::Stream(seed, "env variation");
   variations_.Draw(variation);
-  if (const std::string why = MakeStart(seed, options.keyframe, kept); !why.empty())
-    throw ArgumentError(NoStart(why));
-  if (judge_) judge_->Begin();
+  if (const auto refused = MakeStart(seed, options.keyframe, kept))
+    throw ArgumentError(NoStart(*refused));
+  cell_->Begin();
+  if (task_ && is_first) internal::WarnOfNoWords(*task_, config_.task->kind(), instruction());
   collisions_.Forget();
   ticks_ = 0;
   pacer_.Start(0);
@@ -200,14 +212,23 @@ void Env::Reset(const EnvResetOptions& options) {
 
 void Env::AddObserver(EnvObserver* observer) {
   observers_->push_back(observer);
-  stepper_.set_on_control_tick([all = observers_](const mjModel* model, const mjData* data) {
+  cell_->set_on_control_tick([all = observers_](const mjModel* model, const mjData* data) {
     for (EnvObserver* each : *all) each->OnControlTick(model, data);
   });
 }
 
 void Env::RemoveObserver(EnvObserver* observer) {
   std::erase(*observers_, observer);
-  if (observers_->empty()) stepper_.set_on_control_tick({});
+  if (observers_->empty()) cell_->set_on_control_tick({});
+}
+
+std::string Env::instruction() const {
+  return task_ ? internal::TaskCalls(*task_).Instruction() : "";
+}
+
+void Env::DropTask() {
+  cell_->DropTask();
+  task_.reset();
 }
 
 void Env::RequireReady() const {
@@ -226,8 +247,8 @@ void Env::RequireReady() const {
 void Env::RequireAction(std::span<const double> action) const {
   RequireReady();
   if (action.size() != static_cast<size_t>(layout_.action.size())) {
-    throw ArgumentError(fmt::format("{}: expected an action of {} numbers, got {}", place(),
-                                    layout_.action.size(), action.size()));
+    throw ArgumentError(fmt::format("{}: expected an action of {}, got {}", place(),
+                                    Counted(layout_.action.size(), "number"), action.size()));
   }
   for (const ArmDriver& arm : arms_) arm.RequireAction(action, place());
 }
@@ -288,29 +309,17 @@ EndReason Env::ReasonOf(const StepResult& step, const EnvStep& out) {
   return EndReason::kTimeout;
 }
 
-StepResult Env::Advance(const Poll& poll) {
-  const auto done = [&] {
-    if (poll) poll();
-    return ShouldEnd();
-  };
-  return stepper_.AdvanceUntil({}, TicksOfStep(), done).step;
-}
-
-// Simulates the step. If a robot collides, it goes back to the beginning of the step and simulates
-// it again with the arms held at their previous targets.
-StepResult Env::AdvanceGuarded(std::span<const double> action, const EnvState& before, EnvStep& out,
-                               const Poll& poll) {
-  cameras_.Mark();
-  out.ik_failed = Send(action);
-  const StepResult ahead = Advance(poll);
-  if (!ahead.ok() || !collided_) return ahead;
+// If a robot has collided, goes back to the beginning of the step, which is then simulated again
+// with the arms held at their previous targets.
+bool Env::GoBack(const EnvState& before, EnvStep& out) {
+  if (!collided_) return false;
   out.collisions = collisions_.found();
   RecallCell(before);  // the task has not been asked since
   collisions_.Begin();
   cameras_.GoBackToMark();
   held_ = true;
   for (EnvObserver* observer : *observers_) observer->OnTakenBack();
-  return Advance(poll);
+  return true;
 }
 
 EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
@@ -323,15 +332,20 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
   for (EnvObserver* observer : *observers_) observer->OnAction(action);
   phase_ = Phase::kBroken;  // until the state is complete
   collisions_.Begin();
-  StepResult result;
+  internal::CellCommand command;
+  command.send = [&] { return out.ik_failed = Send(action), StepOutcome(); };
+  command.most_ticks = TicksOfStep();
+  command.done = [&] {
+    if (poll) poll();
+    return ShouldEnd();
+  };
   if (before) {
-    result = AdvanceGuarded(action, *before, out, poll);
-  } else {
-    out.ik_failed = Send(action);
-    result = Advance(poll);
+    cameras_.Mark();
+    command.goes_back = [&] { return GoBack(*before, out); };
   }
-  out.reason = ReasonOf(result, out);
-  out.message = result.message;
+  const internal::CellStep step = cell_->Step(command);
+  out.reason = ReasonOf(step.step, out);
+  out.message = step.step.message;
   if (!held_) out.collisions = collisions_.found();
   out.time = TimeSinceReset();
   if (out.reason == EndReason::kDiverged) {
@@ -340,20 +354,15 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
     return out;
   }
   for (size_t i = 0; i < arms_.size(); ++i) motions_[i] = arms_[i].motion();
-  if (judge_) Judge(out);  // first: signals may use its result
-  Observe();
+  out.reward = step.verdict.reward;
+  out.progress = step.verdict.progress;
+  out.subtask = step.verdict.subtask;
+  out.success = step.verdict.success;
+  Observe();  // after the verdict: signals may use it
   if (config_.sim.realtime) pacer_.Wait(out.time, poll);
   phase_ = Phase::kReady;
   TellOfStep(*observers_, out);
   return out;
-}
-
-void Env::Judge(EnvStep& out) {
-  const TaskVerdict verdict = judge_->Judge();
-  out.reward = verdict.reward;
-  out.progress = verdict.progress;
-  out.subtask = verdict.subtask;
-  out.success = verdict.success;
 }
 
 void Env::Observe() {

@@ -8,11 +8,11 @@
 //   if (step.reason == EndReason::kIkFailed) ...
 //   std::span<const double> seen = env.observation();
 //
-// A step sends the command of every arm, whatever was sent before, and ends when all arms have
+// A step sends the command of every arm, independent of earlier ones, and ends when all arms have
 // arrived or come to rest, when a robot collides, or when its time is up; with async_control always
 // after 1/frequency. It reports the reason; motions() gives each arm's distance to its target. A
 // small step to a pose without a solution nearby is made in damped steps as far as these get; if
-// they make no progress the arm keeps its target, and the next command is tried anew.
+// they make no progress the arm keeps its target, and the next command is tried again.
 //
 // Errors: SpecError for an invalid configuration, including task objects that do not come to rest
 // where they start. ArgumentError for actions of a wrong size or with numbers that are not finite,
@@ -21,7 +21,7 @@
 // in the middle of a step, only Reset and Restore continue.
 // With on_collision guard, a step in which a robot collides is taken back: the arms are held at
 // their previous targets for the duration of the step, and the reason is collision.
-// To run copies of one environment in parallel, give each an Env of its own on a frozen model.
+// To run copies of one environment in parallel, give each its own Env on a frozen model.
 // Threads: those of the scene.
 #pragma once
 
@@ -43,7 +43,6 @@
 #include "robocell/env/env_state.h"
 #include "robocell/env/object_variations.h"
 #include "robocell/env/pacer.h"
-#include "robocell/env/stepper.h"
 #include "robocell/features/declared_features.h"
 #include "robocell/scene/body_handle.h"
 #include "robocell/scenes/start_inspector.h"
@@ -52,16 +51,16 @@
 
 namespace robocell {
 
-// Why a step ended: the first reason that applies.
+// Reasons for the end of a step; the first that applies is reported.
 enum class EndReason { kDiverged, kCollision, kIkFailed, kArrived, kSettled, kTimeout };
 const char* ToString(EndReason reason);
 
 struct EnvStep {
   EndReason reason = EndReason::kTimeout;
   double time = 0;           // simulated s since the reset
-  std::string message = {};  // of a divergence
-  double reward = 0;         // of the task, 0 without
-  double progress = 0;       // of the task, 0 ... 1
+  std::string message = {};  // description of a divergence
+  double reward = 0;         // reward of the task; 0 without one
+  double progress = 0;       // progress of the task, 0 ... 1
   int subtask = 0;           // index of the task's subtask during the action
   bool success = false;
   std::vector<std::string> ik_failed = {};  // names of robots
@@ -77,8 +76,8 @@ struct EnvResetOptions {
 };
 
 namespace internal {
+class Cell;
 class PreparedObjects;
-class TaskJudge;
 }  // namespace internal
 
 class Env {
@@ -116,12 +115,12 @@ class Env {
   // Draws the pending frames; only needed with a SharedDrawing, otherwise they are already drawn.
   void DrawFrames() { cameras_.Draw(TimeSinceReset()); }
   // Returns the task in words; "" without a task.
-  std::string instruction() const { return task_ ? task_->instruction() : ""; }
+  std::string instruction() const;
 
   // Saves the present state under a name. Restore goes back to it any number of times, with the
-  // same continuation to the bit and the same observations; images are taken anew. Only Forget
+  // same continuation to the bit and the same observations; images are rendered again. Only Forget
   // removes a name. Throws NotFoundError that lists the names, and Error before the first Reset or
-  // if the scene was compiled anew since.
+  // if the scene was compiled again since.
   void Save(const std::string& name);
   void Restore(const std::string& name);
   void Forget(const std::string& name);
@@ -131,7 +130,7 @@ class Env {
   // another process, and, with StateFrame::kRoot, on a rig that stands elsewhere. Throws Error
   // before the first Reset.
   EnvState state() const;
-  // Begins the task anew if the state is that of a reset, and restores its memory. Throws
+  // Begins the task again if the state is that of a reset, and restores its memory. Throws
   // ArgumentError for a state of another configuration and for numbers that are not finite, before
   // anything changes.
   void SetState(const EnvState& state, StateFrame frame = StateFrame::kWorld);
@@ -142,34 +141,32 @@ class Env {
   // Does nothing for an observer that was not added.
   void RemoveObserver(EnvObserver* observer);
 
-  // With relative_to configured_origin: makes actions relative to the robot's present target.
-  // Throws NotFoundError that lists the robots.
+  // Makes actions relative to the robot's present target (relative_to configured_origin). Throws
+  // NotFoundError with the robots.
   void SetOriginToCurrent(const std::string& robot);
 
-  // For owners of the task's object in another language: gives access to the only reference from
-  // here (null without a task) and drops it. Without its task an environment cannot be used any
-  // more.
+  // Return and drop the environment's only reference to the task (null without one), for owners
+  // in another language. Without its task an environment cannot be used any more.
   const std::shared_ptr<Task>& task() const { return task_; }
-  void DropTask() {
-    judge_.reset();
-    task_.reset();
-  }
+  void DropTask();
 
  private:
   enum class Phase { kUnready, kReady, kDiverged, kBroken };
 
   struct Snapshot {
-    uint64_t generation = 0;  // of the scene
+    uint64_t generation = 0;  // generation of the scene
     EnvState state;
   };
 
+  BodyPoses TaskStarts(Rng& rng);
+  void ResetToStart(const ResetOptions& options);
   void TryStart(bool is_first);
   void FindPreparedObjects(bool is_first);
   void PutPrepared(Rng& rng);
   void MakeInspector();
-  std::string MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& keyframe,
-                        const std::vector<std::vector<double>>& kept_joints);
-  std::string NoStart(const std::string& why) const;
+  std::optional<Refusal> MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& keyframe,
+                                   const std::vector<std::vector<double>>& kept_joints);
+  std::string NoStart(const Refusal& most_often) const;
   std::string NoPlace() const;
   void RequireRest(const std::string& doubt);
   void WarnOfStart();
@@ -180,12 +177,10 @@ class Env {
   void RequireState(const EnvState& state) const;
   void RequireFrame(const EnvState& state, StateFrame frame) const;
   void RecallCell(const EnvState& state);
+  void RecallOthers();
   void MoveToRoot(const Pose& from);
   using Poll = std::function<void()>;
-  StepResult Advance(const Poll& poll);
-  StepResult AdvanceGuarded(std::span<const double> action, const EnvState& before, EnvStep& out,
-                            const Poll& poll);
-  void Judge(EnvStep& out);
+  bool GoBack(const EnvState& before, EnvStep& out);
   int64_t TicksOfStep() const;
   double TimeSinceReset() const;
   bool ShouldEnd();
@@ -205,16 +200,15 @@ class Env {
   Scene scene_;  // the only handle: all others here are inner() ones, as collectors rely on
   ObjectVariations variations_;
   std::shared_ptr<Task> task_;
-  std::shared_ptr<internal::TaskJudge> judge_;  // null without a task
-  DeclaredFeatures signals_;                    // of the task
+  DeclaredFeatures signals_;  // of the task
   ChosenFeatures chosen_;
   EnvLayout layout_;
-  std::vector<BodyHandle> objects_;  // of layout_.objects
+  std::vector<BodyHandle> objects_;  // bodies of layout_.objects
   std::vector<ArmDriver> arms_;
   std::shared_ptr<internal::PreparedObjects> prepared_;  // null when no place is drawn
   std::vector<std::string> resting_;                     // objects that have to rest at the start
   std::optional<StartInspector> start_inspector_;        // with such objects
-  Stepper stepper_;
+  std::shared_ptr<internal::Cell> cell_;
   CollisionMonitor collisions_;
   EnvCameras cameras_;
   std::map<std::string, Snapshot> saved_;
@@ -227,7 +221,7 @@ class Env {
   std::vector<double> observation_;
   std::vector<ArmMotion> motions_;
   int64_t ticks_ = 0;      // engine steps since the reset
-  bool collided_ = false;  // in this step
+  bool collided_ = false;  // true if a robot collided in this step
   bool draws_ = true;
   bool held_ = false;  // this step, by the guard
 };

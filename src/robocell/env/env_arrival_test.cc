@@ -13,6 +13,7 @@
 #include "robocell/env/arm_target.h"
 #include "robocell/env/env.h"
 #include "robocell/env/testing/envs.h"
+#include "robocell/env/testing/one_hinge.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/testing/torso.h"
 
@@ -88,6 +89,33 @@ TEST(EnvArrival, ToleranceAndSpeedAreThoseOfTheRobotsFile) {
   EXPECT_LE(StateOf(env.scene(), "robotrobot_turn", 1).speed, 1e-3 / kSettling);
 }
 
+// A servo that follows its control 0.3 s later: until then the arm rests far from its target.
+TEST(EnvArrival, AStepOfAnArmWithADelayEndsAfterTheDelayAndTheMotion) {
+  ModelFolder folder;
+  EnvConfig config = OneHinge(folder, "damping='2'", true, "delay='0.3' nsample='151'");
+  config.relative_to = RelativeTo::kNone;
+  config.sim.max_convergence_time = 5;
+  Env env(config);
+  env.Reset({.seed = 1});
+  for (const double target : {0.4, -0.2, -0.2, 0.0}) {
+    const double before = env.scene().joint_pos("robotrobot_hip"), begin = env.scene().time();
+    EXPECT_EQ(env.Step(Numbers{target}).reason, EndReason::kArrived) << target;
+    const JointState state = StateOf(env.scene(), "robotrobot_hip", target);
+    EXPECT_LE(state.error, kHinge) << target;
+    EXPECT_LE(state.speed, kHinge / kSettling) << target;
+    if (std::abs(target - before) > kHinge) EXPECT_GT(env.scene().time() - begin, 0.3) << target;
+    const double held = env.scene().joint_pos("robotrobot_hip");
+    Scene scene = env.scene();
+    for (int i = 0; i < 250; ++i) scene.Step();  // the control of the end is still on its way
+    EXPECT_NEAR(env.scene().joint_pos("robotrobot_hip"), held, kHinge) << target;
+  }
+  config.sim.max_convergence_time = 0.2;
+  Env hasty(config);
+  hasty.Reset({.seed = 1});
+  EXPECT_EQ(hasty.Step(Numbers{0.4}).reason, EndReason::kTimeout)
+      << "an arm that waits is not settled";
+}
+
 EnvConfig OneRc7(RelativeTo relative_to) {
   EnvConfig config;
   config.robots["robot"] = Rc7();
@@ -96,7 +124,7 @@ EnvConfig OneRc7(RelativeTo relative_to) {
   return config;
 }
 
-TEST(EnvArrival, SmallAndLargeStepsOfHingesEndNearAndSlow) {
+TEST(EnvArrival, HingeStepsOfAnySizeEndNearAndSlow) {
   Env env(OneRc7(RelativeTo::kLastStep));
   env.Reset({.seed = 1});
   const Robot robot = Robot::Of(env.scene(), "robot");
@@ -139,7 +167,7 @@ EndReason SendOneOf(Env& env, size_t arm, const Pose& there) {
   return env.Step(action).reason;
 }
 
-TEST(EnvArrival, ArmsThatAreSentToOnePlaceAreThereWithinTheToleranceOfTheirJoints) {
+TEST(EnvArrival, ArmsSentToOnePoseAgreeWithinTheirJointTolerances) {
   EnvConfig config = Rc7Duo(ControlMode::kCartesianTquat, RelativeTo::kNone);
   config.sim.max_convergence_time = 5;
   Env env(config);
@@ -165,7 +193,7 @@ TEST(EnvArrival, ArmsThatAreSentToOnePlaceAreThereWithinTheToleranceOfTheirJoint
   EXPECT_GE(both, 5);
 }
 
-TEST(EnvArms, ThoseThatNoActionReachesAreTold) {
+TEST(EnvArms, WarnsAboutArmsWithoutActions) {
   ModelFolder folder;
   std::vector<std::string> warnings;
   const ScopedLogSink sink([&](LogLevel level, std::string_view text) {
@@ -198,7 +226,7 @@ TEST(EnvArms, ThoseThatNoActionReachesAreTold) {
   EXPECT_LE(StateOf(env.scene(), "robott_r2", -0.2).error, kHinge);
 }
 
-TEST(EnvArms, ARobotWithOneArmIsNothingToTell) {
+TEST(EnvArms, AcceptsARobotWithOneArm) {
   std::vector<std::string> lines;
   const ScopedLogSink sink([&](LogLevel level, std::string_view text) {
     if (level == LogLevel::kWarn) lines.emplace_back(text);

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/base/worker_threads.h"
 #include "robocell/env/env_scene.h"
 
@@ -96,19 +97,19 @@ class Interruption {
 }  // namespace
 
 EnvBatch::EnvBatch(const EnvConfig& config, int count, int threads,
-                   std::optional<int> max_episode_steps)
+                   std::optional<int> max_episode_steps, const DataFactory& factory)
     : config_(config), max_episode_steps_(max_episode_steps) {
   RequireBatch(config, count, max_episode_steps);
   const std::shared_ptr<CompiledScene> compiled = CompileEnvScene(config);
   const bool shared = config.variations.empty();
   const std::shared_ptr<SharedDrawing> drawing =
-      config.cameras.streams.empty() ? nullptr : NewDrawing(config, compiled->model());
+      config.cameras.drawn().empty() ? nullptr : NewDrawing(config, compiled->model());
   compiled->Freeze();
   for (int i = 0; i < count; ++i) {
     EnvConfig own = config;
     own.name = fmt::format("{}[{}]", config.name, i);
-    envs_.push_back(std::make_unique<Env>(
-        std::move(own), Scene::FromCompiled(shared ? compiled : compiled->Copy()), i, drawing));
+    Scene scene = Scene::FromCompiled(shared ? compiled : compiled->Copy(), factory);
+    envs_.push_back(std::make_unique<Env>(std::move(own), std::move(scene), i, drawing));
     if (i == 0) RequireMemory(config, count, BytesOfCopy(envs_.front()->scene(), !shared));
   }
   episode_steps_.resize(count);
@@ -201,7 +202,7 @@ void EnvBatch::Reset(std::span<const std::optional<uint64_t>> seeds, const std::
   const auto sized = [&](size_t got, const char* what) {
     if (got == 0 || got == envs_.size()) return;
     throw ArgumentError(
-        fmt::format("reset of {} copies: {} for {} were given", envs_.size(), what, got));
+        fmt::format("reset of {}: {} for {} were given", Counted(size(), "copy"), what, got));
   };
   sized(seeds.size(), "seeds");
   sized(which.size(), "choices");
@@ -219,8 +220,8 @@ const BatchStep& EnvBatch::Step(std::span<const double> actions,
   const auto width = static_cast<size_t>(layout().action.size());
   if (actions.size() != envs_.size() * width) {
     throw ArgumentError(
-        fmt::format("step of {} copies: expected {} numbers for each, got {} in all", envs_.size(),
-                    width, actions.size()));
+        fmt::format("step of {}: expected {} for each, got {} in all", Counted(size(), "copy"),
+                    Counted(static_cast<int64_t>(width), "number"), actions.size()));
   }
   const auto own = [&](int i) { return actions.subspan(static_cast<size_t>(i) * width, width); };
   for (int i = 0; i < size(); ++i) {

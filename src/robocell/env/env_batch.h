@@ -43,9 +43,9 @@ class EnvBatch {
  public:
   // `threads` 0: one for each core, including the caller's; never more than copies. Episodes are
   // truncated after `max_episode_steps`, if set; at least 1. Until it gets a seed, a copy draws its
-  // own starts, the same ones each time.
+  // own starts, the same ones each time. `factory` makes the data of their scenes.
   EnvBatch(const EnvConfig& config, int count, int threads = 0,
-           std::optional<int> max_episode_steps = {});
+           std::optional<int> max_episode_steps = {}, const DataFactory& factory = {});
   ~EnvBatch();
 
   int size() const { return static_cast<int>(envs_.size()); }

@@ -38,7 +38,7 @@ std::vector<double> Actions(const EnvBatch& batch, int step) {
   return actions;
 }
 
-TEST(EnvBatch, DoesWhatSingleEnvironmentsDoWhateverTheNumberOfThreads) {
+TEST(EnvBatch, MatchesSingleEnvironmentsOnAnyNumberOfThreads) {
   std::vector<double> alone;
   for (int i = 0; i < kCopies; ++i) {
     Env env(Noisy());
@@ -60,7 +60,7 @@ TEST(EnvBatch, DoesWhatSingleEnvironmentsDoWhateverTheNumberOfThreads) {
   }
 }
 
-TEST(EnvBatch, EpisodesAreTruncatedAndBeginAnew) {
+TEST(EnvBatch, EpisodesAreTruncatedAndReset) {
   EnvBatch batch(Noisy(), kCopies, 2, 3);
   batch.Reset(Seeds());
   for (int step = 0; step < 3; ++step) {
@@ -77,7 +77,7 @@ TEST(EnvBatch, EpisodesAreTruncatedAndBeginAnew) {
   EXPECT_EQ(batch.env(1).scene().time(), 0);
 }
 
-TEST(EnvBatch, ABadActionMovesNobody) {
+TEST(EnvBatch, AnInvalidActionMovesNoCopy) {
   EnvBatch batch(Noisy(), kCopies, 2);
   batch.Reset(Seeds());
   std::vector<double> actions = Actions(batch, 0);
@@ -91,7 +91,7 @@ TEST(EnvBatch, ABadActionMovesNobody) {
                              "reset of 5 copies: seeds for 2 were given");
 }
 
-TEST(EnvBatch, CopiesWithoutSeedsHaveStartsOfTheirOwnTheSameEachTime) {
+TEST(EnvBatch, UnseededCopiesHaveDistinctReproducibleStarts) {
   const auto starts = [] {
     EnvBatch batch(Noisy(), kCopies, 2);
     batch.Reset({});
@@ -106,7 +106,7 @@ TEST(EnvBatch, CopiesWithoutSeedsHaveStartsOfTheirOwnTheSameEachTime) {
   }
 }
 
-TEST(EnvBatch, HasNoMoreThreadsThanCopiesAndTellsWhenThereAreNone) {
+TEST(EnvBatch, LimitsThreadsToCopiesAndRejectsInvalidCounts) {
   EnvBatch many(Noisy(), 2, 1 << 20);
   many.Reset({});
   ExpectThrow<ArgumentError>([] { EnvBatch(Noisy(), 2, -1); },
@@ -116,7 +116,7 @@ TEST(EnvBatch, HasNoMoreThreadsThanCopiesAndTellsWhenThereAreNone) {
       "batch of environment 'env': max_episode_steps is 0; at least 1, or leave it out");
 }
 
-TEST(EnvBatch, IsClosedWithAllItsCopies) {
+TEST(EnvBatch, CloseClosesAllCopies) {
   EnvBatch batch(Noisy(), 2);
   batch.Reset({});
   batch.Close();
@@ -126,13 +126,13 @@ TEST(EnvBatch, IsClosedWithAllItsCopies) {
   ExpectThrow<ClosedError>([&] { batch.Step(Actions(batch, 0)); }, "is closed");
 }
 
-TEST(EnvBatch, HasAtLeastOneCopy) {
+TEST(EnvBatch, RequiresAtLeastOneCopy) {
   ExpectThrow<ArgumentError>([] { EnvBatch(Noisy(), 0); },
                              "batch of environment 'env': 0 copies; at least 1");
 }
 
 // The oracle is single environments with the same seeds, each compiled by itself.
-TEST(EnvBatch, ObjectsVaryInEachCopyByItself) {
+TEST(EnvBatch, ObjectsVaryIndependentlyInEachCopy) {
   EnvConfig config = Rc7WithCube();
   config.variations["cube"] = {.mass = {0.5, 2}, .friction = {0.5, 1.5}};
   EnvBatch batch(config, 3, 2);
@@ -154,7 +154,7 @@ TEST(EnvBatch, ObjectsVaryInEachCopyByItself) {
 }
 
 // The oracle is single environments with the same seeds, each with a renderer of its own.
-TEST(EnvBatch, ImagesAreThoseOfSingleEnvironmentsAlsoOfObjectsThatVary) {
+TEST(EnvBatch, ImagesMatchSingleEnvironmentsWithVaryingObjects) {
   for (const bool varied : {false, true}) {
     EnvConfig config = Rc7WithCube();
     if (varied) config.variations["cube"] = {.colour = 0.3};
@@ -180,7 +180,7 @@ TEST(EnvBatch, ImagesAreThoseOfSingleEnvironmentsAlsoOfObjectsThatVary) {
   }
 }
 
-TEST(EnvBatch, WhatAPollThrowsEndsTheStepsOfAllThreads) {
+TEST(EnvBatch, AnExceptionOfThePollEndsTheStepsOfAllThreads) {
   struct Enough {};
   for (const int threads : {1, 2}) {
     EnvConfig config = Noisy();
@@ -210,7 +210,7 @@ std::vector<double> Zeros(const EnvBatch& batch) {
                              static_cast<size_t>(batch.layout().action.size()));
 }
 
-TEST(EnvBatch, WheneverAStepIsEndedAllCopiesWantAReset) {
+TEST(EnvBatch, AnInterruptedStepRequiresAResetOfAllCopies) {
   struct Enough {};
   EnvConfig config = Noisy();
   config.sim.frequency = 125;  // four steps of the engine
@@ -249,7 +249,7 @@ TEST(EnvBatch, WheneverAStepIsEndedAllCopiesWantAReset) {
   }
 }
 
-TEST(EnvBatch, AfterAnErrorOfOneCopyAllWantAReset) {
+TEST(EnvBatch, AnErrorOfOneCopyRequiresAResetOfAll) {
   for (const int threads : {1, 2}) {
     EnvBatch batch(Noisy(), 3, threads);
     batch.Reset({});

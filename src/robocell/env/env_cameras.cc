@@ -36,6 +36,17 @@ void RequireRate(const CameraConfig& stream, double timestep) {
 
 }  // namespace
 
+void CopyFrame(const EnvFrame& frame, CellImage& image) {
+  image.name = frame.stream;
+  image.width = frame.width;
+  image.height = frame.height;
+  image.camera = frame.camera;
+  image.rgb = frame.rgb;
+  image.depth_mm = frame.depth_mm;
+  image.bodies.resize(frame.segmentation.size());
+  ToSegments(frame.segmentation, image.bodies);
+}
+
 void SharedDrawing::TakeColours(const mjModel* copy) {
   if (model) std::copy_n(copy->geom_rgba, 4 * copy->ngeom, model->geom_rgba);
 }
@@ -43,8 +54,8 @@ void SharedDrawing::TakeColours(const mjModel* copy) {
 EnvCameras::EnvCameras(Scene scene, const CameraSystemConfig& config,
                        std::shared_ptr<SharedDrawing> shared)
     : scene_(std::move(scene)), shared_(std::move(shared)) {
-  if (config.streams.empty()) return;
-  for (const CameraConfig& stream : config.streams) {
+  if (config.drawn().empty()) return;
+  for (const CameraConfig& stream : config.drawn()) {
     RequireRate(stream, scene_.timestep());
     streams_.push_back({.config = stream});
     frames_.push_back(FrameOf(stream, config.width(stream), config.height(stream)));

@@ -22,6 +22,7 @@
 #include <string>
 #include <vector>
 
+#include "robocell/features/cell_images.h"
 #include "robocell/mujoco/owners.h"
 #include "robocell/render/renderer.h"
 #include "robocell/scene/scene.h"
@@ -34,16 +35,19 @@ struct EnvFrame {
   std::string stream;
   int width = 0, height = 0;
   double time = 0;                    // simulated s since the reset
-  CameraModel camera;                 // of the drawing: intrinsics, extrinsics
+  CameraModel camera;                 // camera of the image: intrinsics, extrinsics
   std::vector<uint8_t> rgb;           // rows from the top
   std::vector<uint16_t> depth_mm;     // 0 where there is no surface
   std::vector<int32_t> segmentation;  // body ids, -1 where there is no surface
 };
 
+// Copies a frame to the form of a cell's images, which episodes and policies have.
+void CopyFrame(const EnvFrame& frame, CellImage& image);
+
 // One renderer for copies of one model.
 struct SharedDrawing {
   std::shared_ptr<Renderer> renderer;
-  // Set when copies differ in colour: a model of its own that takes the colours of each copy.
+  // Separate model that takes each copy's colours; set if copies differ in colour.
   ModelPtr model;
 
   // Uses the colours of this copy of the model for the next drawing. Copies have no other visible
@@ -80,7 +84,7 @@ class EnvCameras {
     std::vector<double> qpos, mocap_pos, mocap_quat;
   };
 
-  // Looks cameras up again after the scene was compiled anew.
+  // Looks cameras up again after a rebuild of the scene.
   void Bind();
   void Keep(Stream& stream, double time);
   void DrawOne(Stream& stream, EnvFrame& frame);

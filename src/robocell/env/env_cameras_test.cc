@@ -48,7 +48,7 @@ TEST(EnvImages, DepthIsInMillimetres) {
   for (const int32_t body : up.segmentation) EXPECT_EQ(body, -1);
 }
 
-TEST(EnvImages, DepthIsAtMostWhatItsNumbersHold) {
+TEST(EnvImages, DepthSaturates) {
   EnvConfig config = Watched();
   config.wrappers.include_depth = true;
   config.camera_adds["top"].offset = Pose(Eigen::Vector3d(3, 3, 65.5));
@@ -60,7 +60,7 @@ TEST(EnvImages, DepthIsAtMostWhatItsNumbersHold) {
   for (const uint16_t mm : env.frames()[1].depth_mm) EXPECT_EQ(mm, 65535);
 }
 
-TEST(EnvImages, PointsProjectToWhereTheyAreSeen) {
+TEST(EnvImages, ProjectedPointsMatchTheImage) {
   Env env(Watched());
   env.Reset();
   const CameraModel& camera = env.frames()[0].camera;
@@ -106,7 +106,7 @@ TEST(EnvImages, ShowTheStateOfTheirTime) {
   EXPECT_EQ(env.frames()[1].rgb, start) << "the next one is due after half a second";
 }
 
-TEST(EnvImages, GoOnWhenTheSceneIsCompiledAnew) {
+TEST(EnvImages, ContinueAfterTheSceneIsRecompiled) {
   EnvConfig config = Watched();
   config.cameras.streams[0].depth = true;
   Env env(config);
@@ -118,7 +118,7 @@ TEST(EnvImages, GoOnWhenTheSceneIsCompiledAnew) {
   EXPECT_NEAR(depth[0], 1500, 2);
 }
 
-TEST(EnvImages, TheirCameraHasToBeThere) {
+TEST(EnvImages, RequireAnExistingCamera) {
   EnvConfig config = Watched();
   config.cameras.streams.push_back({.name = "hand", .camera = "wrst_camera"});
   ExpectThrow<NotFoundError>([&] { Env env(config); },

@@ -58,7 +58,7 @@ void ExpectNothingStandsStill(const Env& env, const std::vector<Numbers>& seen) 
 
 class EnvCells : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(EnvCells, KeepTheContract) {
+TEST_P(EnvCells, FulfilTheContract) {
   if (GetParam() != std::string("rc7"))
     REQUIRE_MENAGERIE("franka_fr3", "franka_emika_panda", "kinova_gen3", "robotiq_2f85",
                       "ufactory_xarm7");

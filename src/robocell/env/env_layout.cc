@@ -10,6 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
+#include "robocell/env/base_frame.h"
 #include "robocell/features/robot_features.h"
 #include "robocell/task/task_features.h"
 
@@ -155,7 +156,8 @@ class Builder {
 
   static ColumnSpec JointColumn(const Robot& robot) {
     const std::vector<std::string>& names = robot.joint_names();
-    return {.units = UnitsOfJoints(robot.scene().model(), names, false), .names = names};
+    return {.units = UnitsOfJoints(robot.scene().model(), names, false),
+            .names = OwnNames(robot, names)};
   }
 
   static ColumnSpec OpeningColumn() {
@@ -163,8 +165,9 @@ class Builder {
   }
 
   // Returns the bounds of the TCP's position, in the shared base frame.
-  static Bounds PositionBounds(const Robot& robot, double radius) {
-    const Pose base = robot.scene().shared_base_frame_to_world().inverse() * robot.base_in_world();
+  static Bounds PositionBounds(const Robot& robot, double reach) {
+    const Pose base = internal::BaseInSharedFrame(robot);
+    const double radius = reach + internal::BaseTravel(robot).value_or(0);
     Bounds bounds;
     for (int i = 0; i < 3; ++i)
       bounds.Add(base.translation()[i] - radius, base.translation()[i] + radius);

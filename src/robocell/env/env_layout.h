@@ -47,7 +47,7 @@ struct ObjectLayout {
 struct SignalLayout {
   std::string name;
   VectorPart part;
-  std::vector<int64_t> shape;  // of its numbers, in row-major order
+  std::vector<int64_t> shape;  // shape of the signal, row-major
 };
 
 // A feature that the configuration adds to the observation (EnvConfig::features).

@@ -7,6 +7,7 @@
 #include "robocell/env/env.h"
 #include "robocell/env/testing/envs.h"
 #include "robocell/features/own_features.h"
+#include "robocell/features/robot_features.h"
 #include "robocell/task/task_features.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -32,7 +33,7 @@ EnvConfig WithPad(ModelFolder& folder) {
   return config;
 }
 
-TEST(EnvLayoutSchemas, SayWhatEachNumberIs) {
+TEST(EnvLayoutSchemas, DescribeEachNumber) {
   for (const ControlMode mode :
        {ControlMode::kJoints, ControlMode::kCartesianTrpy, ControlMode::kCartesianTquat}) {
     EnvConfig config = Rc7WithCube();
@@ -62,7 +63,10 @@ TEST(EnvLayoutSchemas, SayWhatEachNumberIs) {
     EXPECT_THAT(tquat.column.names, ElementsAre("x", "y", "z", "qx", "qy", "qz", "qw"));
     const Feature& joints = layout.observed.Find("observation/robot/joints");
     EXPECT_EQ(joints.column.units, "rad");
-    EXPECT_EQ(joints.column.names, Robot::Of(env.scene(), "robot").joint_names());
+    const Robot robot = Robot::Of(env.scene(), "robot");
+    ASSERT_EQ(robot.joint_names().front(), robot.prefix() + "joint1");
+    EXPECT_EQ(joints.column.names, OwnNames(robot, robot.joint_names()));
+    EXPECT_EQ(joints.column.names.front(), "joint1");
     EXPECT_EQ(layout.observed.Find("observation/objects/cube/tquat").role,
               FeatureRole::kPrivileged);
     EXPECT_EQ(NameOfObservation(layout, layout.robots[0].joints.begin + 2), "robot.joints[2]");

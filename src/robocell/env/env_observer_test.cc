@@ -46,7 +46,7 @@ EnvConfig EveryTenthOfASecond() {
   return config;
 }
 
-TEST(EnvObservers, HearOfEpisodesActionsTicksAndSteps) {
+TEST(EnvObservers, ReceiveEpisodesActionsTicksAndSteps) {
   Env env(EveryTenthOfASecond());
   Listener listener;
   env.AddObserver(&listener);
@@ -66,7 +66,7 @@ TEST(EnvObservers, HearOfEpisodesActionsTicksAndSteps) {
   EXPECT_EQ(listener.heard.size(), 4u);
 }
 
-TEST(EnvObservers, HearOfStepsThatAGuardTakesBack) {
+TEST(EnvObservers, ReceiveStepsThatAGuardRevokes) {
   EnvConfig config = Rc7BesideAWall();
   config.sim.on_collision = OnCollision::kGuard;
   Env env(config);
@@ -81,7 +81,7 @@ TEST(EnvObservers, HearOfStepsThatAGuardTakesBack) {
   EXPECT_GT(listener.ticks, 0) << "of the arms that are held";
 }
 
-TEST(EnvObservers, AllHearOfAStepWhateverTheFirstThrows) {
+TEST(EnvObservers, AllSeeAStepEvenIfTheFirstThrows) {
   struct Failing : EnvObserver {
     void OnStep(const EnvStep&) override { throw std::runtime_error("the disk is full"); }
   };

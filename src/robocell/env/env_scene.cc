@@ -1,6 +1,9 @@
 #include "robocell/env/env_scene.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
+#include <memory>
 
 #include "robocell/scene/saved_scene.h"
 #include "robocell/spec/validate.h"
@@ -73,6 +76,47 @@ void AddObjects(const Map<EnvObject>& objects, const AttachTarget& frame, SceneS
   }
 }
 
+// Returns the locations of the scene's parts in the environment's file; robots bring their own.
+class SceneLocations {
+ public:
+  explicit SceneLocations(const Locations& config) : config_(config) {}
+  void Put(const std::string& part, const std::string& field) {
+    if (const auto at = config_.Exactly(field)) sources_[part] = *at;
+  }
+  // The i-th entry of a list of the scene, which the environment has at `field`.
+  void PutEntry(const std::string& list, size_t i, const std::string& field) {
+    const std::string part = fmt::format("{}[{}]", list, i);
+    Put(part, field);
+    for (const char* same : {"mjcf_path", "fixed", "shape", "size", "mass", "rgba", "friction"})
+      Put(part + "." + same, field + "." + same);
+    Put(part + ".mjcf_path", field + ".xml_path");  // a camera's
+    Put(part + ".pos", field + ".offset");
+  }
+  Locations Get() const { return Locations(std::make_shared<const SourceMap>(sources_)); }
+
+ private:
+  const Locations& config_;
+  SourceMap sources_;
+};
+
+Locations LocateScene(const EnvConfig& config) {
+  SceneLocations scene(config.locations);
+  scene.Put("base", "scene");
+  size_t object = 0;
+  const auto put_objects = [&](const Map<EnvObject>& objects, const std::string& field) {
+    for (const std::string& id : objects.keys())
+      scene.PutEntry("objects", object++, JoinPath(field, id));
+  };
+  put_objects(config.root_frame_objects, "root_frame_objects");
+  put_objects(config.world_frame_objects, "world_frame_objects");
+  for (const auto& [robot, objects] : config.robot_frame_objects.entries())
+    put_objects(*objects, JoinPath("robot_frame_objects", robot));
+  size_t camera = 0;
+  for (const std::string& name : config.camera_adds.keys())
+    scene.PutEntry("cameras", camera++, JoinPath("camera_adds", name));
+  return scene.Get();
+}
+
 AttachTarget FrameOfCamera(const CameraAdderConfig& camera) {
   if (camera.robot_name.empty()) return Root();
   if (camera.attachment_site.empty()) return Attachment(camera.robot_name);
@@ -114,6 +158,7 @@ SceneSpec EnvSceneSpec(const EnvConfig& config) {
   for (const auto& [robot, objects] : config.robot_frame_objects.entries())
     AddObjects(*objects, Attachment(robot), scene);
   AddCameras(config, scene);
+  scene.locations = LocateScene(config);
   PrepareTask(config, scene);
   return scene;
 }

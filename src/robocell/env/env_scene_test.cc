@@ -6,16 +6,22 @@
 #include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
 #include "robocell/base/rng.h"
+#include "robocell/env/env.h"
 #include "robocell/env/testing/envs.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/random_values.h"
+#include "robocell/testing/source_dir.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell {
 namespace {
+
+using ::testing::StartsWith;
 
 constexpr double kExact = 1e-9;
 
@@ -27,7 +33,7 @@ Pose At(double x, double y, double z) { return Pose(Eigen::Vector3d(x, y, z)); }
 
 Scene BuildEnvScene(const EnvConfig& config) { return Scene::Build(EnvSceneSpec(config)); }
 
-TEST(EnvScene, ASingleRobotWithoutOffsetsStandsInTheWorldsOrigin) {
+TEST(EnvScene, ASingleRobotWithoutOffsetsIsAtTheWorldOrigin) {
   TwoArmFolder folder;
   EnvConfig config;
   config.robots["robot"] = folder.arm();
@@ -38,7 +44,7 @@ TEST(EnvScene, ASingleRobotWithoutOffsetsStandsInTheWorldsOrigin) {
   EXPECT_POSE(Robot::Of(scene, "robot").base_in_world(), Pose());
 }
 
-TEST(EnvScene, RobotsStandAtTheProductOfTheThreeTransforms) {
+TEST(EnvScene, RobotPosesAreTheProductOfThreeTransforms) {
   TwoArmFolder folder;
   for (uint64_t seed = 0; seed < 20; ++seed) {
     Rng rng = Rng::Stream(seed, "env rig");
@@ -67,7 +73,7 @@ EnvConfig WholeCell(const TwoArmFolder& folder) {
   return config;
 }
 
-TEST(EnvScene, ThingsStandInTheFrameOfTheirDictionary) {
+TEST(EnvScene, ObjectsArePlacedInTheFrameOfTheirDictionary) {
   TwoArmFolder folder;
   EnvConfig config = WholeCell(folder);
   config.root_frame_to_world = Pose::FromRpy({1, 2, 3}, {0.3, 0.2, 0.1});
@@ -82,7 +88,7 @@ TEST(EnvScene, ThingsStandInTheFrameOfTheirDictionary) {
   EXPECT_POSE(scene.camera_pose("wrist"), wrist * At(0.05, 0, 0));
 }
 
-TEST(EnvScene, MovingTheRootMovesTheRigRigidlyAndNothingElse) {
+TEST(EnvScene, MovingTheRootMovesOnlyTheRig) {
   TwoArmFolder folder;
   EnvConfig config = WholeCell(folder);
   const Scene before = BuildEnvScene(config);
@@ -98,7 +104,7 @@ TEST(EnvScene, MovingTheRootMovesTheRigRigidlyAndNothingElse) {
     EXPECT_POSE(after.camera_pose(camera), move * before.camera_pose(camera));
 }
 
-TEST(EnvScene, WhatARobotCarriesFollowsItsWristOnly) {
+TEST(EnvScene, WristObjectsFollowOnlyTheirWrist) {
   TwoArmFolder folder;
   const Scene scene = BuildEnvScene(WholeCell(folder));
   const Pose carried =
@@ -114,7 +120,7 @@ TEST(EnvScene, WhatARobotCarriesFollowsItsWristOnly) {
   EXPECT_POSE(scene.body_pose("mount_box"), mount);
 }
 
-TEST(EnvScene, GrippersAreRobotsOfTheirOwn) {
+TEST(EnvScene, GrippersAreSeparateRobots) {
   TwoArmFolder folder;
   const Scene scene = BuildEnvScene(folder.Duo());
   EXPECT_TRUE(Robot::Of(scene, "gripperleft").has_gripper());
@@ -150,7 +156,7 @@ TEST(EnvScene, CamerasHaveTheirLens) {
   EXPECT_EQ(fovy("bird_eye"), 60);
 }
 
-TEST(EnvScene, ACameraSitsInItsHousingAtAnotherSiteToo) {
+TEST(EnvScene, ACameraStaysInItsHousingAtAnotherSite) {
   TwoArmFolder folder;
   EnvConfig config = WholeCell(folder);
   config.camera_adds["wrist"] = {.xml_path = folder.housing(),
@@ -197,7 +203,7 @@ EnvConfig Combined(const TwoArmFolder& folder, const std::string& model) {
   return config;
 }
 
-TEST(EnvScene, RobotsOfOneModelStandWhereItHasThem) {
+TEST(EnvScene, RobotsOfACombinedModelKeepItsPoses) {
   TwoArmFolder folder;
   ModelFolder models;
   EnvConfig config = Combined(folder, models.Write("duo", ArmsOnATorso("robot")));
@@ -219,7 +225,7 @@ TEST(EnvScene, RobotsOfOneModelStandWhereItHasThem) {
   EXPECT_FALSE(scene.site_pose("robotright_flange").is_close(right, 0.1, 0.1));
 }
 
-TEST(EnvScene, InAModelOfAllRobotsNamesBeginWithTheRobots) {
+TEST(EnvScene, NamesInACombinedModelStartWithTheRobots) {
   TwoArmFolder folder;
   ModelFolder models;
   const std::string file = models.Write("duo", ArmsOnATorso("arm_"));
@@ -229,14 +235,14 @@ TEST(EnvScene, InAModelOfAllRobotsNamesBeginWithTheRobots) {
                              "are torso, arm_left_base");
 }
 
-TEST(EnvScene, AModelOfAllRobotsThatCannotBeReadIsTold) {
+TEST(EnvScene, ReportsACombinedModelThatCannotBeParsed) {
   TwoArmFolder folder;
   ModelFolder models;
   const std::string file = models.Write("duo", "<worldbody><body");
   ExpectThrow<SpecError>([&] { BuildEnvScene(Combined(folder, file)); }, "robot 'left': " + file);
 }
 
-TEST(EnvScene, OneRobotsTroubleLeavesTheModelToTheOthers) {
+TEST(EnvScene, AnErrorOfOneRobotDoesNotAffectTheOthers) {
   TwoArmFolder folder;
   ModelFolder models;
   std::string duo = ArmsOnATorso("robot");
@@ -255,9 +261,37 @@ TEST(EnvScene, OneRobotsTroubleLeavesTheModelToTheOthers) {
                          "bodies are torso, robotleft_base");
 }
 
-TEST(EnvScene, RefusesWhatIsNotValidByTheEnvironmentsName) {
+TEST(EnvScene, RejectsAnInvalidConfigurationAndNamesTheEnvironment) {
   ExpectThrow<SpecError>([] { EnvSceneSpec({.name = "duo"}); },
                          "environment 'duo' is not valid: robots: an environment needs a robot");
+}
+
+TEST(EnvScene, ProblemsNameTheLineOfTheField) {
+  const TempDir folder;
+  const std::string file = folder / "env.yaml";
+  const auto problem = [&](const std::string& fields) -> std::string {
+    AtomicWrite(file, fmt::format("robots: {{left: {}/models/robots/rc7/rc7.yaml}}\n{}",
+                                  SourceDir(), fields));
+    try {
+      Env(EnvConfig::Load(file));
+    } catch (const NotFoundError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(problem(""), "");
+  EXPECT_THAT(problem("scene: none.xml\n"),
+              StartsWith(file + ":2:8: base: model file 'none.xml' not found."));
+  EXPECT_THAT(problem("world_frame_objects:\n  cube: {mjcf_path: none.xml}\n"),
+              StartsWith(file + ":3:21: object 'cube': model file 'none.xml' not found."));
+  EXPECT_THAT(problem("root_frame_objects: {a: {shape: sphere, size: [0.1, 0, 0], mass: 1}}\n"
+                      "robot_frame_objects:\n  left: {b: {mjcf_path: none.xml}}\n"),
+              StartsWith(file + ":4:25: object 'b': model file 'none.xml' not found."));
+  EXPECT_THAT(problem("camera_adds: {top: {xml_path: none.xml}}\n"),
+              StartsWith(file + ":2:31: camera 'top': "));
+  EXPECT_THAT(problem("features: [time, tim]\n"), StartsWith(file + ":2:11: no feature 'tim'."));
+  EXPECT_THAT(problem("cameras: {streams: [{name: a, camera: none}]}\n"),
+              StartsWith(file + ":2:20: stream 'a': no camera 'none'."));
 }
 
 TEST(EnvScene, ALooseObjectIsNotCarriedByARobot) {

@@ -22,7 +22,7 @@ using Numbers = std::vector<double>;
 constexpr double kTolerance = 0.002;  // the default `arrival_tolerance`, rad
 constexpr double kSpeed = 0.02;       // rad/s, of a joint at rest with that
 
-TEST(EnvSettling, AServoThatSagsUnderGravityEndsItsStepAndSaysByHowMuch) {
+TEST(EnvSettling, ASaggingServoEndsItsStepAndReportsTheError) {
   ModelFolder folder;
   Env env(OneHinge(folder));
   env.Reset({.seed = 1});
@@ -41,7 +41,7 @@ TEST(EnvSettling, AServoThatSagsUnderGravityEndsItsStepAndSaysByHowMuch) {
 }
 
 // The robot's model does not include the load.
-TEST(EnvSettling, AnArmThatALoadPullsDownEndsItsStepAsSettled) {
+TEST(EnvSettling, AnArmThatSagsUnderALoadSettles) {
   ModelFolder folder;
   Env env(OneHinge(folder, "damping='2'", true));
   env.Reset({.seed = 1});
@@ -54,7 +54,7 @@ TEST(EnvSettling, AnArmThatALoadPullsDownEndsItsStepAsSettled) {
   EXPECT_NEAR(env.motions()[0].joint_error, 2.5 / kOneHingeStiffness, kTolerance);
 }
 
-TEST(EnvSettling, ASlowJointThatGetsThereArrives) {
+TEST(EnvSettling, ASlowJointArrives) {
   for (const int damping : {20, 45, 70, 90}) {  // time constants of 0.5 ... 1.9 s
     ModelFolder folder;
     EnvConfig config = OneHinge(folder, fmt::format("damping='{}'", damping), true);
@@ -68,7 +68,7 @@ TEST(EnvSettling, ASlowJointThatGetsThereArrives) {
   }
 }
 
-TEST(EnvSettling, ABlockedArmEndsItsStepAsSettled) {
+TEST(EnvSettling, ABlockedArmSettles) {
   ModelFolder folder;
   Env env(OneHingeOnABlock(folder));
   env.Reset({.seed = 1});
@@ -78,7 +78,7 @@ TEST(EnvSettling, ABlockedArmEndsItsStepAsSettled) {
   EXPECT_GT(env.motions()[0].joint_error, 0.05);
 }
 
-TEST(EnvSettling, ArrivedIsNearAndAtRestForSmallAndLargeSteps) {
+TEST(EnvSettling, ArrivalMeansNearAndAtRestForAnyStep) {
   Env env(Rc7Env(ControlMode::kCartesianTrpy));
   env.Reset({.seed = 1});
   Rng rng = Rng::Stream(2, "arrival");
@@ -94,7 +94,7 @@ TEST(EnvSettling, ArrivedIsNearAndAtRestForSmallAndLargeSteps) {
   }
 }
 
-TEST(EnvSettling, CopiesSayTheSameAsOneEnvironment) {
+TEST(EnvSettling, CopiesReportTheSameAsOneEnvironment) {
   ModelFolder folder;
   const EnvConfig config = OneHinge(folder);
   Env one(config);

@@ -65,7 +65,7 @@ Pose TargetPose(const Env& env) {
   return robot.FkFrame(robot.controller("arm").commanded_joint_pos());
 }
 
-TEST(EnvSingular, SmallActionsBesideASingularityGoOn) {
+TEST(EnvSingular, SmallActionsNearASingularityContinue) {
   for (const double wrist : {-0.05, 0.0}) {
     ModelFolder folder;
     Env env(SmallArm(folder, wrist));

@@ -15,19 +15,18 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/env/env.h"
 #include "robocell/env/prepared_objects.h"
+#include "robocell/robot/floating_base.h"
 #include "robocell/scenes/settle.h"
+#include "robocell/task/task_calls.h"
 
 namespace robocell {
 namespace {
 
 constexpr int kMostStarts = 100;    // draws for one reset
-constexpr uint64_t kTriedSeed = 0;  // of the start that is tried when an environment is made
+constexpr uint64_t kTriedSeed = 0;  // seed of the start that a new environment tries
 // A tried start whose object turns over or moves by more than this does not rest in place.
 constexpr double kMostTilt = 10;   // degrees
 constexpr double kMostDrop = 0.2;  // metres straight down, because an object may be dropped
-
-// The beginning of the text about a task's own refusal.
-const std::string kRefused = "its arrange() refused: ";
 
 bool Contains(const std::vector<std::string>& names, const std::string& name) {
   return std::ranges::find(names, name) != names.end();
@@ -43,20 +42,25 @@ class Refusals {
   }
   // Counts a refusal for which the task was not asked.
   void Add(const std::string& why) { Add(Refusal{.reason = why}.MadeBy(Refusal::kObjectsStage)); }
-  // Returns the text of the last refusal for the most frequent reason.
-  std::string MostOften() const {
+  // Returns the last refusal for the most frequent reason.
+  const Refusal& MostOften() const {
     const auto most = std::ranges::max_element(counts_, std::less<>(),
                                                [](const auto& each) { return each.second; });
-    const Refusal& last = last_.at(most->first);
-    if (last.stage == Refusal::kObjectsStage)
-      return last.detail.empty() ? last.reason : last.detail;
-    return kRefused + last.reason + (last.detail.empty() ? "" : " (" + last.detail + ")");
+    return last_.at(most->first);
   }
 
  private:
   RefusalCounts counts_;
   std::map<std::string, Refusal> last_;
 };
+
+bool IsOfTask(const Refusal& refusal) { return refusal.stage == Refusal::kTaskStage; }
+
+std::string TextOf(const Refusal& refusal) {
+  if (!IsOfTask(refusal)) return refusal.detail.empty() ? refusal.reason : refusal.detail;
+  return "the task refused: " + refusal.reason +
+         (refusal.detail.empty() ? "" : " (" + refusal.detail + ")");
+}
 
 std::vector<std::string> ObjectsThatMayHang(const EnvConfig& config) {
   std::vector<std::string> names;
@@ -95,15 +99,26 @@ std::string WhyPlaced(const std::vector<std::string>& objects) {
 
 }  // namespace
 
-// Returns "" if a start was found, else the most frequent problem. Each start is drawn from the
-// next values of the seed's stream.
-std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& keyframe,
-                           const std::vector<std::vector<double>>& kept_joints) {
+BodyPoses Env::TaskStarts(Rng& rng) {
+  return task_ ? internal::TaskCalls(*task_).Starts(rng) : BodyPoses();
+}
+
+void Env::ResetToStart(const ResetOptions& options) {
+  if (task_)
+    internal::TaskCalls(*task_).Reset(scene_, options);
+  else
+    scene_.Reset(options);
+}
+
+// Returns the most frequent refusal unless a start was found. Each start is drawn from the next
+// values of the seed's stream.
+std::optional<Refusal> Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& keyframe,
+                                      const std::vector<std::vector<double>>& kept_joints) {
   Rng of_task = Rng::Stream(seed, "env task"), of_places = Rng::Stream(seed, "env places");
   Refusals refusals;
   for (int i = 0; i < kMostStarts; ++i) {
     // Called before the reset, which puts bodies there and is one evaluation of the scene.
-    BodyPoses starts = task_ ? task_->Starts(of_task) : BodyPoses();
+    BodyPoses starts = TaskStarts(of_task);
     if (prepared_) {
       const std::string why_not = prepared_->Draw(starts, of_places).why_not;
       if (!why_not.empty()) {
@@ -113,12 +128,12 @@ std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& k
     }
     if (start_inspector_) starts = start_inspector_->Lowered(std::move(starts));
     const uint64_t noise = i == 0 ? seed : Rng::Stream(seed, "env start", i).NextBits();
-    scene_.Reset({.keyframe = keyframe, .seed = noise, .body_poses = starts});
+    ResetToStart({.keyframe = keyframe, .seed = noise, .body_poses = starts});
     for (size_t k = 0; k < kept_joints.size(); ++k)
       Robot(arms_[k].robot()).SetJointPos(kept_joints[k]);
     for (ArmDriver& arm : arms_) arm.Reset();
     if (task_) {
-      if (auto refusal = task_->Arrange(scene_, of_task)) {
+      if (auto refusal = internal::TaskCalls(*task_).Arrange(scene_, of_task)) {
         refusals.Add(std::move(*refusal).MadeBy(Refusal::kTaskStage));
         continue;
       }
@@ -128,22 +143,25 @@ std::string Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& k
       refusals.Add(Refusal::kNoFreePlace);
       continue;
     }
-    const std::string why = start_inspector_ ? start_inspector_->WhyNot() : "";
-    if (why.empty()) return "";
-    refusals.Add(why);
+    if (const std::string why = start_inspector_ ? start_inspector_->WhyNot() : ""; !why.empty()) {
+      refusals.Add(why);
+      continue;
+    }
+    auto refusal = task_ ? internal::TaskCalls(*task_).CheckStart(scene_) : std::nullopt;
+    if (!refusal) return std::nullopt;
+    refusals.Add(std::move(*refusal).MadeBy(Refusal::kTaskStage));
   }
   return refusals.MostOften();
 }
 
-std::string Env::NoStart(const std::string& why) const {
+std::string Env::NoStart(const Refusal& most_often) const {
   // A size that is wrong by a factor of thousand causes all other problems.
   if (const auto huge = ObjectsInMillimetres(scene_); !huge.empty())
     return fmt::format("{}: no episode can begin, because {}", place(), huge.front());
-  const std::string found =
-      fmt::format("{}: {}found no start in {} tries: most often {}", place(),
-                  config_.task ? "task '" + config_.task->kind() + "' " : "", kMostStarts, why);
-  if (why.starts_with(kRefused))
-    return found + ". Change what the task asks for (the fields of `task`), or its objects";
+  const std::string found = fmt::format("{}: {}found no start in {} tries: most often {}", place(),
+                                        config_.task ? "task '" + config_.task->kind() + "' " : "",
+                                        kMostStarts, TextOf(most_often));
+  if (IsOfTask(most_often)) return found + ". Change the fields of `task`, or its objects";
   return found + ". Move its objects to a free place (root_frame_objects), or change task.spread";
 }
 
@@ -151,17 +169,19 @@ std::string Env::NoPlace() const {
   return fmt::format("{}: task '{}': {}", place(), config_.task->kind(), prepared_->Advice());
 }
 
-// Which objects are left where they are put: they have to rest there, as those that the task names.
+// Finds the objects that stay at their positions: they must be at rest there, like those that the
+// task names.
 void Env::FindPreparedObjects(bool is_first) {
   if (!task_ && config_.places.empty()) return;
-  if (task_) resting_ = task_->resting_objects();
+  if (task_) resting_ = internal::TaskCalls(*task_).RestingObjects(scene_);
   prepared_ = std::make_shared<internal::PreparedObjects>(scene_.inner(), config_, task_.get());
   if (prepared_->empty()) return prepared_.reset();
   Rng of_task = Rng::Stream(kTriedSeed, "env task"), of_places = Rng::Stream(kTriedSeed, "places");
-  BodyPoses starts = task_ ? task_->Starts(of_task) : BodyPoses();
+  BodyPoses starts = TaskStarts(of_task);
   const internal::PreparedObjects::Drawn drawn = prepared_->Draw(starts, of_places);
-  scene_.Reset({.body_poses = starts});
-  if (task_ && task_->Arrange(scene_, of_task)) scene_.Reset({.body_poses = starts});
+  ResetToStart({.body_poses = starts});
+  if (task_ && internal::TaskCalls(*task_).Arrange(scene_, of_task))
+    ResetToStart({.body_poses = starts});
   std::vector<std::string> placed = prepared_->PlacedHere(drawn.added);
   std::vector<std::string> on_support = prepared_->names_on_support();
   std::erase_if(on_support, [&](const std::string& object) { return !Contains(placed, object); });
@@ -200,20 +220,18 @@ void Env::TryStart(bool is_first) {
   if (is_first && is_placed) WarnOfStart();
   if (!start_inspector_) {
     if (!task_ && !prepared_) return;
-    if (const std::string why = MakeStart(kTriedSeed, {}, {}); !why.empty())
-      throw SpecError(NoStart(why));
+    if (const auto refused = MakeStart(kTriedSeed, {}, {})) throw SpecError(NoStart(*refused));
     scene_.Reset();
     return;
   }
   start_inspector_->Accept();
-  const std::string doubt = MakeStart(kTriedSeed, {}, {});
-  if (!doubt.empty()) {
+  const std::optional<Refusal> doubt = MakeStart(kTriedSeed, {}, {});
+  if (doubt) {
     // Objects also rest on grids and rings, which a ray misses: only simulating them shows it.
     start_inspector_->AcceptGaps();
-    const std::string why = MakeStart(kTriedSeed, {}, {});
-    if (!why.empty()) throw SpecError(NoStart(why));
+    if (const auto refused = MakeStart(kTriedSeed, {}, {})) throw SpecError(NoStart(*refused));
   }
-  if (is_first) RequireRest(doubt);
+  if (is_first) RequireRest(doubt ? TextOf(*doubt) : "");
   scene_.Reset();
 }
 
@@ -224,22 +242,22 @@ void Env::RequireRest(const std::string& doubt) {
   const std::string body = scene_.compiled()->object(resting.front()).root_body;
   std::vector<Pose> before;
   for (const std::string& object : resting) before.push_back(RootPose(scene_, object));
-  const auto why_not =
+  const std::string why_not =
       internal::Settle(scene_, robots, body,
                        {.resting = resting, .most_drift = std::numeric_limits<double>::infinity()});
-  for (size_t i = 0; !why_not && i < resting.size(); ++i) {
+  for (size_t i = 0; why_not.empty() && i < resting.size(); ++i) {
     const std::string change = ChangeOf(before[i], RootPose(scene_, resting[i]));
     if (change.empty()) continue;
     throw SpecError(fmt::format(
         "{}: no episode can begin, because '{}'{} does not rest where it starts: it {}. "
-        "Give it the pose that it rests in, on top of what is under it (root_frame_objects)",
+        "Give it the pose in which it rests on its support (root_frame_objects)",
         place(), resting[i], of_task, change));
   }
-  if (!why_not) return;
+  if (why_not.empty()) return;
   throw SpecError(
       fmt::format("{}: no episode can begin, because the objects{} do not come to rest: {}. Put "
                   "something under them: `add_floor: true`, or an object with `fixed: true`",
-                  place(), of_task, doubt.empty() ? *why_not : doubt));
+                  place(), of_task, doubt.empty() ? why_not : doubt));
 }
 
 std::string Env::AdviceFor(const RobotOverlap& overlap) const {
@@ -273,6 +291,10 @@ void Env::WarnOfStart() {
         "gripper_offsets), exclude the pair in the model if it may overlap, or choose another "
         "`home`",
         place(), robot));
+  }
+  for (const RobotRecord& robot : scene_.compiled()->robots()) {
+    if (const std::string why = internal::WhyBaseFalls(scene_, robot); !why.empty())
+      LogWarn(fmt::format("{}: robot '{}': {}", place(), robot.name, why));
   }
   for (const std::string& text : HangingObjects(scene_, ObjectsThatMayHang(config_)))
     LogWarn(fmt::format("{}: {}", place(), text));

@@ -16,6 +16,7 @@
 #include "robocell/env/testing/envs.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/task/pick_task_config.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -48,7 +49,7 @@ double HeightAfter(const EnvConfig& config, const std::string& body, int steps =
 
 EnvObject GreenCube(const Pose& at) { return {.mjcf_path = "green_cube", .offset = at}; }
 
-TEST(EnvStart, LoosePropsFallAndEquipmentStays) {
+TEST(EnvStart, FreeObjectsFallAndEquipmentStays) {
   EnvConfig config = Rc7Env();
   config.world_frame_objects["cube"] = GreenCube(PlaceAt(0.5, 0, 0.2));
   config.world_frame_objects["mug"] = {.mjcf_path = "mug", .offset = PlaceAt(0.5, 0.3, 0.2)};
@@ -61,7 +62,7 @@ TEST(EnvStart, LoosePropsFallAndEquipmentStays) {
   EXPECT_FALSE(scene.compiled()->object("mount").free_joint);
 }
 
-TEST(EnvStart, FixedSaysBothForAnyModel) {
+TEST(EnvStart, FixedOverridesAnyModel) {
   TwoArmFolder folder;
   EnvConfig config = Rc7Env();
   config.world_frame_objects["cube"] = GreenCube(PlaceAt(0.5, 0, 0.2));
@@ -73,7 +74,7 @@ TEST(EnvStart, FixedSaysBothForAnyModel) {
   EXPECT_NEAR(HeightAfter(config, "box_box"), 0.02, 1e-3);
 }
 
-TEST(EnvStart, WhatStandsInARobotsFrameIsMounted) {
+TEST(EnvStart, ObjectsInARobotFrameAreMounted) {
   EnvConfig config = Rc7Env();
   config.robots["robot"].attachment_site = "attachment_site";
   const Scene alone = Scene::Build(EnvSceneSpec(Rc7Env()));
@@ -86,7 +87,7 @@ TEST(EnvStart, WhatStandsInARobotsFrameIsMounted) {
   ExpectThrow<SpecError>([&] { Scene::Build(EnvSceneSpec(config)); }, "can move freely");
 }
 
-TEST(EnvStart, WarnsOfWhatHangsInTheAirUntilItIsSaid) {
+TEST(EnvStart, WarnsAboutAFloatingObjectUnlessItIsDeclaredFixed) {
   TwoArmFolder folder;
   EnvConfig config = Rc7Env();
   config.world_frame_objects["box"] = {.mjcf_path = folder.box(), .offset = PlaceAt(0.5, 0.5, 0.2)};
@@ -113,7 +114,7 @@ EnvConfig CubeOnly() {
   return config;
 }
 
-TEST(EnvStart, TheEmptyWorldHasAFloorUnlessSaidOtherwise) {
+TEST(EnvStart, TheEmptyWorldHasAFloorByDefault) {
   EnvConfig config = CubeOnly();
   Env env(config);
   env.Reset({.seed = 1});
@@ -125,7 +126,7 @@ TEST(EnvStart, TheEmptyWorldHasAFloorUnlessSaidOtherwise) {
   EXPECT_TRUE(config.has_added_floor());
 }
 
-TEST(EnvStart, AnObjectThatFallsForEverIsRefusedWithTheReason) {
+TEST(EnvStart, RejectsAnObjectThatFallsForever) {
   EnvConfig config = CubeOnly();
   config.add_floor = false;
   for (const bool batch : {false, true}) {
@@ -147,7 +148,7 @@ TEST(EnvStart, AnObjectThatFallsForEverIsRefusedWithTheReason) {
               ElementsAre(HasSubstr("nothing is under cube, which falls for ever")));
 }
 
-TEST(EnvStart, AnObjectMayBeDropped) {
+TEST(EnvStart, AcceptsADroppedObject) {
   EnvConfig config = CubeOnly();
   config.root_frame_objects["cube"].offset = PlaceAt(0.45, 0, 0.15);
   Env env(config);
@@ -155,7 +156,7 @@ TEST(EnvStart, AnObjectMayBeDropped) {
   EXPECT_NEAR(env.scene().body_pose("cube_green_cube").translation().z(), 0.15, 1e-9);
 }
 
-TEST(EnvStart, AnObjectALittleAboveItsSupportStartsOnIt) {
+TEST(EnvStart, LowersAnObjectOntoItsSupport) {
   EnvConfig config = CubeOnly();
   for (const double above : {0.001, 0.005, 0.04}) {
     config.root_frame_objects["cube"].offset = PlaceAt(0.45, 0, 0.02 + above);
@@ -186,7 +187,7 @@ EnvConfig CubeOnABench(double y) {
   return config;
 }
 
-TEST(EnvStart, ObjectsDoNotStartOverAnEdge) {
+TEST(EnvStart, ObjectsDoNotOverhangAnEdge) {
   EnvConfig config = CubeOnABench(0.05);
   config.task->As<PickTaskConfig>().spread = {0, 0.08};
   Env env(config);
@@ -199,13 +200,13 @@ TEST(EnvStart, ObjectsDoNotStartOverAnEdge) {
   EXPECT_LT(nearest, 0.03) << "what is near the edge is not left out";
 }
 
-TEST(EnvStart, WhatIsPutOverAnEdgeMayReachOverIt) {
+TEST(EnvStart, AnObjectPlacedOverAnEdgeMayOverhang) {
   Env env(CubeOnABench(0.005));
   env.Reset({.seed = 1});
   EXPECT_NEAR(env.scene().body_pose("cube_green_cube").translation().z(), 0.12, 1e-9);
 }
 
-TEST(EnvStart, WarnsOfARobotInsideItself) {
+TEST(EnvStart, WarnsAboutSelfCollisionOfARobot) {
   EnvConfig config = Rc7Env();
   config.robot_frame_objects["robot"]["box"] = {
       .offset = PlaceAt(0, 0, -0.1), .shape = Shape::kBox, .size = Vec3{0.1, 0.1, 0.1}, .mass = 1};
@@ -222,7 +223,7 @@ TEST(EnvStart, WarnsOfARobotInsideItself) {
   EXPECT_THAT(warnings.texts, ::testing::IsEmpty());
 }
 
-TEST(EnvStart, TwoRobotsAtOnePlaceAreSaidOnce) {
+TEST(EnvStart, WarnsOnceAboutTwoRobotsAtOnePlace) {
   EnvConfig config = Rc7Env();
   config.robots["other"] = config.robots["robot"];
   config.robot_to_shared_base_frame["other"] = PlaceAt(0.01, 0, 0);
@@ -235,7 +236,7 @@ TEST(EnvStart, TwoRobotsAtOnePlaceAreSaidOnce) {
             1);
 }
 
-TEST(EnvStart, AdvisesWhatIsNotDoneYetAgainstARobotInsideSomething) {
+TEST(EnvStart, SuggestsUnusedFixesForAPenetratingRobot) {
   const auto warning = [](const EnvConfig& config) {
     Warnings warnings;
     const Env env(config);
@@ -258,7 +259,7 @@ TEST(EnvStart, AdvisesWhatIsNotDoneYetAgainstARobotInsideSomething) {
   EXPECT_THAT(warning(cube), ::testing::Not(HasSubstr(keeps)));
 }
 
-TEST(EnvStart, WarnsOfObjectsInsideEachOther) {
+TEST(EnvStart, WarnsAboutPenetratingObjects) {
   EnvConfig config = CubeOnABench(0.05);
   config.task.reset();
   config.root_frame_objects["cube"].offset = PlaceAt(0.45, 0.1, 0.11);
@@ -268,7 +269,7 @@ TEST(EnvStart, WarnsOfObjectsInsideEachOther) {
               ElementsAre(HasSubstr("at the start object 'cube' is 10 mm inside bench")));
 }
 
-TEST(EnvStart, AnObjectInMillimetresIsSaidOnce) {
+TEST(EnvStart, WarnsOnceAboutAnObjectInMillimetres) {
   EnvConfig config = CubeOnly();
   config.root_frame_objects["box"] = {
       .offset = PlaceAt(0.7, 0.3, 0.02), .shape = Shape::kBox, .size = Vec3{20, 20, 20}, .mass = 1};
@@ -291,7 +292,7 @@ TEST(EnvStart, AnObjectInMillimetresIsSaidOnce) {
     EXPECT_THAT(warning, ::testing::Not(HasSubstr("millimetres")));
 }
 
-TEST(EnvStart, WarnsOfAnObjectInTheFloor) {
+TEST(EnvStart, WarnsAboutAnObjectInTheFloor) {
   for (const double z : {-0.1, -0.3}) {
     EnvConfig config = CubeOnly();
     config.task.reset();
@@ -312,14 +313,14 @@ std::string WhyRefused(const EnvConfig& config) {
   return "";
 }
 
-TEST(EnvStart, AnObjectThatFallsFarIsRefused) {
+TEST(EnvStart, RejectsAnObjectThatFallsFar) {
   EnvConfig config = CubeOnly();
   config.root_frame_objects["cube"].offset = PlaceAt(0.45, 0, 2);
   EXPECT_THAT(WhyRefused(config),
               HasSubstr("'cube' of task 'pick' does not rest where it starts: it falls by 1.98 m"));
 }
 
-TEST(EnvStart, AnObjectThatTipsOverIsRefused) {
+TEST(EnvStart, RejectsAnObjectThatTipsOver) {
   for (const double tilt : {0.0, 0.2, 0.3, 0.6}) {  // radians; on an edge, the cube rolls flat
     EnvConfig config = CubeOnly();
     config.root_frame_objects["cube"].offset =
@@ -354,7 +355,7 @@ bool TouchesARobot(const Scene& scene) {
   return false;
 }
 
-TEST(EnvStart, ObjectsStartBesideRobots) {
+TEST(EnvStart, ObjectsStartNextToRobots) {
   EnvConfig config = CubeAroundAnArm();
   Env env(config);
   const BodyHandle cube(env.scene(), "cube_green_cube");
@@ -371,7 +372,7 @@ TEST(EnvStart, ObjectsStartBesideRobots) {
   EXPECT_GT(near, 10) << "what lies near the arm is not left out";
 }
 
-TEST(EnvStart, CopiesOfABatchStartAsTheOneDoes) {
+TEST(EnvStart, CopiesOfABatchStartLikeASingleEnvironment) {
   const EnvConfig config = CubeAroundAnArm();
   Env env(config);
   EnvBatch batch(config, 3, 1);
@@ -386,7 +387,7 @@ TEST(EnvStart, CopiesOfABatchStartAsTheOneDoes) {
   }
 }
 
-TEST(EnvStart, WithoutAFreePlaceItSaysWhatTouches) {
+TEST(EnvStart, ReportsContactsIfNoPlaceIsFree) {
   EnvConfig config = CubeAroundAnArm();
   config.root_frame_objects["cube"].offset = PlaceAt(0.55, 0.25, 0.02);
   config.task->As<PickTaskConfig>().spread = {0.01, 0.01};
@@ -395,7 +396,7 @@ TEST(EnvStart, WithoutAFreePlaceItSaysWhatTouches) {
                          "often 'cube' touches robot 'right' (");
 }
 
-TEST(EnvStart, ObjectsDoNotStartBesideTheirTable) {
+TEST(EnvStart, ObjectsDoNotStartOffTheirTable) {
   EnvConfig config = CubeOnly();
   config.root_frame_objects["bench"] = {.offset = PlaceAt(0.45, 0, 0.1),
                                         .fixed = true,
@@ -412,7 +413,7 @@ TEST(EnvStart, ObjectsDoNotStartBesideTheirTable) {
   }
 }
 
-TEST(EnvStart, WarnsOfAChassisInTheFloor) {
+TEST(EnvStart, WarnsAboutAChassisInTheFloor) {
   ModelFolder folder;
   const std::string chassis =
       folder.Write("chassis", R"(<worldbody><body name="chassis" pos="0 0 .1">

@@ -10,18 +10,59 @@
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/env/arm_target.h"
+#include "robocell/env/cell.h"
 #include "robocell/env/env.h"
 #include "robocell/env/number_list.h"
+#include "robocell/env/prepared_objects.h"
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
-#include "robocell/task/task_judge.h"
+#include "robocell/robot/controller.h"
+#include "robocell/robot/joint_pos_for_ctrl.h"
+#include "robocell/robot/robot.h"
+#include "robocell/scene/actuator_kind.h"
+#include "robocell/scene/hold_ctrl.h"
+#include "robocell/task/task_calls.h"
 
 namespace robocell {
 namespace {
 
+// Sets the target of a group with position servos to the one that gives the present controls. Other
+// groups keep theirs.
+void RecallTarget(Robot& robot, const std::string& name) {
+  Controller& controller = robot.controller(name);
+  if (controller.target_kind() != TargetKind::kJointPositions ||
+      controller.mode() != CtrlMode::kPosition)
+    return;
+  const MoveGroup& group = robot.group(name);
+  const mjModel* m = robot.scene().model();
+  const mjData* d = robot.scene().data();
+  const std::vector<std::string>& joints = group.joint_names();
+  std::vector<double> target(controller.target().begin(), controller.target().end());
+  for (const std::string& actuator : group.actuator_names()) {
+    const int id = FindId(m, mjOBJ_ACTUATOR, actuator);
+    if (id < 0 || !internal::IsPositionServo(m, id)) return;
+    const std::string joint = internal::ActsOnJoint(m, id)
+                                  ? ElementName(m, mjOBJ_JOINT, m->actuator_trnid[2 * id])
+                                  : std::string();
+    const auto at = std::ranges::find(joints, joint) - joints.begin();
+    if (at >= std::ssize(target)) {  // on a tendon, or a joint that follows one of the arm
+      if (group.kind() == MoveGroupKind::kArm && internal::JointPosForCtrl(group, target))
+        controller.SetTarget(target);
+      return;
+    }
+    const mjtNum ctrl = d->ctrl[m->actuator_ctrladr[id]];
+    const mjtNum* bias = m->actuator_biasprm + mjNBIAS * id;
+    const mjtNum gain = m->actuator_gainprm[mjNGAIN * id], gear = internal::Gear(m, id);
+    // Plain servos keep the number itself, to the bit.
+    const bool is_plain = gain == -bias[1] && bias[0] == 0 && gear == 1;
+    target[at] = is_plain ? ctrl : internal::RestingLength(m, id, {.ctrl = ctrl}) / gear;
+  }
+  controller.SetTarget(target);
+}
+
 constexpr size_t kNumbersBeforePhysics = 8;  // the rig's pose, ticks
 
-constexpr double kSamePlace = 1e-9;  // metres, and in rotation matrices
 constexpr double kMostTicks = 1e15;
 constexpr double kMostBodies = 1e9;
 
@@ -30,7 +71,8 @@ int64_t ToWhole(double number, double most) {
   if (number >= 0 && number <= most && number == std::floor(number))
     return static_cast<int64_t>(number);
   throw ArgumentError(fmt::format(
-      "these numbers are no state of an environment: {} where a whole number is expected", number));
+      "these numbers are not a state of an environment: {} where a whole number is expected",
+      number));
 }
 
 // The hash function FNV-1a of Fowler, Noll and Vo.
@@ -159,7 +201,7 @@ EnvState EnvState::FromNumbers(std::span<const double> numbers) {
 
 EnvState Env::state() const {
   EnvState state = CellState();
-  if (task_) state.task = task_->memory();
+  if (task_) state.task = internal::TaskCalls(*task_).Memory();
   return state;
 }
 
@@ -179,7 +221,7 @@ void Env::RequireState(const EnvState& state) const {
   bool fits = state.names_hash == HashOfNames(config_, scene_.model()) &&
               state.arms.size() == arms_.size() &&
               state.variations.size() == variations_.drawn().size() &&
-              (task_ ? task_->CanRecall(state.task) : state.task.empty()) &&
+              (task_ ? internal::TaskCalls(*task_).CanRecall(state.task) : state.task.empty()) &&
               state.physics.size() == scene_.state().size();
   for (size_t i = 0; fits && i < arms_.size(); ++i) {
     const ArmDriver::Memory own = arms_[i].memory();
@@ -207,10 +249,10 @@ void Env::RequireState(const EnvState& state) const {
 
 // A task's memory of its own attributes may hold places in the world.
 void Env::RequireFrame(const EnvState& state, StateFrame frame) const {
-  const Pose moved = config_.root_frame_to_world * state.root_frame_to_world.inverse();
   const bool is_moved =
-      moved.translation().norm() > kSamePlace || !moved.rotation().isIdentity(kSamePlace);
-  if (frame != StateFrame::kRoot || !is_moved || !task_ || task_->HoldsElsewhere(state.task))
+      !internal::IsSamePlace(config_.root_frame_to_world, state.root_frame_to_world);
+  if (frame != StateFrame::kRoot || !is_moved || !task_ ||
+      internal::TaskCalls(*task_).HoldsElsewhere(state.task))
     return;
   throw ArgumentError(
       fmt::format("{}: the state is of a rig that stands elsewhere, and task '{}' has no memory() "
@@ -223,9 +265,24 @@ void Env::RequireFrame(const EnvState& state, StateFrame frame) const {
 void Env::RecallCell(const EnvState& state) {
   if (state.variations != variations_.drawn()) variations_.Apply(state.variations);
   scene_.SetState(state.physics);
+  RecallOthers();
   for (size_t i = 0; i < arms_.size(); ++i) arms_[i].Recall(state.arms[i]);
   collisions_.Recall(state.touching);
   ticks_ = state.ticks;
+}
+
+// Gives groups beside the arms and grippers of the actions, such as a rail, the targets that their
+// controls in the restored state come from.
+void Env::RecallOthers() {
+  for (Robot& robot : RobotsOf(scene_.inner())) {
+    for (const std::string& group : robot.group_names()) {
+      if (!robot.is_driven(group) || robot.group(group).kind() == MoveGroupKind::kGripper) continue;
+      const bool is_of_actions = std::ranges::any_of(arms_, [&](const ArmDriver& arm) {
+        return arm.robot().name() == robot.name() && arm.robot().arm().name() == group;
+      });
+      if (!is_of_actions) RecallTarget(robot, group);
+    }
+  }
 }
 
 void Env::MoveToRoot(const Pose& from) {
@@ -249,11 +306,11 @@ void Env::SetState(const EnvState& state, StateFrame frame) {
   if (task_) {
     // What Begin sets is not all in a task's memory, and this task may never have begun.
     if (state.ticks == 0 || never_begun) {
-      judge_->Begin();
+      cell_->Begin();
     } else {
-      judge_->ForgetSubtasks();
+      cell_->ForgetSubtasks();
     }
-    task_->Recall(state.task);
+    internal::TaskCalls(*task_).Recall(state.task);
   }
   pacer_.Start(TimeSinceReset());
   cameras_.GoOnFrom(TimeSinceReset());

@@ -28,7 +28,7 @@ struct EnumNames<StateFrame> {
 };
 
 struct EnvState {
-  Pose root_frame_to_world = {};     // of the environment of the state
+  Pose root_frame_to_world = {};     // root frame of the environment that made the state
   std::vector<double> physics = {};  // Scene::state()
   std::vector<ArmDriver::Memory> arms = {};
   std::vector<double> task = {};        // Task::memory()

@@ -51,7 +51,7 @@ void Stir(Env& env) {
   env.scene().data()->qvel[dof + 3] = 3;
 }
 
-TEST(EnvStates, GoOnTheSameToTheBitInAnotherEnvironmentAndFromNumbers) {
+TEST(EnvStates, ContinueBitwiseInAnotherEnvironmentAndFromNumbers) {
   Env env(Rc7WithCube());
   env.Reset({.seed = 3});
   Stir(env);
@@ -67,7 +67,7 @@ TEST(EnvStates, GoOnTheSameToTheBitInAnotherEnvironmentAndFromNumbers) {
 
 // The oracle is an environment that was at the second place from the beginning: only gravity, which
 // both have along their z, and the rig's own frame matter.
-TEST(EnvStates, InTheRootFrameTheyGoOnWhereverTheRigStands) {
+TEST(EnvStates, InTheRootFrameContinueAtAnyRootPose) {
   Env here(Rc7WithCube()), there(Rc7WithCube(kElsewhere));
   here.Reset({.seed = 3});
   Stir(here);
@@ -84,7 +84,7 @@ TEST(EnvStates, InTheRootFrameTheyGoOnWhereverTheRigStands) {
       << "raw states are of the world";
 }
 
-TEST(EnvStates, FitTheirConfigurationOnly) {
+TEST(EnvStates, RequireTheSameConfiguration) {
   Env env(Rc7WithCube());
   ExpectThrow<Error>([&] { env.state(); }, "call reset before the first step");
   env.Reset();
@@ -96,11 +96,12 @@ TEST(EnvStates, FitTheirConfigurationOnly) {
                              "those of the same configuration, but for root_frame_to_world");
   std::vector<double> numbers = env.state().numbers();
   numbers.pop_back();
-  ExpectThrow<ArgumentError>([&] { EnvState::FromNumbers(numbers); }, "no state of an environment");
+  ExpectThrow<ArgumentError>([&] { EnvState::FromNumbers(numbers); },
+                             "not a state of an environment");
 }
 
 // A controller's target can be a sum of steps, which is restored to the bit all the same.
-TEST(EnvStates, OfAControllerThatAddsStepsGoOnTheSameToTheBit) {
+TEST(EnvStates, OfARelativeControllerContinueBitwise) {
   for (const ControlMode mode : {ControlMode::kJoints, ControlMode::kCartesianTrpy}) {
     EnvConfig config = Rc7Env(mode);
     config.robots["robot"].control["arm"] = ControlKind::kRelativeJointPosition;
@@ -127,7 +128,7 @@ TEST(EnvStates, OfAControllerThatAddsStepsGoOnTheSameToTheBit) {
   }
 }
 
-TEST(EnvStates, WithNumbersThatTheEngineDoesNotTakeAreRefused) {
+TEST(EnvStates, RejectNumbersThatTheEngineRejects) {
   Env env(Rc7WithCube());
   env.Reset();
   EnvState state = env.state();
@@ -153,7 +154,7 @@ std::string FileText(const std::string& path) {
   return text.str();
 }
 
-TEST(EnvSavedScenes, AreSimulatedInThePlaceOfTheConfiguration) {
+TEST(EnvSavedScenes, ReplaceTheSceneOfTheConfiguration) {
   TempDir folder;
   EnvConfig config = Rc7WithCube();
   const std::string file = folder.path() / "cell.xml";
@@ -224,7 +225,7 @@ TEST(EnvVariations, AreDrawnAtEachResetFromItsSeed) {
 }
 
 // The oracle is a model that was compiled with that mass.
-TEST(EnvVariations, AreAsIfTheModelWereMadeSo) {
+TEST(EnvVariations, MatchAModelCompiledWithThem) {
   Env env(Varied());
   env.Reset({.seed = 2});
   EnvConfig config = Rc7WithCube();
@@ -242,7 +243,7 @@ TEST(EnvVariations, AreAsIfTheModelWereMadeSo) {
   EXPECT_EQ(m->stat.extent, oracle->stat.extent);
 }
 
-TEST(EnvVariations, BelongToAState) {
+TEST(EnvVariations, ArePartOfAState) {
   Env env(Varied());
   env.Reset({.seed = 2});
   env.Save("start");

@@ -9,12 +9,14 @@
 #include <tuple>
 
 #include "robocell/base/error.h"
+#include "robocell/base/hook_error.h"
 #include "robocell/base/units.h"
 #include "robocell/env/env.h"
 #include "robocell/env/testing/envs.h"
 #include "robocell/mujoco/owners.h"
 #include "robocell/robot/gripper_group.h"
 #include "robocell/task/held.h"
+#include "robocell/task/pick_task_config.h"
 #include "robocell/task/task_kind.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -114,7 +116,7 @@ class EnvTaskTest : public ::testing::Test {
 };
 
 // Collectors of other languages count on it (Scene::Weak::handles).
-TEST_F(EnvTaskTest, HoldsItsSceneByOneHandle) {
+TEST_F(EnvTaskTest, HoldsASingleSceneHandle) {
   for (EnvConfig config : {Picking(), Placing(), Rc7Duo(ControlMode::kJoints, RelativeTo::kNone)}) {
     config.features.names = {"time", "robots/*"};
     config.camera_adds["view"] = {.offset = Pose(Eigen::Vector3d(0, 0, 2))};
@@ -132,7 +134,7 @@ TEST_F(EnvTaskTest, HoldsItsSceneByOneHandle) {
   }
 }
 
-TEST_F(EnvTaskTest, PuttingItDownIsSuccessWhereverTheRootIs) {
+TEST_F(EnvTaskTest, PlacingSucceedsAtAnyRootPose) {
   for (const bool mat : {false, true}) {
     for (const Pose& root : {Pose(), Pose::FromRpy({1, -1, 0.3}, {0, 0, 2})}) {
       Env env(Placing(root, mat));
@@ -154,7 +156,7 @@ TEST_F(EnvTaskTest, PuttingItDownIsSuccessWhereverTheRootIs) {
 }
 
 // Each goal is rejected when the environment is made, since no episode could succeed.
-TEST_F(EnvTaskTest, GoalsThatCannotBeMetAreRefusedWithTheReason) {
+TEST_F(EnvTaskTest, RejectsInfeasibleGoalsWithTheReason) {
   const auto placing = [&](const Vec3& goal) {
     EnvConfig config = Placing();
     config.root_frame_objects["shelf"] = {.offset = Pose(Eigen::Vector3d(0.3, -0.3, 0.15)),
@@ -179,29 +181,29 @@ TEST_F(EnvTaskTest, GoalsThatCannotBeMetAreRefusedWithTheReason) {
         Case{{0.4, 0.2, 0.5}, "put down there it falls by"},
         Case{{0.3, -0.3, 0.45}, "put down there it falls by"},
         Case{{0.3, 0.3, 1.8}, "out of reach"}}) {
-    ExpectThrow<ArgumentError>([&] { Env env(placing(goal)); }, why);
+    ExpectThrow<HookError>([&] { Env env(placing(goal)); }, why);
   }
   for (const Vec3& goal : {Vec3{0.4, 0.2, 0.02}, Vec3{0.4, 0.2, 0}, Vec3{0.3, -0.3, 0.32},
                            Vec3{0.41, -0.3, 0.32}, Vec3{0.3, -0.3, 0.345}})
     EXPECT_NO_THROW(Env{placing(goal)}) << goal[0] << " " << goal[1] << " " << goal[2];
 }
 
-TEST_F(EnvTaskTest, GoalsOnAnObjectThatCannotBeMetAreRefused) {
+TEST_F(EnvTaskTest, RejectsInfeasibleGoalsOnAnObject) {
   EnvConfig config = Placing({}, true);
   config.task->As<PickAndPlaceTaskConfig>().goal = Vec3{0, 0, 0.2};
-  ExpectThrow<ArgumentError>([&] { Env env(config); }, "in the frame of 'mat'");
+  ExpectThrow<HookError>([&] { Env env(config); }, "in the frame of 'mat'");
   config.task->As<PickAndPlaceTaskConfig>().goal.reset();
   EXPECT_NO_THROW(Env{config});
 }
 
-TEST_F(EnvTaskTest, AnObjectThatStartsOutOfReachIsRefused) {
+TEST_F(EnvTaskTest, RejectsAnObjectOutOfReach) {
   EnvConfig config = Picking();
   config.root_frame_objects["ground"].offset = Pose(Eigen::Vector3d(2, 0, 0));
   config.root_frame_objects["cube"].offset = Pose(Eigen::Vector3d(2.6, 0, 0.02));
   ExpectThrow<SpecError>([&] { Env env(config); }, "'cube' is out of reach (it is 2.");
 }
 
-TEST_F(EnvTaskTest, WhatWasNeverLiftedWasNotPlaced) {
+TEST_F(EnvTaskTest, RejectsAPlacementWithoutALift) {
   EnvConfig config = Placing();
   Env env(config);
   env.Reset();
@@ -213,7 +215,7 @@ TEST_F(EnvTaskTest, WhatWasNeverLiftedWasNotPlaced) {
   EXPECT_LT(step.reward, 0.5);
 }
 
-TEST_F(EnvTaskTest, GoalsAreSpreadAndFarFromWhereItStarts) {
+TEST_F(EnvTaskTest, GoalsAreSpreadAndFarFromTheStart) {
   for (const bool mat : {false, true}) {
     EnvConfig config = Placing(Pose::FromRpy({1, -1, 0.3}, {0, 0, 2}), mat);
     config.task->As<PickAndPlaceTaskConfig>().goal_distance = 0.2;
@@ -234,12 +236,12 @@ TEST_F(EnvTaskTest, GoalsAreSpreadAndFarFromWhereItStarts) {
   }
   EnvConfig config = Placing();
   config.task->As<PickAndPlaceTaskConfig>().goal_distance = 2;
-  ExpectThrow<ArgumentError>([&] { Env env(config); },
-                             "environment 'env': in 1000 tries 'cube' was never 2 m from its goal; "
-                             "widen task.spread or task.goal_spread, or lower task.goal_distance");
+  ExpectThrow<HookError>([&] { Env env(config); },
+                         "environment 'env': in 1000 tries 'cube' was never 2 m from its goal; "
+                         "widen task.spread or task.goal_spread, or lower task.goal_distance");
 }
 
-TEST_F(EnvTaskTest, GoalsAreDrawnAgainWhereNothingOrSomethingElseIsUnderThem) {
+TEST_F(EnvTaskTest, ResamplesGoalsWithoutTheirSupport) {
   EnvConfig config = Placing();
   config.task->As<PickAndPlaceTaskConfig>().goal_spread = {0.02, 0.12};
   // From y = 0.30 on, a block covers possible goals.
@@ -260,7 +262,7 @@ TEST_F(EnvTaskTest, GoalsAreDrawnAgainWhereNothingOrSomethingElseIsUnderThem) {
   EXPECT_LT(least, 0.2);
 }
 
-TEST_F(EnvTaskTest, AGoalObjectIsDrawnAgainWhereItWouldBeInsideOfSomething) {
+TEST_F(EnvTaskTest, ResamplesAGoalObjectInCollision) {
   EnvConfig config = Placing({}, true);
   config.task->As<PickAndPlaceTaskConfig>().goal_spread = {0.02, 0.12};
   config.root_frame_objects["block"] = {.offset = Pose(Eigen::Vector3d(0.4, 0.45, 0.05)),
@@ -278,12 +280,12 @@ TEST_F(EnvTaskTest, AGoalObjectIsDrawnAgainWhereItWouldBeInsideOfSomething) {
   EXPECT_GT(most, 0.26);
 }
 
-TEST_F(EnvTaskTest, AGoalThatIsSpreadLiesOnSomethingThatCanMove) {
+TEST_F(EnvTaskTest, ASpreadGoalNeedsAMovableObject) {
   EnvConfig config = Placing({}, true);
   config.root_frame_objects["mat"].fixed = true;
-  ExpectThrow<ArgumentError>([&] { Env env(config); },
-                             "task.goal_spread moves task.goal_object 'mat', which is fixed; set "
-                             "fixed: false in root_frame_objects.mat, or leave goal_spread out");
+  ExpectThrow<HookError>([&] { Env env(config); },
+                         "task.goal_spread moves task.goal_object 'mat', which is fixed; set "
+                         "fixed: false in root_frame_objects.mat, or leave goal_spread out");
   config.task->As<PickAndPlaceTaskConfig>().goal_spread = {0, 0};
   Env env(config);
   env.Reset();
@@ -339,7 +341,7 @@ class BeHigh : public Task {
   double start_ = 0;
 };
 
-TEST_F(EnvTaskTest, TasksOfOnesOwnAreRegistered) {
+TEST_F(EnvTaskTest, RegistersCustomTasks) {
   const auto kind = std::make_shared<TaskKindOf<BeHighConfig, BeHigh>>();
   RegisterTask<BeHighConfig>(kind);
   ExpectThrow<ArgumentError>([&] { RegisterTask<BeHighConfig>(kind); },
@@ -386,7 +388,7 @@ class Forgetful final : public BeHigh {
   void Recall(std::span<const double> /*memory*/) override {}
 };
 
-TEST_F(EnvTaskTest, ATaskBeginsAnewWhereAStartIsRestored) {
+TEST_F(EnvTaskTest, RestoringAStartRestartsTheTask) {
   RegisterTask<ForgetfulConfig>(std::make_shared<TaskKindOf<ForgetfulConfig, Forgetful>>());
   EnvConfig config = Picking();
   config.task = ForgetfulConfig();
@@ -424,16 +426,49 @@ class Picky final : public Task {
   int asked_ = 0;
 };
 
-TEST_F(EnvTaskTest, RefusalsAreCountedByTheirReasonWithoutTheDetail) {
+TEST_F(EnvTaskTest, CountsRefusalsByReason) {
   RegisterTask<PickyConfig>(std::make_shared<TaskKindOf<PickyConfig, Picky>>());
   EnvConfig config = Picking();
   config.task = PickyConfig();
   ExpectThrow<SpecError>([&] { Env env(config); },
-                         "task 'picky_of_test' found no start in 100 tries: most often its "
-                         "arrange() refused: too high (by 99 m)");
+                         "task 'picky_of_test' found no start in 100 tries: most often the "
+                         "task refused: too high (by 99 m)");
 }
 
-TEST_F(EnvTaskTest, StartsAreSpreadAroundTheObjectsPlaceInTheRootFrame) {
+// Rejects the starts whose cube lies on one side.
+struct OneSidedConfig {
+  static constexpr const char* kKind = "one_sided_of_test";
+  static constexpr const char* kTypeName = "OneSidedConfig";
+  template <class V>
+  static void Fields(V&&) {}
+};
+
+class OneSided final : public Task {
+ public:
+  explicit OneSided(const OneSidedConfig&) {}
+  BodyPoses Starts(Rng& rng) override {
+    return {{"cube_cube", Pose::FromRpy({0.45, rng.Uniform(-0.1, 0.1), 0.02}, {})}};
+  }
+  std::optional<Refusal> CheckStart(const Scene& scene) override {
+    if (scene.body_pose("cube_cube").translation().y() > 0) return std::nullopt;
+    return Refusal{.reason = "on the right"};
+  }
+  TaskVerdict Judge(const Scene&) override { return {}; }
+  std::string instruction() const override { return "stay on the left"; }
+};
+
+TEST_F(EnvTaskTest, DrawsAnotherStartIfTheTaskRejectsOne) {
+  RegisterTask<OneSidedConfig>(std::make_shared<TaskKindOf<OneSidedConfig, OneSided>>());
+  EnvConfig config = Picking();
+  config.task = OneSidedConfig();
+  Env env(config);
+  for (int i = 0; i < 20; ++i) {
+    env.Reset();
+    EXPECT_GT(env.scene().body_pose("cube_cube").translation().y(), 0);
+  }
+}
+
+TEST_F(EnvTaskTest, StartsSpreadAroundTheConfiguredPlace) {
   const Pose root = Pose::FromRpy({1, -1, 0.3}, {0, 0, 2});
   Env env(Picking(root));
   double least_x = 1, most_x = 0, most_turn = 0;
@@ -475,7 +510,7 @@ TEST_F(EnvTaskTest, AResetEvaluatesItsStartOnce) {
 }
 
 // The reference is the engine's result for the same state in data of its own.
-TEST_F(EnvTaskTest, AResetLeavesContactsAndPosesOfWhereThingsStart) {
+TEST_F(EnvTaskTest, AResetLeavesContactsAndPosesOfTheStart) {
   Env env(Placing(Pose::FromRpy({1, -1, 0.3}, {0, 0, 2}), true));
   const mjModel* m = env.scene().model();
   const DataPtr other = MakeData(m);
@@ -501,7 +536,7 @@ TEST_F(EnvTaskTest, AResetLeavesContactsAndPosesOfWhereThingsStart) {
   }
 }
 
-TEST_F(EnvTaskTest, PickingItUpIsSuccessWhereverTheRootIs) {
+TEST_F(EnvTaskTest, PickingSucceedsAtAnyRootPose) {
   for (const Pose& root : {Pose(), Pose::FromRpy({1, -1, 0.3}, {0, 0, 2})}) {
     EnvConfig config = Picking(root);
     config.sim.max_convergence_time = 2;
@@ -565,7 +600,7 @@ class EnvPickTest : public EnvTaskTest {
   Eigen::Vector3d held_ = Eigen::Vector3d::Zero();
 };
 
-TEST_F(EnvPickTest, PickedIsWhatOnlyRobotsHoldACentimetreAboveItsStart) {
+TEST_F(EnvPickTest, PickedMeansHeldByRobotsACentimetreAboveTheStart) {
   for (const char* kind : {"pick", "pick_and_place"}) {
     for (const Pose& root : {Pose(), Pose::FromRpy({1, -1, 0.3}, {0.1, 0, 2})}) {
       Make(root, kind);
@@ -588,7 +623,7 @@ TEST_F(EnvPickTest, PickedIsWhatOnlyRobotsHoldACentimetreAboveItsStart) {
   }
 }
 
-TEST_F(EnvTaskTest, APlaceIsTurnedInTheRootFrameWithWhatLiesThere) {
+TEST_F(EnvTaskTest, APlaceIsRotatedWithItsObjectInTheRootFrame) {
   EnvConfig config = Picking();
   config.root_frame_objects["cube"].offset =
       Pose::FromRpy({0.45, 0, 0.02}, {0, 0, internal::kPi / 2});
@@ -602,15 +637,15 @@ TEST_F(EnvTaskTest, APlaceIsTurnedInTheRootFrameWithWhatLiesThere) {
   }
 }
 
-TEST_F(EnvTaskTest, AFixedObjectIsNothingToPick) {
+TEST_F(EnvTaskTest, RejectsAFixedObjectAsATarget) {
   EnvConfig config = Picking();
   config.root_frame_objects["cube"].fixed = true;
-  ExpectThrow<ArgumentError>([&] { Env env(config); },
-                             "environment 'env': task.object 'cube' is fixed, so that nobody can "
-                             "pick it; set fixed: false in root_frame_objects.cube");
+  ExpectThrow<HookError>([&] { Env env(config); },
+                         "environment 'env': task.object 'cube' is fixed, so that no robot can "
+                         "pick it; set fixed: false in root_frame_objects.cube");
 }
 
-TEST_F(EnvTaskTest, FromASavedStateEverythingIsTheSameToTheBit) {
+TEST_F(EnvTaskTest, ASavedStateReproducesATaskBitwise) {
   Env env(Picking());
   env.Reset({.seed = 1});
   MoveTo(env, Pose::FromRpy({0.4, 0.1, 0.2}, {internal::kPi, 0, 0}), 0);
@@ -639,7 +674,7 @@ TEST_F(EnvTaskTest, FromASavedStateEverythingIsTheSameToTheBit) {
   EXPECT_THAT(env.saved(), IsEmpty());
 }
 
-TEST_F(EnvTaskTest, StatesAreSavedAfterAResetAndOnOneModel) {
+TEST_F(EnvTaskTest, SavingAStateRequiresAResetAndTheSameModel) {
   Env env(Picking());
   ExpectThrow<Error>([&] { env.Save("start"); }, "call reset before the first step");
   env.Reset();

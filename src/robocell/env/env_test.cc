@@ -70,7 +70,7 @@ Env Ready(const EnvConfig& config) {
   return env;
 }
 
-TEST(EnvFrames, TheSamePoseSendsAllArmsToTheSamePlaceInTheWorld) {
+TEST(EnvFrames, TheSamePoseMovesAllArmsToTheSameWorldPose) {
   EnvConfig config = Rc7Duo(ControlMode::kCartesianTquat, RelativeTo::kNone);
   config.sim.max_convergence_time = 0.002;  // they would meet there
   Env env = Ready(config);
@@ -104,7 +104,7 @@ TEST(EnvFrames, ObservationsAreForwardKinematicsInTheSharedFrame) {
   }
 }
 
-TEST(EnvFrames, RelativeRotationsTurnAboutTheTcpWithTheAxesOfTheSharedFrame) {
+TEST(EnvFrames, RelativeRotationsAreAboutTheTcpInSharedFrameAxes) {
   EnvConfig config = Rc7Duo(ControlMode::kCartesianTrpy, RelativeTo::kLastStep);
   Env env = Ready(config);
   const Pose before[] = {ObservedTcp(env, 0), ObservedTcp(env, 1)};
@@ -117,7 +117,7 @@ TEST(EnvFrames, RelativeRotationsTurnAboutTheTcpWithTheAxesOfTheSharedFrame) {
   }
 }
 
-TEST(EnvFrames, AboutAConfiguredOriginTheyTurnFromThereAndNotFromTheLastStep) {
+TEST(EnvFrames, ConfiguredOriginRotationsStartFromTheOrigin) {
   Env env = Ready(Rc7Duo(ControlMode::kCartesianTrpy, RelativeTo::kConfiguredOrigin));
   const Pose origins[] = {ObservedTcp(env, 0), ObservedTcp(env, 1)};
   const Numbers actions[] = {
@@ -133,7 +133,7 @@ TEST(EnvFrames, AboutAConfiguredOriginTheyTurnFromThereAndNotFromTheLastStep) {
   }
 }
 
-TEST(EnvActions, JointsAreAbsoluteOrAddedToWhereTheArmWasSent) {
+TEST(EnvActions, JointsAreAbsoluteOrRelativeToTheLastTarget) {
   Env absolute = Ready(Rc7Env(ControlMode::kJoints, RelativeTo::kNone));
   const Numbers goal = {0.3, -0.3, 0.2, 1.7, 0.1, 1.2, 0.1};
   EXPECT_EQ(absolute.Step(ForAll(absolute, goal)).reason, EndReason::kArrived);
@@ -147,7 +147,7 @@ TEST(EnvActions, JointsAreAbsoluteOrAddedToWhereTheArmWasSent) {
   EXPECT_NEAR(sent[6], home[6] + 0.15, 1e-12);
 }
 
-TEST(EnvActions, EveryCommandIsSentSoThatSlowRampsArrive) {
+TEST(EnvActions, SlowRampsArrive) {
   Env env = Ready(Rc7Env(ControlMode::kCartesianTrpy));
   const Pose before = ObservedTcp(env);
   for (int step = 0; step < 200; ++step) env.Step(ForAll(env, {0, 0, 2e-4, 0, 0, 1e-4}));
@@ -155,7 +155,7 @@ TEST(EnvActions, EveryCommandIsSentSoThatSlowRampsArrive) {
   EXPECT_TRUE(SentInWorld(env, "robot").is_close(wanted, kIk, kIk));
 }
 
-TEST(EnvActions, StepsAreLimitedFromWhereTheArmWasSent) {
+TEST(EnvActions, StepsAreLimitedFromTheLastTarget) {
   EnvConfig config = Rc7Env(ControlMode::kCartesianTquat, RelativeTo::kNone);
   config.max_relative_movement = {0.02, 0.05};
   Env env = Ready(config);
@@ -172,7 +172,7 @@ TEST(EnvActions, StepsAreLimitedFromWhereTheArmWasSent) {
   EXPECT_TRUE(last.is_close(goal, kIk, kIk));
 }
 
-TEST(EnvActions, MovesAboutAConfiguredOriginAreLimitedFromWhereTheArmWasSent) {
+TEST(EnvActions, ConfiguredOriginMotionsAreLimitedFromTheLastTarget) {
   EnvConfig config = Rc7Env(ControlMode::kCartesianTrpy, RelativeTo::kConfiguredOrigin);
   config.max_relative_movement = {0.02, 0.1};
   Env env = Ready(config);
@@ -184,7 +184,7 @@ TEST(EnvActions, MovesAboutAConfiguredOriginAreLimitedFromWhereTheArmWasSent) {
   }
 }
 
-TEST(EnvActions, AConfiguredOriginStaysUntilItIsSetAnew) {
+TEST(EnvActions, AConfiguredOriginStaysUntilItIsSetAgain) {
   Env env = Ready(Rc7Env(ControlMode::kCartesianTrpy, RelativeTo::kConfiguredOrigin));
   const Pose origin = ObservedTcp(env);
   const Pose up = MovedBy(origin, Pose(Eigen::Vector3d(0, 0, 0.03)));
@@ -201,7 +201,7 @@ TEST(EnvActions, AConfiguredOriginStaysUntilItIsSetAnew) {
                              "'robot'?");
 }
 
-TEST(EnvActions, APoseWithoutSolutionIsReportedAndTriedAgain) {
+TEST(EnvActions, ReportsAnUnreachablePoseAndRetries) {
   Env env = Ready(Rc7Duo(ControlMode::kCartesianTquat, RelativeTo::kNone));
   const Pose left = ObservedTcp(env, 0), right = ObservedTcp(env, 1);
   Numbers action = ForAll(env, Tquat(left));
@@ -218,7 +218,7 @@ TEST(EnvActions, APoseWithoutSolutionIsReportedAndTriedAgain) {
   EXPECT_EQ(env.Step(action).reason, EndReason::kArrived);
 }
 
-TEST(EnvActions, AGripperIsOpenFromAHalfOnOrAnythingBetween) {
+TEST(EnvActions, GripperActionsAreBinaryOrContinuous) {
   EnvConfig config = Rc7Env();
   Env binary = Ready(config);
   const Numbers still(7, 0);
@@ -236,7 +236,7 @@ TEST(EnvActions, AGripperIsOpenFromAHalfOnOrAnythingBetween) {
   EXPECT_NEAR(continuous.observation()[gripper], 0.3, 0.02);
 }
 
-TEST(EnvActions, ZerosOfARelativeActionStandStill) {
+TEST(EnvActions, AZeroRelativeActionHoldsStill) {
   Env env = Ready(Rc7Env(ControlMode::kCartesianTquat));
   const Pose start = SentInWorld(env, "robot");
   const EnvStep step = env.Step(Numbers(8, 0));
@@ -244,7 +244,7 @@ TEST(EnvActions, ZerosOfARelativeActionStandStill) {
   EXPECT_TRUE(SentInWorld(env, "robot").is_close(start, kIk, kIk));
 }
 
-TEST(EnvActions, BadOnesAreRefusedBeforeAnythingMoves) {
+TEST(EnvActions, RejectsInvalidActionsBeforeMoving) {
   Env env(Rc7Env(ControlMode::kCartesianTquat, RelativeTo::kNone));
   Numbers action(8, 0);
   ExpectThrow<Error>([&] { (void)env.Step(action); },
@@ -281,7 +281,7 @@ TEST(EnvSteps, AtAFixedRateDoNotDrift) {
   EXPECT_EQ(ticks[2], 16);
 }
 
-TEST(EnvSteps, EndWhenTheirTimeIsUp) {
+TEST(EnvSteps, EndAtTheirTimeLimit) {
   EnvConfig config = Rc7Env(ControlMode::kJoints, RelativeTo::kNone);
   config.sim.max_convergence_time = 0.1;
   Env env = Ready(config);
@@ -290,7 +290,7 @@ TEST(EnvSteps, EndWhenTheirTimeIsUp) {
   EXPECT_NEAR(out.time, 0.1, 1e-9);
 }
 
-TEST(EnvSteps, TakeAsLongAsTheySimulateWhenPaced) {
+TEST(EnvSteps, TakeTheSimulatedTimeWhenPaced) {
   for (const bool async_control : {true, false}) {
     EnvConfig config = Rc7Env();
     config.sim.async_control = async_control;
@@ -321,7 +321,7 @@ EnvConfig BesideAWall(ModelFolder& folder) {
   return config;
 }
 
-TEST(EnvSteps, StopWhenARobotRunsIntoSomethingAndGoOnFromThere) {
+TEST(EnvSteps, StopAtACollisionAndContinueFromThere) {
   ModelFolder folder;
   EnvConfig config = BesideAWall(folder);
   Env env = Ready(config);
@@ -341,7 +341,7 @@ TEST(EnvSteps, StopWhenARobotRunsIntoSomethingAndGoOnFromThere) {
   EXPECT_THAT(env.Step(home).collisions, IsEmpty());
 }
 
-TEST(EnvSteps, ReportCollisionsWhenAskedTo) {
+TEST(EnvSteps, ReportCollisionsIfConfigured) {
   ModelFolder folder;
   EnvConfig config = BesideAWall(folder);
   config.sim.on_collision = OnCollision::kReport;
@@ -353,7 +353,7 @@ TEST(EnvSteps, ReportCollisionsWhenAskedTo) {
   EXPECT_FALSE(hit.collisions.empty());
 }
 
-TEST(EnvSteps, WithAGuardAnActionIntoSomethingIsNotCarriedOut) {
+TEST(EnvSteps, AGuardRevokesAnActionIntoACollision) {
   ModelFolder folder;
   EnvConfig config = BesideAWall(folder);
   config.sim.on_collision = OnCollision::kGuard;
@@ -380,7 +380,7 @@ TEST(EnvSteps, WithAGuardAnActionIntoSomethingIsNotCarriedOut) {
   }
 }
 
-TEST(EnvSteps, WhereNothingIsInTheWayAGuardChangesNothing) {
+TEST(EnvSteps, AGuardChangesNothingWithoutObstacles) {
   const auto run = [](OnCollision on_collision) {
     EnvConfig config = Rc7Env();
     config.sim.on_collision = on_collision;
@@ -396,7 +396,7 @@ TEST(EnvSteps, WhereNothingIsInTheWayAGuardChangesNothing) {
 }
 
 // An arm folded so far that its third link reaches its base; neighbours overlap.
-TEST(EnvSteps, LinksThatAJointConnectsDoNotCollide) {
+TEST(EnvSteps, LinksConnectedByAJointDoNotCollide) {
   ModelFolder folder;
   RobotConfig arm = ArmConfig(folder.Write("arm", R"(
     <compiler angle="radian" autolimits="true"/>
@@ -417,7 +417,7 @@ TEST(EnvSteps, LinksThatAJointConnectsDoNotCollide) {
               ElementsAre(Collision{"robot", "robotrobot_fore", "robot", "robotrobot_base"}));
 }
 
-TEST(EnvSteps, ADivergedSimulationIsAValueAndEndsTheEpisode) {
+TEST(EnvSteps, ADivergedSimulationEndsTheEpisode) {
   Env env = Ready(Rc7Env());
   const Numbers still = ForAll(env, Numbers(7, 0));
   env.scene().data()->qvel[0] = 1e12;
@@ -449,7 +449,7 @@ TEST(EnvResets, FollowTheirSeeds) {
   EXPECT_EQ(episodes({}), episodes(0));
 }
 
-TEST(EnvResets, LeaveTheArmsWhereTheyAreWhenAskedTo) {
+TEST(EnvResets, KeepTheArmsInPlaceIfConfigured) {
   EnvConfig config = Rc7Env();
   config.wrappers.home_on_reset = false;
   Env env = Ready(config);
@@ -463,7 +463,7 @@ TEST(EnvResets, LeaveTheArmsWhereTheyAreWhenAskedTo) {
   EXPECT_NEAR(ObservedJoints(env)[0], moved[0], 1e-3) << "and hold still there";
 }
 
-TEST(EnvLayouts, HoldEveryObservationAndSayWhatActionsAre) {
+TEST(EnvLayouts, ContainObservationsAndDescribeActions) {
   EnvConfig config = Rc7Duo(ControlMode::kCartesianTrpy, RelativeTo::kNone);
   config.sim.async_control = true;
   Env env = Ready(config);
@@ -482,7 +482,7 @@ TEST(EnvLayouts, HoldEveryObservationAndSayWhatActionsAre) {
   }
 }
 
-TEST(EnvLayouts, RangesAreTheRobotsOwn) {
+TEST(EnvLayouts, RangesMatchTheRobot) {
   const EnvLayout joints = Env(Rc7Env(ControlMode::kJoints, RelativeTo::kNone)).layout();
   const std::vector<Interval> limits =
       Robot::Of(Scene::Build(EnvSceneSpec(Rc7Env())), "robot").joint_limits();
@@ -496,7 +496,7 @@ TEST(EnvLayouts, RangesAreTheRobotsOwn) {
               1e-9);
 }
 
-TEST(EnvCopies, OnOneFrozenModelRunInParallelAsAlone) {
+TEST(EnvCopies, OnOneFrozenModelRunInParallelAsSeparately) {
   const EnvConfig config = Rc7Duo(ControlMode::kCartesianTrpy, RelativeTo::kLastStep);
   const std::shared_ptr<CompiledScene> compiled = CompileScene(EnvSceneSpec(config));
   compiled->Freeze();

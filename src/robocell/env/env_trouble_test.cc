@@ -54,7 +54,7 @@ class EnvTrouble : public ::testing::Test {
   ModelFolder folder_;
 };
 
-TEST_F(EnvTrouble, AHingeWithoutLimitsTurnsForEverAndIsObservedInItsRange) {
+TEST_F(EnvTrouble, AnUnlimitedHingeIsObservedInItsRange) {
   REQUIRE_MENAGERIE("kinova_gen3");
   EnvConfig config{.control_mode = ControlMode::kCartesianTquat};
   config.robots["robot"] = Gen3WithTool();
@@ -84,7 +84,7 @@ TEST_F(EnvTrouble, AHingeWithoutLimitsTurnsForEverAndIsObservedInItsRange) {
   EXPECT_GT(farthest, 2 * internal::kPi + 1);
 }
 
-TEST_F(EnvTrouble, OnlyAResetGoesOnAfterAnErrorHalfway) {
+TEST_F(EnvTrouble, AnInterruptedStepRequiresAReset) {
   Env env(Rc7Env());
   env.Reset();
   Scene scene = env.scene();
@@ -107,7 +107,7 @@ TEST_F(EnvTrouble, OnlyAResetGoesOnAfterAnErrorHalfway) {
   EXPECT_EQ(env.Step(Still(env)).reason, EndReason::kArrived);
 }
 
-TEST_F(EnvTrouble, ControllersThatAreSentNoJointPositionsAreRefused) {
+TEST_F(EnvTrouble, RejectsControllersThatTakeNoJointPositions) {
   struct Refused {
     ControlKind kind;
     std::string text;
@@ -150,7 +150,7 @@ TEST_F(EnvTrouble, AfterACollisionTheNextStepEndsAtTheNextMultiple) {
   EXPECT_NEAR(env.Step(turned).time, next + 0.2, 1e-9);
 }
 
-TEST_F(EnvTrouble, ARestoredStateMeetsTheSameThings) {
+TEST_F(EnvTrouble, ARestoredStateHasTheSameCollisions) {
   EnvConfig config = BesideWall();
   config.sim.async_control = true;
   config.sim.frequency = 1 / config.sim.timestep;
@@ -174,7 +174,7 @@ TEST_F(EnvTrouble, ARestoredStateMeetsTheSameThings) {
   }
 }
 
-TEST_F(EnvTrouble, TimesThatHardlyPassAreRefused) {
+TEST_F(EnvTrouble, RejectsExtremeTimes) {
   EnvConfig config = Rc7Env();
   config.sim.max_convergence_time = 1e300;
   const char* text = "sim.max_convergence_time";

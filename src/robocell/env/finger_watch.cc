@@ -13,10 +13,10 @@ namespace robocell {
 namespace {
 
 constexpr double kWatched = 0.05;     // s, a window
-constexpr double kStillShare = 1e-3;  // of the travel, within a window
+constexpr double kStillShare = 1e-3;  // share of the travel, within a window
 constexpr double kDrift = 5e-3;       // share of the travel that ends the rest of fingers
 constexpr int kLongWindows = 4;       // watched windows of fingers away from their target
-constexpr double kThere = 0.05;       // of the opening
+constexpr double kThere = 0.05;       // share of the opening
 constexpr double kFreeTurn = 1, kFreeSlide = 0.1;  // travel of joints without limits, rad and m
 
 // Collects the joints between a finger and the hand.

@@ -67,7 +67,7 @@ class FingerWatchTest : public ::testing::Test {
   ModelFolder folder_;
 };
 
-TEST_F(FingerWatchTest, FingersThatMoveBeyondTheirOpeningsRangeAreWaitedFor) {
+TEST_F(FingerWatchTest, WaitsForFingersThatMoveBeyondTheirRange) {
   EnvConfig config = Slides(R"(biasprm="0 -1000 -300")");
   config.grippers["robot"].move_groups.find("gripper")->joint_range =
       GripperJointRange{0.02, 0.015};
@@ -80,7 +80,7 @@ TEST_F(FingerWatchTest, FingersThatMoveBeyondTheirOpeningsRangeAreWaitedFor) {
   }
 }
 
-TEST_F(FingerWatchTest, FingersThatTakeTimeToStartAreWaitedFor) {
+TEST_F(FingerWatchTest, WaitsForFingersThatStartLate) {
   EnvConfig config = Slides(R"(biasprm="0 -1000 -20" dyntype="filterexact" dynprm="0.5")", "4");
   Env env(config);
   env.Reset({.seed = 1});
@@ -95,7 +95,7 @@ TEST_F(FingerWatchTest, FingersThatTakeTimeToStartAreWaitedFor) {
 }
 
 // A motor's control is a force: nothing holds its fingers half open.
-TEST_F(FingerWatchTest, FingersAtAnotherOpeningHaveSettledUnlessTheyHoldSomething) {
+TEST_F(FingerWatchTest, FingersShortOfTheirOpeningSettleUnlessTheyHoldAnObject) {
   EnvConfig config = Slides(R"(biasprm="0 0 0")");
   config.grippers["robot"].edits = {
       {.actuator = ElementRef{.name = "grip"}, .ctrlrange = Vec2{-20, 20}}};
@@ -115,7 +115,7 @@ TEST_F(FingerWatchTest, FingersAtAnotherOpeningHaveSettledUnlessTheyHoldSomethin
 }
 
 // Openings are shares of the distance.
-TEST_F(FingerWatchTest, ADistanceThatTheFingersDoNotHaveIsRefused) {
+TEST_F(FingerWatchTest, RejectsAnImpossibleFingerDistance) {
   EnvConfig config = Rc7Env();
   config.robots["robot"].move_groups.find("gripper")->distance->open = 0.05;
   ExpectThrow<SpecError>([&] { Env env(config); },
@@ -127,7 +127,7 @@ TEST_F(FingerWatchTest, ADistanceThatTheFingersDoNotHaveIsRefused) {
   ExpectThrow<SpecError>([&] { Env env(config); }, "m when open, not 0.000 and 0.200");
 }
 
-TEST(FingerWatch, LinkagesThatPressOnTheirPadsAreWaitedFor) {
+TEST(FingerWatch, WaitsForLinkagesThatPressOnTheirPads) {
   REQUIRE_MENAGERIE("kinova_gen3");
   REQUIRE_MENAGERIE("robotiq_2f85");
   EnvConfig config{.control_mode = ControlMode::kJoints, .relative_to = RelativeTo::kLastStep};

@@ -13,7 +13,7 @@
 namespace robocell {
 namespace {
 
-TEST(HotPath, OfTheStepperAllocatesNothingBesidesApplyingTheAction) {
+TEST(HotPath, OfTheStepperAllocatesOnlyForTheAction) {
   const Robot robot = RobotAlone(Rc7());
   Stepper stepper(robot.scene(), {robot}, {33, 1});
   double sum = 0;
@@ -25,7 +25,7 @@ TEST(HotPath, OfTheStepperAllocatesNothingBesidesApplyingTheAction) {
   EXPECT_EQ(count.allocations(), 0);
 }
 
-TEST(HotPath, OfLookingAtAMotionAllocatesNothing) {
+TEST(HotPath, OfWatchingAMotionAllocatesNothing) {
   ModelFolder folder;
   for (const EnvConfig& config : {OneHinge(folder), Rc7Env()}) {
     Env env(config);

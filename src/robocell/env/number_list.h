@@ -26,7 +26,7 @@ class NumberReader {
 
   std::span<const double> Take(size_t count) {
     if (count > left_.size())
-      throw ArgumentError("these numbers are no " + what_ + ": they end too early");
+      throw ArgumentError("these numbers are not a " + what_ + ": they end too early");
     const std::span<const double> taken = left_.first(count);
     left_ = left_.subspan(count);
     return taken;
@@ -34,7 +34,7 @@ class NumberReader {
   size_t Count() {
     const double count = Take(1)[0];
     if (!(count >= 0 && count <= static_cast<double>(left_.size())))
-      throw ArgumentError("these numbers are no " + what_);
+      throw ArgumentError("these numbers are not a " + what_);
     return static_cast<size_t>(count);
   }
   std::vector<double> List() {

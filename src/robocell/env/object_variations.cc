@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
@@ -81,8 +82,9 @@ void ObjectVariations::Draw(Rng& rng) {
 
 void ObjectVariations::Apply(std::span<const double> drawn) {
   if (drawn.size() != kNumbers * ranges_.size()) {
-    throw ArgumentError(fmt::format("variations of {} objects are {} numbers, got {}",
-                                    ranges_.size(), kNumbers * ranges_.size(), drawn.size()));
+    throw ArgumentError(fmt::format("variations of {} are {} numbers, got {}",
+                                    Counted(std::ssize(ranges_), "object"),
+                                    kNumbers * ranges_.size(), drawn.size()));
   }
   drawn_.assign(drawn.begin(), drawn.end());
   if (ranges_.empty()) return;

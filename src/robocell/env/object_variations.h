@@ -1,5 +1,5 @@
 // ObjectVariations: masses, frictions and colours of objects that differ from episode to episode.
-// It writes to the model, so the scene needs a model of its own.
+// It writes to the model, so the scene needs its own copy of the model.
 //
 //   ObjectVariations variations(config, scene);
 //   variations.Draw(rng);                          // at each reset

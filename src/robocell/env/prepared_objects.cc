@@ -19,12 +19,13 @@
 #include "robocell/scenes/scene_annotations.h"
 #include "robocell/spec/problems.h"
 #include "robocell/spec/spec_bytes.h"
+#include "robocell/task/task_calls.h"
 
 namespace robocell::internal {
 namespace {
 
 constexpr int kDraws = 60;                  // of places, until all are in reach
-constexpr double kSamePlace = 1e-9;         // metres
+constexpr double kRounding = 1e-9;          // of a pose, rad and m
 const Eigen::Vector3d kAside(50, 50, -50);  // where objects wait during the search for supports
 
 std::set<std::string> NamesOfConfig(const EnvConfig& config) {
@@ -101,8 +102,9 @@ std::optional<Support> PatchAround(const Support& support, const Eigen::Vector3d
 
 }  // namespace
 
-PreparedObjects::PreparedObjects(const Scene& scene, const EnvConfig& config, const Task* task)
+PreparedObjects::PreparedObjects(const Scene& scene, const EnvConfig& config, Task* task)
     : scene_(scene) {
+  if (task) RequireObjects(config, *task);
   FindObjects(config);
   Relate(config, task);
   std::erase_if(loose_, [&](size_t i) { return IsRelated(i); });
@@ -112,8 +114,22 @@ PreparedObjects::PreparedObjects(const Scene& scene, const EnvConfig& config, co
     if (!related_ && !IsLoose(i)) continue;
     ResolveModel(objects_[i]);
     sizes_[i] = sizes.Of(objects_[i]);
+    if (const std::string why = WhyTooLarge(objects_[i], sizes_[i]); IsLoose(i) && !why.empty()) {
+      throw SpecError(fmt::format(
+          "environment '{}': task '{}': prepare() added an object that cannot be handled: {}",
+          config.name, config.task ? config.task->kind() : "", why));
+    }
   }
   if (!loose_.empty()) FindSupports(config, task);
+}
+
+void PreparedObjects::RequireObjects(const EnvConfig& config, Task& task) const {
+  const std::set<std::string> known = NamesOfConfig(config);
+  std::vector<SceneObject> prepared;
+  for (const SceneObject& object : scene_.spec().objects) {
+    if (!known.contains(object.name)) prepared.push_back(object);
+  }
+  TaskCalls(task).RequireObjects(scene_, prepared);
 }
 
 void PreparedObjects::FindObjects(const EnvConfig& config) {
@@ -143,14 +159,14 @@ void PreparedObjects::ResolveModel(SceneObject& object) const {
 }
 
 // `places` of the configuration come before those of the task.
-void PreparedObjects::Relate(const EnvConfig& config, const Task* task) {
+void PreparedObjects::Relate(const EnvConfig& config, Task* task) {
   std::vector<SaidPlaces> said;
   Problems problems(config.locations);
   const auto add = [&](SaidPlaces places) {
     if (!places.places.empty()) said.push_back(OfFreeObjects(std::move(places), scene_, problems));
   };
   add({.places = config.places, .path = "places"});
-  if (task) add({.places = task->places(), .path = "task", .hook = "places()"});
+  if (task) add({.places = TaskCalls(*task).Places(), .path = "task", .hook = "places()"});
   if (said.empty()) return;
   // A place takes the place of a pose.
   std::vector<SceneObject> objects = objects_;
@@ -168,22 +184,43 @@ void PreparedObjects::Relate(const EnvConfig& config, const Task* task) {
   related_.emplace(std::move(links));
 }
 
-void PreparedObjects::FindSupports(const EnvConfig& config, const Task* task) {
-  const auto is_drawn = [&](size_t i) { return IsLoose(i) || IsRelated(i); };
-  for (size_t i = 0; i < bodies_.size(); ++i) {
-    if (is_drawn(i)) scene_.SetBodyPose(bodies_[i], Pose(kAside));
-  }
-  std::vector<Support> supports;
-  for (const SupportFace& found : FindSupportFaces(scene_)) supports.push_back(found.face);
-  for (size_t i = 0; i < bodies_.size(); ++i) {
-    if (is_drawn(i)) scene_.SetBodyPose(bodies_[i], compiled_[i]);
-  }
-  const BaseRange wanted = task ? SoundBaseRange(*task) : BaseRange();
+void PreparedObjects::FindSupports(const EnvConfig& config, Task* task) {
+  std::vector<Robot> robots;
   for (const std::string& name : config.robots.keys()) {
-    const Robot robot = Robot::Of(scene_, name);
-    if (!robot.has_arm()) continue;
+    if (const Robot robot = Robot::Of(scene_, name); robot.has_arm()) robots.push_back(robot);
+  }
+  const std::vector<Support> supports = SupportsAround(robots);
+  const BaseRange wanted = task ? SoundBaseRange(*task) : BaseRange();
+  for (const Robot& robot : robots) {
     for (Place& place : PlacesOf(robot, supports, wanted)) places_.push_back(std::move(place));
   }
+}
+
+// Returns level faces, and after them the free floor, in the scene without the objects that are
+// drawn.
+std::vector<Support> PreparedObjects::SupportsAround(const std::vector<Robot>& robots) const {
+  Scene scene = scene_;
+  std::vector<std::string> drawn;
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    if (!IsLoose(i) && !IsRelated(i)) continue;
+    drawn.push_back(bodies_[i]);
+    scene.SetBodyPose(bodies_[i], Pose(kAside));
+  }
+  std::vector<Eigen::Vector3d> reached;
+  for (const Robot& robot : robots) {
+    const double reach = kReachShare * robot.reach();
+    for (const double x : {-reach, reach}) {
+      for (const double y : {-reach, reach})
+        reached.push_back(robot.base_in_world().translation() + Eigen::Vector3d(x, y, 0));
+    }
+  }
+  std::vector<Support> supports;
+  for (const SupportFace& found : FindSupportFaces(scene)) supports.push_back(found.face);
+  for (const Support& floor : FindFloors(scene, drawn, reached)) supports.push_back(floor);
+  for (size_t i = 0; i < bodies_.size(); ++i) {
+    if (IsLoose(i) || IsRelated(i)) scene.SetBodyPose(bodies_[i], compiled_[i]);
+  }
+  return supports;
 }
 
 bool PreparedObjects::IsLoose(size_t i) const {
@@ -197,10 +234,8 @@ std::vector<PreparedObjects::Place> PreparedObjects::PlacesOf(const Robot& robot
                                                               const BaseRange& wanted) const {
   const Eigen::Vector3d base = robot.base_in_world().translation();
   const double reach = kReachShare * robot.reach();
-  std::vector<Support> all = supports;
-  for (const Support& floor : FindFloors(scene_, base, reach)) all.push_back(floor);
   const BaseRange anywhere{.distance = {0, reach}};
-  for (const Support& support : all) {
+  for (const Support& support : supports) {
     for (const BaseRange& range : {wanted, anywhere}) {
       const double half = std::min(reach, range.distance[1] + kObjectGap);
       const std::optional<Support> patch = PatchAround(support, base, half);
@@ -267,15 +302,15 @@ PreparedObjects::Drawn PreparedObjects::Draw(BodyPoses& starts, Rng& rng) const 
   });
   const std::vector<SceneObject> before = ObjectsAt(starts);
   std::vector<SceneObject> objects = before;
-  std::optional<LevelSpot> ground;  // of those on a support
+  std::optional<LevelArea> ground;  // ground of those on a support
   if (std::ranges::any_of(loose_, [&](size_t i) { return !before[i].has_pose(); })) {
     if (places_.empty()) return {};
     const Place& place = places_[rng.UniformInt(places_.size())];
     if (!PutLoose(place, objects, rng)) return {};
-    ground = LevelSpot{place.patch.frame_to_world, place.patch.half_x, place.patch.half_y};
+    ground = place.patch.area();
   }
   if (related_) {
-    std::vector<LevelSpot> grounds;
+    std::vector<LevelArea> grounds;
     for (size_t i = 0; i < objects.size(); ++i) {
       const Eigen::Vector3d at = objects[i].pose().translation();
       const bool is_on_support = IsLoose(i) && !before[i].has_pose();
@@ -303,6 +338,8 @@ std::vector<std::string> PreparedObjects::names() const {
   return names;
 }
 
+bool IsSamePlace(const Pose& a, const Pose& b) { return a.is_close(b, kRounding, kRounding); }
+
 std::vector<std::string> PreparedObjects::names_on_support() const {
   std::vector<std::string> names;
   for (const size_t i : loose_) names.push_back(objects_[i].name);
@@ -312,7 +349,7 @@ std::vector<std::string> PreparedObjects::names_on_support() const {
 std::vector<std::string> PreparedObjects::Unplaced() const {
   std::vector<std::string> unplaced;
   for (const size_t i : loose_) {
-    if (scene_.body_pose(bodies_[i]).is_close(compiled_[i], kSamePlace, kSamePlace))
+    if (IsSamePlace(scene_.body_pose(bodies_[i]), compiled_[i]))
       unplaced.push_back(objects_[i].name);
   }
   return unplaced;
@@ -322,7 +359,7 @@ std::vector<std::string> PreparedObjects::PlacedHere(const BodyPoses& added) con
   std::vector<std::string> placed;
   for (size_t i = 0; i < objects_.size(); ++i) {
     for (const auto& [body, pose] : added) {
-      if (body == bodies_[i] && scene_.body_pose(body).is_close(pose, kSamePlace, kSamePlace))
+      if (body == bodies_[i] && IsSamePlace(scene_.body_pose(body), pose))
         placed.push_back(objects_[i].name);
     }
   }

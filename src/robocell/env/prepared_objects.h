@@ -1,7 +1,7 @@
-// PreparedObjects: the free objects of an environment whose place is drawn at each reset: those that
-// its task's Prepare added without a pose, which are put on a support as in runs, and those that
-// `places` of the configuration or of the task put in relation to something. What has a place by
-// relation is there whatever the task's Starts says; Arrange may move everything.
+// PreparedObjects: the free objects of an environment whose place is drawn at each reset: those
+// that its task's Prepare added without a pose, which are put on a support as in runs, and those
+// that `places` of the configuration or of the task put in relation to something. A placement by
+// relation holds for any result of the task's Starts; Arrange may move everything.
 //
 //   PreparedObjects prepared(scene, config, task.get());
 //   const Drawn drawn = prepared.Draw(starts, rng);   // and adds them to `starts`
@@ -25,18 +25,21 @@
 
 namespace robocell::internal {
 
+// Returns true for poses that differ by rounding alone.
+bool IsSamePlace(const Pose& a, const Pose& b);
+
 class PreparedObjects {
  public:
   // Looks for supports within reach of each robot of the configuration. The scene is at its reset
   // state, and is left there. `task` may be null. SpecError lists all that is wrong with `places`.
-  PreparedObjects(const Scene& scene, const EnvConfig& config, const Task* task);
+  PreparedObjects(const Scene& scene, const EnvConfig& config, Task* task);
 
   bool empty() const { return names().empty(); }
-  // In the order in which they were added to the scene.
+  // Returns the objects in the order in which they were added to the scene.
   std::vector<std::string> names() const;
   // Those that are put on a support.
   std::vector<std::string> names_on_support() const;
-  // Whether a robot has a support within reach with room for those that need one.
+  // Returns true if a robot reaches a support with room for the objects that need one.
   bool has_support() const { return loose_.empty() || !places_.empty(); }
 
   struct Drawn {
@@ -58,14 +61,16 @@ class PreparedObjects {
   struct Place {
     Robot robot;
     Support patch;       // around it, of the support
-    BaseRange distance;  // of the first object from the robot's base
+    BaseRange distance;  // range of the first object's distance from the robot's base
   };
+  void RequireObjects(const EnvConfig& config, Task& task) const;
   void FindObjects(const EnvConfig& config);
   void ResolveModel(SceneObject& object) const;
-  void Relate(const EnvConfig& config, const Task* task);
-  void FindSupports(const EnvConfig& config, const Task* task);
+  void Relate(const EnvConfig& config, Task* task);
+  void FindSupports(const EnvConfig& config, Task* task);
   bool IsRelated(size_t i) const { return related_ && related_->IsRelated(i); }
   bool IsLoose(size_t i) const;
+  std::vector<Support> SupportsAround(const std::vector<Robot>& robots) const;
   std::vector<Place> PlacesOf(const Robot& robot, const std::vector<Support>& supports,
                               const BaseRange& wanted) const;
   bool PutLoose(const Place& place, std::vector<SceneObject>& objects, Rng& rng) const;
@@ -74,13 +79,14 @@ class PreparedObjects {
   Scene scene_;
   // All that can move, as they are in the world; without a pose if they were added without one.
   std::vector<SceneObject> objects_;
-  std::vector<std::string> bodies_;  // of objects_
+  std::vector<std::string> bodies_;  // bodies of objects_
   std::vector<ObjectSize> sizes_;
   std::vector<Pose> compiled_;  // their poses after a reset
   std::vector<size_t> loose_;   // those that are put on a support
   std::optional<RelatedPlaces> related_;
-  std::shared_ptr<const Landmarks> landmarks_;  // of all that is not among objects_; with related_
-  std::vector<Place> places_;                   // one for each robot with any
+  std::shared_ptr<const Landmarks>
+      landmarks_;              // landmarks of all bodies but objects_; set with related_
+  std::vector<Place> places_;  // one for each robot with any
 };
 
 }  // namespace robocell::internal

@@ -109,7 +109,7 @@ void ExpectGoodStart(Env& env, double height) {
   EXPECT_LT((At(env, "second") - second).norm(), 0.003);
 }
 
-TEST(PreparedObjects, StartApartAndAtRestInReach) {
+TEST(PreparedObjects, StartSeparatedAtRestAndInReach) {
   Env env(Cubes());
   for (uint64_t seed = 0; seed < 10; ++seed) {
     env.Reset({.seed = seed});
@@ -120,7 +120,7 @@ TEST(PreparedObjects, StartApartAndAtRestInReach) {
   }
 }
 
-TEST(PreparedObjects, StartOnATableThatIsInReach) {
+TEST(PreparedObjects, StartOnATableInReach) {
   EnvConfig config = Cubes();
   config.root_frame_objects["table"] = {.offset = Pose(Eigen::Vector3d(0.4, 0, 0.1)),
                                         .fixed = true,
@@ -134,7 +134,7 @@ TEST(PreparedObjects, StartOnATableThatIsInReach) {
   }
 }
 
-TEST(PreparedObjects, FollowFromTheSeed) {
+TEST(PreparedObjects, DependOnTheSeed) {
   Env env(Cubes()), other(Cubes());
   env.Reset({.seed = 4});
   const Eigen::Vector3d first = At(env, "first");
@@ -144,7 +144,7 @@ TEST(PreparedObjects, FollowFromTheSeed) {
   EXPECT_EQ(At(other, "first"), first);
 }
 
-TEST(PreparedObjects, AreWhereTheTaskPutsThem) {
+TEST(PreparedObjects, AreAtTheirTaskPoses) {
   Env starting(Cubes({.starts = true}));
   starting.Reset({.seed = 1});
   EXPECT_TRUE(At(starting, "first").isApprox(TwoCubes::kFirst, 1e-9));
@@ -154,7 +154,7 @@ TEST(PreparedObjects, AreWhereTheTaskPutsThem) {
   EXPECT_TRUE(At(arranging, "second").isApprox(TwoCubes::kSecond, 1e-9));
 }
 
-TEST(PreparedObjects, ThatArePlacedAreLoggedOnceForThoseWhoLookClosely) {
+TEST(PreparedObjects, LogTheirPlacementOnceAtDebugLevel) {
   const LogLevel level = GetLogLevel();
   SetLogLevel(LogLevel::kDebug);
   std::vector<std::string> lines;
@@ -174,7 +174,7 @@ TEST(PreparedObjects, ThatArePlacedAreLoggedOnceForThoseWhoLookClosely) {
   SetLogLevel(level);
 }
 
-TEST(PreparedObjects, NeedASupportInReachUnlessTheTaskPlacesThem) {
+TEST(PreparedObjects, RequireASupportInReachUnlessTheTaskPlacesThem) {
   EnvConfig config = Cubes();
   config.add_floor = false;
   ExpectThrow<SpecError>([&] { Env env(config); },
@@ -237,7 +237,7 @@ void ExpectServed(Scene scene, const std::string& where) {
   EXPECT_TRUE(SpatialRelation(scene, "die", Relation::kNextTo, "brick").Holds()) << where;
 }
 
-TEST(PreparedObjects, HaveTheSamePlacesInAnEnvironmentAndInARun) {
+TEST(PreparedObjects, HaveTheSamePlacesInEnvironmentsAndRuns) {
   Served::Register();
   EnvConfig config = Rc7Env();
   config.task = Served::Config();
@@ -249,7 +249,7 @@ TEST(PreparedObjects, HaveTheSamePlacesInAnEnvironmentAndInARun) {
   RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
   run.task = Served::Config();
   run.start = {};
-  TaskStartSampler sampler(run);
+  StartSampler sampler(run);
   int starts = 0;
   for (int attempt = 0; attempt < 20 && starts < 3; ++attempt) {
     Rng rng = Rng::Stream(5, "served", attempt);
@@ -273,7 +273,7 @@ EnvConfig WithShelf(const Map<ObjectPlace>& places) {
   return config;
 }
 
-TEST(PreparedObjects, AConfigurationPutsItsObjectsIntoRelation) {
+TEST(PreparedObjects, AConfigurationRelatesItsObjects) {
   for (const bool with_task : {false, true}) {
     EnvConfig config = WithShelf({{"cube", {.on_top_of = "shelf"}}});
     if (!with_task) config.task.reset();
@@ -295,7 +295,7 @@ std::string PlacesError(const Map<ObjectPlace>& places) {
   return ExpectThrow<SpecError>([&] { Env env(WithShelf(places)); }, "environment 'env'");
 }
 
-TEST(PreparedObjects, MistakesInPlacesAreFoundWhenTheEnvironmentIsMade) {
+TEST(PreparedObjects, ErrorsInPlacesAreReportedAtConstruction) {
   EXPECT_THAT(PlacesError({{"cub", {.on_top_of = "shelf"}}}),
               AllOf(HasSubstr("places.cub: no object 'cub'"), HasSubstr("Did you mean 'cube'?")));
   EXPECT_THAT(
@@ -306,10 +306,10 @@ TEST(PreparedObjects, MistakesInPlacesAreFoundWhenTheEnvironmentIsMade) {
   EXPECT_THAT(PlacesError({{"cube", {.inside = "shelf"}}}),
               HasSubstr("places.cube: 'shelf' has no hollow with a level floor"));
   EXPECT_THAT(PlacesError({{"cube", {.next_to = "cube"}}}),
-              HasSubstr("places.cube: it cannot have its place by itself"));
+              HasSubstr("places.cube: it refers to itself"));
 }
 
-TEST(PreparedObjects, MistakesInPlacesAreNamedWithTheirLine) {
+TEST(PreparedObjects, ErrorsInPlacesNameTheirLine) {
   TempDir folder;
   AtomicWrite(folder / "cell.yaml",
               "name: cell\nrobots: {robot: " + assets::BuiltinRobotFile("rc7") +
@@ -335,7 +335,7 @@ class Origin final : public Task {
 };
 
 // Given poses count, also at the origin, where an object without one is compiled.
-TEST(PreparedObjects, WithAPoseStayThereBeItAtTheOrigin) {
+TEST(PreparedObjects, WithAPoseAtTheOriginStayThere) {
   RegisterTask<Origin::Config>(std::make_shared<TaskKindOf<Origin::Config, Origin>>());
   EnvConfig config = Rc7Env();
   config.add_floor = false;
@@ -351,10 +351,28 @@ TEST(PreparedObjects, WithAPoseStayThereBeItAtTheOrigin) {
   EXPECT_LT(At(env, "cube").norm(), 1e-9);
 }
 
-TEST(PreparedObjects, AreNoneInTheConfigurationItself) {
+TEST(PreparedObjects, ExcludeObjectsOfTheConfiguration) {
   const Env env(Rc7WithCube());
-  const TwoCubes task({});
-  EXPECT_THAT(PreparedObjects(env.scene(), env.config(), &task).names(), IsEmpty());
+  EXPECT_THAT(PreparedObjects(env.scene(), env.config(), nullptr).names(), IsEmpty());
+}
+
+// In the only part of the floor within reach that nothing stands on.
+TEST(PreparedObjects, OnTheFloorAreInItsFreePart) {
+  EnvConfig config = Cubes();
+  for (const double x : {-0.6, 0.6}) {
+    EnvObject wall;
+    wall.shape = Shape::kBox;
+    wall.size = Vec3{0.35, 1.5, 0.9};
+    wall.offset = Pose(Eigen::Vector3d(x, x < 0 ? 0 : 1.7, 0.9));
+    wall.fixed = true;
+    wall.mass = 10;
+    config.root_frame_objects[x < 0 ? "behind" : "left"] = wall;
+  }
+  Env env(config);
+  for (uint64_t seed = 0; seed < 20; ++seed) {
+    env.Reset({.seed = seed});
+    ExpectGoodStart(env, 0);
+  }
 }
 
 }  // namespace

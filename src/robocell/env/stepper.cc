@@ -58,6 +58,12 @@ StepOutcome Stepper::Advance(const Action& action) {
 StepOutcome Stepper::AdvanceUntil(const Action& action, int64_t most_ticks,
                                   const StopRequest& done) {
   StepOutcome outcome = Apply(action);
+  SimulateUntil(outcome, most_ticks, done);
+  return outcome;
+}
+
+void Stepper::SimulateUntil(StepOutcome& outcome, int64_t most_ticks, const StopRequest& done) {
+  outcome.step = {};
   for (int64_t tick = 0; tick < most_ticks && outcome.ok(); ++tick) {
     const int before = outcome.step.steps;
     outcome.step = RunControlTicks(scene_, robots_, {1, rates_.sim_steps}, on_control_tick_);
@@ -65,7 +71,6 @@ StepOutcome Stepper::AdvanceUntil(const Action& action, int64_t most_ticks,
     if (outcome.ok() && ShouldStop(done)) break;
   }
   ++policy_ticks_;
-  return outcome;
 }
 
 }  // namespace robocell

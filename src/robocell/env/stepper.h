@@ -29,7 +29,7 @@ struct StepperRates {
 };
 
 struct StepOutcome {
-  StepResult step = {};           // of the whole policy tick: engine steps done, diverged or not
+  StepResult step = {};           // result of the policy tick: engine steps done, diverged or not
   std::string failed_robot = {};  // the first whose pose command had no IK solution; it kept its
   std::string failed_group = {};  // target
   bool ok() const { return step.ok(); }
@@ -48,6 +48,8 @@ class Stepper {
   // simulation.
   StepOutcome Apply(const Action& action);
   void Simulate(StepOutcome& outcome);
+  // The second half of AdvanceUntil.
+  void SimulateUntil(StepOutcome& outcome, int64_t most_ticks, const StopRequest& done);
   // Like Advance, but for as many control ticks as it takes until `done()`, called after each one,
   // returns true; `most_ticks` at most.
   StepOutcome AdvanceUntil(const Action& action, int64_t most_ticks, const StopRequest& done);
@@ -56,6 +58,7 @@ class Stepper {
   int64_t policy_ticks() const { return policy_ticks_; }
   const std::vector<Robot>& robots() const { return robots_; }
   const Scene& scene() const { return scene_; }
+  const StepperRates& rates() const { return rates_; }
 
  private:
   Robot& Find(const std::string& name);

@@ -23,7 +23,7 @@ class StepperTest : public ::testing::Test {
   const std::vector<double> home = Rc7().home.at("arm");
 };
 
-TEST_F(StepperTest, DoesTheControlTicksAndEngineStepsItWasAskedFor) {
+TEST_F(StepperTest, RunsTheRequestedControlTicksAndEngineSteps) {
   Stepper stepper = Make(5, 3);
   std::vector<double> times;
   stepper.set_on_control_tick([&](const mjModel*, const mjData* d) { times.push_back(d->time); });
@@ -50,7 +50,7 @@ TEST_F(StepperTest, DoesNotDriftOverTenThousandPolicyTicks) {
   EXPECT_NEAR(scene.time(), 660, 1e-7);
 }
 
-TEST_F(StepperTest, AdvancesUntilSomethingIsSoOrItsTicksAreSpent) {
+TEST_F(StepperTest, AdvancesUntilAConditionOrTheLastTick) {
   Stepper stepper = Make(33, 2);
   int asked = 0;
   EXPECT_EQ(stepper.AdvanceUntil({}, 10, [&] { return ++asked == 4; }).step.steps, 8);
@@ -58,7 +58,7 @@ TEST_F(StepperTest, AdvancesUntilSomethingIsSoOrItsTicksAreSpent) {
   EXPECT_EQ(stepper.policy_ticks(), 2);
 }
 
-TEST_F(StepperTest, ControlTicksSeeTheControlsThatWillAct) {
+TEST_F(StepperTest, ControlTicksSeeTheAppliedControls) {
   Stepper stepper = Make(2, 1);
   std::vector<double> seen;
   stepper.set_on_control_tick([&](const mjModel*, const mjData* d) {
@@ -76,7 +76,7 @@ TEST_F(StepperTest, ControlTicksSeeTheControlsThatWillAct) {
 }
 
 // The recorded controls, replayed in the bare engine, give the same state.
-TEST_F(StepperTest, RecordedControlsReplayedByTheEngineGiveTheSameBits) {
+TEST_F(StepperTest, RecordedControlsReplayBitwiseInTheEngine) {
   Scene scene = robot.scene();
   const mjModel* m = scene.model();
   std::unique_ptr<mjData, void (*)(mjData*)> data(mj_copyData(nullptr, m, scene.data()),
@@ -110,7 +110,7 @@ TEST_F(StepperTest, DrivesEveryRobotOfTheScene) {
   for (const Robot& arm : stepper.robots()) EXPECT_NEAR(arm.arm().joint_pos()[0], 0.3, 1e-4);
 }
 
-TEST_F(StepperTest, StopsAtDivergenceAndSaysWhere) {
+TEST_F(StepperTest, StopsAtDivergenceAndReportsThePlace) {
   Stepper stepper = Make(33, 1);
   EXPECT_TRUE(stepper.Advance({}).ok());
   int ticks = 0;
@@ -125,7 +125,7 @@ TEST_F(StepperTest, StopsAtDivergenceAndSaysWhere) {
   EXPECT_NEAR(outcome.step.time, 33 * 0.002, 1e-9) << "the last good state";
 }
 
-TEST_F(StepperTest, ReportsAPoseOutOfReachAndGoesOn) {
+TEST_F(StepperTest, ReportsAPoseOutOfReachAndContinues) {
   Stepper stepper = Make(3, 1);
   const StepOutcome outcome =
       stepper.Advance({{"rc7", {{"arm", GroupCommand::LeafPose(Pose(Eigen::Vector3d(0, 0, 9)))}}}});
@@ -136,7 +136,7 @@ TEST_F(StepperTest, ReportsAPoseOutOfReachAndGoesOn) {
   EXPECT_EQ(robot.controller("arm").commanded_joint_pos()[0], home[0]);
 }
 
-TEST_F(StepperTest, RefusesWhatItCannotDo) {
+TEST_F(StepperTest, RejectsInvalidArguments) {
   ExpectThrow<ArgumentError>(
       [&] { Make(0, 1); },
       "stepper: 0 control ticks of 1 engine steps per policy tick; both must "
@@ -155,7 +155,7 @@ TEST_F(StepperTest, RefusesWhatItCannotDo) {
   EXPECT_EQ(stepper.policy_ticks(), 0);
 }
 
-TEST_F(StepperTest, RefusesBadNumbersByNameAndDoesNotAdvance) {
+TEST_F(StepperTest, RejectsInvalidNumbersByNameAndDoesNotAdvance) {
   Stepper stepper = Make(2, 1);
   std::vector<double> q = home;
   q[5] = std::nan("");

@@ -46,11 +46,11 @@ struct Led {
 Pose WithinLead(const Pose& sent, const Led<Pose>& led, const StepLimit& lead, PendingMove& pending,
                 const PendingMove& action = {});
 
-// The same for a joint.
+// Limits the lead of a joint, as WithinLead does for a pose.
 double WithinJointLead(double sent, const Led<double>& led, double lead, double& pending,
                        double action = 0);
 
-// The same for the joints of an arm that follow poses, each with its own lead: the same share of
+// Limits the leads of the joints of an arm that follow poses, each with its own: the same share of
 // the pending part is taken back from all of them, which keeps the direction of the TCP's lead, and
 // the TCP itself where joints lead in the null space only. Returns true if it took anything back.
 bool TakeBackJoints(std::span<double> sent, std::span<const Led<double>> led,

@@ -40,7 +40,7 @@ TEST(TargetLead, ATargetWithinTheLeadIsKeptAndPending) {
   }
 }
 
-TEST(TargetLead, WhatABlockedArmDidNotCarryOutIsTakenBackToTheLead) {
+TEST(TargetLead, TakesBackTheTargetOfABlockedArmToTheLead) {
   Rng rng = Rng::Stream(2, "target lead");
   for (int trial = 0; trial < 100; ++trial) {
     const Pose arm = RandomPose(rng);
@@ -64,7 +64,7 @@ TEST(TargetLead, WhatABlockedArmDidNotCarryOutIsTakenBackToTheLead) {
   }
 }
 
-TEST(TargetLead, AnActionAgainstTheLeadReducesItByAsMuch) {
+TEST(TargetLead, AnOpposingActionReducesTheLead) {
   Rng rng = Rng::Stream(5, "target lead");
   for (int trial = 0; trial < 100; ++trial) {
     const Pose arm = RandomPose(rng);
@@ -95,7 +95,7 @@ TEST(TargetLead, AnActionAgainstTheLeadReducesItByAsMuch) {
   }
 }
 
-TEST(TargetLead, WhatIsNotPendingIsKept) {
+TEST(TargetLead, KeepsATargetWithoutPendingMotion) {
   Rng rng = Rng::Stream(3, "target lead");
   for (int trial = 0; trial < 100; ++trial) {
     const Pose sent = RandomPose(rng);
@@ -108,7 +108,7 @@ TEST(TargetLead, WhatIsNotPendingIsKept) {
   }
 }
 
-TEST(TargetLead, TheArmCountsAsAnywhereBetweenWhereItIsAndWhatItLagsBehind) {
+TEST(TargetLead, TreatsTheServoLagAsPartOfTheArm) {
   const Pose arm = Pose(), sent(Vector3d(0, 0, -0.3)), beyond(Vector3d(0, 0, -0.4));
   PendingMove pending;
   pending.Add(arm, sent);
@@ -119,7 +119,7 @@ TEST(TargetLead, TheArmCountsAsAnywhereBetweenWhereItIsAndWhatItLagsBehind) {
   EXPECT_EQ(Length(same.shift), 0) << "it sags";
 }
 
-TEST(TargetLead, WhatPushesTheArmAwayIsPending) {
+TEST(TargetLead, TreatsADisturbanceAsPending) {
   const Pose sent(Vector3d(0, 0, -0.1)), before(Vector3d(0, 0, -0.05)), arm(Vector3d(0.1, 0, 0));
   PendingMove pending = {.shift = {0, 0, -0.02}};
   const Pose last = WithinLead(sent, {before, arm, arm, arm}, kLead, pending);
@@ -129,7 +129,7 @@ TEST(TargetLead, WhatPushesTheArmAwayIsPending) {
   EXPECT_NEAR(WithinJointLead(1, {0.6, 0.3, 0.3, 0.3}, 0.1, joint), 0.5, 1e-12);
 }
 
-TEST(TargetLead, JointsAreAsPoses) {
+TEST(TargetLead, HandlesJointsLikePoses) {
   double pending = 0.5;
   EXPECT_NEAR(WithinJointLead(0.5, StillAt(0), 0.1, pending), 0.1, 1e-12);
   EXPECT_NEAR(pending, 0.1, 1e-12);
@@ -144,7 +144,7 @@ TEST(TargetLead, JointsAreAsPoses) {
   EXPECT_NEAR(pending, 0.05, 1e-12);
 }
 
-TEST(TargetLead, JointsThatFollowPosesAreTakenBackTogether) {
+TEST(TargetLead, TakesBackJointsOfAPoseTogether) {
   Rng rng = Rng::Stream(6, "target lead");
   for (int trial = 0; trial < 200; ++trial) {
     constexpr size_t kJoints = 5;
@@ -168,7 +168,7 @@ TEST(TargetLead, JointsThatFollowPosesAreTakenBackTogether) {
   }
 }
 
-TEST(TargetLead, JointsThatLagSagOrWereNotSentAreNotTakenBack) {
+TEST(TargetLead, KeepsJointsThatLagSagOrWereNotCommanded) {
   const std::vector<double> leads = {0.1, 0.1, 0.1};
   std::vector<double> sent = {1, 1, 1}, pending = {1, 1, 0};
   const std::vector<Led<double>> led = {{0, 0, 0, 1}, {0, 0, 1, 1}, StillAt(0)};
@@ -179,7 +179,7 @@ TEST(TargetLead, JointsThatLagSagOrWereNotSentAreNotTakenBack) {
 
 // Whatever commands an arm receives while it lags behind its target: where a wall stops it, its
 // target is ahead by the lead and one action, and is as far back as an action sends it from there.
-TEST(TargetLead, AnArmThatIsStoppedInFullMotionIsLedByTheLeadAndOneAction) {
+TEST(TargetLead, LimitsTheLeadOfAnArmStoppedInMotion) {
   Rng rng = Rng::Stream(4, "target lead");
   for (int trial = 0; trial < 300; ++trial) {
     const double lag = rng.Uniform(0, 8), action = rng.Uniform(0.001, 0.05);

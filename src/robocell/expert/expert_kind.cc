@@ -2,27 +2,24 @@
 
 #include <fmt/format.h>
 
-#include <map>
-#include <mutex>
 #include <utility>
 
 #include "robocell/base/error.h"
+#include "robocell/base/registry.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/expert/pick_expert.h"
+#include "robocell/task/pick_task_config.h"
 #include "robocell/task/task_kind.h"
 
 namespace robocell {
 namespace {
 
-struct Registry {
-  std::mutex mutex;
-  std::map<std::string, std::shared_ptr<const ExpertKind>> kinds = {
-      {PickTaskConfig::kKind, internal::MakePickExpert()},
-      {PickAndPlaceTaskConfig::kKind, internal::MakePickAndPlaceExpert()}};
-};
+using ExpertRegistry = Registry<std::shared_ptr<const ExpertKind>>;
 
-Registry& Kinds() {
-  static Registry registry;
+ExpertRegistry& RegisteredExperts() {
+  static ExpertRegistry registry(
+      "expert", {{PickTaskConfig::kKind, internal::MakePickExpert()},
+                 {PickAndPlaceTaskConfig::kKind, internal::MakePickAndPlaceExpert()}});
   return registry;
 }
 
@@ -30,30 +27,14 @@ Registry& Kinds() {
 
 void RegisterExpert(const std::string& kind, std::shared_ptr<const ExpertKind> expert,
                     bool replace) {
-  if (kind.empty()) throw ArgumentError("a kind of expert that is registered needs a name");
   if (!expert) throw ArgumentError("expert '" + kind + "' needs an ExpertKind that makes it");
-  Registry& registry = Kinds();
-  const std::lock_guard lock(registry.mutex);
-  if (registry.kinds.contains(kind) && !replace)
-    throw ArgumentError("expert '" + kind + "' is registered already; choose another name");
-  registry.kinds[kind] = std::move(expert);
+  RegisteredExperts().Register(kind, std::move(expert), replace);
 }
 
-std::vector<std::string> ExpertKinds() {
-  Registry& registry = Kinds();
-  const std::lock_guard lock(registry.mutex);
-  std::vector<std::string> kinds;
-  for (const auto& [kind, expert] : registry.kinds) kinds.push_back(kind);
-  return kinds;
-}
+std::vector<std::string> ExpertKinds() { return RegisteredExperts().names(); }
 
 std::shared_ptr<const ExpertKind> FindExpertKind(const std::string& kind) {
-  {
-    Registry& registry = Kinds();
-    const std::lock_guard lock(registry.mutex);
-    const auto found = registry.kinds.find(kind);
-    if (found != registry.kinds.end()) return found->second;
-  }
+  if (const auto expert = RegisteredExperts().Get(kind)) return *expert;
   const bool is_policy = kind.find(':') != std::string::npos;  // as evaluations write them
   throw NotFoundError(NoSuchName("", "expert", kind, ExpertKinds()) +
                       (is_policy ? " Policies (`module:Class`) are run by `robocell evaluate`; to "
@@ -67,14 +48,21 @@ std::vector<std::string> WhyNot(const Robot& robot, const std::string& kind) {
   return LinesOf(problems);
 }
 
-std::shared_ptr<const ExpertKind> ExpertKindOf(const RunConfig& run) {
-  const std::string kind =
-      run.expert.empty() ? FindTaskKind(run.task.kind())->expert() : run.expert;
+std::string NameOfExpert(const RunConfig& run) {
+  if (!run.expert.empty()) return run.expert;
+  const std::string& task = run.task.kind();
+  const std::string named = FindTaskKind(task)->expert();
+  if (!named.empty()) return named;
+  return RegisteredExperts().Has(task) ? task : "";
+}
+
+std::shared_ptr<const ExpertKind> ExpertKindFor(const RunConfig& run) {
+  const std::string kind = NameOfExpert(run);
   if (!kind.empty()) return FindExpertKind(kind);
   throw SpecError(
-      fmt::format("run '{}': no expert demonstrates task '{}'; register one for it, or "
-                  "choose a task that has one",
-                  run.run, run.task.kind()));
+      fmt::format("run '{}': no expert demonstrates task '{}'; register one under this name, name "
+                  "one as `expert` (there are {}), or choose a task that has one",
+                  run.run, run.task.kind(), ListNames(ExpertKinds())));
 }
 
 }  // namespace robocell

@@ -1,16 +1,17 @@
 // The kinds of experts: scripted policies by name. A task names the kind that demonstrates it
-// (TaskKind::expert); custom kinds are registered like tasks:
+// (TaskKind::expert), else it is the one of the task's own name; custom kinds are registered like tasks:
 //
-//   RegisterExpert("stack", std::make_shared<StackExpertKind>());
+//   RegisterExpert("stack", std::make_shared<ExpertKindOf<Stacker>>());
 #pragma once
 
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "robocell/expert/expert.h"
 #include "robocell/spec/problems.h"
 #include "robocell/spec/run_config.h"
-#include "robocell/task/task.h"
+#include "robocell/task/task_sampler.h"
 
 namespace robocell {
 
@@ -33,6 +34,15 @@ class ExpertKind {
   virtual void ValidateRobot(const Robot& /*robot*/, Problems& /*problems*/) const {}
 };
 
+// A kind that makes its experts as T(const RunConfig&, const EpisodeStart&).
+template <class T>
+class ExpertKindOf : public ExpertKind {
+ public:
+  std::shared_ptr<Expert> Make(const RunConfig& run, const EpisodeStart& start) const override {
+    return std::make_shared<T>(run, start);
+  }
+};
+
 // Registers a kind for all threads. Throws ArgumentError for a name that is taken, unless `replace`
 // allows it.
 void RegisterExpert(const std::string& kind, std::shared_ptr<const ExpertKind> expert,
@@ -44,8 +54,10 @@ std::shared_ptr<const ExpertKind> FindExpertKind(const std::string& kind);
 // Returns why the expert of a kind cannot use a robot, as texts; empty if it can as far as is known
 // without a run. Throws the errors of FindExpertKind.
 std::vector<std::string> WhyNot(const Robot& robot, const std::string& kind);
-// Returns the kind that acts in a run: the one that it names, else its task's. Throws SpecError for
-// a task that names none.
-std::shared_ptr<const ExpertKind> ExpertKindOf(const RunConfig& run);
+// Returns the name of the kind that acts in a run: the one that the run names, else the one that its
+// task names, else the one of the task's own name. "" if there is none.
+std::string NameOfExpert(const RunConfig& run);
+// Returns that kind. Throws SpecError if there is none, and the errors of FindExpertKind.
+std::shared_ptr<const ExpertKind> ExpertKindFor(const RunConfig& run);
 
 }  // namespace robocell

@@ -88,7 +88,7 @@ void PickAndPlacePlanner::PickAgain(const Scene& scene, Rng& rng) {
 Action PickAndPlacePlanner::Act(const Scene& scene, Rng& rng) {
   if (!robot_) {
     throw Error(
-        "PickAndPlacePlanner: Act came before Begin; a subclass with a Begin of its own calls the "
+        "PickAndPlacePlanner: Act came before Begin; a subclass with its own Begin calls the "
         "planner's first (in Python super().begin(scene, rng))");
   }
   if (phase_ == Phase::kPick && !finished_) {

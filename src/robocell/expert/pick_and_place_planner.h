@@ -60,12 +60,12 @@ class PickAndPlacePlanner : public Expert {
   std::optional<PlaceMotion> place_;
   JointPath transfer_;
   Pose at_rest_;        // the object before it was picked up, in the world
-  Pose object_in_tcp_;  // for which the way to put it down was planned
+  Pose object_in_tcp_;  // object pose for which the placement was planned
   double opening_ = 0;
   double opening_step_ = 1;  // a tick
 
   Phase phase_ = Phase::kPick;
-  int ticks_ = 0;  // in this phase
+  int ticks_ = 0;  // ticks in this phase
   int picks_ = 0, replans_ = 0;
   bool finished_ = false;
   std::string failure_;

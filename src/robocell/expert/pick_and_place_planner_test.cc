@@ -6,8 +6,9 @@
 #include <functional>
 
 #include "robocell/base/error.h"
-#include "robocell/task/pick_and_place_sampler.h"
 #include "robocell/task/pick_task.h"
+#include "robocell/task/pick_task_config.h"
+#include "robocell/task/start_sampler.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
 
@@ -25,7 +26,7 @@ struct PlaceOutcome {
 using PlaceMeddle = std::function<void(Scene&, const PickAndPlacePlanner&)>;
 
 EpisodeStart StartWith(const RunConfig& run, uint64_t seed) {
-  internal::PickAndPlaceSampler sampler(run);
+  StartSampler sampler(run);
   for (int attempt = 0; attempt < 20; ++attempt) {
     Rng rng = Rng::Stream(seed, "start", attempt);
     SampleResult result = sampler.Sample({.attempt = attempt}, rng);
@@ -67,7 +68,7 @@ PlaceOutcome RollOutPlace(const RunConfig& run, EpisodeStart& start,
   return outcome;
 }
 
-TEST(PickAndPlacePlanner, PutsEveryKindOntoTheTray) {
+TEST(PickAndPlacePlanner, PlacesEveryKindOnTheTray) {
   for (const std::string& kind : ObjectKinds()) {
     const RunConfig run = RunOf(kind);
     EpisodeStart start = StartWith(run, 3);
@@ -80,7 +81,7 @@ TEST(PickAndPlacePlanner, PutsEveryKindOntoTheTray) {
   }
 }
 
-TEST(PickAndPlacePlanner, PicksUpAgainWhatSlippedOutOfTheHand) {
+TEST(PickAndPlacePlanner, PicksUpASlippedObjectAgain) {
   const RunConfig run = RunOf("box");
   EpisodeStart start = StartWith(run, 3);
   const Pose before = start.scene.body_pose(start.scene.compiled()->object("target").root_body);
@@ -96,7 +97,7 @@ TEST(PickAndPlacePlanner, PicksUpAgainWhatSlippedOutOfTheHand) {
   EXPECT_EQ(std::count(outcome.phases.begin(), outcome.phases.end(), "pregrasp"), 2);
 }
 
-TEST(PickAndPlacePlanner, GivesUpWhereTheGoalIsOutOfReach) {
+TEST(PickAndPlacePlanner, GivesUpIfTheGoalIsOutOfReach) {
   const RunConfig run = RunOf("box");
   EpisodeStart start = StartWith(run, 3);
   bool moved = false;
@@ -111,7 +112,7 @@ TEST(PickAndPlacePlanner, GivesUpWhereTheGoalIsOutOfReach) {
   EXPECT_EQ(outcome.failure, "no way to put the object down");
 }
 
-TEST(PickAndPlacePlanner, NeedsATaskOfItsKind) {
+TEST(PickAndPlacePlanner, RequiresATaskOfItsKind) {
   const RunConfig run = RunOf("box");
   EpisodeStart start = StartWith(run, 3);
   start.task =

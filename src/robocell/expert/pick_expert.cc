@@ -14,11 +14,11 @@
 #include "robocell/robot/unused_groups.h"
 #include "robocell/robot/validate_config.h"
 #include "robocell/scenes/catalogue.h"
-#include "robocell/spec/pick_task_config.h"
 #include "robocell/spec/problems.h"
 #include "robocell/task/base_placement.h"
 #include "robocell/task/grasp_candidates.h"
 #include "robocell/task/grasp_motion.h"
+#include "robocell/task/pick_task_config.h"
 
 namespace robocell::internal {
 namespace {
@@ -53,10 +53,11 @@ void ValidateBaseMoves(const RobotConfig& config, Problems& problems) {
   };
   const std::string no = why(config.base.kind);
   if (no.empty()) return;
-  problems.AddAt("base.kind", fmt::format("pick tasks put the robot where the object is in "
-                                          "reach, at heights of their own, and {}; give it "
-                                          "`base: {{kind: mocap}}`",
-                                          no));
+  problems.AddAt(
+      "base.kind",
+      fmt::format(
+          "pick tasks must move the base to reach the object, and {}. Set `base: {{kind: mocap}}`",
+          no));
 }
 
 // Checks the needs of both planners: an arm, and a gripper that can be measured.
@@ -64,8 +65,8 @@ void RequirePickParts(const Robot& robot, const SimOptions& options, double time
   robot.arm();
   if (!GripperShape::Supports(robot.gripper())) {
     throw SpecError(
-        "the scripted expert needs a gripper with two fingers that actuators move; bring an "
-        "expert of your own for this one");
+        "the scripted expert needs a gripper with two fingers that actuators move; use your own "
+        "expert for this one");
   }
   robot.gripper().inter_finger_dist_range();  // measured for the records, which may fail
   GripperShape::Of(robot.config(), options, timestep);
@@ -200,8 +201,8 @@ void ValidateReach(const PickRun& task, const BaseRange& base, const Robot& robo
       problems.AddAt(
           "task.lift_height",
           fmt::format("{:g} m is more than the arm can lift: it reaches {:.2f} m from "
-                      "its base frame, at most {:.2f} m above the object, and lifts "
-                      "{:.2f} m more than is asked for; give at most {}",
+                      "its base frame, at most {:.2f} m above the object, and lifts {:.2f} m more "
+                      "than required; give at most {}",
                       task.lift_height, robot.reach(), std::max(top, 0.0), lift - task.lift_height,
                       AtMost(std::max(top - (lift - task.lift_height), 0.0))));
     }

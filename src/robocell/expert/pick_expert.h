@@ -8,9 +8,9 @@
 
 #include "robocell/expert/expert_kind.h"
 #include "robocell/robot/robot.h"
-#include "robocell/spec/pick_task_config.h"
 #include "robocell/spec/problems.h"
 #include "robocell/task/base_placement.h"
+#include "robocell/task/pick_task_config.h"
 
 namespace robocell::internal {
 
@@ -25,7 +25,7 @@ bool ValidatePickRobot(const Robot& robot, const SimOptions& options, double tim
 
 // Checks whether the places that a pick run proposes for the robot's base can be in its reach at
 // all. Adds problems of start.base_distance, start.base_height_offset and task.lift_height for
-// places and lifts that PickTaskSampler refuses in every start.
+// places and lifts that StartSampler refuses in every start.
 void ValidateReach(const PickRun& task, const BaseRange& base, const Robot& robot,
                    Problems& problems);
 

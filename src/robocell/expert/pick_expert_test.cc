@@ -27,12 +27,12 @@ TEST(ValidateReach, RangesWithinTheReachPass) {
   EXPECT_EQ(ReachProblem({.distance = {0.3, 0.5}, .height_offset = -0.25}), "");
 }
 
-TEST(ValidateReach, ADistanceBeyondTheReachIsNamedWithTheFarthest) {
+TEST(ValidateReach, ReportsTheMaximumForADistanceBeyondTheReach) {
   EXPECT_THAT(ReachProblem({.distance = {0.3, 5}}),
               HasSubstr("start.base_distance: [0.3, 5] m goes beyond "));
 }
 
-TEST(ValidateReach, AHeightBeyondTheReachIsNamed) {
+TEST(ValidateReach, ReportsAHeightBeyondTheReach) {
   EXPECT_THAT(ReachProblem({.height_offset = 7}),
               HasSubstr("start.base_height_offset: 7 m puts the base frame "));
   // The noise may bring the height back into reach.
@@ -40,7 +40,7 @@ TEST(ValidateReach, AHeightBeyondTheReachIsNamed) {
             "");
 }
 
-TEST(ValidateReach, ALiftThatNoArmHasIsNamed) {
+TEST(ValidateReach, RejectsAnImpossibleLift) {
   EXPECT_THAT(ReachProblem({.distance = {0.3, 0.5}, .height_offset = -0.25}, 3),
               HasSubstr("task.lift_height: 3 m is more than the arm can lift"));
 }

@@ -7,7 +7,7 @@
 namespace robocell {
 namespace {
 
-constexpr double kViaAbove = 0.05;  // of the way point over the start, above the pregrasp
+constexpr double kViaAbove = 0.05;  // height of the way point over the start, above the pregrasp
 constexpr double kViaRise = 0.02;   // ... and at least this above the start
 constexpr double kSameGrasp = 0.005,
                  kSameTurn = 0.25;  // metres and rad: nearer grasps count as one

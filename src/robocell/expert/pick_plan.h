@@ -19,13 +19,13 @@ inline constexpr int kMostPathSearches = 4;  // grasps or places to which a path
 
 struct PickPlan {
   GraspMotion motion;
-  JointPath approach;  // from the start to the pregrasp, both included
+  JointPath approach;  // path from the start to the pregrasp, both included
 };
 
 struct PickPlanRequest {
   JointVector start;        // the arm's present positions
   JointVector home;         // joint positions that solutions should be near
-  Pose tcp_now;             // in the world, at `start`
+  Pose tcp_now;             // TCP in the world at `start`
   std::vector<Pose> avoid;  // grasps that failed: TCP in the object's frame
   GraspMotionOptions motion = {};
 };

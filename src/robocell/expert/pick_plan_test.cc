@@ -23,7 +23,7 @@ void ExpectFree(PlanningScene& planning, const JointPath& path) {
   }
 }
 
-TEST(PlanPick, TheApproachTouchesNothing) {
+TEST(PlanPick, TheApproachIsCollisionFree) {
   for (const std::string& kind : ObjectKinds()) {
     const PickScene pick = MakePickScene(ObjectOnTheTable(kind));
     PlanningScene planning = pick.planning();
@@ -70,7 +70,7 @@ TEST(PlanPick, SameStreamSamePlan) {
   EXPECT_EQ(first->motion.up, second->motion.up);
 }
 
-TEST(PlanPick, AFailedGraspIsNotTriedAgainWithTheFingersExchanged) {
+TEST(PlanPick, DoesNotRetryAFailedGraspWithSwappedFingers) {
   const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   PlanningScene planning = pick.planning();
   const Pose world_in_object = pick.scene.body_pose(pick.target_body).inverse();
@@ -90,7 +90,7 @@ TEST(PlanPick, AFailedGraspIsNotTriedAgainWithTheFingersExchanged) {
   }
 }
 
-TEST(PlanPick, SaysWhyThereIsNoPlan) {
+TEST(PlanPick, ExplainsWhyNoPlanExists) {
   Rng rng = Rng::Stream(1, "why");
   const PickScene far = MakePickScene(ObjectOnTheTable("box"), "demo.yaml", 1.2);
   PlanningScene far_planning = far.planning();

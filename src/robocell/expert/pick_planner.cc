@@ -4,12 +4,12 @@
 #include <cmath>
 
 #include "robocell/motion/geom_extent.h"
-#include "robocell/spec/pick_task_config.h"
+#include "robocell/task/pick_task_config.h"
 
 namespace robocell {
 namespace {
 
-constexpr double kOpenSeconds = 0.1;    // at the start, when the hand is already open
+constexpr double kOpenSeconds = 0.1;    // wait at the start if the hand is already open
 constexpr double kReopenSeconds = 0.4;  // after a failure: the object may fall
 constexpr double kMostOpenSeconds = 1.0;
 constexpr double kCloseSeconds = 0.5;  // weak servos take this long to build up their force
@@ -19,8 +19,8 @@ constexpr double kMostCloseSeconds = 1.0;
 // the walls of some objects are that thin. One command to close would let a light finger pass
 // through them.
 constexpr double kCloseSpeed = 0.2;
-constexpr double kSqueezeSeconds = 0.2;  // of the full force, at least
-constexpr double kHoldSeconds = 0.33;    // at the top
+constexpr double kSqueezeSeconds = 0.2;  // least duration of the full force
+constexpr double kHoldSeconds = 0.33;    // wait at the top
 constexpr double kLeastFreeSeconds = 0.15, kLeastDownSeconds = 0.5, kLeastUpSeconds = 0.6;
 constexpr double kMostUpSeconds = 2.5;
 constexpr double kSteadyGap = 3e-4;  // metres per tick
@@ -126,8 +126,8 @@ void PickPlanner::Enter(Phase phase) {
 Action PickPlanner::Act(const Scene&, Rng& rng) {
   if (!arm_) {
     throw Error(
-        "PickPlanner: Act came before Begin was through; a subclass with a Begin of its own "
-        "calls the planner's first (in Python super().begin(scene, rng))");
+        "PickPlanner: Act came before Begin was through; a subclass with its own Begin calls the "
+        "planner's first (in Python super().begin(scene, rng))");
   }
   if (!finished_) Watch();
   if (!finished_) Advance(rng);

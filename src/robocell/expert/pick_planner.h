@@ -16,10 +16,11 @@
 #include <string>
 #include <vector>
 
+#include "robocell/expert/expert.h"
 #include "robocell/expert/guided_arm.h"
 #include "robocell/expert/pick_plan.h"
 #include "robocell/spec/run_config.h"
-#include "robocell/task/task.h"
+#include "robocell/task/task_sampler.h"
 
 namespace robocell {
 
@@ -27,7 +28,7 @@ struct PickPlannerOptions {
   double tick = 0.066;      // seconds between actions
   double above = 0.08;      // height of the pregrasp over the grasp, metres
   double lift = 0.10;       // metres
-  double free_speed = 1.2;  // of the fastest joint on free paths, rad/s (m/s)
+  double free_speed = 1.2;  // speed of the fastest joint on free paths, rad/s (m/s)
   double line_speed = 0.6;  // ... on the way down and up
   int attempts = 3;         // grasp attempts
 };
@@ -57,8 +58,8 @@ class PickPlanner : public Expert {
   int attempts() const { return attempts_; }
   // Returns true if there is nothing between the fingers.
   bool HandIsEmpty() const;
-  // For planners that continue where it ends (done, without a failure): the planning scene of the
-  // last plan, and the width of the held object, metres.
+  // Return the planning scene of the last plan, and the width of the held object, metres; for
+  // planners that continue after `done` without a failure.
   PlanningScene& planning() { return *planning_; }
   double held_width() const { return plan_->motion.grasp.width; }
 
@@ -92,12 +93,12 @@ class PickPlanner : public Expert {
   JointVector home_;
   std::optional<GuidedArm> arm_;
   double opening_ = 1;
-  JointVector retreat_;       // where to back off to; empty: stay
+  JointVector retreat_;       // configuration to back off to; empty: none
   Pose planned_for_;          // the object's pose at the time of planning, in the world
   std::vector<Pose> failed_;  // grasps, TCP in the object's frame
 
   Phase phase_ = Phase::kOpen;
-  int ticks_ = 0;     // in this phase
+  int ticks_ = 0;     // ticks in this phase
   int squeezed_ = 0;  // ticks since the command to close the hand
   int attempts_ = 0;
   double last_gap_ = 0, grasp_height_ = 0;

@@ -6,8 +6,9 @@
 #include <functional>
 #include <map>
 
-#include "robocell/task/pick_sampler.h"
 #include "robocell/task/pick_task.h"
+#include "robocell/task/pick_task_config.h"
+#include "robocell/task/start_sampler.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/pick_scene.h"
@@ -79,7 +80,7 @@ struct Bench {
   Rng rng = Rng::Stream(1, "planner");
 };
 
-TEST(PickPlanner, PicksEveryKindAtTheFirstAttempt) {
+TEST(PickPlanner, PicksEveryKindAtTheFirstGrasp) {
   for (const std::string& kind : ObjectKinds()) {
     Bench bench(kind);
     const Outcome outcome = bench.Run();
@@ -102,13 +103,13 @@ TEST(PickPlanner, SameStreamSameRollout) {
   EXPECT_EQ(a.Run().end, b.Run().end);
 }
 
-TEST(PickPlanner, CannotActBeforeItBegan) {
+TEST(PickPlanner, CannotActBeforeBegin) {
   Bench bench("box");
   ExpectThrow<Error>([&] { bench.planner.Act(bench.pick.scene, bench.rng); },
                      "PickPlanner: Act came before Begin was through");
 }
 
-TEST(PickPlanner, CanBeginAgain) {
+TEST(PickPlanner, CanRestart) {
   Bench bench("box");
   const std::vector<double> start = bench.pick.scene.state();
   const Outcome first = bench.Run();
@@ -134,7 +135,7 @@ Meddle Snatch(int times) {
   };
 }
 
-TEST(PickPlanner, NoticesAnEmptyHandAndTriesAgainWhereTheObjectIsNow) {
+TEST(PickPlanner, RetriesAtTheNewPlaceAfterAnEmptyGrasp) {
   Bench bench("box");
   const Outcome outcome = bench.Run(Snatch(1));
   EXPECT_TRUE(outcome.success) << outcome.failure;
@@ -146,7 +147,7 @@ TEST(PickPlanner, NoticesAnEmptyHandAndTriesAgainWhereTheObjectIsNow) {
 
 // A finger may have pushed the object aside: a grasp is identified by the object's pose at the time
 // of planning.
-TEST(PickPlanner, AfterAnEmptyHandAnotherGraspIsTried) {
+TEST(PickPlanner, TriesAnotherGraspAfterAnEmptyOne) {
   Bench bench("box");
   std::vector<Pose> grasps;  // TCP in the object's frame
   bool closing = false;
@@ -165,7 +166,7 @@ TEST(PickPlanner, AfterAnEmptyHandAnotherGraspIsTried) {
   }
 }
 
-TEST(PickPlanner, TheHandClosesNoFasterThanContactsCanStopIt) {
+TEST(PickPlanner, ClosesSlowlyEnoughForContacts) {
   Bench bench("mug");
   const Outcome outcome = bench.Run();
   const Interval gap = bench.pick.robot.gripper().inter_finger_dist_range();
@@ -174,7 +175,7 @@ TEST(PickPlanner, TheHandClosesNoFasterThanContactsCanStopIt) {
   EXPECT_LE(outcome.closing * (gap.upper - gap.lower), 0.2 * 0.066 + 1e-4);
 }
 
-TEST(PickPlanner, GivesUpAfterThreeAttemptsAndSaysWhy) {
+TEST(PickPlanner, GivesUpAfterThreeGraspsAndReportsTheReason) {
   Bench bench("box");
   const Outcome outcome = bench.Run(Snatch(3));
   EXPECT_FALSE(outcome.success);
@@ -182,7 +183,7 @@ TEST(PickPlanner, GivesUpAfterThreeAttemptsAndSaysWhy) {
   EXPECT_EQ(bench.planner.attempts(), 3);
 }
 
-TEST(PickPlanner, NoticesAnObjectThatIsPulledOutOfTheHand) {
+TEST(PickPlanner, DetectsALostObject) {
   Bench bench("sphere");
   bool pulled = false;
   const Outcome outcome = bench.Run([&](Scene& scene, const PickPlanner& planner) {
@@ -196,7 +197,7 @@ TEST(PickPlanner, NoticesAnObjectThatIsPulledOutOfTheHand) {
 }
 
 // Pushes the hand aside with 400 N for half a second.
-TEST(PickPlanner, NoticesAnArmThatIsBlockedAndGoesOnAfterwards) {
+TEST(PickPlanner, NoticesABlockedArmAndContinuesAfterwards) {
   Bench bench("box");
   int pushed = 0;
   const Outcome outcome = bench.Run([&](Scene& scene, const PickPlanner& planner) {
@@ -221,7 +222,7 @@ TEST(PickPlanner, HoldsStillWhenTheObjectIsOutOfReach) {
 // Uses starts of the sampler, with other objects around: the planner must succeed where the sampler
 // accepts.
 double SuccessRate(const RunConfig& run, int episodes) {
-  PickTaskSampler sampler(run);
+  StartSampler sampler(run);
   int accepted = 0, successes = 0;
   for (int i = 0; i < episodes; ++i) {
     Rng rng = Rng::Stream(11, i);

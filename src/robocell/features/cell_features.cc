@@ -12,13 +12,21 @@
 
 namespace robocell {
 
+std::vector<std::unique_ptr<FeatureSource>> SourcesOfCell(const Scene& scene,
+                                                          const std::vector<Robot>& robots,
+                                                          const std::vector<std::string>& objects,
+                                                          const std::vector<std::string>& own) {
+  std::vector<std::unique_ptr<FeatureSource>> sources;
+  sources.push_back(std::make_unique<internal::SceneFeatures>(scene, robots, objects));
+  sources.push_back(std::make_unique<internal::SensorFeatures>(scene));
+  for (const Robot& robot : robots) sources.push_back(std::make_unique<RobotFeatures>(robot));
+  if (!own.empty()) sources.push_back(std::make_unique<OwnFeatureSource>(scene, own));
+  return sources;
+}
+
 CellFeatures::CellFeatures(const Scene& scene, const std::vector<Robot>& robots,
                            CellFeatureOptions options) {
-  sources_.push_back(std::make_unique<internal::SceneFeatures>(scene, robots, options.objects));
-  sources_.push_back(std::make_unique<internal::SensorFeatures>(scene));
-  for (const Robot& robot : robots) sources_.push_back(std::make_unique<RobotFeatures>(robot));
-  if (!options.own.empty())
-    sources_.push_back(std::make_unique<OwnFeatureSource>(scene, options.own));
+  sources_ = SourcesOfCell(scene, robots, options.objects, options.own);
   if (options.more) sources_.push_back(std::move(options.more));
   for (const auto& source : sources_) {
     for (const Feature& feature : source->features()) observed_.Add(feature);

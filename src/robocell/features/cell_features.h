@@ -28,8 +28,15 @@ namespace robocell {
 struct CellFeatureOptions {
   std::vector<std::string> objects = {};     // objects whose poses are observed
   std::vector<std::string> own = {};         // registered features (own_features.h)
-  std::unique_ptr<FeatureSource> more = {};  // from code that knows more of the cell
+  std::unique_ptr<FeatureSource> more = {};  // additional sources
 };
+
+// Returns the sources of all that is observed of a cell beside its task: the scene with the poses of
+// `objects`, its sensors, the robots, and registered features.
+std::vector<std::unique_ptr<FeatureSource>> SourcesOfCell(const Scene& scene,
+                                                          const std::vector<Robot>& robots,
+                                                          const std::vector<std::string>& objects,
+                                                          const std::vector<std::string>& own);
 
 class CellFeatures {
  public:

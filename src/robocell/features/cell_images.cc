@@ -1,18 +1,22 @@
 #include "robocell/features/cell_images.h"
 
 #include <algorithm>
-#include <span>
 #include <utility>
 
+#include "robocell/data/episode_schema.h"
 #include "robocell/render/stream_camera.h"
 
 namespace robocell {
 
+void ToSegments(std::span<const int32_t> bodies, std::span<uint16_t> segments) {
+  std::ranges::transform(bodies, segments.begin(), [](int32_t body) {
+    return body < 0 ? kNoSegment : static_cast<uint16_t>(body);
+  });
+}
+
 CellImages::CellImages(const Scene& scene, const CameraSystemConfig& config, Renderer* renderer)
     : scene_(scene), renderer_(renderer) {
-  if (config.streams.empty()) return;
-  renderer_->SetModel(scene.model());
-  for (const CameraConfig& stream : config.streams) {
+  for (const CameraConfig& stream : config.drawn()) {
     CellImage image{.name = stream.name,
                     .view = internal::ViewOfStream(scene, stream),
                     .width = config.width(stream),
@@ -32,15 +36,17 @@ CellImages::CellImages(const Scene& scene, const CameraSystemConfig& config, Ren
   }
 }
 
-void CellImages::Draw() {
+void CellImages::Draw() { Draw(scene_.model(), scene_.data()); }
+
+void CellImages::Draw(const mjModel* model, const mjData* data) {
+  if (images_.empty()) return;
+  if (!std::exchange(is_ready_, true)) renderer_->SetModel(model);
   for (CellImage& image : images_) {
     const std::span<int32_t> ids = std::span(ids_).first(image.bodies.size());
     image.camera = renderer_->Render(
-        scene_.data(), {.camera = image.view, .width = image.width, .height = image.height},
+        data, {.camera = image.view, .width = image.width, .height = image.height},
         {.rgb = image.rgb, .depth_mm = image.depth_mm, .segmentation = ids});
-    std::ranges::transform(ids, image.bodies.begin(), [](int32_t body) {
-      return body < 0 ? kNoBody : static_cast<uint16_t>(body);
-    });
+    ToSegments(ids, image.bodies);
   }
 }
 

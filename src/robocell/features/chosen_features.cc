@@ -7,10 +7,8 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/features/cell_features.h"
 #include "robocell/features/own_features.h"
-#include "robocell/features/robot_features.h"
-#include "robocell/features/scene_features.h"
-#include "robocell/features/sensor_features.h"
 
 namespace robocell {
 namespace {
@@ -37,13 +35,10 @@ ChosenFeatures::ChosenFeatures(const Scene& scene, const std::vector<Robot>& rob
                                const std::vector<std::string>& names)
     : FeatureSource(scene) {
   if (names.empty()) return;
-  std::vector<std::unique_ptr<FeatureSource>> all;
   std::vector<std::string> objects;
   for (const ObjectRecord& object : scene.compiled()->objects()) objects.push_back(object.name);
-  all.push_back(std::make_unique<internal::SceneFeatures>(scene, robots, objects));
-  all.push_back(std::make_unique<internal::SensorFeatures>(scene));
-  for (const Robot& robot : robots) all.push_back(std::make_unique<RobotFeatures>(robot));
-  all.push_back(std::make_unique<OwnFeatureSource>(scene, OwnAmong(names)));
+  std::vector<std::unique_ptr<FeatureSource>> all =
+      SourcesOfCell(scene, robots, objects, OwnAmong(names));
   for (const std::string& name : names) Choose(name, all);
   for (size_t i = 0; i < all.size(); ++i) {
     const bool is_read =

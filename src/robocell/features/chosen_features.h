@@ -38,8 +38,8 @@ class ChosenFeatures final : public FeatureSource {
   void AddPart(size_t source, size_t begin, const Feature& feature);
 
   std::vector<std::unique_ptr<FeatureSource>> sources_;
-  std::vector<std::vector<double>> numbers_;  // of each source
-  std::vector<Part> parts_;                   // of each feature
+  std::vector<std::vector<double>> numbers_;  // numbers of each source
+  std::vector<Part> parts_;                   // position of each feature
   std::vector<std::string> keys_;
 };
 

@@ -29,7 +29,7 @@ class ChosenFeaturesTest : public ::testing::Test {
   Robot robot = RobotAlone(Rc7());
 };
 
-TEST_F(ChosenFeaturesTest, AreReadInTheOrderInWhichTheyWereChosen) {
+TEST_F(ChosenFeaturesTest, AreReadInTheChosenOrder) {
   Scene scene = robot.scene();
   ChosenFeatures chosen(scene, {robot}, {"chosen_test_time", "robots/*/arm/q*", "time"});
   const std::string path = "robots/" + robot.name() + "/arm/";
@@ -67,7 +67,7 @@ TEST_F(ChosenFeaturesTest, ReadingAllocatesNothing) {
   EXPECT_EQ(count.allocations(), 0);
 }
 
-TEST_F(ChosenFeaturesTest, UnknownNamesAreToldWithTheNearest) {
+TEST_F(ChosenFeaturesTest, RejectsUnknownNames) {
   ExpectThrow<NotFoundError>([&] { ChosenFeatures(robot.scene(), {robot}, {"chosen_test_tim"}); },
                              "no feature 'chosen_test_tim'");
   ExpectThrow<NotFoundError>([&] { ChosenFeatures(robot.scene(), {robot}, {"sensors/*"}); },

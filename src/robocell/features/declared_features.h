@@ -22,6 +22,12 @@ class DeclaresFeatures : public Hooks {
   virtual void Observe(const Scene& /*scene*/, std::span<double> /*out*/) const {}
 };
 
+// Returns a pointer without ownership, for readers of a source that its owner keeps longer.
+template <class Source>
+std::shared_ptr<const Source> Lent(const std::shared_ptr<Source>& owner) {
+  return {std::shared_ptr<void>(), owner.get()};
+}
+
 class DeclaredFeatures final : public FeatureSource {
  public:
   // Full names are `path` + "/" + the declared ones. With a null `of` there are none. Throws

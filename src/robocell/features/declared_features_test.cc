@@ -43,7 +43,7 @@ DeclaredFeatures Declared(std::vector<Feature> features, std::vector<double> num
           "task"};
 }
 
-TEST(DeclaredFeatures, HaveTheirPathAndAllThatTheyDeclare) {
+TEST(DeclaredFeatures, HaveTheirPathAndDeclaration) {
   DeclaredFeatures features =
       Declared({{.column = {.name = "grid", .shape = {2, 2}, .units = "m", .names = {"x", "y"}}},
                 {.column = {.name = "far"}, .lower = {0}, .upper = {1}}},
@@ -58,7 +58,7 @@ TEST(DeclaredFeatures, HaveTheirPathAndAllThatTheyDeclare) {
   EXPECT_THAT(numbers, ElementsAre(1, 2, 3, 4, 5)) << "beyond its range too: observations are cut";
 }
 
-TEST(DeclaredFeatures, NumbersThatAreNotFiniteAreRefusedWithThePlace) {
+TEST(DeclaredFeatures, RejectNonFiniteNumbersWithThePlace) {
   DeclaredFeatures features = Declared({{.column = {.name = "odd"}}}, {std::nan("")});
   std::vector<double> numbers(1);
   ExpectThrow<HookError>(
@@ -66,7 +66,7 @@ TEST(DeclaredFeatures, NumbersThatAreNotFiniteAreRefusedWithThePlace) {
       "feature 'task/odd' is nan at t = 0.000 s; features must be finite (mine.py:7, in observe)");
 }
 
-TEST(DeclaredFeatures, WhatIsNoFeatureIsRefused) {
+TEST(DeclaredFeatures, RejectsInvalidFeatures) {
   ExpectThrow<HookError>([] { Declared({{.column = {.name = ""}}}); }, "needs a name");
   ExpectThrow<HookError>([] { Declared({{.column = {.name = "a", .type = ColumnType::kBool}}}); },
                          "signal 'a' must be float64, not bool (mine.py:7, in signals)");
@@ -80,7 +80,7 @@ TEST(DeclaredFeatures, WhatIsNoFeatureIsRefused) {
       "feature 'a'");
 }
 
-TEST(DeclaredFeatures, NobodyDeclaresNone) {
+TEST(DeclaredFeatures, AreEmptyWithoutATask) {
   DeclaredFeatures features(SceneOfNothing(), nullptr, "task");
   EXPECT_EQ(features.size(), 0);
   features.Read({});

@@ -2,15 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <map>
-#include <mutex>
 #include <utility>
 
 #include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/plugin.h"
-#include "robocell/base/suggestions.h"
+#include "robocell/base/registry.h"
 #include "robocell/data/episode_schema.h"
 
 namespace robocell {
@@ -21,24 +19,9 @@ struct OwnFeature {
   FeatureFunction function;
   FeatureCode code;
 };
-struct OwnFeatureTable {
-  std::mutex mutex;
-  std::map<std::string, OwnFeature> features;
-};
-
-OwnFeatureTable& OwnFeatureKinds() {
-  static OwnFeatureTable table;
-  return table;
-}
-
-OwnFeature FindOwnFeature(const std::string& name) {
-  {
-    OwnFeatureTable& table = OwnFeatureKinds();
-    const std::lock_guard lock(table.mutex);
-    const auto found = table.features.find(name);
-    if (found != table.features.end()) return found->second;
-  }
-  throw NotFoundError(NoSuchName("", "feature", name, OwnFeatures()));
+Registry<OwnFeature>& RegisteredFeatures() {
+  static Registry<OwnFeature> registry("feature");
+  return registry;
 }
 
 }  // namespace
@@ -56,31 +39,18 @@ void RegisterFeature(const std::string& name, Feature feature, FeatureFunction f
   feature.source = "feature of a user's own";
   FeatureSchema().Add(feature);  // its checks, and those of the column in an episode
   EpisodeSchema().AddColumn(feature.column);
-  OwnFeatureTable& table = OwnFeatureKinds();
-  const std::lock_guard lock(table.mutex);
-  if (table.features.contains(name) && !replace)
-    throw ArgumentError("feature '" + name + "' is registered already; choose another name");
-  table.features[name] = {std::move(feature), std::move(function), std::move(code)};
+  RegisteredFeatures().Register(name, {std::move(feature), std::move(function), std::move(code)},
+                                replace);
 }
 
-std::vector<std::string> OwnFeatures() {
-  OwnFeatureTable& table = OwnFeatureKinds();
-  const std::lock_guard lock(table.mutex);
-  std::vector<std::string> names;
-  for (const auto& [name, feature] : table.features) names.push_back(name);
-  return names;
-}
+std::vector<std::string> OwnFeatures() { return RegisteredFeatures().names(); }
 
-bool IsOwnFeature(const std::string& name) {
-  OwnFeatureTable& table = OwnFeatureKinds();
-  const std::lock_guard lock(table.mutex);
-  return table.features.contains(name);
-}
+bool IsOwnFeature(const std::string& name) { return RegisteredFeatures().Has(name); }
 
 std::vector<std::string> CodeOfFeatures(const std::vector<std::string>& names) {
   std::vector<std::string> files;
   for (const std::string& name : names) {
-    const OwnFeature own = FindOwnFeature(name);
+    const OwnFeature own = RegisteredFeatures().Find(name);
     if (!own.code.files) continue;
     for (std::string& file : own.code.files()) files.push_back(std::move(file));
   }
@@ -94,7 +64,7 @@ std::string OwnFeatureSource::Function::PlaceOfHook(const char* /*method*/) cons
 OwnFeatureSource::OwnFeatureSource(Scene scene, const std::vector<std::string>& names)
     : FeatureSource(std::move(scene)) {
   for (const std::string& name : names) {
-    OwnFeature own = FindOwnFeature(name);
+    OwnFeature own = RegisteredFeatures().Find(name);
     Add(std::move(own.feature));
     Function function;
     function.read = std::move(own.function);

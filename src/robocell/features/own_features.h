@@ -26,8 +26,9 @@ using FeatureFunction = std::function<void(const Scene& scene, std::span<double>
 
 // Describes the code of a feature's function; called when needed.
 struct FeatureCode {
-  std::function<std::vector<std::string>()> files = {};  // that define it, stored by datasets
-  std::function<std::string()> place = {};               // for messages (base/hook_error.h)
+  std::function<std::vector<std::string>()> files =
+      {};                                   // source files of the function, stored by datasets
+  std::function<std::string()> place = {};  // place for messages (base/hook_error.h)
 };
 
 // Registers a feature for all threads. Its full name is "features/" + `name`.

@@ -29,9 +29,9 @@ const char* UnitOfJoint(const mjModel* m, int joint, bool rate) {
 }
 
 // Returns the names of joints that have one position each; empty otherwise.
-std::vector<std::string> NamesOf(const MoveGroup& group, int count) {
-  const std::vector<std::string>& joints = group.joint_names();
-  return count == static_cast<int>(joints.size()) ? joints : std::vector<std::string>{};
+std::vector<std::string> NamesOf(const Robot& robot, const MoveGroup& group, int count) {
+  const bool has_one_each = count == static_cast<int>(group.joint_names().size());
+  return has_one_each ? OwnNames(robot, group.joint_names()) : std::vector<std::string>{};
 }
 
 std::string PathOf(const Robot& robot) { return "robots/" + robot.name() + "/"; }
@@ -43,6 +43,27 @@ bool IsCommanded(const Robot& robot, const MoveGroup& group) {
   const bool may_be_undriven =
       group.kind() == MoveGroupKind::kGeneric && !robot.is_driven(group.name());
   return group.nu() > 0 && !may_be_undriven;
+}
+
+// Gives a feature the ranges of joints; those that do not fit it are left out.
+void SetRange(Feature& feature, const std::vector<Interval>& limits) {
+  if (static_cast<int64_t>(limits.size()) != feature.size()) return;
+  for (const Interval& limit : limits) {
+    feature.lower.push_back(limit.lower);
+    feature.upper.push_back(limit.upper);
+  }
+}
+
+// Returns the feature of what is measured: limits and targets give way a little under load.
+Feature Measured(Feature feature) {
+  constexpr double kSlack = 0.1;  // of the range
+  for (size_t i = 0; i < feature.lower.size(); ++i) {
+    const double slack = kSlack * (feature.upper[i] - feature.lower[i]);
+    if (!std::isfinite(slack)) continue;
+    feature.lower[i] -= slack;
+    feature.upper[i] += slack;
+  }
+  return feature;
 }
 
 // Describes a target of the group's controller, or its change.
@@ -57,7 +78,7 @@ Feature TargetFeature(const Robot& robot, MoveGroup& group, const std::string& n
                                               : UnitsOfJoints(robot.scene().model(),
                                                               group.joint_names(), false),
                              .names = gripper ? std::vector<std::string>{"opening"}
-                                              : NamesOf(group, group.nq()),
+                                              : NamesOf(robot, group, group.nq()),
                              .description = description},
                   .role = role,
                   .source = SourceOf(robot)};
@@ -65,11 +86,7 @@ Feature TargetFeature(const Robot& robot, MoveGroup& group, const std::string& n
     feature.lower.assign(static_cast<size_t>(size), 0);
     feature.upper.assign(static_cast<size_t>(size), 1);
   } else if (group.kind() == MoveGroupKind::kArm) {
-    for (const Interval& limit : group.joint_pos_limits()) {
-      feature.lower.push_back(limit.lower);
-      feature.upper.push_back(limit.upper);
-    }
-    if (static_cast<int64_t>(feature.lower.size()) != size) feature.lower = feature.upper = {};
+    SetRange(feature, group.joint_pos_limits());
   }
   return feature;
 }
@@ -88,6 +105,12 @@ std::string UnitsOfJoints(const mjModel* m, const std::vector<std::string>& join
   return fmt::format("{}", fmt::join(units, ", "));
 }
 
+std::vector<std::string> OwnNames(const Robot& robot, const std::vector<std::string>& elements) {
+  std::vector<std::string> names;
+  for (const std::string& element : elements) names.push_back(robot.OwnName(element));
+  return names;
+}
+
 RobotFeatures::RobotFeatures(Robot robot) : FeatureSource(robot.scene()), robot_(std::move(robot)) {
   const std::string path = PathOf(robot_), source = SourceOf(robot_);
   for (const std::string& name : robot_.group_names()) AddGroup(name);
@@ -101,12 +124,12 @@ RobotFeatures::RobotFeatures(Robot robot) : FeatureSource(robot.scene()), robot_
     add_pose("tcp_pose_in_base", BaseOf(robot_), "Pose of the TCP.");
   }
   if (has_gripper_) {
-    Add({.column = {.name = path + "opening",
-                    .units = "1",
-                    .description = "Measured opening of the gripper: 0 closed, 1 open."},
-         .lower = {0},
-         .upper = {1},
-         .source = source});
+    Add(Measured({.column = {.name = path + "opening",
+                             .units = "1",
+                             .description = "Measured opening of the gripper: 0 closed, 1 open."},
+                  .lower = {0},
+                  .upper = {1},
+                  .source = source}));
   }
 }
 
@@ -118,20 +141,22 @@ void RobotFeatures::AddGroup(const std::string& name) {
   has_gripper_ |= group.kind() == MoveGroupKind::kGripper;
   Group entry{name, robot_.shared_group(name), group.nq(), group.nv(), 0};
   if (group.nq() > 0) {
-    Add({.column = {.name = own + "qpos",
-                    .shape = {group.nq()},
-                    .units = UnitsOfJoints(m, group.joint_names(), false),
-                    .names = NamesOf(group, group.nq())},
-         .source = SourceOf(robot_)});
+    Feature qpos{.column = {.name = own + "qpos",
+                            .shape = {group.nq()},
+                            .units = UnitsOfJoints(m, group.joint_names(), false),
+                            .names = NamesOf(robot_, group, group.nq())},
+                 .source = SourceOf(robot_)};
+    SetRange(qpos, group.joint_pos_limits());
+    Add(Measured(std::move(qpos)));
     Add({.column = {.name = own + "qvel",
                     .shape = {group.nv()},
                     .units = UnitsOfJoints(m, group.joint_names(), true),
-                    .names = NamesOf(group, group.nv())},
+                    .names = NamesOf(robot_, group, group.nv())},
          .source = SourceOf(robot_)});
   }
   if (IsCommanded(robot_, group)) {
-    Add(TargetFeature(robot_, group, own + "target", FeatureRole::kObservation,
-                      "Target of the group's controller before the action."));
+    Add(Measured(TargetFeature(robot_, group, own + "target", FeatureRole::kObservation,
+                               "Target of the group's controller before the action.")));
     entry.targets = static_cast<int>(features().back().size());
   }
   groups_.push_back(std::move(entry));
@@ -198,16 +223,16 @@ RobotActions::RobotActions(Robot robot) : robot_(std::move(robot)), name_(robot_
     Add(PoseFeature(path + "tcp_pose", BaseOf(robot_), FeatureRole::kAction, SourceOf(robot_),
                     "Where the commanded arm joints put the TCP."),
         {name, Kind::kPose, false});
-    Add({.column = {.name = path + "tcp_twist",
+    Add({.column = {.name = path + "tcp_displacement",
                     .shape = {6},
                     .units = "m, rad",
                     .frame = BaseOf(robot_),
-                    .names = {"vx", "vy", "vz", "wx", "wy", "wz"},
+                    .names = {"x", "y", "z", "rx", "ry", "rz"},
                     .description = "From the present TCP pose to the commanded one: difference of "
                                    "position, then rotation vector."},
          .role = FeatureRole::kAction,
          .source = SourceOf(robot_)},
-        {name, Kind::kTwist, false});
+        {name, Kind::kDisplacement, false});
   }
 }
 
@@ -223,7 +248,7 @@ void RobotActions::Begin() {
     if (parts_[i].kind == Kind::kRelative)
       std::ranges::copy(robot_.controller(parts_[i].group).commanded_joint_pos(),
                         before_[i].begin());
-    if (parts_[i].kind == Kind::kTwist) tcp_before_ = robot_.arm().leaf_frame_to_robot();
+    if (parts_[i].kind == Kind::kDisplacement) tcp_before_ = robot_.arm().leaf_frame_to_robot();
   }
 }
 
@@ -240,7 +265,7 @@ void RobotActions::Read(std::span<double> out) const {
       case Kind::kPose:
         PutPose(robot_.FkFrame(target), out);
         break;
-      case Kind::kTwist: {
+      case Kind::kDisplacement: {
         const Eigen::Matrix<double, 6, 1> twist =
             PoseDifference(tcp_before_, robot_.FkFrame(target));
         std::copy_n(twist.data(), 6, out.begin());
@@ -270,7 +295,7 @@ std::pair<std::string, GroupCommand> RobotActions::Command(std::string_view name
   const int64_t size = features_[static_cast<size_t>(&part - parts_.data())].size();
   if (static_cast<int64_t>(values.size()) != size)
     throw ArgumentError(
-        fmt::format("action '{}' has {} numbers, got {}", name, size, values.size()));
+        fmt::format("action '{}' has {}, got {}", name, Counted(size, "number"), values.size()));
   for (const double value : values) {
     if (!std::isfinite(value))
       throw ArgumentError(
@@ -292,7 +317,7 @@ std::pair<std::string, GroupCommand> RobotActions::Command(std::string_view name
       return {part.group, GroupCommand::LeafPose(
                               Pose({numbers[0], numbers[1], numbers[2]}, UnitQuaternion(q)))};
     }
-    case Kind::kTwist:
+    case Kind::kDisplacement:
       break;
   }
   const Eigen::Map<const Eigen::Matrix<double, 6, 1>> twist(numbers.data());

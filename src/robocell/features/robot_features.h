@@ -21,7 +21,12 @@ namespace robocell {
 // velocities. "" if one of them is not a joint: a custom group may have other coordinates.
 std::string UnitsOfJoints(const mjModel* m, const std::vector<std::string>& joints, bool rate);
 
-// Features: joints and targets of every group, base and TCP pose, opening of the gripper.
+// Returns the names that elements of the scene have in the robot's own model: those of a robot are
+// the same in every scene.
+std::vector<std::string> OwnNames(const Robot& robot, const std::vector<std::string>& elements);
+
+// Features: joints and targets of every group, base and TCP pose, opening of the gripper. Their
+// ranges are those of the joints and of the gripper, and a tenth more at both ends.
 class RobotFeatures final : public FeatureSource {
  public:
   explicit RobotFeatures(Robot robot);
@@ -62,7 +67,7 @@ class RobotActions {
   const std::string& robot() const { return name_; }
 
  private:
-  enum class Kind { kTarget, kRelative, kPose, kTwist };
+  enum class Kind { kTarget, kRelative, kPose, kDisplacement };
   struct Part {
     std::string group;
     Kind kind;
@@ -74,7 +79,7 @@ class RobotActions {
   Robot robot_;
   std::string name_;
   std::vector<Feature> features_;
-  std::vector<Part> parts_;                  // of each feature
+  std::vector<Part> parts_;                  // parts of each feature
   std::vector<std::vector<double>> before_;  // previous targets of each relative feature
   Pose tcp_before_;
 };

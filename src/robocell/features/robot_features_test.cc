@@ -41,6 +41,12 @@ const Feature& Named(const std::vector<Feature>& features, const std::string& na
   throw Error("no feature " + name);
 }
 
+FeatureSchema SchemaOf(const RobotFeatures& features) {
+  FeatureSchema schema;
+  for (const Feature& feature : features.features()) schema.Add(feature);
+  return schema;
+}
+
 TEST(RobotFeatures, UnitsAreThoseOfTheJoints) {
   const RobotFeatures features(RobotAlone(Rc7()));
   const auto unit = [&](const std::string& name) {
@@ -52,7 +58,34 @@ TEST(RobotFeatures, UnitsAreThoseOfTheJoints) {
   EXPECT_EQ(unit("gripper/qvel"), "m/s");
 }
 
-TEST(RobotFeatures, CoordinatesThatAreNoJointsHaveNoUnits) {
+TEST(RobotFeatures, NamesAreThoseOfTheRobotsOwnModelInEveryScene) {
+  const RobotFeatures alone(RobotAlone(Rc7()));
+  const Scene scene = Scene::Build(SceneWith({.name = "rc7", .config = Rc7(), .prefix = "left/"}));
+  const Robot robot = Robot::Of(scene, "rc7");
+  ASSERT_EQ(robot.arm().joint_names().front(), "left/joint1");
+  const RobotFeatures prefixed(robot);
+  EXPECT_EQ(SchemaOf(prefixed).DifferenceFrom(SchemaOf(alone)), "");
+  EXPECT_EQ(Named(prefixed.features(), "robots/rc7/arm/qpos").column.names.front(), "joint1");
+  RobotActions actions(robot);
+  EXPECT_EQ(Named(actions.features(), "robots/rc7/action/arm").column.names.front(), "joint1");
+}
+
+TEST(RobotFeatures, RangesAreATenthWiderThanThoseOfTheJoints) {
+  const Robot robot = RobotAlone(Rc7());
+  const RobotFeatures features(robot);
+  const Feature& qpos = Named(features.features(), "robots/rc7/arm/qpos");
+  const std::vector<Interval> limits = robot.arm().joint_pos_limits();
+  ASSERT_EQ(qpos.lower.size(), limits.size());
+  for (size_t i = 0; i < limits.size(); ++i) {
+    const double slack = 0.1 * (limits[i].upper - limits[i].lower);
+    EXPECT_DOUBLE_EQ(qpos.lower[i], limits[i].lower - slack);
+    EXPECT_DOUBLE_EQ(qpos.upper[i], limits[i].upper + slack);
+  }
+  EXPECT_EQ(Named(features.features(), "robots/rc7/opening").upper, std::vector<double>{1.1});
+  EXPECT_TRUE(Named(features.features(), "robots/rc7/arm/qvel").lower.empty());
+}
+
+TEST(RobotFeatures, OtherCoordinatesHaveNoUnits) {
   Robot robot = RobotAlone(Rc7());
   robot.SetGroup(std::make_shared<Belt>(robot.scene()));
   const RobotFeatures features(robot);
@@ -60,7 +93,7 @@ TEST(RobotFeatures, CoordinatesThatAreNoJointsHaveNoUnits) {
   EXPECT_EQ(Named(features.features(), "robots/rc7/belt/qvel").column.units, "");
 }
 
-TEST(RobotFeatures, ReadWhatTheRobotSays) {
+TEST(RobotFeatures, ReadTheStateOfTheRobot) {
   Robot robot = RobotAlone(Rc7());
   robot.SetJointPos(std::vector<double>{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7});
   RobotFeatures features(robot);
@@ -85,7 +118,7 @@ TEST(RobotFeatures, ReadWhatTheRobotSays) {
     EXPECT_NEAR(read["robots/rc7/tcp_pose_in_base"][i], pose[i], 1e-12);
 }
 
-TEST(RobotFeatures, AGroupThatChangesDuringTheEpisodeIsRefused) {
+TEST(RobotFeatures, RejectAGroupThatChangesDuringTheEpisode) {
   Robot robot = RobotAlone(Rc7());
   robot.SetGroup(std::make_shared<Belt>(robot.scene()));
   RobotFeatures features(robot);
@@ -98,7 +131,7 @@ TEST(RobotFeatures, AGroupThatChangesDuringTheEpisodeIsRefused) {
                      "begin() of the expert");
 }
 
-TEST(RobotFeatures, AGroupThatIsAddedDuringTheEpisodeIsRefused) {
+TEST(RobotFeatures, RejectAGroupAddedDuringTheEpisode) {
   Robot robot = RobotAlone(Rc7());
   RobotFeatures features(robot);
   std::vector<double> numbers(static_cast<size_t>(features.size()));
@@ -107,7 +140,7 @@ TEST(RobotFeatures, AGroupThatIsAddedDuringTheEpisodeIsRefused) {
 }
 
 // An action is stored in every form. Each form moves the robot to the same targets.
-TEST(RobotActions, EveryFormOfAnActionLeadsToTheSameTargets) {
+TEST(RobotActions, EveryFormOfAnActionGivesTheSameTargets) {
   Robot robot = RobotAlone(Rc7());
   const std::vector<double> home = robot.arm().joint_pos();
   std::vector<double> goal = home;
@@ -130,7 +163,7 @@ TEST(RobotActions, EveryFormOfAnActionLeadsToTheSameTargets) {
   }
   EXPECT_EQ(stored["robots/rc7/action/arm"], goal);
   EXPECT_EQ(stored["robots/rc7/action/gripper"], std::vector<double>{0.4});
-  for (const char* form : {"arm", "arm_relative", "tcp_pose", "tcp_twist"}) {
+  for (const char* form : {"arm", "arm_relative", "tcp_pose", "tcp_displacement"}) {
     ASSERT_TRUE(robot.Apply({{"arm", GroupCommand::Joints(home)}}).ok);
     const std::string name = std::string("robots/rc7/action/") + form;
     ASSERT_TRUE(actions.Has(name));
@@ -146,7 +179,7 @@ TEST(RobotActions, EveryFormOfAnActionLeadsToTheSameTargets) {
   }
 }
 
-TEST(RobotActions, RefuseWhatIsNoAction) {
+TEST(RobotActions, RejectInvalidActions) {
   const RobotActions actions(RobotAlone(Rc7()));
   const std::vector<double> few = {1, 2}, bad = {std::nan("")};
   ExpectThrow<NotFoundError>([&] { actions.Command("robots/rc7/action/amr", few); },

@@ -158,7 +158,7 @@ std::string PrefixOf(const CompiledScene& scene, const RobotRecord& robot) {
 
 struct SensorOwner {
   const RobotRecord* robot = nullptr;
-  std::string name;  // without the robot's prefix
+  std::string name;  // name without the robot's prefix
 };
 
 // Returns the robot that a sensor belongs to by its name, else the one whose part it is on.

@@ -1,8 +1,8 @@
 // The scene's sensors as features of a cell, with unit and frame: `robots/<robot>/sensors/<name>`
 // for those of a robot, by their names in the robot's own model, and `sensors/<name>` for others. A
-// robot's force-torque sensors are among its own: the load on each (scene/ft_sensor.h), never tared.
-// The values are the engine's, computed from the row's state with the controls that act until then;
-// quaternions are xyzw like everywhere else.
+// robot's force-torque sensors are among its own: the load on each (scene/ft_sensor.h), never
+// tared. The values are the engine's, computed from the row's state with the controls that act
+// until then; quaternions are xyzw like everywhere else.
 #pragma once
 
 #include <span>
@@ -26,7 +26,7 @@ class SensorFeatures final : public FeatureSource {
   explicit SensorFeatures(Scene given);
 
  private:
-  // Computes them in a simulation of its own: the scene is only read, so that recording changes no
+  // Computes them in a separate simulation: the scene is only read, so that recording changes no
   // trajectory.
   void ReadNumbers(std::span<double> out) override;
   struct Column {

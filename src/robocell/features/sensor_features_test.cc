@@ -99,7 +99,7 @@ class SensorFeaturesTest : public ::testing::Test {
   std::vector<std::vector<double>> states;
 };
 
-TEST_F(SensorFeaturesTest, AreThoseOfTheEngineAtTheRowsState) {
+TEST_F(SensorFeaturesTest, MatchTheEngineAtTheStateOfTheRow) {
   const Episode episode = Record(20);
   const mjModel* m = scene->model();
   mjData* oracle = mj_makeData(m);
@@ -188,7 +188,7 @@ TEST(SensorFeatures, ForceTorqueSensorsOfRobotsAreRecordedAsLoads) {
 }
 
 // Whatever prefix the robot has in the scene: a run, an environment and a scene give it others.
-TEST(SensorFeatures, OfARobotHaveOneNameEverywhere) {
+TEST(SensorFeatures, OfARobotHaveOneNameInAllScenes) {
   for (const std::string prefix : {"robot_0/", "robotprobe_", ""}) {
     SceneSpec spec{.name = "ft", .timestep = 0.002, .add_floor = false, .add_skybox = false};
     spec.robots.push_back({.name = "probe",
@@ -201,7 +201,7 @@ TEST(SensorFeatures, OfARobotHaveOneNameEverywhere) {
   }
 }
 
-TEST(SensorFeatures, WhoseNameInTheirRobotIsTakenKeepThatOfTheScene) {
+TEST(SensorFeatures, KeepTheSceneNameIfTheRobotNameIsTaken) {
   RobotConfig config{.name = "probe", .model = "ft_sensor"};
   config.ft_sensors = {{.name = "wrist_ft_force",
                         .force_sensor = "wrist_ft_force",

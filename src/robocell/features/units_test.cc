@@ -53,7 +53,7 @@ TEST(CtrlUnits, AreOnePerInputOfAnActuator) {
                           "actuator", "m", "N m"));
 }
 
-TEST(CtrlUnits, OfWhatHasAScaleOfItsOwn) {
+TEST(CtrlUnits, OfActuatorsWithACustomScale) {
   EXPECT_THAT(UnitsOf(R"(
     <general joint="slide" gainprm="0.3" biastype="affine" biasprm="0 -100 -10"/>
     <general joint="slide" gainprm="100" biastype="affine" biasprm="5 -100 -10"/>

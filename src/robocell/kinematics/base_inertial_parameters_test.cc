@@ -34,7 +34,7 @@ void ExpectNear(const std::vector<double>& got, const std::vector<double>& expec
   for (size_t k = 0; k < expected.size(); ++k) EXPECT_NEAR(got[k], expected[k], 1e-11) << k;
 }
 
-TEST(BaseInertialParameters, LeavesMassesAndTorquesAsTheyAre) {
+TEST(BaseInertialParameters, PreservesMassesAndTorques) {
   Rng rng = Rng::Stream(1, "base inertial parameters");
   for (int k = 0; k < 30; ++k) {
     const ChainModel chain = RandomChain(&rng, 1 + k % 10, 0.1 * (k % 4));
@@ -51,7 +51,7 @@ TEST(BaseInertialParameters, LeavesMassesAndTorquesAsTheyAre) {
   }
 }
 
-TEST(BaseInertialParameters, OfAHingesLinkHasNothingThatLooksTheSameFromAllSides) {
+TEST(BaseInertialParameters, OfAHingedLinkHaveNoIsotropicPart) {
   Rng rng = Rng::Stream(2, "base inertial parameters");
   const ChainModel plain = RandomChain(&rng, 12, 0.3);
   const ChainModel chain = WithBaseInertialParameters(plain);

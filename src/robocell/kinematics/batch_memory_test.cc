@@ -69,7 +69,7 @@ std::vector<std::vector<double>> Answers(const Chain& chain, size_t count, Edge 
           masses.values(), motion.values(),    coriolis.values(), manipulability.values()};
 }
 
-TEST(BatchMemory, NothingAroundTheArraysIsTouched) {
+TEST(BatchMemory, WritesOnlyInsideTheArrays) {
   for (int joints = 1; joints <= kMaxChainJoints; ++joints) {
     for (const bool square : {false, true}) {
       Rng rng = Rng::Stream(joints, "batch memory");

@@ -45,13 +45,18 @@ Chain::Chain(const mjModel* model, std::string_view base_body, const ChainTip& t
         parts.model = built.model;
         parts.joints = std::move(built.joints);
         parts.couplings = std::move(built.couplings);
+        parts.followers = std::move(built.followers);
+        parts.link_joints = std::move(built.link_joints);
         return parts;
       }()) {}
 
-Chain::Chain(Parts parts) : parts_(Complete(std::move(parts))), links_(parts_->links.get()) {}
+Chain::Chain(Parts parts)
+    : parts_(Complete(std::move(parts))),
+      links_(parts_->links.get()),
+      coupled_(parts_->model.coupled.get()) {}
 
 std::shared_ptr<const Chain::Parts> Chain::Complete(Parts parts) {
-  parts.links = std::make_shared<const LinkTable>(Tabulate(parts.model));
+  parts.links = std::make_shared<const LinkTable>(Tabulate(LinksOf(parts.model)));
   parts.lazy = std::make_shared<Lazy>();
   return std::make_shared<const Parts>(std::move(parts));
 }
@@ -76,8 +81,8 @@ int Chain::joint_index(std::string_view name) const {
 
 void Chain::RequireSize(std::string_view what, std::size_t size) const {
   if (size == joints().size()) return;
-  throw ArgumentError(fmt::format("{}: {}: expected {} joint values, got {}", description(), what,
-                                  n_joints(), size));
+  throw ArgumentError(fmt::format("{}: {}: expected {}, got {}", description(), what,
+                                  Counted(n_joints(), "joint value"), size));
 }
 
 void Chain::RequireJointValues(std::string_view what, std::span<const double> values) const {
@@ -90,9 +95,18 @@ void Chain::RequireJointValues(std::string_view what, std::span<const double> va
   }
 }
 
+JointVector Chain::Expand(std::span<const double> q) const {
+  RequireJointValues("q", q);
+  if (!coupled_) return JointVector(q);
+  JointVector all(coupled_->links.n);
+  coupled_->Expand(q.data(), all.data());
+  return all;
+}
+
 double Chain::moving_mass() const {
   double mass = 0;
-  for (int i = 0; i < n_joints(); ++i) mass += model().joints[i].link.mass;
+  const ChainModel& links = LinksOf(model());
+  for (int i = 0; i < links.n; ++i) mass += links.joints[i].link.mass;
   return mass;
 }
 

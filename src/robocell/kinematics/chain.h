@@ -13,6 +13,11 @@
 // Joints in side branches (a gripper's fingers) do not move: they are frozen at the model's
 // reference position, or at ChainOptions.qpos.
 //
+// Joints that follow others by equality constraints (mjEQ_JOINT: parallelograms, telescopes, mimic
+// joints) are no joints of the chain of their own. All joint values are those of its degrees of
+// freedom, the leaders: q, limits, columns of the Jacobian, torques and masses. followers() has the
+// others and Expand() their values. Couplings that cannot be reduced like that are rejected.
+//
 // Errors: NotFoundError for a missing body or site, ArgumentError for a chain that cannot be made
 // and for a wrong number of joint values. Threads: a Chain is immutable, its functions are const,
 // do not allocate and may run in parallel; data for solvers is made once, on first use. Copies
@@ -73,19 +78,18 @@ struct ChainJoint {
   ChainJointType type = ChainJointType::kHinge;
   bool limited = false;
   double lower = 0, upper = 0;  // rad or m; +-infinity without limits
-  // For a chain that was read from a model, else -1: the joint's id there, and its addresses in
-  // mjData.qpos and mjData.qvel.
+  // Joint id, and addresses in mjData.qpos and mjData.qvel; -1 unless the chain was read from a
+  // model.
   int id = -1;
   int qpos_address = -1;
   int dof_address = -1;
 };
 
-// Inertia that couples two joints of a chain at any distance: rotors behind tendons. Accelerating
-// one of them takes this much of the other, kg m^2, kg m or kg. The part that acts on a joint alone
-// belongs to its armature.
-struct JointCoupling {
-  int first = 0, second = 0;  // joints of the chain, first < second
-  double inertia = 0;
+// A joint of a chain that follows another one by an equality constraint of the model.
+struct ChainFollower {
+  ChainJoint joint;
+  int leader = -1;  // index of the joint of the chain that it follows; -1 if it is held in place
+  JointPolynomial of_leader;
 };
 
 struct KdlSegment;
@@ -105,6 +109,14 @@ class Chain {
   int n_joints() const { return parts_->model.n; }
   const std::vector<ChainJoint>& joints() const { return parts_->joints; }
   std::vector<std::string> joint_names() const;
+  // Returns the joints that follow those of the chain, in the order of the links.
+  const std::vector<ChainFollower>& followers() const { return parts_->followers; }
+  // Returns all joints in the order of the links: joints() and followers().
+  const std::vector<ChainJoint>& link_joints() const {
+    return coupled_ ? parts_->link_joints : parts_->joints;
+  }
+  // Returns the values of link_joints().
+  JointVector Expand(std::span<const double> q) const;
   const std::string& base_body() const { return parts_->base_body; }
   const ChainTip& tip() const { return parts_->tip; }
   // Returns the index of a joint by its full name. Throws NotFoundError that lists the names.
@@ -114,7 +126,7 @@ class Chain {
   Pose Fk(std::span<const double> q) const;
   // Computes, for every joint, the pose of the body that it moves, in the base frame (between the
   // joints of a body with several: the pose if only the first of them moved it). `bodies` has n
-  // entries. Returns the tip.
+  // entries; bodies of followers are left out. Returns the tip.
   Pose FkAll(std::span<const double> q, std::span<Pose> bodies) const;
   // Computes the 6 x n Jacobian at the tip point, axes of the base frame, linear rows first: twist
   // = J * qdot. Returns the tip's pose.
@@ -147,8 +159,12 @@ class Chain {
 
   // Returns the folded numbers, for solvers.
   const ChainModel& model() const { return parts_->model; }
+  // The table has all joints; with followers use internal::ComputeChain (link_answer.h).
   const LinkTable& links() const { return *links_; }
-  // Returns inertia that neither the joints' own values nor model() contain.
+  // Returns null if no joint follows another one.
+  const CoupledLinks* coupled() const { return coupled_; }
+  // Returns inertia that neither the joints' own values nor model() contain. Empty with followers,
+  // whose links have it.
   std::span<const JointCoupling> couplings() const { return parts_->couplings; }
   const internal::LaneChain& lanes() const;
   // An object that all copies of this chain keep: its form in another library, which lives as long
@@ -165,6 +181,8 @@ class Chain {
     ChainModel model;
     std::vector<ChainJoint> joints;
     std::vector<JointCoupling> couplings{};
+    std::vector<ChainFollower> followers{};
+    std::vector<ChainJoint> link_joints{};  // with followers
     std::string base_body;
     ChainTip tip;
     std::shared_ptr<const LinkTable> links{};
@@ -175,7 +193,8 @@ class Chain {
   void RequireSize(std::string_view what, std::size_t size) const;
 
   std::shared_ptr<const Parts> parts_;
-  const LinkTable* links_;  // of the parts: saves control loops an indirection
+  const LinkTable* links_;       // parts_->links, cached for control loops
+  const CoupledLinks* coupled_;  // parts_->model.coupled
 };
 
 }  // namespace robocell

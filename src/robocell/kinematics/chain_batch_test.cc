@@ -212,7 +212,7 @@ std::vector<RandomChainOptions> Chains() {
   return chains;
 }
 
-TEST(ChainBatch, JacobiansAreTheDifferencesOfTips) {
+TEST(ChainBatch, JacobiansMatchFiniteDifferences) {
   RandomCase c(7, 1);
   const double h = 1e-6;
   Motions around;
@@ -234,7 +234,7 @@ TEST(ChainBatch, JacobiansAreTheDifferencesOfTips) {
   }
 }
 
-TEST(ChainBatch, JacobiansComeWithTheTipsOfForwardKinematics) {
+TEST(ChainBatch, JacobiansIncludeThePosesOfForwardKinematics) {
   OnEveryInstructionSet([](const std::string&) {
     for (const RandomChainOptions& options : Chains()) {
       const RandomCase c(options, 19);
@@ -279,7 +279,7 @@ TEST(ChainBatch, ResultsDoNotDependOnTheBatch) {
   });
 }
 
-TEST(ChainBatch, OneRowIsThatOfAll) {
+TEST(ChainBatch, OneRowMatchesTheBatch) {
   const RandomCase c(7, 5);
   std::vector<double> torques(35), expected(35);
   const std::span<const double> qd = std::span(c.motions.qd).first(7);
@@ -296,7 +296,7 @@ TEST(ChainBatch, OneRowIsThatOfAll) {
   MassMatrixBatch(c.chain, none, none);
 }
 
-TEST(ChainBatch, NamesWhatIsWrong) {
+TEST(ChainBatch, NamesTheInvalidArgument) {
   RandomCase c(7, 4);
   std::vector<double> out(28);
   const std::vector<double> gravity = {0, 0, -9.81};
@@ -310,7 +310,7 @@ TEST(ChainBatch, NamesWhatIsWrong) {
                              "chain 'base' -> site 'tip': q: expected 7 numbers, or 7 for each of "
                              "4 configurations; got 27");
   out.pop_back();
-  ExpectThrow<ArgumentError>(torques, "the output has 27 numbers, which are not whole rows of 7");
+  ExpectThrow<ArgumentError>(torques, "the output has 27 numbers, not whole rows of 7");
   std::vector<double> jacobians(28 / 7 * 42), tips(63);
   ExpectThrow<ArgumentError>(
       [&] { JacobianBatch(c.chain, std::vector<double>(28), jacobians, tips); },

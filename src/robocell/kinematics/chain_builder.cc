@@ -9,6 +9,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/kinematics/chain_reduction.h"
 #include "robocell/math/rotation.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/gravity.h"
@@ -345,8 +346,8 @@ BuiltChain BuildChain(const mjModel* m, std::string_view base_body, const ChainT
       fmt::format("kinematic chain '{}' -> {} '{}'", base_body, site ? "site" : "body", tip.name);
   if (!m) throw ArgumentError(place + ": there is no model (a null pointer)");
   if (!options.qpos.empty() && static_cast<int>(options.qpos.size()) != m->nq) {
-    throw ArgumentError(fmt::format("{}: qpos has {} values, the model's has {}.", place,
-                                    options.qpos.size(), m->nq));
+    throw ArgumentError(fmt::format("{}: qpos has {}, the model's has {}.", place,
+                                    Counted(std::ssize(options.qpos), "value"), m->nq));
   }
   const int base = RequireId(m, mjOBJ_BODY, base_body, place);
   const int tip_id =
@@ -362,6 +363,7 @@ BuiltChain BuildChain(const mjModel* m, std::string_view base_body, const ChainT
   const std::vector<int> link_of_body = builder.LinkOfBodies();
   RequireTool(m, options, chain, link_of_body, place);
   AddInertias(m, link_of_body, options.qpos.empty() ? m->qpos0 : options.qpos.data(), &chain);
+  ReduceChain(m, place, &chain);
   return chain;
 }
 

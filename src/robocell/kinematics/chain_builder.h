@@ -13,7 +13,9 @@ namespace robocell::internal {
 struct BuiltChain {
   ChainModel model;
   std::vector<ChainJoint> joints;
-  std::vector<JointCoupling> couplings;
+  std::vector<JointCoupling> couplings{};
+  std::vector<ChainFollower> followers{};
+  std::vector<ChainJoint> link_joints{};  // with followers
 };
 
 // Names are full names, without the options' prefix.

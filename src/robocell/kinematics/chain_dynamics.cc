@@ -17,15 +17,18 @@ void CopyTorques(const internal::LinkAnswer& answer, std::span<double> out) {
 Pose Chain::Fk(std::span<const double> q) const {
   RequireJointValues("q", q);
   internal::LinkAnswer answer;
-  internal::ComputeLinks(*links_, internal::LinkPart::kTip, {.q = q.data()}, &answer);
+  internal::ComputeChain(*this, internal::LinkPart::kTip, {.q = q.data()}, &answer);
   return internal::TipOf(answer).pose();
 }
 
 Pose Chain::FkAll(std::span<const double> q, std::span<Pose> bodies) const {
   RequireSize("bodies", bodies.size());
   const Pose tip = Fk(q);
+  const ChainModel& links = LinksOf(model());
+  int next = 0;  // degree of freedom
   WalkChain(model(), q.data(), [&](int i, const Transform& frame) {
-    bodies[i] = (frame * model().joints[i].joint_to_body).pose();
+    if (coupled_ && (next == coupled_->n || coupled_->joint_of[next] != i)) return;
+    bodies[next++] = (frame * links.joints[i].joint_to_body).pose();
   });
   return tip;
 }
@@ -35,7 +38,7 @@ Pose Chain::Jacobian(std::span<const double> q,
   RequireJointValues("q", q);
   RequireSize("columns of the Jacobian", out.cols());
   internal::LinkAnswer answer;
-  internal::ComputeLinks(*links_, internal::LinkPart::kJacobian, {.q = q.data()}, &answer);
+  internal::ComputeChain(*this, internal::LinkPart::kJacobian, {.q = q.data()}, &answer);
   for (int i = 0; i < n_joints(); ++i) {
     for (int r = 0; r < 6; ++r) out(r, i) = answer.jacobian[r][i];
   }
@@ -47,7 +50,7 @@ void Chain::GravityTorques(std::span<const double> q, const Eigen::Vector3d& gra
   RequireSize("q", q.size());
   RequireSize("torques", out.size());
   internal::LinkAnswer answer;
-  internal::ComputeLinks(*links_, internal::LinkPart::kGravity,
+  internal::ComputeChain(*this, internal::LinkPart::kGravity,
                          {.q = q.data(), .gravity = gravity.data()}, &answer);
   CopyTorques(answer, out);
 }
@@ -57,7 +60,7 @@ void Chain::MassMatrix(std::span<const double> q, Eigen::Ref<Eigen::MatrixXd> ou
   RequireSize("rows of the mass matrix", out.rows());
   RequireSize("columns of the mass matrix", out.cols());
   internal::LinkAnswer answer;
-  internal::ComputeLinks(*links_, internal::LinkPart::kMass, {.q = q.data()}, &answer);
+  internal::ComputeChain(*this, internal::LinkPart::kMass, {.q = q.data()}, &answer);
   for (int j = 0; j < n_joints(); ++j) {
     for (int i = 0; i < n_joints(); ++i) out(i, j) = answer.mass[j][i];
   }
@@ -83,7 +86,7 @@ void Chain::InverseDynamics(std::span<const double> q, std::span<const double> q
   internal::LinkAnswer answer;
   const internal::LinkQuery query{
       .q = q.data(), .qd = qd.data(), .qdd = qdd.data(), .gravity = gravity_in_base.data()};
-  internal::ComputeLinks(*links_, internal::LinkPart::kMotion, query, &answer);
+  internal::ComputeChain(*this, internal::LinkPart::kMotion, query, &answer);
   CopyTorques(answer, out);
   for (const JointCoupling& c : couplings()) {
     out[c.first] += c.inertia * qdd[c.second];

@@ -75,7 +75,7 @@ TEST(RandomChainDynamics, AgreesWithTheEngineWithSideBranchesAndGravityCompensat
   }
 }
 
-TEST(ChainDynamics, RotorsOfActuatorsCountBehindTheirGears) {
+TEST(ChainDynamics, IncludesRotorInertiaBehindGears) {
   TestModel t =
       TestModel::FromXml(R"(<mujoco><compiler angle="radian"/><worldbody><body name="base">
       <geom size=".1"/><body><joint name="a" axis="0 1 0" armature=".1"/><geom size=".1" pos=".3 0 0"/>
@@ -121,7 +121,7 @@ TEST(ChainDynamics, RotorsBehindFixedTendonsCoupleTheJoints) {
   }
 }
 
-TEST(ChainDynamics, RotorsBehindFixedTendonsAreInBatchesToo) {
+TEST(ChainDynamics, BatchesIncludeRotorsBehindFixedTendons) {
   const TestModel t = TestModel::FromXml(kTendons);
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
   constexpr int kRows = 5, n = 3;
@@ -168,7 +168,7 @@ TEST(RandomChainDynamics, AgreesWithTheEngineOnEveryInstructionSet) {
 }
 
 // One pass computes the same as the separate parts, to the bit.
-TEST(RandomChainDynamics, IsTheSameAllAtOnceAsInParts) {
+TEST(RandomChainDynamics, IsTheSameInOneCallAndInParts) {
   OnEveryInstructionSet([](const std::string&) {
     for (const int joints : {1, 6, 7, 16}) {
       Rng rng = Rng::Stream(4, "random dynamics", joints);
@@ -223,7 +223,7 @@ TEST(ChainDynamics, NeedsNoTorqueWhereEveryBodyIsCompensated) {
   EXPECT_GT(chain.moving_mass(), 1);
 }
 
-TEST(ChainDynamics, FreezesSideBranchesAtTheReferenceUnlessToldWhereTheyAre) {
+TEST(ChainDynamics, FreezesSideBranchesAtTheReferenceByDefault) {
   TestModel t = TestModel::FromXml(
       "<mujoco><worldbody><body name='arm'><joint name='j' axis='0 1 0'/><geom size='.1' mass='1'/>"
       "<body name='finger'><joint name='f' type='slide' axis='1 0 0'/><geom size='.1' "

@@ -7,9 +7,12 @@
 #pragma once
 
 #include <array>
+#include <memory>
+#include <vector>
 
 #include "robocell/kinematics/joint_vector.h"
 #include "robocell/kinematics/transform.h"
+#include "robocell/mujoco/couplings.h"
 
 namespace robocell {
 
@@ -41,8 +44,10 @@ struct JointModel {
   double armature = 0;          // kg m^2 or kg
 };
 
+struct CoupledLinks;
+
 struct ChainModel {
-  int n = 0;
+  int n = 0;  // degrees of freedom
   // Bound of the tip's distance from the first joint's reference origin for configurations within
   // the limits, m; infinity with a slide without limits.
   double reach_bound = 0;
@@ -51,7 +56,44 @@ struct ChainModel {
   double length = 1;
   std::array<JointModel, kMaxChainJoints> joints;
   Transform last_to_tip;  // moved frame of the last joint -> tip
+  // Set if joints follow others. `joints` then are the degrees of freedom, with limits that their
+  // followers obey too; frames and inertias, except the first `fixed` and `last_to_tip`, are those
+  // of the links in here.
+  std::shared_ptr<const CoupledLinks> coupled{};
 };
+
+// Inertia that couples two joints of a chain at any distance: rotors behind tendons. Accelerating
+// one of them takes this much of the other, kg m^2, kg m or kg. The part that acts on a joint alone
+// belongs to its armature.
+struct JointCoupling {
+  int first = 0, second = 0;  // joints of the chain, first < second
+  double inertia = 0;
+};
+
+// All joints of a chain in which some follow others: joint i has the value
+// polynomial[i](x[leader[i]]), where x are the degrees of freedom.
+struct CoupledLinks {
+  ChainModel links;
+  // Of a joint that is held in place 0, with a constant polynomial; of a leader itself and x.
+  std::array<int, kMaxChainJoints> leader{};
+  std::array<JointPolynomial, kMaxChainJoints> polynomial{};
+  std::array<int, kMaxChainJoints> joint_of{};  // joint of each degree of freedom
+  int n = 0;                                    // degrees of freedom
+  std::vector<JointCoupling> tendons{};
+
+  void Expand(const double* x, double* q) const {
+    for (int i = 0; i < links.n; ++i) q[i] = polynomial[i].at(x[leader[i]]);
+  }
+  // Computes how fast each joint moves with its leader.
+  void Slopes(const double* x, double* slopes) const {
+    for (int i = 0; i < links.n; ++i) slopes[i] = polynomial[i].slope(x[leader[i]]);
+  }
+};
+
+// Returns the chain of all joints, whose frames and inertias count.
+inline const ChainModel& LinksOf(const ChainModel& chain) {
+  return chain.coupled ? chain.coupled->links : chain;
+}
 
 // Returns the unit of a joint for solvers that weigh joints against each other: 1 rad for a hinge,
 // the chain's length in m for a slide.
@@ -59,7 +101,8 @@ inline double UnitOf(const ChainModel& chain, int joint) {
   return chain.joints[joint].slide ? chain.length : 1;
 }
 
-// Frames of the joints of a configuration, in the base frame. Only the first n entries are written.
+// Frames of all joints of a configuration, in the base frame. Only the first n entries, of LinksOf
+// the chain, are written.
 struct ChainFrames {
   std::array<Eigen::Vector3d, kMaxChainJoints> axis;    // unit vectors
   std::array<Eigen::Vector3d, kMaxChainJoints> origin;  // a point on the axis, m
@@ -79,10 +122,15 @@ inline void MoveJoint(const JointModel& joint, double q, Transform* frame) {
   frame->rotation.col(1) = c * y - s * x;
 }
 
-// Calls visit(i, moved frame of joint i in the base frame) for each joint and returns the tip in
-// the base frame.
+// Calls visit(i, moved frame of joint i in the base frame) for each joint, of LinksOf the chain, and
+// returns the tip in the base frame.
 template <typename Visit>
 Transform WalkChain(const ChainModel& chain, const double* q, Visit&& visit) {
+  if (chain.coupled) {
+    std::array<double, kMaxChainJoints> all;
+    chain.coupled->Expand(q, all.data());
+    return WalkChain(chain.coupled->links, all.data(), visit);
+  }
   Transform frame;
   for (int i = 0; i < chain.n; ++i) {
     frame = i == 0 ? chain.joints[0].fixed : frame * chain.joints[i].fixed;

@@ -65,7 +65,7 @@ TEST(RandomChain, AgreesWithTheEngineOnEveryInstructionSet) {
   });
 }
 
-TEST(RandomChain, TakesAnglesOfManyTurns) {
+TEST(RandomChain, AcceptsAnglesOfManyTurns) {
   OnEveryInstructionSet([](const std::string&) {
     Rng rng = Rng::Stream(4, "many turns");
     TestModel t = TestModel::FromXml(
@@ -99,7 +99,7 @@ TEST(RandomChain, AgreesWithTheEngineWithSlidesAnchorsReferencesAndMovingBases) 
   }
 }
 
-TEST(RandomChain, MayStartAtTheWorldAndThenContainsTheMountsJoints) {
+TEST(RandomChain, CanStartAtTheWorldAndContainTheMountJoints) {
   Rng rng = Rng::Stream(3, "from world");
   TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = 4}).Write());
   const Chain chain(t.model(), "world", ChainTip::Site("tip"));
@@ -110,7 +110,7 @@ TEST(RandomChain, MayStartAtTheWorldAndThenContainsTheMountsJoints) {
   ExpectAgreement(t, chain);
 }
 
-TEST(RandomChain, HasTheJacobianThatFiniteDifferencesOfItsKinematicsGive) {
+TEST(RandomChain, HasTheJacobianOfFiniteDifferences) {
   Rng rng = Rng::Stream(4, "differences");
   TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = 9}).Write());
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));

@@ -12,7 +12,7 @@ namespace robocell::internal {
 
 ChainSource::ChainSource(const mjModel* m, const Chain& chain) : model_(m) {
   const int base = FindId(m, mjOBJ_BODY, chain.base_body());
-  const int first = m->jnt_bodyid[chain.joints()[0].id];
+  const int first = m->jnt_bodyid[chain.link_joints()[0].id];
   for (int body = m->body_parentid[first]; body != base; body = m->body_parentid[body])
     fixed_.push_back(body);
   bodies_ = {first, 0};
@@ -30,6 +30,7 @@ ChainSource::ChainSource(const mjModel* m, const Chain& chain) : model_(m) {
     positions_.first = m->jnt_qposadr[joints_.first];
     positions_.count = (last < m->njnt ? m->jnt_qposadr[last] : m->nq) - positions_.first;
   }
+  couplings_.count = chain.coupled() ? static_cast<int>(m->neq) : 0;
   if (chain.tip().kind == ChainTip::Kind::kSite) site_ = FindId(m, mjOBJ_SITE, chain.tip().name);
   VisitParts(m, [this](const void* values, size_t bytes) {
     const auto* begin = static_cast<const std::byte*>(values);
@@ -62,6 +63,7 @@ bool ChainSource::VisitParts(const mjModel* m, Visit&& visit) const {
          part(m->nactuator > 0 ? Gears(m, 0) : nullptr, 6, all(m->nout)) &&
          part(m->actuator_armature, 1, all(m->nactuator)) &&
          part(m->tendon_armature, 1, all(m->ntendon)) && part(m->wrap_prm, 1, all(m->nwrap)) &&
+         part(m->eq_active0, 1, all(m->neq)) && part(m->eq_data, mjNEQDATA, couplings_) &&
          visit(&m->opt.disableflags, sizeof m->opt.disableflags);
 }
 

@@ -4,7 +4,7 @@
 //   const Chain chain(model, "base", tip);
 //   const ChainSource source(model, chain);
 //   model->body_mass[hand] *= 2;
-//   if (source.IsStale(model)) ... make the chain anew
+//   if (source.IsStale(model)) ... make the chain again
 //
 // It does not watch names and the tree, which never change in a compiled model. A check compares
 // the bodies that the chain moves, 160 bytes each; no allocation.
@@ -20,7 +20,7 @@ namespace robocell::internal {
 
 class ChainSource {
  public:
-  ChainSource() = default;  // of no chain, never stale
+  ChainSource() = default;  // no chain, never stale
   ChainSource(const mjModel* model, const Chain& chain);
 
   // Returns true if reading the chain again may give a different one. False for any other model.
@@ -39,7 +39,8 @@ class ChainSource {
   };
   std::vector<int> fixed_;  // bodies before that
   Range bodies_, joints_, dofs_, positions_;
-  int site_ = -1;  // the tip, if it is a site
+  Range couplings_;  // equality constraints, if joints of the chain follow others
+  int site_ = -1;    // the tip, if it is a site
   std::vector<std::byte> numbers_;
 };
 

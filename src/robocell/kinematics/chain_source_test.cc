@@ -73,7 +73,7 @@ void ExpectNoticedWhereItMatters(const TestModel& t, const std::string& base, co
   EXPECT_FALSE(source.IsStale(m));
 }
 
-TEST(ChainSource, NoticesEveryWriteThatAChainWouldShow) {
+TEST(ChainSource, DetectsEveryRelevantModelEdit) {
   for (int k = 0; k < 4; ++k) {
     Rng rng = Rng::Stream(1, "chain source", k);
     const TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = 1 + 2 * k}).Write());
@@ -83,7 +83,7 @@ TEST(ChainSource, NoticesEveryWriteThatAChainWouldShow) {
   }
 }
 
-TEST(ChainSource, NoticesRotorsOfActuatorsAndWhatTheOptionsSwitchOff) {
+TEST(ChainSource, DetectsRotorInertiaAndDisableFlags) {
   const TestModel t = TestModel::FromXml(R"(<mujoco><worldbody><body name="base"><geom size=".1"/>
       <body name="arm" gravcomp=".5"><joint name="a" axis="0 1 0"/><geom size=".1" pos=".3 0 0"/>
       </body></body></worldbody>
@@ -96,7 +96,7 @@ TEST(ChainSource, NoticesRotorsOfActuatorsAndWhatTheOptionsSwitchOff) {
   EXPECT_TRUE(source.IsStale(t.model()));
 }
 
-TEST(ChainSource, DoesNotLookAtAnotherModelOrWhatIsBesideTheChain) {
+TEST(ChainSource, IgnoresOtherModelsAndBodiesOutsideTheChain) {
   const char* two = R"(<mujoco><worldbody><body name="a"><joint/><geom size=".1"/></body>
       <body name="b"><joint/><geom size=".1"/></body></worldbody></mujoco>)";
   const TestModel t = TestModel::FromXml(two), other = TestModel::FromXml(two);

@@ -50,14 +50,14 @@ TEST_F(ChainTest, ListsItsJointsInChainOrderWithLimitsAndAddresses) {
   EXPECT_EQ(chain.description(), "chain 'left_base' -> site 'left_tcp'");
 }
 
-TEST_F(ChainTest, StaysValidWhenTheModelIsGone) {
+TEST_F(ChainTest, OutlivesTheModel) {
   const Chain chain = Make("left_base", ChainTip::Site("left_tcp"));
   const Pose before = chain.Fk(JointVector{0.1, 0.2, 0.3});
   t_ = TestModel::FromXml("<mujoco/>");
   EXPECT_EQ(chain.Fk(JointVector{0.1, 0.2, 0.3}), before);
 }
 
-TEST_F(ChainTest, ACopyIsGoodWhateverBecomesOfTheChain) {
+TEST_F(ChainTest, ACopyOutlivesTheChain) {
   std::optional<Chain> chain = Make("left_base", ChainTip::Site("left_tcp"));
   const JointVector q{0.1, 0.2, 0.3};
   const Pose before = chain->Fk(q);
@@ -71,13 +71,13 @@ TEST_F(ChainTest, ACopyIsGoodWhateverBecomesOfTheChain) {
   EXPECT_EQ(copy.Fk(q), before);
 }
 
-TEST_F(ChainTest, PutsThePrefixBeforeBaseTipAndTool) {
+TEST_F(ChainTest, PrefixesBaseTipAndTool) {
   const Chain chain = Make("base", ChainTip::Site("tcp"), {.prefix = "left_", .tool_body = "tool"});
   EXPECT_EQ(chain.base_body(), "left_base");
   EXPECT_EQ(chain.tip().name, "left_tcp");
 }
 
-TEST_F(ChainTest, MayStartAtAMocapBodyButNotRunThroughIt) {
+TEST_F(ChainTest, CanStartAtAMocapBodyButNotPassThroughIt) {
   EXPECT_EQ(Make("cart", ChainTip::Site("left_tcp")).n_joints(), 3);
   ExpectThrow<ArgumentError>(
       [&] { Make("world", ChainTip::Site("left_tcp")); },
@@ -86,7 +86,7 @@ TEST_F(ChainTest, MayStartAtAMocapBodyButNotRunThroughIt) {
       "joint moves. Start the chain at 'cart' or below it.");
 }
 
-TEST_F(ChainTest, RefusesBallAndFreeJointsOnTheWayByName) {
+TEST_F(ChainTest, RejectsBallAndFreeJointsByName) {
   ExpectThrow<ArgumentError>(
       [&] { Make("right_base", ChainTip::Body("right_hand")); },
       "joint 'right_ball' on the way is a ball joint; a chain has hinges and slides "
@@ -110,21 +110,21 @@ TEST_F(ChainTest, SuggestsNamesForAMissingBaseTipOrTool) {
       "Did you mean 'left_tool'");
 }
 
-TEST_F(ChainTest, SaysWhichBodiesLeadToTheTipWhenTheBaseIsNotOneOfThem) {
+TEST_F(ChainTest, ListsTheBodiesToTheTipForAWrongBase) {
   ExpectThrow<ArgumentError>(
       [&] { Make("right_base", ChainTip::Site("left_tcp")); },
       "body 'left_tool' does not hang on 'right_base'. The bodies from the world to the tip: cart, "
       "left_base, left_upper, left_lower, left_tool. Choose the base among them.");
 }
 
-TEST_F(ChainTest, RefusesAToolThatDoesNotHangOnIt) {
+TEST_F(ChainTest, RejectsAToolOutsideTheChain) {
   ExpectThrow<ArgumentError>(
       [&] { Make("left_base", ChainTip::Body("left_lower"), {.tool_body = "right_hand"}); },
       "tool body 'right_hand' does not hang on the chain.");
   EXPECT_NO_THROW(Make("left_base", ChainTip::Body("left_lower"), {.tool_body = "left_tool"}));
 }
 
-TEST_F(ChainTest, RefusesALinkOfItselfAsTheTool) {
+TEST_F(ChainTest, RejectsALinkOfTheChainAsTheTool) {
   for (const char* link : {"left_base", "left_upper", "left_lower"}) {
     ExpectThrow<ArgumentError>(
         [&] { Make("left_base", ChainTip::Site("left_tcp"), {.tool_body = link}); },
@@ -134,12 +134,12 @@ TEST_F(ChainTest, RefusesALinkOfItselfAsTheTool) {
   }
 }
 
-TEST_F(ChainTest, RefusesNoModel) {
+TEST_F(ChainTest, RejectsANullModel) {
   ExpectThrow<ArgumentError>([] { Chain(nullptr, "base", ChainTip::Site("tip")); },
                              "kinematic chain 'base' -> site 'tip': there is no model");
 }
 
-TEST_F(ChainTest, RefusesAChainWithoutJoints) {
+TEST_F(ChainTest, RejectsAChainWithoutJoints) {
   ExpectThrow<ArgumentError>([&] { Make("left_base", ChainTip::Body("left_base")); },
                              "kinematic chain 'left_base' -> body 'left_base': there is no joint "
                              "between base and tip, so nothing moves. End it at one of the bodies "
@@ -151,7 +151,7 @@ TEST_F(ChainTest, RefusesAChainWithoutJoints) {
                              "No hinge or slide moves a body on 'left_tool'; choose another base.");
 }
 
-TEST_F(ChainTest, RefusesMoreJointsThanItCanHoldAndNamesThem) {
+TEST_F(ChainTest, RejectsTooManyJointsAndNamesThem) {
   std::string links, ends;
   for (int i = 1; i <= 17; ++i) {
     links +=
@@ -164,7 +164,7 @@ TEST_F(ChainTest, RefusesMoreJointsThanItCanHoldAndNamesThem) {
                              "a chain has at most 16 joints, this one has more: j1 ... j16, 'j17'");
 }
 
-TEST_F(ChainTest, RefusesJointValuesThatAreNotFinite) {
+TEST_F(ChainTest, RejectsNonFiniteJointValues) {
   const Chain chain = Make("left_base", ChainTip::Site("left_tcp"));
   const std::string name = chain.joint_names()[1];
   Eigen::MatrixXd jacobian(6, 3);
@@ -182,7 +182,7 @@ TEST_F(ChainTest, RefusesJointValuesThatAreNotFinite) {
   EXPECT_NO_THROW(chain.Fk(JointVector{1e300, -1e300, 0}));
 }
 
-TEST_F(ChainTest, RefusesAWrongNumberOfJointValues) {
+TEST_F(ChainTest, RejectsAWrongNumberOfJointValues) {
   const Chain chain = Make("left_base", ChainTip::Site("left_tcp"));
   ExpectThrow<ArgumentError>(
       [&] {

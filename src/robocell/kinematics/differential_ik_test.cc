@@ -53,7 +53,7 @@ class DifferentialIkTest : public testing::TestWithParam<int> {
 };
 INSTANTIATE_TEST_SUITE_P(Joints, DifferentialIkTest, testing::Values(6, 7, 9));
 
-TEST_P(DifferentialIkTest, MovesTheTipAsAskedInEveryFrame) {
+TEST_P(DifferentialIkTest, MovesTheTipByTheTwistInEveryFrame) {
   int exact = 0;
   for (int k = 0; k < 60; ++k) {
     const JointVector q = Inside();
@@ -101,7 +101,7 @@ TEST_P(DifferentialIkTest, AgreesWithTheEnginesJacobian) {
 
 // Checks optimality of bounded least squares (W. Karush 1939): the residual pulls at no free joint,
 // and at the others only towards their bounds. This is exact where the damping is negligible.
-TEST_P(DifferentialIkTest, ObeysBoundsAndIsTheBestBetweenThem) {
+TEST_P(DifferentialIkTest, IsOptimalWithinItsBounds) {
   const int n = chain_.n_joints();
   int bounded = 0, judged = 0, exact = 0;
   for (int k = 0; k < 60; ++k) {
@@ -198,7 +198,7 @@ TEST(DifferentialIk, ObeysItsBoundsOnEveryChain) {
   }
 }
 
-TEST_P(DifferentialIkTest, StepsOfAMotionStayInTheLimits) {
+TEST_P(DifferentialIkTest, AMotionStaysWithinTheLimits) {
   constexpr double kSeconds = 0.01;
   JointVector q = Inside();
   const Twist away{.linear = {1, 0.4, 0.2}};
@@ -214,7 +214,7 @@ TEST_P(DifferentialIkTest, StepsOfAMotionStayInTheLimits) {
   }
 }
 
-TEST_P(DifferentialIkTest, PostureMovesJointsToSpareAndNotTheTip) {
+TEST_P(DifferentialIkTest, APostureMovesRedundantJointsAndNotTheTip) {
   const int n = chain_.n_joints();
   int judged = 0;
   for (int k = 0; k < 30; ++k) {
@@ -241,7 +241,7 @@ TEST_P(DifferentialIkTest, PostureMovesJointsToSpareAndNotTheTip) {
 }
 
 // Damping with a joint that cannot move: locked, or pressed against its limit.
-TEST_P(DifferentialIkTest, IsDampedWhereTheJointsThatMoveAreNearASingularity) {
+TEST_P(DifferentialIkTest, IsDampedIfTheMovingJointsAreNearASingularity) {
   const int n = chain_.n_joints();
   int near = 0, held = 0;
   for (int k = 0; k < 60; ++k) {
@@ -284,7 +284,7 @@ TEST_P(DifferentialIkTest, IsDampedWhereTheJointsThatMoveAreNearASingularity) {
 }
 
 // Only nearly lost directions are damped: along all others the tip follows the twist.
-TEST(DifferentialIk, OfAChainThatCannotReachAllDirectionsIsExactInThoseItCan) {
+TEST(DifferentialIk, OfADeficientChainIsExactInReachableDirections) {
   for (const int n : {3, 5, 7}) {
     std::string xml =
         "<mujoco><compiler angle='radian'/><worldbody><body name='base'>"
@@ -307,7 +307,7 @@ TEST(DifferentialIk, OfAChainThatCannotReachAllDirectionsIsExactInThoseItCan) {
   }
 }
 
-TEST_P(DifferentialIkTest, StandingStillIsNeverSlower) {
+TEST_P(DifferentialIkTest, AZeroTwistIsNeverSlowed) {
   for (int k = 0; k < 50; ++k) {
     const JointVector q = Inside();
     const DifferentialIkResult still = DifferentialIk(chain_, q, {});
@@ -337,7 +337,7 @@ TEST(DifferentialIk, IsDampedNearSingularities) {
   EXPECT_LT(fastest, 4);
 }
 
-TEST(DifferentialIk, BringsJointsBackAndKeepsLockedOnes) {
+TEST(DifferentialIk, ReturnsJointsToTheirLimitsAndKeepsLockedOnes) {
   Rng rng = Rng::Stream(3, "differential ik");
   const TestModel t = TestModel::FromXml(
       RandomChainXml(&rng, {.joints = 7, .slide_share = 0, .limited_share = 1}).Write());
@@ -357,7 +357,7 @@ TEST(DifferentialIk, BringsJointsBackAndKeepsLockedOnes) {
   EXPECT_EQ(DifferentialIk(chain, q, {}).velocity, JointVector(7));
 }
 
-TEST(DifferentialIk, OfATwistWhoseSquareIsTooLargeForANumberIsSlower) {
+TEST(DifferentialIk, ScalesDownAnOverflowingTwist) {
   Rng rng = Rng::Stream(5, "differential ik");
   const TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = 7}).Write());
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
@@ -369,7 +369,7 @@ TEST(DifferentialIk, OfATwistWhoseSquareIsTooLargeForANumberIsSlower) {
   for (const double v : now.velocity) EXPECT_LE(std::abs(v), 1);
 }
 
-TEST(DifferentialIk, RefusesWhatMakesNoSense) {
+TEST(DifferentialIk, RejectsInvalidArguments) {
   Rng rng = Rng::Stream(4, "differential ik");
   const TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = 3}).Write());
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));

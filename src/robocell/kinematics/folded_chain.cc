@@ -56,4 +56,32 @@ FoldedChain Fold(const ChainModel& chain) {
   return folded;
 }
 
+CoupledFold FoldCoupled(const ChainModel& chain) {
+  const CoupledLinks& coupled = *chain.coupled;
+  CoupledFold out{.chain = Fold(coupled.links), .coupling = {}};
+  FoldedCoupling& coupling = out.coupling;
+  coupling.links = out.chain;
+  out.chain.n = coupled.n;
+  out.chain.has_whole_turns = false;
+  for (int l = 0; l < coupled.n; ++l) {
+    FoldedJoint& dof = out.chain.joints[l];
+    dof = {};
+    dof.slide = chain.joints[l].slide;
+    dof.lower = chain.joints[l].lower;
+    dof.upper = chain.joints[l].upper;
+    for (int i = 0; i < coupled.links.n; ++i)
+      dof.leads |= coupled.leader[i] == l && coupled.joint_of[l] != i;
+    dof.has_whole_turn = !dof.slide && !dof.leads && dof.upper - dof.lower >= 2 * std::numbers::pi;
+    out.chain.has_whole_turns |= dof.has_whole_turn;
+  }
+  for (int i = 0; i < coupled.links.n; ++i) {
+    const int l = coupled.leader[i];
+    coupling.leader[i] = l;
+    coupling.from[i] = coupled.polynomial[i].from;
+    for (std::size_t p = 0; p < 5; ++p) coupling.polynomial[i][p] = coupled.polynomial[i].c[p];
+    coupling.unit[i] = UnitOf(chain, l) / UnitOf(coupled.links, i);
+  }
+  return out;
+}
+
 }  // namespace robocell::internal

@@ -36,11 +36,15 @@ struct FoldedJoint {
   // +) shift.
   bool slide = false;
   double angle = 0, shift = 0;
-  double cos_angle = 1, sin_angle = 0;  // of `angle`, for slides
+  double cos_angle = 1, sin_angle = 0;  // cosine and sine of `angle`, for slides
   double lower = 0, upper = 0;          // rad or m; +-infinity without limits
   // A hinge whose limits exclude no direction: positions beyond them are whole turns from inside.
   bool has_whole_turn = false;
+  // Other joints follow it, so that whole turns of it may move the tip.
+  bool leads = false;
 };
+
+struct FoldedCoupling;
 
 struct FoldedChain {
   int n = 0;
@@ -50,8 +54,31 @@ struct FoldedChain {
   FoldedJoint joints[kMaxChainJoints];
   PlainTransform base;  // base body -> first screw
   PlainTransform tip;   // last screw -> tip
+  // Set if joints follow others. `joints` then are the degrees of freedom, whose limits and kinds
+  // count; screws and links are in here.
+  const FoldedCoupling* coupling = nullptr;
 };
 
+// See CoupledLinks (chain_model.h): the value of joint i of the links is a polynomial of the value
+// of degree of freedom leader[i].
+struct FoldedCoupling {
+  FoldedChain links;
+  int leader[kMaxChainJoints] = {};
+  double from[kMaxChainJoints] = {};
+  double polynomial[kMaxChainJoints][5] = {};
+  // Factor of a joint's column of the Jacobian in that of its leader, for a slope of 1: columns of
+  // slides are per length of the chain.
+  double unit[kMaxChainJoints] = {};
+};
+
+// Folds a chain in which no joint follows another one.
 FoldedChain Fold(const ChainModel& chain);
+
+struct CoupledFold {
+  FoldedChain chain;  // without its pointer to `coupling`
+  FoldedCoupling coupling;
+};
+// Folds a chain in which some do.
+CoupledFold FoldCoupled(const ChainModel& chain);
 
 }  // namespace robocell::internal

@@ -48,7 +48,7 @@ void ExpectSameTip(const ChainModel& chain, const JointVector& q, double toleran
   EXPECT_LT((folded.translation - expected.translation).norm(), tolerance * chain.length);
 }
 
-TEST(FoldedChain, PutsTheTipOfRandomChainsWhereTheChainDoes) {
+TEST(FoldedChain, MatchesTheTipOfRandomChains) {
   Rng rng = Rng::Stream(1, "folded");
   for (int k = 0; k < 40; ++k) {
     const TestModel t = TestModel::FromXml(

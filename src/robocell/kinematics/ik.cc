@@ -41,7 +41,7 @@ void RequirePreference(const Chain& chain, const IkOptions& options) {
   if (options.prefer != IkPrefer::kPosture) {
     if (options.posture.empty()) return;
     throw ArgumentError(
-        "inverse kinematics: there is a posture, but prefer does not ask for it; set prefer to "
+        "inverse kinematics: a posture is given, but prefer is not 'posture'; set prefer to "
         "kPosture");
   }
   chain.RequireJointValues("inverse kinematics: posture", options.posture);

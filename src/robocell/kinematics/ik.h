@@ -57,8 +57,8 @@ enum class IkPrefer {
   kFirst,           // the first that is found
   kSeed,            // near the seed, which is then required
   kPosture,         // near options.posture
-  kAwayFromLimits,  // in the middle of the limits, by the sum of squared shares of the half range
-  kManipulability,  // where the tip can move best (manipulability.h)
+  kAwayFromLimits,  // the middle of the limits, by the sum of squared shares of the half range
+  kManipulability,  // largest manipulability (manipulability.h)
 };
 
 // Decides which configurations may be a solution: `q` holds `count` of them row by row, and the
@@ -86,7 +86,7 @@ struct IkOptions {
   std::optional<Eigen::Vector3d> axis{};
   double cone = 0;
   IkPrefer prefer = IkPrefer::kFirst;
-  JointVector posture{};  // for IkPrefer::kPosture; values outside the limits are moved to them
+  JointVector posture{};  // posture of IkPrefer::kPosture; clamped to the limits
   // Rejects solutions; of positions that are whole turns apart it sees the one nearest to the seed.
   // If it keeps none, the result is one of them with success = false. Starts are tried until one is
   // kept.

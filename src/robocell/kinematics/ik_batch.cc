@@ -8,6 +8,7 @@
 #include <exception>
 
 #include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/kinematics/ik_choice.h"
 #include "robocell/kinematics/ik_parts.h"
 #include "robocell/kinematics/lane_chain.h"
@@ -36,9 +37,11 @@ Seeds LayoutOf(const Chain& chain, std::size_t questions, std::size_t values) {
   if (values == n) return Seeds::kOne;
   if (values == n * questions) return Seeds::kEach;
   throw ArgumentError(
-      fmt::format("batched inverse kinematics of {}: expected {} seed values (one seed) or {} ({} "
-                  "seeds of {} joints), got {}",
-                  chain.description(), n, n * questions, questions, n, values));
+      fmt::format("batched inverse kinematics of {}: expected {} (one seed) or {} ({} of "
+                  "{}), got {}",
+                  chain.description(), Counted(static_cast<int64_t>(n), "seed value"),
+                  n * questions, Counted(static_cast<int64_t>(questions), "seed"),
+                  Counted(static_cast<int64_t>(n), "joint"), values));
 }
 
 class Batch {

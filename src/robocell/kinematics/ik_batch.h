@@ -49,7 +49,7 @@ struct IkBatchResult {
 // row by row.
 IkBatchResult IkBatch(const Chain& chain, const IkTargets& tips_in_base,
                       std::span<const double> seeds = {}, const IkBatchOptions& options = {});
-// The same into a result whose memory is reused: no allocation if the size is the same, threads is
+// Writes into a result whose memory is reused: no allocation if the size is the same, threads is
 // 1, and the options have neither a preference nor a filter.
 void IkBatch(const Chain& chain, const IkTargets& tips_in_base, std::span<const double> seeds,
              const IkBatchOptions& options, IkBatchResult* result);

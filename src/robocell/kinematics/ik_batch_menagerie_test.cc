@@ -51,7 +51,7 @@ TEST_P(MenagerieIkBatch, SolvesToTightTolerances) {
 }
 
 // A seed near a solution leads to that solution: joints do not jump.
-TEST_P(MenagerieIkBatch, StaysNearASeedThatIsNear) {
+TEST_P(MenagerieIkBatch, StaysNearANearbySeed) {
   const Arm arm(GetParam());
   Rng rng = Rng::Stream(3, "batched ik targets", GetParam().folder);
   std::vector<Pose> targets;
@@ -124,7 +124,7 @@ TEST(IkBatchOfRandomChains, KeepsLockedJointsExactly) {
   }
 }
 
-TEST(IkBatchOfRandomChains, SaysOfWhatNothingReachesHowNearItCame) {
+TEST(IkBatchOfRandomChains, ReportsResidualsOfUnreachableTargets) {
   Rng rng = Rng::Stream(6, "out of reach");
   const TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = 7}).Write());
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
@@ -142,7 +142,7 @@ TEST(IkBatchOfRandomChains, SaysOfWhatNothingReachesHowNearItCame) {
 
 // These numbers overflow in every kernel: the result is within the limits and depends on its own
 // query alone.
-TEST(IkBatchOfRandomChains, AnswersAbsurdTargetsBehindOthersAsAlone) {
+TEST(IkBatchOfRandomChains, SolvesAbsurdTargetsInABatchAsIndividually) {
   Rng rng = Rng::Stream(8, "absurd");
   const TestModel t = TestModel::FromXml(
       RandomChainXml(&rng, {.joints = 5, .slide_share = 0, .limited_share = 1}).Write());
@@ -157,7 +157,7 @@ TEST(IkBatchOfRandomChains, AnswersAbsurdTargetsBehindOthersAsAlone) {
   }
 }
 
-TEST(IkBatchOfRandomChains, ReachesPositionsWithAnyRotationWhenAsked) {
+TEST(IkBatchOfRandomChains, ReachesPositionsWithFreeRotation) {
   Rng rng = Rng::Stream(7, "positions");
   const TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = 4}).Write());
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));

@@ -33,7 +33,7 @@ class IkBatchTest : public testing::Test {
   std::vector<double> seeds_;
 };
 
-TEST_F(IkBatchTest, AnswersEachQuestionAsIfItWereAlone) {
+TEST_F(IkBatchTest, SolvesEachQueryAsIfAlone) {
   const IkBatchResult all = IkBatch(chain_, targets_, seeds_);
   ASSERT_EQ(all.size, 40);
   EXPECT_EQ(all.solved(), 32);
@@ -63,7 +63,7 @@ TEST_F(IkBatchTest, DoesNotDependOnOrderOrThreads) {
 }
 
 // Several threads use data that a chain makes on first use.
-TEST_F(IkBatchTest, AFreshChainMayBeAskedByManyThreads) {
+TEST_F(IkBatchTest, ManyThreadsCanQueryANewChain) {
   const IkBatchResult expected = IkBatch(chain_, targets_);
   const Chain fresh(model_.model(), "base", ChainTip::Site("tip"));
   std::vector<IkBatchResult> results(3);
@@ -75,7 +75,7 @@ TEST_F(IkBatchTest, AFreshChainMayBeAskedByManyThreads) {
   for (const IkBatchResult& result : results) EXPECT_EQ(result.q, expected.q);
 }
 
-TEST_F(IkBatchTest, GivesOneSeedToAll) {
+TEST_F(IkBatchTest, AppliesOneSeedToAllTargets) {
   const std::span<const double> seed = std::span(seeds_).first(7);
   const IkBatchResult result = IkBatch(chain_, targets_, seed);
   std::vector<double> repeated;
@@ -83,7 +83,7 @@ TEST_F(IkBatchTest, GivesOneSeedToAll) {
   EXPECT_EQ(result.q, IkBatch(chain_, targets_, repeated).q);
 }
 
-TEST_F(IkBatchTest, UsesTheResultsMemoryAgain) {
+TEST_F(IkBatchTest, ReusesTheMemoryOfTheResult) {
   IkBatchResult result;
   IkBatch(chain_, targets_, seeds_, {}, &result);
   const double* memory = result.q.data();
@@ -107,7 +107,7 @@ TEST_F(IkBatchTest, EndsWithTheExceptionOfItsPoll) {
 }
 
 // With small position weights no target is too far, so each takes all starts.
-TEST_F(IkBatchTest, OneHardQuestionEndsWithTheExceptionOfItsPoll) {
+TEST_F(IkBatchTest, OneHardQueryEndsWithTheExceptionOfItsPoll) {
   const IkOptions hard{.position_weights = {0.5, 0.5, 0.5}, .max_restarts = 1'000'000'000};
   const Pose far(Eigen::Vector3d(0, 0, 50));
   for (const bool filtered : {false, true}) {
@@ -131,13 +131,13 @@ TEST_F(IkBatchTest, OneHardQuestionEndsWithTheExceptionOfItsPoll) {
   }
 }
 
-TEST_F(IkBatchTest, AnswersNothingToNothing) {
+TEST_F(IkBatchTest, ReturnsAnEmptyResultForAnEmptyBatch) {
   const IkBatchResult result = IkBatch(chain_, {});
   EXPECT_EQ(result.size, 0);
   EXPECT_EQ(result.solved(), 0);
 }
 
-TEST_F(IkBatchTest, NamesTheRowThatIsWrongBeforeItStarts) {
+TEST_F(IkBatchTest, NamesAnInvalidRowBeforeSolving) {
   ExpectThrow<ArgumentError>(
       [&] { IkBatch(chain_, targets_, std::span(seeds_).first(8)); },
       "expected 7 seed values (one seed) or 280 (40 seeds of 7 joints), got 8");

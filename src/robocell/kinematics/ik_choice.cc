@@ -119,7 +119,7 @@ int IkChoice::MoreStartsFor(int question) const {
   const IkResult& best = answers_[question];
   const bool is_refused = best.position_error <= options_.tolerance &&
                           (task_.position_only || best.rotation_error <= options_.tolerance);
-  if (is_refused) return 0;  // by the filter
+  if (is_refused) return 0;  // rejected by the filter
   return MoreRestartsFor(chain_.model(), task_, options_, questions_[question].target, Miss(best));
 }
 

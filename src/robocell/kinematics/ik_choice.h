@@ -7,8 +7,8 @@
 // do not miss solutions that one search finds after many starts. The result depends on the query
 // alone.
 //
-// Without redundant joints, where solutions can be counted, starts continue until many of them found
-// nothing better.
+// Without redundant joints, where solutions can be counted, starts continue until many of them
+// found nothing better.
 #pragma once
 
 #include <atomic>
@@ -99,7 +99,7 @@ class IkChoice {
   const IkOptions& options_;
   IkTask task_;
   IkPreference preference_;
-  bool compares_all_ = false;  // without redundant joints
+  bool compares_all_ = false;  // true without redundant joints
   std::span<const LaneQuestion> questions_;
   std::span<Search> searches_;
   std::span<IkResult> answers_;

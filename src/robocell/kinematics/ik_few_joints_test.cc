@@ -42,7 +42,7 @@ INSTANTIATE_TEST_SUITE_P(
 
 // The number of starts that a reach map gives each place. The first starts alone missed most
 // places behind the base, at the ends of its joint's range.
-TEST_P(ArmOfFewJoints, ReachesFromNineStartsWhatItReaches) {
+TEST_P(ArmOfFewJoints, ReachesReachableTargetsFromNineStarts) {
   const auto [joints, base] = GetParam();
   Rng rng = Rng::Stream(1, "few joints", joints);
   const TestModel model = TestModel::FromXml(FewJointsXml(&rng, joints, base));

@@ -82,7 +82,7 @@ TEST(IkNearMiss, SolvesPosesInCornersOfTheLimitsAloneAndTogether) {
   EXPECT_GE(alone, 0.995 * kTargets * kChains);
 }
 
-TEST(IkNearMiss, SolvesAsManyPosesInCornersWithAPreference) {
+TEST(IkNearMiss, APreferenceDoesNotReduceSolvedCornerPoses) {
   constexpr int kTargets = 50, kChains = 12;
   int solved = 0;
   for (int k = 0; k < kChains; ++k) {
@@ -101,7 +101,7 @@ double StepsOf(const Chain& chain, const std::vector<Pose>& targets, int max_res
   return std::accumulate(found.iterations.begin(), found.iterations.end(), 0.0) / found.size;
 }
 
-TEST(IkNearMiss, WhatCannotBeReachedTakesHalfAsLongAgainAtMost) {
+TEST(IkNearMiss, UnreachableTargetsTakeAtMostHalfAsLongAgain) {
   double before = 0, now = 0;
   for (int k = 0; k < 12; ++k) {
     LimitedChain c(k);
@@ -113,7 +113,7 @@ TEST(IkNearMiss, WhatCannotBeReachedTakesHalfAsLongAgainAtMost) {
   EXPECT_LT(now, 1.5 * before);
 }
 
-TEST(IkNearMiss, FewRestartsAndTooFewJointsGetNoMore) {
+TEST(IkNearMiss, KeepsTheLimitOfRestarts) {
   LimitedChain c(3);
   for (int k = 0; k < 100; ++k)
     EXPECT_LE(Ik(c.chain, c.Reachable(0.5), {.max_restarts = 99}).restarts, 99);

@@ -191,7 +191,7 @@ TEST_P(IkObjectives, AreMetByAllSolutions) {
 }
 
 // Unreachable for every objective: reported as such, with the limits obeyed.
-TEST_P(IkObjectives, OutOfReachAreToldAsSuch) {
+TEST_P(IkObjectives, ReportTargetsOutOfReach) {
   for (const Objective& objective : Objectives()) {
     const auto& w = objective.options.position_weights;
     if (*std::min_element(w.begin(), w.end()) == 0) continue;  // may be reachable

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "robocell/kinematics/link_kernel.h"
+#include "robocell/kinematics/link_answer.h"
 #include "robocell/kinematics/low_discrepancy.h"
 #include "robocell/kinematics/pose_error.h"
 #include "robocell/kinematics/start_range.h"
@@ -44,12 +44,8 @@ double Length(const Eigen::Vector3d& v) {
 
 Transform TipAt(const Chain& chain, const JointVector& q) {
   LinkAnswer answer;
-  ComputeLinks(chain.links(), LinkPart::kTip, {.q = q.data()}, &answer);
-  Transform tip;
-  for (int c = 0; c < 3; ++c)
-    tip.rotation.col(c) = Eigen::Map<const Eigen::Vector3d>(answer.tip[c]);
-  tip.translation = Eigen::Map<const Eigen::Vector3d>(answer.tip[3]);
-  return tip;
+  ComputeChain(chain, LinkPart::kTip, {.q = q.data()}, &answer);
+  return TipOf(answer);
 }
 
 bool IsInside(const FoldedJoint& joint, double q) { return q >= joint.lower && q <= joint.upper; }
@@ -111,7 +107,7 @@ void UnwindTowards(const FoldedChain& chain, const JointVector& seed, const Lock
                    JointVector* q) {
   for (int i = 0; i < chain.n; ++i) {
     const FoldedJoint& joint = chain.joints[i];
-    if (joint.slide || locked[i]) continue;
+    if (joint.slide || joint.leads || locked[i]) continue;
     double& value = (*q)[i];
     const bool near = std::abs(seed[i] - value) < kLessThanHalfATurn;
     if (!near || !IsInside(joint, value)) value = TurnedTowards(seed[i], value, joint);

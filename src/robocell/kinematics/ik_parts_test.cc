@@ -22,7 +22,7 @@ double NearestByTrying(const FoldedJoint& joint, double seed, double q) {
   return nearest;
 }
 
-TEST(UnwindTowards, TakesTheNearestTurnThatTheLimitsAllow) {
+TEST(UnwindTowards, ChoosesTheNearestTurnWithinTheLimits) {
   Rng rng = Rng::Stream(1, "unwind");
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   FoldedChain chain;

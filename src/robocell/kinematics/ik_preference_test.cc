@@ -41,10 +41,10 @@ class IkPrefers : public IkOfRandomChain {
 };
 INSTANTIATE_TEST_SUITE_P(Joints, IkPrefers, testing::Values(6, 7, 9));
 
-class IkPrefersToSpare : public IkPrefers {};
-INSTANTIATE_TEST_SUITE_P(Joints, IkPrefersToSpare, testing::Values(7, 9));
+class IkPrefersWithRedundancy : public IkPrefers {};
+INSTANTIATE_TEST_SUITE_P(Joints, IkPrefersWithRedundancy, testing::Values(7, 9));
 
-TEST_P(IkPrefers, IsMetBetterThanByTheFirstSolution) {
+TEST_P(IkPrefers, ImprovesOnTheFirstSolution) {
   for (const IkPrefer prefer : {IkPrefer::kSeed, IkPrefer::kPosture, IkPrefer::kAwayFromLimits,
                                 IkPrefer::kManipulability}) {
     double first = 0, chosen = 0;
@@ -75,7 +75,7 @@ TEST_P(IkPrefers, IsMetBetterThanByTheFirstSolution) {
 
 // With redundant joints no better solution is near: a step along any direction that does not move
 // the tip is not an improvement.
-TEST_P(IkPrefersToSpare, IsMetAsWellAsTheJointsToSpareAllow) {
+TEST_P(IkPrefersWithRedundancy, IsOptimalWithinTheNullSpace) {
   for (const IkPrefer prefer : {IkPrefer::kPosture, IkPrefer::kAwayFromLimits}) {
     int settled = 0, counted = 0;
     for (int k = 0; k < 60; ++k) {
@@ -116,7 +116,7 @@ TEST_P(IkPrefersToSpare, IsMetAsWellAsTheJointsToSpareAllow) {
 
 // An unreachable target is approached by the residuals of the query: if any rotation is accepted,
 // the target's rotation makes no difference.
-TEST_P(IkPrefers, ApproachesWhatIsOutOfReachByWhatWasAskedFor) {
+TEST_P(IkPrefers, IgnoresThePreferenceOutOfReach) {
   const IkFilter all = [](std::span<const double>, int, std::span<uint8_t> keep) {
     std::fill(keep.begin(), keep.end(), uint8_t{1});
   };
@@ -142,7 +142,7 @@ TEST_P(IkPrefers, ApproachesWhatIsOutOfReachByWhatWasAskedFor) {
   }
 }
 
-TEST_P(IkPrefers, TheSameAloneInABatchAndOnThreads) {
+TEST_P(IkPrefers, IsTheSameAloneInABatchAndOnThreads) {
   std::vector<Pose> targets;
   for (int b = 0; b < 150; ++b)
     targets.push_back(b % 7 == 6 ? Pose(Vector3d(40, b, 0)) : Reached());

@@ -129,7 +129,7 @@ INSTANTIATE_TEST_SUITE_P(Joints, IkProperties,
                                                           Sort::kTinyLimits, Sort::kLocked,
                                                           Sort::kWholeTurns)));
 
-TEST_P(IkProperties, HoldForAllKindsOfQuestions) {
+TEST_P(IkProperties, HoldForAllKindsOfQueries) {
   MakeQuestions();
   const IkBatchResult batch =
       IkBatch(chain_, questions_.targets, questions_.seeds, {.ik = options_});
@@ -151,7 +151,7 @@ TEST_P(IkProperties, HoldForAllKindsOfQuestions) {
 }
 
 // To the bit: alone, among any others, in any order, on any number of threads.
-TEST_P(IkProperties, AnswersDependOnTheirQuestionsAlone) {
+TEST_P(IkProperties, SolutionsDependOnlyOnTheirQueries) {
   MakeQuestions();
   const int size = questions_.size();
   const auto ask = [&](const std::vector<int>& which, int threads) {

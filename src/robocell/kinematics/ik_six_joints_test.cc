@@ -92,7 +92,7 @@ TEST_P(ArmOfSixJoints, SolvesToTightTolerances) {
   EXPECT_GE(CountSolved(Reached(2000), {.tolerance = 1e-8}), 1998);
 }
 
-TEST_P(ArmOfSixJoints, AnswersSingleQuestionsToo) {
+TEST_P(ArmOfSixJoints, SolvesSingleQueries) {
   int solved = 0;
   for (const Pose& target : Reached(1000)) {
     const IkResult found = Ik(chain_, target, {.tolerance = kSixTolerance});
@@ -105,7 +105,7 @@ TEST_P(ArmOfSixJoints, AnswersSingleQuestionsToo) {
 }
 
 // Queries for the best solution, or for one that a filter keeps, succeed as often.
-TEST_P(ArmOfSixJoints, SolvesAsManyWhereASolutionIsChosen) {
+TEST_P(ArmOfSixJoints, SolvesAsManyTargetsWithAPreference) {
   const std::vector<Pose> targets = Reached(1000);
   const IkFilter all = [](std::span<const double>, int, std::span<uint8_t> keep) {
     std::fill(keep.begin(), keep.end(), uint8_t{1});
@@ -119,7 +119,7 @@ TEST_P(ArmOfSixJoints, SolvesAsManyWhereASolutionIsChosen) {
 }
 
 // The configuration that a pose was made from is among all of its solutions.
-TEST_P(ArmOfSixJoints, FindsTheSolutionThatIsKnownAmongAll) {
+TEST_P(ArmOfSixJoints, FindsTheKnownSolutionAmongAll) {
   int known = 0;
   for (int k = 0; k < 100; ++k) {
     const JointVector truth = RandomJoints(chain_, &rng_);
@@ -162,7 +162,7 @@ TEST_P(ArmOfSixJoints, FindsAsManySolutionsAsAMuchLongerSearch) {
 }
 
 // Without redundant joints the best is one of a few, and all of them are compared.
-TEST_P(ArmOfSixJoints, PrefersTheVeryNearestToTheSeedOrPosture) {
+TEST_P(ArmOfSixJoints, PrefersTheSolutionNearestToTheSeedOrPosture) {
   int farther = 0;
   for (const Pose& target : Reached(100)) {
     const JointVector seed = RandomJoints(chain_, &rng_);
@@ -186,7 +186,7 @@ TEST_P(ArmOfSixJoints, PrefersTheVeryNearestToTheSeedOrPosture) {
 }
 
 // Rounding sometimes makes a repeated solution slightly nearer, which is no reason to continue.
-TEST_P(ArmOfSixJoints, CountsFromTheStartThatFirstLedToThePreferredSolution) {
+TEST_P(ArmOfSixJoints, CountsRestartsUntilThePreferredSolution) {
   int same = 0;
   for (const Pose& target : Reached(100)) {
     const JointVector seed = RandomJoints(chain_, &rng_);

@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 class IkSolutionsOfRandomChain : public IkOfRandomChain {};
 INSTANTIATE_TEST_SUITE_P(Joints, IkSolutionsOfRandomChain, testing::Values(6, 7, 9));
 
-TEST_P(IkSolutionsOfRandomChain, AreApartAndTrueAndNearestFirst) {
+TEST_P(IkSolutionsOfRandomChain, AreDistinctCorrectAndSortedByDistance) {
   const JointVector seed = RandomJoints(chain_, &rng_);
   for (int k = 0; k < 5; ++k) {
     const JointVector truth = RandomJoints(chain_, &rng_);
@@ -84,7 +84,7 @@ TEST(IkSolutionsOfTwoLinks, AreBothElbows) {
 }
 
 // One redundant joint: solutions all around the turn, which begins again half a turn from the seed.
-TEST(IkSolutionsOfThreeLinks, AreNotTheSameOnesATurnOn) {
+TEST(IkSolutionsOfThreeLinks, ExcludeWholeTurns) {
   const TestModel t = TestModel::FromXml(
       "<mujoco><compiler angle='radian'/><worldbody><body name='base'><geom size='.1'/>"
       "<body><joint axis='0 0 1'/><geom size='.1'/>"

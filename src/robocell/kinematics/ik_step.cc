@@ -24,8 +24,9 @@ bool IsNear(const ChainModel& chain, std::span<const double> q, std::span<const 
   return true;
 }
 
-// How far the tip moves in one damped step, rad and chain lengths, and how many steps one search
-// and all searches together may take. A step of seven joints takes about three microseconds.
+// Largest motion of the tip in one damped step, rad and chain lengths, and the largest number of
+// steps of one search and of all searches together. A step of seven joints takes about three
+// microseconds.
 constexpr double kDampedStep = 0.02;
 constexpr int kDampedSteps = 60, kDampedStepsInAll = 360;
 // The share of the pose error that each step, and all of them together, must remove.
@@ -35,33 +36,23 @@ constexpr double kShareOfStep = 1e-3, kShareInAll = 0.02;
 // ones are tried only if the smallest does not help: they pass the singular place, for an arm that
 // rests at a limit on the side of it without room.
 constexpr double kAside[] = {0.05, 0.15, 0.3};
-constexpr int kAsides = 2 * std::size(kAside);  // of a joint, to both sides
+constexpr int kAsides = 2 * std::size(kAside);  // displacements of a joint, to both sides
 // A search that removes less of the pose error than this share is compared with others, until one
 // removes as much and leaves every joint this far from its limits, rad or chain lengths.
 constexpr double kGoodShare = 0.5, kGoodRoom = 0.1;
-// The metres that count as much as one radian are the ratio of what is commanded, within this share
-// of the chain's length and all of it: a rotation alone leaves the tip where it is.
-constexpr double kLeastLengthShare = 0.02;
-constexpr double kNoRoom = 1e-12;  // the speed of a joint that has used up its range
+constexpr double kLeastLengthShare = 0.02;  // of the chain, see LengthPerRadian
+constexpr double kNoRoom = 1e-12;           // the speed of a joint that has used up its range
 
 struct Remaining {
-  Twist twist;      // to the target, in base axes
+  Twist twist;      // twist to the target, in base axes
   double size = 0;  // weighed, rad
   double way = 0;   // rad and chain lengths
 };
 
-Twist TwistTo(const Chain& chain, std::span<const double> q, const Pose& target) {
-  const Pose tip = chain.Fk(q);
+Twist TwistBetween(const Pose& tip, const Pose& target) {
   const Pose turn(Eigen::Vector3d::Zero(),
                   QuaternionProduct(target.quaternion(), QuaternionInverse(tip.quaternion())));
   return {target.translation() - tip.translation(), turn.rotvec()};
-}
-
-// Returns the metres that count as much as one radian on a way of this twist.
-double LengthFor(const Twist& twist, double chain_length) {
-  const double turn = twist.angular.norm();
-  if (turn == 0) return chain_length;
-  return std::clamp(twist.linear.norm() / turn, kLeastLengthShare * chain_length, chain_length);
 }
 
 // Returns how far the joint that is nearest to a limit may still go, rad or chain lengths.
@@ -82,13 +73,13 @@ class DampedSearch {
         target_(target),
         from_(from),
         most_(LargestJointStep(chain, chain.Fk(from), target)) {
-    options_.length = LengthFor(TwistTo(chain, from, target), chain.model().length);
+    options_.length = LengthPerRadian(chain, chain.Fk(from), target);
     options_.seconds = 1;
     options_.max_speed = JointVector(chain.n_joints());
   }
 
   Remaining LeftAt(std::span<const double> q) const {
-    const Twist twist = TwistTo(chain_, q, target_);
+    const Twist twist = TwistBetween(chain_.Fk(q), target_);
     const double linear = twist.linear.norm(), angular = twist.angular.norm();
     return {twist, std::hypot(linear / options_.length, angular),
             std::hypot(linear / chain_.model().length, angular)};
@@ -131,6 +122,13 @@ class DampedSearch {
 };
 
 }  // namespace
+
+double LengthPerRadian(const Chain& chain, const Pose& from, const Pose& to) {
+  const Twist way = TwistBetween(from, to);
+  const double turn = way.angular.norm(), length = chain.model().length;
+  if (turn == 0) return length;
+  return std::clamp(way.linear.norm() / turn, kLeastLengthShare * length, length);
+}
 
 double LargestJointStep(const Chain& chain, const Pose& from, const Pose& to) {
   const double lengths = (to.translation() - from.translation()).norm() / chain.model().length;

@@ -26,6 +26,11 @@ inline constexpr double kLeastJointStep = 0.3;
 inline constexpr double kJointStepGain = 4;
 double LargestJointStep(const Chain& chain, const Pose& from, const Pose& to);
 
+// Returns the metres that count as much as one radian in a step of the tip: the ratio of what is
+// commanded, within a fiftieth of the chain's length (ChainModel::length) and all of it. A rotation
+// alone leaves the tip where it is.
+double LengthPerRadian(const Chain& chain, const Pose& from, const Pose& to);
+
 // Returns joint values for `tip_in_base` near `from`, the previous joint values. Throws the errors
 // of Ik. Nothing is allocated when the search from there succeeds.
 IkResult IkStep(const Chain& chain, const Pose& tip_in_base, std::span<const double> from);
@@ -34,8 +39,8 @@ IkResult IkStep(const Chain& chain, const Pose& tip_in_base, std::span<const dou
 // differential steps (differential_ik.h) can, while no joint moves farther than LargestJointStep
 // from `from`. Of two ways that lead equally far, for example of an elbow that can bend to both
 // sides, it takes the one with more room to the joint limits. `success` is true if at least a
-// fiftieth of the pose error is removed; the errors are the rest. Angles are weighed against
-// lengths by the chain's length. Throws the errors of Ik. No allocation; 0.2 ms on average from
+// fiftieth of the pose error is removed; the errors are the rest. Lengths are weighed
+// against angles by LengthPerRadian. Throws the errors of Ik. No allocation; 0.2 ms on average from
 // singular places, a few milliseconds if nothing helps.
 //
 //   const IkResult next = IkTowards(chain, target, commanded);

@@ -20,22 +20,32 @@ constexpr const char* kStraightArm = R"(<mujoco><compiler angle="radian"/>
         <body pos=".3 0 0"><joint name="c" axis="0 1 0" range="-2 2"/><geom size=".05"/>
           <site name="tip" pos=".1 0 0"/></body></body></body></body></worldbody></mujoco>)";
 
-// Of a step from `tip` to `target`: rad, with lengths weighed as what is commanded.
+// The step from `tip` to `target`: its length in rad, with lengths weighed as what is commanded.
 struct StepError {
   Pose tip, target;
-  double length;
 
   double operator()(const Chain& chain, std::span<const double> q) const {
-    const double commanded = (target.translation() - tip.translation()).norm() /
-                             robocell::AngleBetween(target.quaternion(), tip.quaternion());
     const Pose now = chain.Fk(q);
-    return std::hypot((target.translation() - now.translation()).norm() /
-                          std::clamp(commanded, 0.02 * length, length),
-                      robocell::AngleBetween(target.quaternion(), now.quaternion()));
+    return std::hypot(
+        (target.translation() - now.translation()).norm() / LengthPerRadian(chain, tip, target),
+        robocell::AngleBetween(target.quaternion(), now.quaternion()));
   }
 };
 
-TEST(IkTowards, ComesNearerAndNoJointSwings) {
+TEST(LengthPerRadian, IsTheCommandedRatioWithinLimitsOfTheChainLength) {
+  const TestModel model = TestModel::FromXml(kStraightArm);
+  const Chain chain(model.model(), "base", ChainTip::Site("tip"));
+  const double length = chain.model().length;
+  const auto of = [&](double metres, double radians) {
+    return LengthPerRadian(chain, Pose(), Pose::FromRotvec({metres, 0, 0}, {0, radians, 0}));
+  };
+  EXPECT_NEAR(of(0.5 * length, 1), 0.5 * length, 1e-12);
+  EXPECT_NEAR(of(0, 1), 0.02 * length, 1e-12);
+  EXPECT_NEAR(of(0.1 * length, 0.01), length, 1e-12);
+  EXPECT_EQ(of(0.01, 0), length);
+}
+
+TEST(IkTowards, ApproachesWithoutSwingingAJoint) {
   Rng rng = Rng::Stream(3, "ik towards");
   for (int trial = 0; trial < 50; ++trial) {
     const TestModel model = TestModel::FromXml(
@@ -50,7 +60,7 @@ TEST(IkTowards, ComesNearerAndNoJointSwings) {
     const Pose tip = chain.Fk(from);
     const Pose target = tip * Pose::FromRpy({rng.Uniform(-.05, .05), 0.02, 0}, {0, 0.1, 0});
     const IkResult near = IkTowards(chain, target, from);
-    const StepError error{tip, target, chain.model().length};
+    const StepError error{tip, target};
     const double before = error(chain, from), after = error(chain, near.q);
     EXPECT_LE(after, before);
     EXPECT_EQ(near.success, after <= 0.98 * before);
@@ -65,7 +75,7 @@ TEST(IkTowards, ComesNearerAndNoJointSwings) {
   }
 }
 
-TEST(IkTowards, BendsAStretchedArmAndFailsOnlyOutwards) {
+TEST(IkTowards, BendsAStretchedArmExceptOutwards) {
   const TestModel model = TestModel::FromXml(kStraightArm);
   const Chain chain(model.model(), "base", ChainTip::Site("tip"));
   const JointVector straight(3);
@@ -83,7 +93,7 @@ TEST(IkTowards, BendsAStretchedArmAndFailsOnlyOutwards) {
 
 // The elbow of a stretched arm bends to the side where it has room, and an arm that stands at the
 // limit of the other side comes back: each step of a long way in is possible.
-TEST(IkTowards, BendsToTheSideThatHasRoomStepAfterStep) {
+TEST(IkTowards, BendsTowardsTheFartherLimit) {
   for (const char* range : {"-0.1 2", "-2 0.1", "0 2", "-2 0"}) {
     std::string xml = kStraightArm;
     const std::string old = R"(name="b" axis="0 1 0" range="-2 2")";
@@ -112,7 +122,7 @@ TEST(IkTowards, BendsToTheSideThatHasRoomStepAfterStep) {
 
 // At the wrist's singular place the tip cannot turn about one axis at once: it stays, and turns as
 // far as the arm can make it.
-TEST(IkTowards, ARotationAloneLeavesTheTipWhereItIs) {
+TEST(IkTowards, APureRotationKeepsTheTipPosition) {
   const TestModel model = TestModel::FromXml(R"(<mujoco><compiler angle="radian"/>
     <worldbody><body name="base"><geom size=".1"/>
       <body pos="0 0 .3"><joint name="a" axis="0 0 1" range="-3 3"/><geom size=".05"/>
@@ -147,7 +157,7 @@ TEST(IkTowards, ARotationAloneLeavesTheTipWhereItIs) {
   }
 }
 
-TEST(IkTowards, RejectsWhatIsNotFinite) {
+TEST(IkTowards, RejectsValuesThatAreNotFinite) {
   const TestModel model = TestModel::FromXml(kStraightArm);
   const Chain chain(model.model(), "base", ChainTip::Site("tip"));
   ExpectThrow<ArgumentError>(

@@ -49,7 +49,7 @@ class IkTargets {
 
   std::span<const Pose> poses_;
   std::span<const double> matrices_;
-  bool all_rigid_ = true;  // to rounding
+  bool all_rigid_ = true;  // true if all rotations are orthonormal to rounding
 };
 
 }  // namespace robocell

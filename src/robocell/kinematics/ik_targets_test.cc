@@ -36,7 +36,7 @@ double Difference(const Transform& a, const Transform& b) {
   return (a.rotation - b.rotation).norm() + (a.translation - b.translation).norm();
 }
 
-TEST(IkTargets, AreTheSameAsPosesAndAsMatrices) {
+TEST(IkTargets, AreTheSameFromPosesAndMatrices) {
   const std::vector<Pose> poses = RandomPoses(1000);
   const std::vector<double> numbers = MatricesOf(poses);
   const IkTargets targets(poses), matrices = IkTargets::FromMatrices(numbers);
@@ -50,7 +50,7 @@ TEST(IkTargets, AreTheSameAsPosesAndAsMatrices) {
   EXPECT_TRUE(IkTargets::FromMatrices({}).empty());
 }
 
-TEST(IkTargets, RotationsThatAreNotOrthonormalToRoundingAreTakenAsPoseTakesThem) {
+TEST(IkTargets, NormalisesRotationsLikePose) {
   std::vector<double> matrices = MatricesOf(RandomPoses(1));
   for (const double off : {1e-7, 1e-9, 1e-12}) {
     for (const int entry : {0, 1, 2, 4, 5, 6, 8, 9, 10}) {
@@ -62,7 +62,7 @@ TEST(IkTargets, RotationsThatAreNotOrthonormalToRoundingAreTakenAsPoseTakesThem)
   }
 }
 
-TEST(IkTargets, OneDoesNotDependOnTheOthers) {
+TEST(IkTargets, EachIsIndependentOfTheOthers) {
   std::vector<double> matrices = MatricesOf(RandomPoses(20));
   const std::vector<double> bent = [&] {
     std::vector<double> some = matrices;
@@ -74,7 +74,7 @@ TEST(IkTargets, OneDoesNotDependOnTheOthers) {
   EXPECT_NE(Difference(exact[0], mixed[0]), 0);
 }
 
-TEST(IkTargets, MatricesAreRowMajorAndTheOneThatIsNoTransformIsNamed) {
+TEST(IkTargets, ReadsRowMajorMatricesAndNamesAnInvalidOne) {
   std::vector<double> matrices = {1, 0, 0, 5, 0, 0, -1, 6, 0, 1, 0, 7, 0, 0, 0, 1,
                                   1, 0, 0, 5, 0, 1, 0,  6, 0, 0, 1, 7, 0, 0, 0, 1};
   const IkTargets targets = IkTargets::FromMatrices(matrices);

@@ -117,7 +117,7 @@ void RequireIkTask(const IkOptions& options) {
   }
   if (options.axis && weighs) {
     throw ArgumentError(
-        "inverse kinematics: axis and rotation_weights both say what of the rotation counts; leave "
+        "inverse kinematics: axis and rotation_weights both constrain the rotation; leave "
         "one out");
   }
   if (options.axis && !(options.axis->allFinite() && options.axis->stableNorm() > 1e-9)) {

@@ -25,7 +25,7 @@ struct IkTask {
   bool position_only = false;
   // True if every position error counts at least fully.
   bool whole_position = true;
-  // How many of the six numbers of a pose count.
+  // Number of constrained pose components, of six.
   int rows = 6;
   // Returns the number of redundant joints with these locked; below 0 most poses cannot be reached
   // at all.

@@ -23,14 +23,14 @@ using Eigen::Vector3d;
 class IkMore : public IkOfRandomChain {};
 INSTANTIATE_TEST_SUITE_P(Joints, IkMore, testing::Values(6, 7, 9));
 
-class IkMoreToSpare : public IkMore {};
-INSTANTIATE_TEST_SUITE_P(Joints, IkMoreToSpare, testing::Values(7, 9));
+class IkMoreWithRedundancy : public IkMore {};
+INSTANTIATE_TEST_SUITE_P(Joints, IkMoreWithRedundancy, testing::Values(7, 9));
 
 double AngleBetween(const Vector3d& a, const Vector3d& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
 
-TEST_P(IkMore, PointsAnAxisWhereverTheTipIsTurnedAboutIt) {
+TEST_P(IkMore, PointsAnAxisWithFreeRotationAboutIt) {
   const Vector3d axis = RandomDirection();
   std::vector<Pose> targets;
   for (int b = 0; b < 300; ++b)
@@ -78,7 +78,7 @@ TEST_P(IkMore, AConeIsReachedWithinItsAngle) {
   EXPECT_GT(away, 0) << "the whole cone is used";
 }
 
-TEST_P(IkMore, WhatAnAxisReachesEveryConeReaches) {
+TEST_P(IkMore, EveryConeReachesWhatItsAxisReaches) {
   const Vector3d axis = RandomDirection();
   std::vector<Pose> targets;
   for (int b = 0; b < 1500; ++b) targets.push_back(Reached());
@@ -117,7 +117,7 @@ TEST_P(IkMore, NarrowConesAreReachedAtTheirBorder) {
   }
 }
 
-TEST_P(IkMore, AnAxisThatPointsTheOtherWayIsTurnedAround) {
+TEST_P(IkMore, AReversedAxisIsTurnedAround) {
   const auto angle_left = [&](const Pose& target, const IkResult& found) {
     const Vector3d axis = TipSeenFrom(target, found.q).rotation.col(2);
     return AngleBetween(axis, Vector3d::UnitZ());
@@ -141,7 +141,7 @@ TEST_P(IkMore, AnAxisThatPointsTheOtherWayIsTurnedAround) {
   EXPECT_GE(solved, 20);
 }
 
-TEST_P(IkMore, WeightsSayWhatAnErrorCounts) {
+TEST_P(IkMore, WeightsScaleErrors) {
   std::vector<Pose> targets;
   for (int b = 0; b < 200; ++b)
     targets.push_back(Reached() * Pose(Vector3d(0, 0, rng_.Uniform(-50, 50))));
@@ -169,7 +169,7 @@ TEST_P(IkMore, WeightsSayWhatAnErrorCounts) {
             0.99);
 }
 
-TEST_P(IkMore, OnlyATurnAboutOneAxisMayBeAskedFor) {
+TEST_P(IkMore, ConstrainsTheRotationAboutOneAxisOnly) {
   std::vector<Pose> targets;
   for (int b = 0; b < 100; ++b) targets.push_back(Reached());
   const double solved = Solved(targets, {.rotation_weights = {0, 0, 1}}, [](const Transform& tip) {
@@ -179,7 +179,7 @@ TEST_P(IkMore, OnlyATurnAboutOneAxisMayBeAskedFor) {
   EXPECT_GE(solved, 0.99);
 }
 
-TEST_P(IkMore, AFilterKeepsWhatItSaysAndTheSearchGoesOn) {
+TEST_P(IkMore, TheSearchContinuesAfterTheFilterRejectsASolution) {
   int asked = 0;
   const IkFilter positive = [&](std::span<const double> q, int count, std::span<uint8_t> keep) {
     const std::size_t n = q.size() / count;
@@ -211,7 +211,7 @@ TEST_P(IkMore, AFilterKeepsWhatItSaysAndTheSearchGoesOn) {
   EXPECT_LE(refused.position_error, kTolerance) << "it is reached, but not kept";
 }
 
-TEST_P(IkMoreToSpare, TheUnmovedSolutionServesWhenTheMovedOneIsRefused) {
+TEST_P(IkMoreWithRedundancy, FallsBackToTheOriginalSolutionIfTheFilterRejects) {
   const JointVector posture = RandomJoints(chain_, &rng_);
   const Pose target = chain_.Fk(posture);
   const IkFilter not_there = [&](std::span<const double> q, int count, std::span<uint8_t> keep) {
@@ -224,12 +224,12 @@ TEST_P(IkMoreToSpare, TheUnmovedSolutionServesWhenTheMovedOneIsRefused) {
   EXPECT_GT(SquaredDistance(found.q, posture), 0.01);
 }
 
-TEST(IkMoreOptions, AnAxisMayHaveAnyLength) {
+TEST(IkMoreOptions, AcceptAnAxisOfAnyLength) {
   for (const double length : {1e-8, 1.0, 1e155, 1e300})
     EXPECT_NEAR(IkTask({.axis = length * Vector3d::UnitY()}).axis.y(), 1, 1e-15) << length;
 }
 
-TEST(IkMoreOptions, MakeSense) {
+TEST(IkMoreOptions, AreValidated) {
   Rng rng = Rng::Stream(1, "options");
   const TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = 7}).Write());
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
@@ -244,7 +244,7 @@ TEST(IkMoreOptions, MakeSense) {
   refused({.position_only = true, .axis = Vector3d::UnitX()},
           "position_only and axis contradict each other; leave one out");
   refused({.rotation_weights = {1, 1, 0}, .axis = Vector3d::UnitX()},
-          "axis and rotation_weights both say what of the rotation counts; leave one out");
+          "axis and rotation_weights both constrain the rotation; leave one out");
   refused({.axis = Vector3d::Zero()},
           "axis is (0, 0, 0); it must be a direction in the tip's frame");
   refused({.axis = Vector3d::UnitX(), .cone = 4}, "cone is 4; it must be an angle from 0 to less");
@@ -252,7 +252,7 @@ TEST(IkMoreOptions, MakeSense) {
   refused({.prefer = IkPrefer::kPosture}, "inverse kinematics: posture");
   refused({.prefer = IkPrefer::kSeed},
           "the solution near the seed is preferred, but there is no seed. Give one, or a posture");
-  refused({.posture = JointVector(7)}, "there is a posture, but prefer does not ask for it");
+  refused({.posture = JointVector(7)}, "a posture is given, but prefer is not 'posture'");
   ExpectThrow<ArgumentError>([&] { IkSolutions(chain, target, {}, 0); },
                              "separation is 0; it must be more than 0");
   ExpectThrow<ArgumentError>(

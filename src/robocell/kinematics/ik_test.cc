@@ -73,7 +73,7 @@ TEST_P(MenagerieIk, SolvesAThousandReachableTargetsWithinTheLimits) {
   EXPECT_GE(CountSolved(arm.model, arm.chain, 1000, &rng), 1000);
 }
 
-TEST_P(MenagerieIk, SolvesToTighterTolerancesToo) {
+TEST_P(MenagerieIk, SolvesToTighterTolerances) {
   const Arm arm(GetParam());
   Rng rng = Rng::Stream(2, "tight ik targets", GetParam().folder);
   EXPECT_GE(CountSolved(arm.model, arm.chain, 200, &rng, {.tolerance = 1e-9}), 200);
@@ -195,7 +195,7 @@ std::string Row(const std::vector<std::string>& joints, double link, double tip)
       open, tip, close);
 }
 
-TEST(Ik, TurnsTheLastHingeHalfAroundAndNothingElse) {
+TEST(Ik, TurnsOnlyTheLastHingeByHalfATurn) {
   const TestModel t = TestModel::FromXml(kPlanar);
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
   const JointVector seed = {0.4, 1, 0.1};
@@ -209,7 +209,7 @@ TEST(Ik, TurnsTheLastHingeHalfAroundAndNothingElse) {
   }
 }
 
-TEST(Ik, ComesAsNearAsItCanToHalfATurn) {
+TEST(Ik, MinimisesAHalfTurnError) {
   const TestModel t = TestModel::FromXml(Row({"range='-1 1' axis='1 0 0'"}, 0, 0));
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
   for (const double turn : {kPi, kPi - 1e-3, kPi - 0.1}) {
@@ -234,7 +234,7 @@ TEST(Ik, TravelsFarOnSlidesWithoutLimits) {
   }
 }
 
-TEST(Ik, CountsStepsAndObeysTheirNumber) {
+TEST(Ik, CountsAndLimitsSteps) {
   const TestModel t = TestModel::FromXml(Row({"type='slide' axis='1 0 0'"}, 0, 0));
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
   const Pose target(Eigen::Vector3d(0.3, 0, 0));
@@ -251,7 +251,7 @@ TEST(Ik, CountsStepsAndObeysTheirNumber) {
   EXPECT_TRUE(Ik(chain, target, options).success);
 }
 
-TEST(Ik, IsJudgedAfterItsLastStepWithoutAnotherOne) {
+TEST(Ik, IsEvaluatedAfterItsLastStep) {
   const AnyArm arm(11, {.joints = 7, .slide_share = 0, .limited_share = 0});
   Rng rng = Rng::Stream(11, "last step");
   for (int k = 0; k < 20; ++k) {
@@ -270,7 +270,7 @@ TEST(Ik, IsJudgedAfterItsLastStepWithoutAnotherOne) {
 }
 
 // Covers far and near seeds.
-TEST(Ik, AnswersFromTheSeedWhatCanBeAnsweredFromIt) {
+TEST(Ik, SolvesFromTheSeedIfPossible) {
   int alone = 0, together = 0;
   for (int k = 0; k < 300; ++k) {
     const AnyArm arm(200 + k % 3, {.joints = 6 + k % 3, .slide_share = 0.1});
@@ -290,7 +290,7 @@ TEST(Ik, AnswersFromTheSeedWhatCanBeAnsweredFromIt) {
   EXPECT_LT(alone, together);
 }
 
-TEST(Ik, KeepsLockedJointsExactlyWhereTheSeedHasThem) {
+TEST(Ik, KeepsLockedJointsExactlyAtTheSeed) {
   const AnyArm arm(7, {.joints = 8, .slide_share = 0});
   Rng rng = Rng::Stream(7, "locked");
   const std::vector<std::string> names = {arm.chain->joints()[1].name, arm.chain->joints()[6].name};
@@ -322,7 +322,7 @@ TEST(Ik, KeepsLockedJointsOutsideTheirLimitsButMovesOtherSeedsInside) {
   EXPECT_LE(moved.q[1], 2.5);
 }
 
-TEST(Ik, WithEverythingLockedOnlyJudgesTheSeed) {
+TEST(Ik, WithAllJointsLockedEvaluatesTheSeed) {
   const TestModel t = TestModel::FromXml(kPlanar);
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
   const JointVector seed = {0.2, 1, 0.1};
@@ -334,7 +334,7 @@ TEST(Ik, WithEverythingLockedOnlyJudgesTheSeed) {
   EXPECT_EQ(no.q, seed);
 }
 
-TEST(Ik, ReachesAPositionWithAnyRotationWhenAsked) {
+TEST(Ik, ReachesAPositionWithFreeRotation) {
   const TestModel t = TestModel::FromXml(kPlanar);
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
   const Pose upside_down = Pose::FromRpy({1, 1, 0}, {kPi, 0, 0});
@@ -355,7 +355,7 @@ TEST(Ik, ReturnsTheTurnNearestToTheSeed) {
   EXPECT_NEAR(result.q[2], 0.2 - 4 * kPi, 1e-4);
 }
 
-TEST(Ik, PrefersTheSolutionNearTheSeedWhenAsked) {
+TEST(Ik, CanPreferTheSolutionNearTheSeed) {
   double plain = 0, near = 0;
   int farther = 0;
   for (int k = 0; k < 40; ++k) {
@@ -380,7 +380,7 @@ TEST(Ik, PrefersTheSolutionNearTheSeedWhenAsked) {
   EXPECT_LE(farther, 4);  // the first solution of the plain search may be lucky
 }
 
-TEST(Ik, GivesTheSameBitsOnEveryThreadAndAgain) {
+TEST(Ik, IsBitwiseReproducibleOnEveryThread) {
   const AnyArm arm(9);
   Rng rng = Rng::Stream(9, "again");
   const Pose target = arm.chain->Fk(RandomJoints(*arm.chain, &rng));
@@ -415,7 +415,7 @@ TEST(Ik, AllocatesNothingAndNeitherDoKinematicsAndDynamics) {
   EXPECT_EQ(count.allocations(), 0);
 }
 
-TEST(Ik, RefusesQuestionsThatMakeNoSense) {
+TEST(Ik, RejectsInvalidQueries) {
   const TestModel t = TestModel::FromXml(kPlanar);
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
   const Pose target(Eigen::Vector3d(1, 1, 0));
@@ -474,7 +474,7 @@ TEST(StartRange, IsOneTurnForHingesAndTheLimitsForSlides) {
   EXPECT_EQ(internal::StartRangeOf(joint, 0.5).lower, 2.5);
 }
 
-TEST(StartRange, OfOneLimitIsAsLargeAsOfNoneAndInsideOfIt) {
+TEST(StartRange, OfOneLimitIsFullSizedAndInsideTheLimit) {
   for (const bool slide : {false, true}) {
     for (const double limit : {-20.0, -4.0, -1.0, 0.0, 1.0, 4.0, 20.0}) {
       const JointModel low{.slide = slide, .lower = limit, .upper = INFINITY};
@@ -489,7 +489,7 @@ TEST(StartRange, OfOneLimitIsAsLargeAsOfNoneAndInsideOfIt) {
   }
 }
 
-TEST(RestartsFor, AreFewWhereNoStretchedChainTouchesTheTarget) {
+TEST(RestartsFor, AreFewIfNoStretchedChainReachesTheTarget) {
   const AnyArm arm(7, {.joints = 7, .slide_share = 1});
   const ChainModel& chain = arm.chain->model();
   const Transform far{Eigen::Matrix3d::Identity(), {3 * chain.reach_bound, 0, 0}};

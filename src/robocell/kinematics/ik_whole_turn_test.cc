@@ -46,7 +46,7 @@ class IkOfWholeTurns : public testing::TestWithParam<int> {
 };
 INSTANTIATE_TEST_SUITE_P(Joints, IkOfWholeTurns, testing::Values(3, 6, 7, 9));
 
-TEST_P(IkOfWholeTurns, TakesTheStepsThatItTakesWithoutLimits) {
+TEST_P(IkOfWholeTurns, TakesAsManyStepsAsWithoutLimits) {
   const TestModel limited_arm = ArmOfTurns(GetParam(), Limits(-kHalfATurn, kHalfATurn)),
                   endless_arm = ArmOfTurns(GetParam(), "");
   const Chain limited = ChainOf(limited_arm), endless = ChainOf(endless_arm);
@@ -64,7 +64,7 @@ TEST_P(IkOfWholeTurns, TakesTheStepsThatItTakesWithoutLimits) {
 }
 
 // Turns begin anywhere, so that values at their ends are rounded up and down.
-TEST_P(IkOfWholeTurns, LeavesNoLimitByRounding) {
+TEST_P(IkOfWholeTurns, RoundingViolatesNoLimit) {
   int solved = 0, count = 0;
   for (int k = 0; k < 20; ++k) {
     const double lower = rng_.Uniform(-9, 3);

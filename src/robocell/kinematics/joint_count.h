@@ -1,4 +1,4 @@
-// The largest number of joints of a chain. It has a header of its own, because kernels for other
+// The largest number of joints of a chain. It has a separate header, because kernels for other
 // instruction sets include no more than they must.
 #pragma once
 

@@ -21,6 +21,7 @@
 
 namespace robocell {
 
+// KDL knows no joints that follow others: its chain has all joints, and takes chain.Expand(q).
 KDL::Chain ToKdl(const Chain& chain);
 // Returns a chain with KDL's numbers, for robocell's kinematics and dynamics. Joint damping and
 // stiffness are left out. KDL keeps limits beside a chain: `limits` has {lower, upper} of each

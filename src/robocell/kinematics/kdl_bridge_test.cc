@@ -107,13 +107,13 @@ TEST(KdlChain, NamesSegmentsAsBodiesAndTheTip) {
   EXPECT_EQ(ToKdl(Chain(t.model(), "base", ChainTip::Body("arm"))).getNrOfSegments(), 3u);
 }
 
-TEST(KdlChain, TakesPosesThereAndBack) {
+TEST(KdlChain, RoundTripsPoses) {
   const Pose pose = Pose::FromRpy({1, 2, 3}, {0.1, 0.2, 0.3});
   EXPECT_LT(PoseDifference(FromKdl(ToKdl(pose)), pose).norm(), 1e-15);
   EXPECT_EQ(ToKdl(pose).p.y(), 2);
 }
 
-TEST(KdlChain, FramesMapPointsAsThePosesThatTheyAreMadeOf) {
+TEST(KdlChain, FramesMapPointsLikeTheirPoses) {
   const Pose pose = Pose::FromRpy({0.4, -0.1, 0.3}, {0.2, 0.3, 0.5});
   const KDL::Frame frame = ToKdl(pose);
   const Eigen::Vector3d rim(0.01, 0.02, 0.1), in_world = pose * rim;
@@ -121,7 +121,7 @@ TEST(KdlChain, FramesMapPointsAsThePosesThatTheyAreMadeOf) {
   EXPECT_LT((Eigen::Vector3d(same.x(), same.y(), same.z()) - in_world).norm(), 1e-12);
 }
 
-TEST(KdlChain, TakesTwistsWrenchesAndJointValuesThereAndBack) {
+TEST(KdlChain, RoundTripsTwistsWrenchesAndJointValues) {
   const Wrench wrench{{1, 2, 3}, {4, 5, 6}};
   EXPECT_EQ(FromKdl(ToKdl(wrench)), wrench);
   EXPECT_EQ(ToKdl(wrench).torque.z(), 6);
@@ -132,7 +132,7 @@ TEST(KdlChain, TakesTwistsWrenchesAndJointValuesThereAndBack) {
   EXPECT_EQ(FromKdl(ToKdl(q)), q);
 }
 
-TEST(KdlChain, ComesBackTheSame) {
+TEST(KdlChain, RoundTrips) {
   for (int k = 0; k < 40; ++k) {
     Rng rng = Rng::Stream(3, "kdl and back", k);
     TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = 1 + k % 10}).Write());
@@ -176,7 +176,7 @@ KDL::Chain HandMadeChain() {
   return chain;
 }
 
-TEST(KdlChain, OfOnesOwnIsTheSameHere) {
+TEST(KdlChain, MatchesACustomKdlChain) {
   const KDL::Chain kdl = HandMadeChain();
   const std::vector<std::array<double, 2>> limits = {{-1, 1}, {0, 0.5}, {-2, 2}, {-0.1, 0.1}};
   const Chain chain = FromKdl(kdl, limits);
@@ -194,7 +194,7 @@ TEST(KdlChain, OfOnesOwnIsTheSameHere) {
   }
 }
 
-TEST(KdlChain, SaysWhatItCannotTake) {
+TEST(KdlChain, ExplainsUnsupportedChains) {
   KDL::Chain geared;
   geared.addSegment(KDL::Segment("a", KDL::Joint("j", KDL::Joint::RotZ, 2)));
   ExpectThrow<ArgumentError>([&] { FromKdl(geared); },
@@ -204,7 +204,7 @@ TEST(KdlChain, SaysWhatItCannotTake) {
   ExpectThrow<ArgumentError>([&] { FromKdl(stiff); }, "KDL chain: it has no joint that moves");
   const std::vector<std::array<double, 2>> one = {{0, 1}}, swapped(4, {1, -1});
   ExpectThrow<ArgumentError>([&] { FromKdl(HandMadeChain(), one); },
-                             "KDL chain: 1 limits for 4 moving joints");
+                             "KDL chain: 1 limit for 4 moving joints");
   ExpectThrow<ArgumentError>([&] { FromKdl(HandMadeChain(), swapped); },
                              "the limits of joint 'turn_x' are 1 and -1; give the lower one first");
   const std::vector<std::array<double, 2>> nowhere(4, {INFINITY, INFINITY});
@@ -216,7 +216,7 @@ TEST(KdlChain, SaysWhatItCannotTake) {
   twins.addSegment(KDL::Segment("b", KDL::Joint("j", KDL::Joint::RotX)));
   ExpectThrow<ArgumentError>(
       [&] { FromKdl(twins); },
-      "KDL chain: two of its joints are named 'j'; give each a name of its own");
+      "KDL chain: two of its joints are named 'j'; give each a different name");
 }
 
 }  // namespace

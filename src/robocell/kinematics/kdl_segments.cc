@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/kinematics/chain_builder.h"
 #include "robocell/kinematics/pose_error.h"
 
@@ -96,8 +97,8 @@ class SegmentReader {
   void Finish() {
     if (model.n == 0) throw ArgumentError("KDL chain: it has no joint that moves");
     if (!limits_.empty() && limits_.size() != joints.size()) {
-      throw ArgumentError(
-          fmt::format("KDL chain: {} limits for {} moving joints", limits_.size(), joints.size()));
+      throw ArgumentError(fmt::format("KDL chain: {} for {}", Counted(std::ssize(limits_), "limit"),
+                                      Counted(std::ssize(joints), "moving joint")));
     }
     model.last_to_tip = frame_;
     internal::MeasureLength(&model);
@@ -132,7 +133,7 @@ class SegmentReader {
     for (const ChainJoint& joint : joints) {
       if (joint.name != name) continue;
       throw ArgumentError(fmt::format(
-          "KDL chain: two of its joints are named '{}'; give each a name of its own", name));
+          "KDL chain: two of its joints are named '{}'; give each a different name", name));
     }
   }
 
@@ -198,14 +199,15 @@ void SetInertiaAboutOrigin(const Eigen::Matrix3d& inertia, KdlSegment* segment) 
 std::vector<KdlSegment> KdlSegments(const Chain& chain) {
   std::vector<KdlSegment> segments;
   Transform to_last;
-  for (int i = 0; i < chain.n_joints(); ++i) {
-    const ChainJoint& joint = chain.joints()[i];
-    const bool more_on_body = i + 1 < chain.n_joints() && chain.joints()[i + 1].body == joint.body;
-    const JointModel& model = chain.model().joints[i];
+  const std::vector<ChainJoint>& joints = chain.link_joints();
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    const ChainJoint& joint = joints[i];
+    const bool more_on_body = i + 1 < joints.size() && joints[i + 1].body == joint.body;
+    const JointModel& model = LinksOf(chain.model()).joints[i];
     segments.push_back(SegmentOf(more_on_body ? joint.name : joint.body, joint, model, to_last));
     to_last = model.joint_to_body;
   }
-  if (chain.tip().kind == ChainTip::Kind::kSite || chain.tip().name != chain.joints().back().body) {
+  if (chain.tip().kind == ChainTip::Kind::kSite || chain.tip().name != joints.back().body) {
     segments.push_back({.name = chain.tip().name,
                         .joint = {},
                         .tip = to_last.inverse() * chain.model().last_to_tip});

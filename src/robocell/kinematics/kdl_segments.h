@@ -32,7 +32,7 @@ struct KdlSegment {
   Transform tip = {};   // the segment's frame for joint value 0
   // Inertia of the segment, in its own frame.
   double mass = 0;                                    // kg
-  Eigen::Vector3d centre = Eigen::Vector3d::Zero();   // of mass, m
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();   // centre of mass, m
   Eigen::Matrix3d inertia = Eigen::Matrix3d::Zero();  // about the centre of mass, kg m^2
 };
 

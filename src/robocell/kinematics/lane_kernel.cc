@@ -1,6 +1,7 @@
 #include "robocell/kinematics/lane_kernel.h"
 
 #include <algorithm>
+#include <type_traits>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "robocell/kinematics/lane_kernel.cc"
@@ -177,8 +178,8 @@ struct LaneStep {
     return f;
   }
 
-  // For lanes with nearly half a turn left: computes an axis from a vector and its image (R + 1 is
-  // 2 axis axis^T at half a turn), and 2 tan(angle / 2) from the cosine. Inlined, as above.
+  // Computes, for lanes that are nearly half a turn away, an axis from a vector and its image (R +
+  // 1 is 2 axis axis^T at half a turn), and 2 tan(angle / 2) from the cosine. Inlined, as above.
   static HWY_INLINE void TurnAround(const Frame& f, const V3& x, const V3& y, const V3& z,
                                     const V3& sine2, V cosine2, hn::Mask<D> lanes, V3* angular,
                                     V* turn2) {
@@ -212,8 +213,8 @@ struct LaneStep {
       TurnAround(f, x, y, z, sine2, cosine2, half_turn, angular, turn2);
   }
 
-  // For lanes in which an axis points nearly the opposite way: any axis across may be used.
-  // Computes the tangent of half the angle from the cosine.
+  // Computes the tangent of half the angle from the cosine, for lanes in which an axis points
+  // nearly the opposite way; any axis across may be used.
   static HWY_NOINLINE void SwingAround(const V3& now, V cosine1, hn::Mask<D> lanes, V3* about,
                                        V* tangent) {
     const V3 across = Cross(now, {Number(0.48), Number(0.60), Number(0.64)});
@@ -268,9 +269,9 @@ struct LaneStep {
   // The pose error of the tip, and its cost.
   struct Way {
     V3 linear, angular;
-    V3 about;  // for a swing
+    V3 about;  // axis of a swing
     V distance2, turn2, cost;
-    V pull;  // on redundant joints
+    V pull;  // pull on redundant joints
   };
 
   template <bool kTask>
@@ -342,20 +343,22 @@ struct LaneStep {
     V column[kMost][6], spare[kTask ? kMost : 1], ease[kTask ? kMost : 1];
   };
 
+  // A column of the Jacobian.
+  struct Column {
+    V3 moves, turns;
+  };
+  static HWY_INLINE Column ColumnOf(const FoldedJoint& joint, const Axis& axis, const V3& tip) {
+    if (HWY_UNLIKELY(joint.slide)) return {axis.direction, {hn::Zero(d), hn::Zero(d), hn::Zero(d)}};
+    return {Cross(axis.direction, Sub(tip, axis.point)), axis.direction};
+  }
+
   template <bool kFirst, bool kRoams, int N, bool kTask>
   static HWY_INLINE void AddJoint(const FoldedChain& chain, const LaneOptions& options, int i, V q,
-                                  V roam, const Axis& axis, const V3& tip, int lane,
-                                  const LaneTask* task, const Way& way, Moves<N, kTask>* joints,
-                                  Equations* e) {
+                                  V roam, const Column& column, int lane, const LaneTask* task,
+                                  const Way& way, Moves<N, kTask>* joints, Equations* e) {
     V* c = joints->column[i];
     const FoldedJoint& joint = chain.joints[i];
-    V3 moves, turns = axis.direction;
-    if (HWY_UNLIKELY(joint.slide)) {
-      moves = turns;
-      turns = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    } else {
-      moves = Cross(turns, Sub(tip, axis.point));
-    }
+    V3 moves = column.moves, turns = column.turns;
     if constexpr (kTask) {
       moves = TimesRows(task->linear, lane, moves);
       // Along the border of a cone nothing is required.
@@ -408,19 +411,18 @@ struct LaneStep {
     }
   }
 
-  // Computes the damped step that moves the tip towards its target.
-  template <bool kRoams, int N, bool kTask>
+  // Computes the damped step that moves the tip towards its target. `column` returns that of a
+  // joint.
+  template <bool kRoams, int N, bool kTask, class ColumnAt>
   static HWY_INLINE void Assemble(const FoldedChain& chain, const LaneOptions& options, const V* q,
-                                  V roam, const Axis* axes, const V3& tip, int lane,
-                                  const LaneTask* task, const Way& way, Moves<N, kTask>* joints,
-                                  Equations* e) {
+                                  V roam, const ColumnAt& column, int lane, const LaneTask* task,
+                                  const Way& way, Moves<N, kTask>* joints, Equations* e) {
     const int n = N ? N : chain.n;
     e->b[0] = way.linear.x, e->b[1] = way.linear.y, e->b[2] = way.linear.z;
     e->b[3] = way.angular.x, e->b[4] = way.angular.y, e->b[5] = way.angular.z;
-    AddJoint<true, kRoams>(chain, options, 0, q[0], roam, axes[0], tip, lane, task, way, joints, e);
+    AddJoint<true, kRoams>(chain, options, 0, q[0], roam, column(0), lane, task, way, joints, e);
     for (int i = 1; i < n; ++i)
-      AddJoint<false, kRoams>(chain, options, i, q[i], roam, axes[i], tip, lane, task, way, joints,
-                              e);
+      AddJoint<false, kRoams>(chain, options, i, q[i], roam, column(i), lane, task, way, joints, e);
     const V damping =  // which is known last
         hn::MulAdd(hn::Min(way.cost, Number(kMostCost)), Number(kDamping), Number(kLeastDamping));
     for (int i = 0; i < 6; ++i) e->a[Entry(i, i)] = hn::Add(e->a[Entry(i, i)], damping);
@@ -458,7 +460,42 @@ struct LaneStep {
     }
   }
 
-  template <int N, bool kTask, bool kRoams>
+  // All joints of a chain in which some follow others.
+  struct CoupledJoints {
+    V q[kMaxChainJoints], slope[kMaxChainJoints];
+    Axis axes[kMaxChainJoints];
+    Column columns[kMaxChainJoints];  // of the degrees of freedom
+  };
+
+  static HWY_INLINE Frame WalkCoupled(const FoldedCoupling& c, const V* x, CoupledJoints* all) {
+    for (int i = 0; i < c.links.n; ++i) {
+      const V at = hn::Sub(x[c.leader[i]], Number(c.from[i]));
+      const double* p = c.polynomial[i];
+      V value = Number(p[4]), slope = hn::Zero(d);
+      for (int k = 3; k >= 0; --k) {
+        slope = hn::MulAdd(slope, at, value);
+        value = hn::MulAdd(value, at, Number(p[k]));
+      }
+      all->q[i] = value;
+      all->slope[i] = hn::Mul(slope, Number(c.unit[i]));
+    }
+    return Walk<0>(c.links, all->q, all->axes);
+  }
+
+  // Adds the columns of the followers to those of their leaders.
+  static HWY_INLINE void SumColumns(const FoldedCoupling& c, int n, const V3& tip,
+                                    CoupledJoints* all) {
+    const V3 none = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+    for (int l = 0; l < n; ++l) all->columns[l] = {none, none};
+    for (int i = 0; i < c.links.n; ++i) {
+      const Column own = ColumnOf(c.links.joints[i], all->axes[i], tip);
+      Column& sum = all->columns[c.leader[i]];
+      sum.moves = MulAdd(all->slope[i], own.moves, sum.moves);
+      sum.turns = MulAdd(all->slope[i], own.turns, sum.turns);
+    }
+  }
+
+  template <int N, bool kTask, bool kRoams, bool kCoupled>
   static HWY_INLINE uint32_t StepGroup(const FoldedChain& chain, const LaneOptions& options,
                                        int lane, LaneState* state, const LaneTask* task) {
     constexpr int kMost = Moves<N, kTask>::kMost;
@@ -466,7 +503,13 @@ struct LaneStep {
     V q[kMost];
     for (int i = 0; i < n; ++i) q[i] = Load(state->q[i] + lane);
     Axis axes[kMost];
-    const Frame f = Walk<N>(chain, q, axes);
+    std::conditional_t<kCoupled, CoupledJoints, char> all;
+    Frame f;
+    if constexpr (kCoupled) {
+      f = WalkCoupled(*chain.coupling, q, &all);
+    } else {
+      f = Walk<N>(chain, q, axes);
+    }
     const double* to_tip = chain.tip.translation;
     const V3 tip = MulAdd(Number(to_tip[0]), f.x,
                           MulAdd(Number(to_tip[1]), f.y, MulAdd(Number(to_tip[2]), f.z, f.p)));
@@ -480,7 +523,14 @@ struct LaneStep {
     Equations e;
     Moves<N, kTask> joints;
     const V roam = Load(state->roam + lane);
-    Assemble<kRoams>(chain, options, q, roam, axes, tip, lane, task, way, &joints, &e);
+    if constexpr (kCoupled) {
+      SumColumns(*chain.coupling, n, tip, &all);
+      const auto column = [&](int i) HWY_ATTR { return all.columns[i]; };
+      Assemble<kRoams>(chain, options, q, roam, column, lane, task, way, &joints, &e);
+    } else {
+      const auto column = [&](int i) HWY_ATTR { return ColumnOf(chain.joints[i], axes[i], tip); };
+      Assemble<kRoams>(chain, options, q, roam, column, lane, task, way, &joints, &e);
+    }
     SolveSix(hn::Set(d, 1.0), e.a, e.b);
     Advance<kRoams>(chain, options, q, roam, joints, e, stay, lane, state);
     uint8_t bits[8] = {};
@@ -490,27 +540,29 @@ struct LaneStep {
 };
 
 using Wide = LaneStep<hn::CappedTag<double, kMaxLanes / kGroups>>;
-// For fewer lanes: shorter registers wait less for their divisions, and on many processors the
-// longest ones process half of their width at a time.
+// Kernel for fewer lanes: shorter registers wait less for their divisions, and on many processors
+// the longest ones process half of their width at a time.
 using Few = LaneStep<hn::CappedTag<double, kMostOfOneQuestion>>;
 using One = LaneStep<hn::CappedTag<double, 1>>;
 
 int Count() { return kGroups * hn::Lanes(Wide::d); }
 int CountOfOneQuestion() { return hn::Lanes(Few::d); }
 
-template <int N, bool kTask, bool kRoams>
+template <int N, bool kTask, bool kRoams, bool kCoupled = false>
 uint32_t Step(const FoldedChain& chain, const LaneOptions& options, uint32_t busy, LaneState* state,
               const LaneTask* task) {
   if constexpr (!kTask) {
-    if (busy == 1) return One::template StepGroup<N, kTask, kRoams>(chain, options, 0, state, task);
+    if (busy == 1)
+      return One::template StepGroup<N, kTask, kRoams, kCoupled>(chain, options, 0, state, task);
   }
   if (busy >> hn::Lanes(Few::d) == 0)
-    return Few::template StepGroup<N, kTask, kRoams>(chain, options, 0, state, task);
+    return Few::template StepGroup<N, kTask, kRoams, kCoupled>(chain, options, 0, state, task);
   const int width = hn::Lanes(Wide::d);
   uint32_t arrived = 0;
   for (int first = 0; first < kGroups * width; first += width) {
     if ((busy >> first & ((1U << width) - 1)) != 0)
-      arrived |= Wide::StepGroup<N, kTask, kRoams>(chain, options, first, state, task) << first;
+      arrived |= Wide::StepGroup<N, kTask, kRoams, kCoupled>(chain, options, first, state, task)
+                 << first;
   }
   return arrived;
 }
@@ -532,6 +584,10 @@ uint32_t StepFor(const FoldedChain& chain, const LaneOptions& options, uint32_t 
 
 uint32_t StepAny(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
                  LaneState* state, const LaneTask* task) {
+  if (HWY_UNLIKELY(chain.coupling)) {
+    return task ? Step<0, true, true, true>(chain, options, busy, state, task)
+                : Step<0, false, true, true>(chain, options, busy, state, nullptr);
+  }
   if (task) return StepFor<true, true>(chain, options, busy, state, task);
   return chain.has_whole_turns ? StepFor<false, true>(chain, options, busy, state, nullptr)
                                : StepFor<false, false>(chain, options, busy, state, nullptr);

@@ -21,8 +21,8 @@ inline constexpr int kMaxLanes = 16;
 // a tenth of the time of an easy query. Lanes that are stepped beside others must have values.
 struct LaneState {
   alignas(64) double q[kMaxChainJoints][kMaxLanes];
-  // How far hinges whose limits span a whole turn may pass them: 0 or infinity. Solutions beyond
-  // are off by whole turns.
+  // Distance by which hinges with limits of a full turn may exceed them: 0 or infinity. Solutions
+  // beyond the limits differ by whole turns.
   alignas(64) double roam[kMaxLanes];
   // Target of the last screw's frame, in the frame of the first: x, y and z axis; and target of the
   // tip.
@@ -42,7 +42,7 @@ struct LaneOptions {
   bool locked[kMaxChainJoints] = {};
 };
 
-// For queries with more or less than a pose. The rows then define the pose error: distance2 and
+// Inputs of queries with axes, cones or weights. The rows then define the pose error: distance2 and
 // turn2 are those of the rows.
 struct LaneTask {
   // If true, only this axis of the rotation, in the frame of the last screw, must agree with the

@@ -60,7 +60,7 @@ struct Scene {
   Transform targets[kMaxLanes];
 };
 
-TEST(LaneKernel, MeasuresWhatScalarKinematicsDoes) {
+TEST(LaneKernel, MatchesScalarKinematics) {
   for (const int joints : {1, 2, 5, 6, 7, 8, 12, 16}) {
     Scene scene(joints);
     std::vector<JointVector> before;
@@ -79,7 +79,7 @@ TEST(LaneKernel, MeasuresWhatScalarKinematicsDoes) {
 }
 
 // At half a turn the rotation's axis is undefined and its sine is 0.
-TEST(LaneKernel, HasNotArrivedHalfATurnAway) {
+TEST(LaneKernel, IsNotConvergedHalfATurnAway) {
   Scene scene(7, 0);
   scene.options.distance2 = scene.options.turn2 = 1;
   for (const double off : {0.0, 1e-12, 1e-6, 1e-3, 0.05}) {
@@ -95,7 +95,7 @@ TEST(LaneKernel, HasNotArrivedHalfATurnAway) {
   }
 }
 
-TEST(LaneKernel, GoesToNearTargetsInAFewStepsAndStaysThere) {
+TEST(LaneKernel, ConvergesToNearTargetsInFewSteps) {
   Scene scene(7, 0, 0.1);
   const double tolerance = 1e-8;
   scene.options.distance2 = std::pow(tolerance * scene.folded.per_metre, 2);
@@ -110,7 +110,7 @@ TEST(LaneKernel, GoesToNearTargetsInAFewStepsAndStaysThere) {
 }
 
 // Bit for bit, in any lane and with any neighbours.
-TEST(LaneKernel, LanesDoNotMix) {
+TEST(LaneKernel, LanesAreIndependent) {
   for (const int joints : {6, 7, 9}) {
     Scene scene(joints);
     const JointVector first = scene.Q(0);
@@ -167,7 +167,7 @@ TEST(LaneKernel, ObeysLimitsAndLocks) {
   }
 }
 
-TEST(LaneKernel, KeepsTheBestThatItMet) {
+TEST(LaneKernel, KeepsTheBestConfiguration) {
   Scene scene(4, 0, 3);  // four joints reach few poses
   double least[kMaxLanes];
   std::fill(std::begin(least), std::end(least), INFINITY);

@@ -62,7 +62,7 @@ TEST(LaneSinCos, IsWithinTwoUnitsInTheLastPlaceOnEveryInstructionSet) {
   });
 }
 
-TEST(LaneSinCos, OfAnyAngleIsThatOfTheMiddleTurn) {
+TEST(LaneSinCos, ReducesAnyAngleToOneTurn) {
   OnEveryInstructionSet([](const std::string&) {
     Rng rng = Rng::Stream(2, "sincos");
     for (const double largest : {1e6, 1e9, 1e15})
@@ -70,7 +70,7 @@ TEST(LaneSinCos, OfAnyAngleIsThatOfTheMiddleTurn) {
   });
 }
 
-TEST(LaneSinCos, IsExactAtZeroAndNothingForNumbersThatAreNone) {
+TEST(LaneSinCos, IsExactAtZeroAndNanForNonFiniteNumbers) {
   OnEveryInstructionSet([](const std::string&) {
     const std::vector<double> angles = {0.0, -0.0, NAN, INFINITY, -INFINITY, 1e300, 5e-324, 1};
     const SinesAndCosines got = OfLanes(angles, true);

@@ -64,7 +64,7 @@ HWY_INLINE Quad Mul(const Quad& a, const Quad& b) {
   for (int k = 0; k < kPartsOfFour; ++k) out.part[k] = hn::Mul(a.part[k], b.part[k]);
   return out;
 }
-// The same plus c.
+// Returns a * b + c.
 HWY_INLINE Quad MulAdd(const Quad& a, const Quad& b, const Quad& c) {
   Quad out;
   for (int k = 0; k < kPartsOfFour; ++k) out.part[k] = hn::MulAdd(a.part[k], b.part[k], c.part[k]);

@@ -26,8 +26,8 @@ struct Lane {
   LaneQuestion question;
   LaneStarts starts;
   int restarts_left = 0;
-  bool goes_on = false;    // with more restarts than first allowed
-  int age = 0, steps = 0;  // of this start, of all
+  bool goes_on = false;    // true with more restarts than first allowed
+  int age = 0, steps = 0;  // steps of this start, steps of all
   bool settles = false;    // has arrived; its redundant joints still move
   JointVector before;      // the last step before
 };
@@ -166,7 +166,7 @@ class LaneSolver {
   LaneQueue& queue_;
   uint32_t busy_ = 0;  // a bit for each lane with a query
   std::array<Lane, kMaxLanes> lanes_;
-  std::array<IkResult, kMaxLanes> unmoved_;  // of the lanes that settle
+  std::array<IkResult, kMaxLanes> unmoved_;  // results of the lanes that settle
 };
 
 // If the seed is farther from the target than this (squared error), or has not arrived after this
@@ -297,12 +297,12 @@ class LaneSearch {
   const Transform& target_;
   const std::function<void()>& poll_;
   LaneStarts starts_;
-  int64_t starts_left_ = 1;  // until others join
+  int64_t starts_left_ = 1;  // valid until others join
   int steps_ = 0;
   bool seed_searches_;  // not given up
   bool joined_ = false;
   uint32_t busy_ = 0, aimed_ = 0, tried_ = 0;  // bits of lanes
-  std::array<int, kMaxLanes> age_, number_;    // of busy lanes
+  std::array<int, kMaxLanes> age_, number_;    // values of busy lanes
   IkResult answer_;
   int winner_ = 0;
   bool only_measured_ = true;  // the last step of the result

@@ -42,7 +42,7 @@ struct Questions {
   }
 };
 
-TEST(LaneTargets, SolveTheSameQuestions) {
+TEST(LaneTargets, SolveTheSameQueries) {
   for (const int joints : {6, 7, 9}) {
     Rng rng = Rng::Stream(joints, "lane targets");
     const Questions questions(&rng, joints, 60);
@@ -65,7 +65,7 @@ TEST(LaneTargets, SolveTheSameQuestions) {
 }
 
 // Rounding occasionally leads a search to another solution; usually it is the same one.
-TEST(LaneTargets, FindTheSameSolutionsButForRounding) {
+TEST(LaneTargets, FindTheSameSolutionsUpToRounding) {
   constexpr int kCount = 200;
   for (const int joints : {6, 7, 9}) {
     Rng rng = Rng::Stream(joints, "lane targets agree");
@@ -96,7 +96,7 @@ TEST(LaneTargets, FindTheSameSolutionsButForRounding) {
   }
 }
 
-TEST(LaneTargets, MeetWhatIsAskedForBesideAPose) {
+TEST(LaneTargets, MeetObjectivesBeyondAPose) {
   for (const int joints : {6, 8}) {
     Rng rng = Rng::Stream(joints, "lane objectives");
     const Questions questions(&rng, joints, 40);
@@ -127,7 +127,7 @@ TEST(LaneTargets, MeetWhatIsAskedForBesideAPose) {
   }
 }
 
-TEST(LaneTargets, HaveLanesOfTheirOwnNumber) {
+TEST(LaneTargets, UseTheLaneCountOfTheInstructionSet) {
   std::vector<int> lanes;
   OnEveryInstructionSet([&](const std::string&) {
     lanes.push_back(LaneCount());

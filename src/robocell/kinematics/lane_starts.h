@@ -106,7 +106,7 @@ class LaneStarts {
   };
   std::optional<Near> near_;  // successful seeds need none
   JointVector seed_;
-  std::span<const double> own_seed_;  // of a query with a preference
+  std::span<const double> own_seed_;  // seed of a query with a preference
   bool seeded_ = false, around_ = false;
   int begun_ = 0, known_ = 0;
   int next_ = 0, stride_ = 1;

@@ -31,8 +31,8 @@ class LaneWork {
   // Sets the start of the lane, within the limits; it is the best until a better one is found.
   template <class Number>  // double or float
   void Put(int lane, const Number* q);
-  // Until the lane gets new values, lets hinges pass limits that span a whole turn: the solution is
-  // off by whole turns.
+  // Lets hinges pass limits that span a whole turn until the lane gets new values: the solution
+  // differs by whole turns.
   void LetRoam(int lane);
   // Sets the target of the start with this number (0, 1, ...) for a cone.
   void AskFor(int lane, int start);
@@ -94,7 +94,7 @@ class LaneWork {
   LaneOptions limits_;
   double likely_cost_ = 0;
   LaneState state_;
-  std::optional<LaneTask> lane_task_;  // for more or less than a pose
+  std::optional<LaneTask> lane_task_;  // set for queries with axes, cones or weights
 };
 
 }  // namespace robocell::internal

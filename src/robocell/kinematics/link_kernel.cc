@@ -251,8 +251,8 @@ HWY_INLINE void GravityOf(const LinkTable& t, const Frames& frames, const double
 
 // Properties and motion of every link, one row per number.
 struct LinkRows {
-  alignas(64) Row unit[6];    // of the link, about the origin; later also of the links behind it
-  alignas(64) Row moment[3];  // of the link, about the origin; later of those behind it too
+  alignas(64) Row unit[6];    // the link's, about the origin; later with the links behind it
+  alignas(64) Row moment[3];  // the link's, about the origin; later with those behind it
   alignas(64) Row inertia[6];
   alignas(64) Row motion[6];
   alignas(64) Row change[6];

@@ -27,7 +27,7 @@ TEST(LowDiscrepancy, RadicalInverseMirrorsTheDigits) {
   for (uint64_t i = 0; i < 6; ++i) EXPECT_NEAR(RadicalInverse(i, 3), ternary[i], 1e-15);
 }
 
-TEST(LowDiscrepancy, EveryPowerOfTheBaseHitsEachOfItsShares) {
+TEST(LowDiscrepancy, EveryPowerOfTheBaseCoversAllIntervals) {
   for (const uint64_t base : {2, 3, 5}) {
     const uint64_t count = base * base * base;
     std::vector<int> hits(count);

@@ -29,6 +29,13 @@ Jacobian6 JacobianAt(const ChainModel& chain, const ChainFrames& frames) {
   return j;
 }
 
+// Returns the columns of the degrees of freedom, from those of all joints.
+Jacobian6 Reduced(const CoupledLinks& coupled, const double* slopes, const Jacobian6& all) {
+  Jacobian6 j = Jacobian6::Zero(6, coupled.n);
+  for (int i = 0; i < coupled.links.n; ++i) j.col(coupled.leader[i]) += slopes[i] * all.col(i);
+  return j;
+}
+
 // Returns the transposed pseudoinverse: column i belongs to column i of the Jacobian.
 Jacobian6 TransposedInverse(const Jacobian6& j) {
   if (j.cols() >= 6) {
@@ -50,33 +57,61 @@ double RootOfDeterminant(const Matrix& m) {
   return std::sqrt(product);
 }
 
+// d log w = trace(J^+ dJ), and dJ consists of cross products: a hinge turns the columns of the
+// joints behind it, columns of the joints before it only follow the tip. `links` are all joints.
+void GradientOfLinks(const ChainModel& links, const ChainFrames& frames, const Jacobian6& j,
+                     const Jacobian6& inverse, double* gradient) {
+  Eigen::Vector3d before = Eigen::Vector3d::Zero(), carried = Eigen::Vector3d::Zero();
+  for (int k = 0; k < links.n; ++k) {
+    gradient[k] = j.col(k).head<3>().dot(before);
+    if (!links.joints[k].slide) before += inverse.col(k).head<3>().cross(frames.axis[k]);
+  }
+  for (int k = links.n - 1; k >= 0; --k) {
+    carried += j.col(k).head<3>().cross(inverse.col(k).head<3>()) +
+               j.col(k).tail<3>().cross(inverse.col(k).tail<3>());
+    if (!links.joints[k].slide) gradient[k] += frames.axis[k].dot(carried);
+  }
+}
+
+// The Jacobian of the degrees of freedom is J D, where D has the slopes: its change is dJ D + J dD.
+void GradientOfCoupled(const CoupledLinks& coupled, const double* x, const ChainFrames& frames,
+                       const Jacobian6& j, double* gradient) {
+  std::array<double, kMaxChainJoints> slopes, of_links;
+  coupled.Slopes(x, slopes.data());
+  const Jacobian6 inverse = TransposedInverse(Reduced(coupled, slopes.data(), j));
+  Jacobian6 of_joints(6, coupled.links.n);
+  for (int i = 0; i < coupled.links.n; ++i)
+    of_joints.col(i) = slopes[i] * inverse.col(coupled.leader[i]);
+  GradientOfLinks(coupled.links, frames, j, of_joints, of_links.data());
+  std::fill_n(gradient, coupled.n, 0.0);
+  for (int i = 0; i < coupled.links.n; ++i) {
+    const int l = coupled.leader[i];
+    gradient[l] += slopes[i] * of_links[i] +
+                   coupled.polynomial[i].curvature(x[l]) * j.col(i).dot(inverse.col(l));
+  }
+}
+
 }  // namespace
 
 double ManipulabilityOf(const ChainModel& chain, const double* q) {
   ChainFrames frames;
   ComputeFrames(chain, q, &frames);
-  const Jacobian6 j = JacobianAt(chain, frames);
+  Jacobian6 j = JacobianAt(LinksOf(chain), frames);
+  if (chain.coupled) {
+    std::array<double, kMaxChainJoints> slopes;
+    chain.coupled->Slopes(q, slopes.data());
+    j = Reduced(*chain.coupled, slopes.data(), j);
+  }
   if (chain.n >= 6) return RootOfDeterminant(Matrix6(j * j.transpose()));
   return RootOfDeterminant(Small(j.transpose() * j));
 }
 
-// d log w = trace(J^+ dJ), and dJ consists of cross products: a hinge turns the columns of the
-// joints behind it, columns of the joints before it only follow the tip.
 void LogManipulabilityGradient(const ChainModel& chain, const double* q, double* gradient) {
   ChainFrames frames;
   ComputeFrames(chain, q, &frames);
-  const Jacobian6 j = JacobianAt(chain, frames);
-  const Jacobian6 inverse = TransposedInverse(j);
-  Eigen::Vector3d before = Eigen::Vector3d::Zero(), carried = Eigen::Vector3d::Zero();
-  for (int k = 0; k < chain.n; ++k) {
-    gradient[k] = j.col(k).head<3>().dot(before);
-    if (!chain.joints[k].slide) before += inverse.col(k).head<3>().cross(frames.axis[k]);
-  }
-  for (int k = chain.n - 1; k >= 0; --k) {
-    carried += j.col(k).head<3>().cross(inverse.col(k).head<3>()) +
-               j.col(k).tail<3>().cross(inverse.col(k).tail<3>());
-    if (!chain.joints[k].slide) gradient[k] += frames.axis[k].dot(carried);
-  }
+  const Jacobian6 j = JacobianAt(LinksOf(chain), frames);
+  if (chain.coupled) return GradientOfCoupled(*chain.coupled, q, frames, j, gradient);
+  GradientOfLinks(chain, frames, j, TransposedInverse(j), gradient);
 }
 
 double Manipulability(const Chain& chain, std::span<const double> q) {

@@ -1,4 +1,4 @@
-// How well a chain's tip can move in all directions.
+// Manipulability: a measure of how well a chain's tip moves in all directions.
 //
 //   const double w = Manipulability(chain, q);
 #pragma once
@@ -15,7 +15,7 @@ namespace robocell {
 // Chain::Jacobian.
 double Manipulability(const Chain& chain, std::span<const double> q);
 
-// The same unchecked, for the solvers of this folder.
+// Returns the manipulability without checks, for the solvers of this folder.
 double ManipulabilityOf(const ChainModel& chain, const double* q);
 // Computes the gradient of its logarithm by q, n numbers; finite everywhere. Near a lost direction
 // it points steeply away from the singularity.

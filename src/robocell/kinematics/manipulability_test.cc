@@ -14,7 +14,7 @@
 namespace robocell {
 namespace {
 
-TEST(LogManipulabilityGradient, IsThatOfDifferences) {
+TEST(LogManipulabilityGradient, MatchesFiniteDifferences) {
   constexpr double kStep = 1e-6;
   for (const int joints : {1, 2, 4, 5, 6, 7, 9, 12}) {
     Rng rng = Rng::Stream(joints, "manipulability");
@@ -39,7 +39,7 @@ TEST(LogManipulabilityGradient, IsThatOfDifferences) {
 }
 
 // Two parallel slides and a hinge: there is nothing to divide by.
-TEST(LogManipulabilityGradient, IsFiniteWhereADirectionIsLost) {
+TEST(LogManipulabilityGradient, IsFiniteAtASingularity) {
   const TestModel t = TestModel::FromXml(
       "<mujoco><worldbody><body name='base'><geom size='.1'/><body><joint type='slide'/>"
       "<geom size='.1'/><body><joint type='slide'/><geom size='.1'/><body><joint axis='1 0 0'/>"
@@ -52,7 +52,7 @@ TEST(LogManipulabilityGradient, IsFiniteWhereADirectionIsLost) {
   EXPECT_LT(Manipulability(chain, JointVector{0, 0, 0}), 1e-9);
 }
 
-TEST(ManipulabilityBatch, IsThatOfEachAlsoWhereADirectionIsLost) {
+TEST(ManipulabilityBatch, MatchesSingleConfigurationsAtSingularities) {
   const TestModel t = TestModel::FromXml(
       "<mujoco><default><geom size='.1'/></default><worldbody><body name='base'><geom/>"
       "<body><joint axis='0 0 1'/><geom/><body><joint axis='0 1 0'/><geom/><body pos='0 0 .4'>"

@@ -37,7 +37,7 @@ Transform TwistOnNormal(const CommonNormal& normal, const ChainModel& chain) {
 
 ChainModel InNormalFrames(const ChainModel& chain) {
   ChainModel out = chain;
-  std::array<double, kMaxChainJoints> angles{};  // of the new frames, from the old ones
+  std::array<double, kMaxChainJoints> angles{};  // angles from the old frames to the new ones
   std::array<double, kMaxChainJoints> shifts{};
   for (int i = 1; i < chain.n; ++i) {
     const auto normal = CommonNormalOf(chain.joints[i].fixed);

@@ -26,7 +26,7 @@ void ExpectSameFrames(const ChainModel& chain, const JointVector& q, double tole
   }
 }
 
-TEST(NormalFrames, StandWhereRandomChainsDo) {
+TEST(NormalFrames, MatchRandomChains) {
   Rng rng = Rng::Stream(1, "normal frames");
   for (int k = 0; k < 40; ++k) {
     const TestModel t = TestModel::FromXml(
@@ -40,7 +40,7 @@ TEST(NormalFrames, StandWhereRandomChainsDo) {
   }
 }
 
-TEST(NormalFrames, StandWhereAxesAreParallelOrNearlySo) {
+TEST(NormalFrames, MatchChainsWithNearlyParallelAxes) {
   Rng rng = Rng::Stream(2, "normal frames");
   for (const double off : {0.0, 1e-15, 1e-9, 1e-3, 0.0199, 0.0201, 0.1}) {
     for (const double turn : {0.0, std::acos(-1.0), std::acos(0.0)}) {
@@ -76,7 +76,7 @@ TEST(NormalFrames, StepAlongTheNormalAndTwistAboutIt) {
 }
 
 // Three pairs of axes that intersect up to rounding.
-TEST(NormalFrames, HaveNoLengthsThatAreNothingButRounding) {
+TEST(NormalFrames, HaveNoLengthsFromRoundingErrors) {
   ChainModel chain;
   chain.n = 4;
   const double third = std::acos(-1.0) / 3;

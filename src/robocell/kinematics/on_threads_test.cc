@@ -23,7 +23,7 @@ TEST(OnThreads, CallsEveryNumberOnceAndTheFirstOnTheCallersThread) {
   }
 }
 
-TEST(OnThreads, WhatAnyThreadThrowsArrivesAfterAllHaveEnded) {
+TEST(OnThreads, RethrowsExceptionsAfterAllThreadsEnd) {
   for (const int thrower : {0, 1, 2}) {
     std::atomic<int> ended = 0;
     try {
@@ -39,7 +39,7 @@ TEST(OnThreads, WhatAnyThreadThrowsArrivesAfterAllHaveEnded) {
   }
 }
 
-TEST(OnThreads, OfSeveralTheLowestNumbersIsThrown) {
+TEST(OnThreads, RethrowsTheExceptionOfTheLowestNumber) {
   try {
     OnThreads(4, [](int t) {
       if (t > 0) throw t;

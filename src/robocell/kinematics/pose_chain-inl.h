@@ -12,7 +12,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // The effect of a joint value on the joint's frame.
 struct Move {
   P sine, cosine;  // 0 and 1 for a slide
-  P shift;         // for a slide
+  P shift;         // displacement of a slide
 };
 
 class JointMoves {
@@ -49,7 +49,7 @@ class JointMoves {
     values_.Put(i, 2, off);
   }
 
-  JointNumbers<3> values_;  // in the form of a Move
+  JointNumbers<3> values_;  // values in the form of a Move
 };
 
 // The parts of a step: from the table, or known at compile time.

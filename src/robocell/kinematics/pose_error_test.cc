@@ -5,7 +5,7 @@
 namespace robocell::internal {
 namespace {
 
-TEST(PoseError, RotationVectorsAndTheirLengthsAreThoseThatRotationsAreMadeOf) {
+TEST(PoseError, RecoversRotationVectorsAndTheirLengths) {
   const Eigen::Vector3d axis = Eigen::Vector3d(0.3, -0.8, 0.5).normalized();
   for (const double angle : {0.0, 1e-12, 1e-6, 9.99e-4, 1.01e-3, 0.3, 1.6, 3.1, 3.14159}) {
     const Eigen::Matrix3d r = Eigen::AngleAxisd(angle, axis).toRotationMatrix();

@@ -67,7 +67,7 @@ class LinesToWrite {
   static constexpr int kLine = 8, kRun = 4 * kLine;  // numbers
 
   const double* next_;
-  int runs_;  // of a part
+  int runs_;  // runs of a part
 };
 // Writes of few numbers are not delayed for long.
 constexpr int kFewNumbers = 16;

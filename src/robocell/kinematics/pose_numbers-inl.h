@@ -8,7 +8,7 @@ HWY_BEFORE_NAMESPACE();
 namespace robocell::internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// For lambdas, which compilers consider too long to inline.
+// Forces inlining of lambdas that compilers consider too long.
 #undef POSE_INLINE
 #define POSE_INLINE HWY_ATTR __attribute__((always_inline))
 

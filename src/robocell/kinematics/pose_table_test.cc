@@ -37,7 +37,7 @@ TEST(PoseTable, IsPlainForHingesWhoseAxesAreParallelOrSquare) {
 }
 
 // Their frames stay unchanged (normal_frames.h), and the cosine of such a twist may be 1.
-TEST(PoseTable, KeepsTwistsThatAreNextToNothing) {
+TEST(PoseTable, KeepsTinyTwists) {
   for (const double twist : {1e-13, 1e-9, 1e-8, 1e-3}) {
     ChainModel chain = ThreeHinges({0, 0, 1}, {1, 0, 0});
     chain.joints[1].fixed.rotation =

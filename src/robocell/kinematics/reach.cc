@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "robocell/kinematics/chain_cache.h"
 #include "robocell/kinematics/low_discrepancy.h"
 #include "robocell/kinematics/start_range.h"
 
@@ -75,6 +76,9 @@ class ReachSearch {
 
 }  // namespace
 
-double ApproximateReach(const Chain& chain) { return ReachSearch(chain.model()).Run(); }
+double ApproximateReach(const Chain& chain) {
+  static internal::ChainCache<double> cache;
+  return *cache.Get(chain.model(), [&] { return ReachSearch(chain.model()).Run(); });
+}
 
 }  // namespace robocell

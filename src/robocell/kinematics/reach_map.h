@@ -33,7 +33,7 @@ struct ReachMapOptions {
   // exact rotation. With five joints, map the direction of an axis of the tip; with fewer, its
   // position only, for which `rotations` does not count.
   bool position_only = false;
-  std::optional<Eigen::Vector3d> axis{};  // in the tip's frame
+  std::optional<Eigen::Vector3d> axis{};  // axis in the tip's frame
   double tolerance = 1e-3;                // m and rad
   // Starts after the first for each query. Solutions that these miss are found if the same rotation
   // was reached in an adjacent cell, whose joint values are then used as starts.
@@ -46,7 +46,7 @@ struct ReachMapOptions {
 struct ReachMap {
   std::array<int, 3> cells{};                       // along x, y, z
   Eigen::Vector3d first = Eigen::Vector3d::Zero();  // centre of the first cell, m, base frame
-  double cell = 0;                                  // between centres, m
+  double cell = 0;                                  // distance between centres, m
   int rotations = 0;                                // tried at each cell
   // The share of reached rotations, 0 to 1; and the mean manipulability (manipulability.h) of the
   // configurations found, 0 without any. z changes fastest.

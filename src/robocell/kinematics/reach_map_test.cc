@@ -28,7 +28,7 @@ constexpr char kBallArm[] =
     "<body pos='0.4 0 0'><joint axis='1 0 0'/><joint axis='0 1 0'/><joint axis='1 0 0'/><geom/>"
     "<site name='tip'/></body></body></body></body></worldbody></mujoco>";
 
-TEST(ReachMap, IsTheShellThatTwoLinksReach) {
+TEST(ReachMap, IsTheShellOfTwoLinks) {
   const TestModel t = TestModel::FromXml(kBallArm);
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
   const ReachGrid grid{.lower = {-1.1, -1.1, 0}, .upper = {1.1, 1.1, 0}, .cell = 0.1};
@@ -62,7 +62,7 @@ std::string Shorter(const std::string& wrist) {
   return xml.replace(xml.find(whole), whole.size(), wrist);
 }
 
-TEST(ReachMap, OfFiveJointsAsksWhereAnAxisPoints) {
+TEST(ReachMap, OfFiveJointsUsesAnAxisDirection) {
   const TestModel t = TestModel::FromXml(Shorter("<joint axis='1 0 0'/><joint axis='0 1 0'/>"));
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
   const ReachGrid grid{.lower = {0.3, 0.3, 0.1}, .upper = {0.5, 0.5, 0.3}, .cell = 0.1};
@@ -75,7 +75,7 @@ TEST(ReachMap, OfFiveJointsAsksWhereAnAxisPoints) {
   }
 }
 
-TEST(ReachMap, OfThreeJointsAsksForThePositionOnly) {
+TEST(ReachMap, OfThreeJointsUsesPositionsOnly) {
   const TestModel t = TestModel::FromXml(Shorter(""));
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
   const ReachGrid grid{.lower = {-1.1, -1.1, 0}, .upper = {1.1, 1.1, 0}, .cell = 0.1};
@@ -96,7 +96,7 @@ TEST(ReachMap, OfThreeJointsAsksForThePositionOnly) {
 // A shoulder that does not turn all the way round leaves a wedge without starts: configurations
 // that reach into it come from either side, and the few starts of a map have to find them from
 // both.
-TEST(ReachMap, KnowsWhatIsReachedOnBothSidesOfAShouldersLimits) {
+TEST(ReachMap, CoversBothSidesOfAShouldersLimits) {
   for (const char* shoulder : {"-170 170", "-175 160"}) {
     const TestModel t = TestModel::FromXml(fmt::format(
         "<mujoco><compiler autolimits='true'/><default><geom size='.01'/></default><worldbody>"
@@ -124,7 +124,7 @@ TEST(ReachMap, KnowsWhatIsReachedOnBothSidesOfAShouldersLimits) {
 }
 
 // Few starts miss whole regions inside the reach; solutions of adjacent cells lead inside.
-TEST(ReachMap, HasNoHolesThatManyStartsFill) {
+TEST(ReachMap, HasNoHolesWithManyStarts) {
   for (const std::vector<TableRow>& rows : {Puma560(), OffsetSevenJoints()}) {
     const TestModel t = TestModel::FromXml(ArmXml(rows));
     const Chain chain(t.model(), "base", ChainTip::Site("tip"));
@@ -141,7 +141,7 @@ TEST(ReachMap, HasNoHolesThatManyStartsFill) {
 }
 
 // The map must not show a place as unreachable if a configuration puts the tip there.
-TEST(ReachMap, KnowsThePlacesThatRandomConfigurationsReach) {
+TEST(ReachMap, ContainsPositionsOfRandomConfigurations) {
   Rng rng = Rng::Stream(1, "reach map");
   const TestModel t = TestModel::FromXml(
       RandomChainXml(&rng, {.joints = 7, .slide_share = 0, .limited_share = 1}).Write());
@@ -159,7 +159,7 @@ TEST(ReachMap, KnowsThePlacesThatRandomConfigurationsReach) {
   EXPECT_GE(known, 45) << "64 rotations may miss a place that is reached in few";
 }
 
-TEST(ReachMap, IsTheSameOnThreadsAndHasRoomForTheWholeChain) {
+TEST(ReachMap, IsTheSameOnThreadsAndContainsTheWholeChain) {
   const TestModel t = TestModel::FromXml(kBallArm);
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
   const ReachGrid grid = ReachGrid::Around(chain, 0.4);
@@ -195,7 +195,7 @@ TEST(SpreadRotation, CoversAllRotationsEvenly) {
   EXPECT_LT(farthest, 0.75);  // 200 balls of 0.75 rad have eleven times the volume of all rotations
 }
 
-TEST(ReachMap, RefusesWhatMakesNoSense) {
+TEST(ReachMap, RejectsInvalidArguments) {
   const TestModel t = TestModel::FromXml(kBallArm);
   const Chain chain(t.model(), "base", ChainTip::Site("tip"));
   const ReachGrid box{.lower = {-1, -1, 0}, .upper = {1, 1, 0}};

@@ -1,6 +1,6 @@
 // Fills a map of what a chain reaches. For reach_map.cc.
 //
-// Every pose is solved from a few starts of its own. A pose that none of them reached, next to a
+// Every pose is solved from a few separate starts. A pose that none of them reached, next to a
 // cell where the same rotation was reached, is solved again from there, and once from many starts,
 // as long as that finds more: few starts miss whole regions, but hardly their borders.
 #pragma once
@@ -50,7 +50,7 @@ class ReachMapper {
   std::size_t first_ = 0, end_ = 0;
   std::vector<std::size_t> cell_of_slot_, slot_of_cell_;  // the latter from first_ on
   enum class State : uint8_t { kOpen, kInsisted, kReached };
-  std::vector<State> states_;  // of each pose
+  std::vector<State> states_;  // state of each pose
   std::vector<float> q_;       // n for each pose, where reached
   // Poses that were reached last, and those that were not reached from a neighbour.
   std::vector<std::size_t> news_, barred_;

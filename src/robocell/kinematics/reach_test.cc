@@ -20,7 +20,7 @@ TEST(Reach, OfAPlanarArmIsTheSumOfItsLinks) {
               with_elbow_at_half_a_radian, 1e-6);
 }
 
-TEST(Reach, OfASlideWithoutLimitsIsItsChainsLength) {
+TEST(Reach, OfAnUnlimitedSlideIsTheLengthOfItsChain) {
   const TestModel t = TestModel::FromXml(
       "<mujoco><worldbody><body name='base'><body><joint type='slide' axis='1 0 0'/><geom "
       "size='.1'/>"
@@ -28,7 +28,7 @@ TEST(Reach, OfASlideWithoutLimitsIsItsChainsLength) {
   EXPECT_NEAR(ApproximateReach(Chain(t.model(), "base", ChainTip::Body("tip"))), 4, 1e-9);
 }
 
-TEST(Reach, IsNeverBelowWhatRandomPosesReachByMoreThanAPercentNorAboveTheBound) {
+TEST(Reach, IsWithinAPercentOfRandomPosesAndBelowTheBound) {
   for (int k = 0; k < 20; ++k) {
     Rng rng = Rng::Stream(1, "reach", k);
     TestModel t = TestModel::FromXml(RandomChainXml(&rng, {.joints = 2 + k % 7}).Write());

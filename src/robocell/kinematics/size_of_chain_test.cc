@@ -79,7 +79,7 @@ Solved SolvedAt(int seed, double size) {
   return solved;
 }
 
-TEST(SizeOfChain, SlidesAreAsGoodForSolutionsAtEverySize) {
+TEST(SizeOfChain, SlidesSolveEquallyAtEverySize) {
   for (int seed = 0; seed < 6; ++seed) {
     const Solved metres = SolvedAt(seed, 1);
     for (const double size : {1e-3, 1e2, 1e4}) {
@@ -112,7 +112,7 @@ double OffThePosture(int seed, double size) {
   return sum / kTargets;
 }
 
-TEST(SizeOfChain, JointsToSpareComeAsNearToAPostureAtEverySize) {
+TEST(SizeOfChain, RedundantJointsApproachAPostureEquallyAtEverySize) {
   for (int seed = 0; seed < 4; ++seed) {
     const double metres = OffThePosture(seed, 1);
     for (const double size : {1e-3, 1e2, 1e4})

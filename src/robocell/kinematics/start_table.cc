@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "robocell/kinematics/chain_cache.h"
 #include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/low_discrepancy.h"
 #include "robocell/kinematics/start_range.h"
@@ -87,6 +88,11 @@ StartTable::StartTable(const ChainModel& chain)
   MakeDetours();
 }
 
+std::shared_ptr<const StartTable> StartTable::Of(const ChainModel& chain) {
+  static ChainCache<StartTable> cache;
+  return cache.Get(chain, [&] { return StartTable(chain); });
+}
+
 // Makes cubes over the box of all positions, and counts the entries in each.
 void StartTable::MakeCells(const std::vector<std::array<float, kColumns>>& poses) {
   std::array<float, 3> sides{};
@@ -159,7 +165,7 @@ void StartTable::Score(const Aim& aim, int first, int count, float* scores) cons
   const float per_distance2 = per_distance2_, turn_weight = aim.turn_weight;
   for (int e = 0; e < count; ++e) {
     const float dx = x[e] - px, dy = y[e] - py, dz = z[e] - pz;
-    float cosine = qw[e] * w + qx[e] * i + qy[e] * j + qz[e] * k;  // of half the angle
+    float cosine = qw[e] * w + qx[e] * i + qy[e] * j + qz[e] * k;  // cosine of half the angle
     if constexpr (kAnyTurn) {
       // The value for the nearest rotation about the axis.
       const float other = qw[e] * hw + qx[e] * hi + qy[e] * hj + qz[e] * hk;

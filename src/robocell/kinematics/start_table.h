@@ -3,12 +3,13 @@
 //
 // It sorts points of a low-discrepancy sequence into cells of space by the position of the tip;
 // within a cell they are ranked by the rotation and translation that the tip needs. A start nearby
-// needs few steps, and ends more often inside the limits. Immutable; a chain makes it once, in some
-// milliseconds.
+// needs few steps, and ends more often inside the limits. Immutable; made in some milliseconds, once
+// for all chains that move alike.
 #pragma once
 
 #include <array>
 #include <cstddef>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -19,6 +20,8 @@ namespace robocell::internal {
 class StartTable {
  public:
   explicit StartTable(const ChainModel& chain);
+  // Returns a chain's table, which chains with the same geometry share.
+  static std::shared_ptr<const StartTable> Of(const ChainModel& chain);
 
   // A pose to start near.
   struct Aim {
@@ -67,12 +70,12 @@ class StartTable {
   void ForNearby(const Aim& aim, const Visit& visit) const;
 
   int n_ = 0;
-  std::array<float, kMaxChainJoints> apart_{};  // of each joint, rad or m
+  std::array<float, kMaxChainJoints> apart_{};  // distance for each joint, rad or m
   float per_distance2_ = 0;        // weight of a squared distance against a squared angle
-  std::array<float, 3> corner_{};  // of the first cell, m
+  std::array<float, 3> corner_{};  // corner of the first cell, m
   float per_edge_ = 0;             // 1 / edge of a cell, 1/m
   std::array<int, 3> cells_{};     // along each axis
-  std::vector<int> begin_;         // of each cell's entries; one more at the end
+  std::vector<int> begin_;         // first entry of each cell; one more at the end
   // The cells to search for a cell, from detour_begin_[cell] to the next one's: itself, or the
   // nearest ones with enough entries.
   std::vector<int> detour_begin_, detours_;

@@ -30,7 +30,7 @@ class StartTableTest : public testing::Test {
   StartTable table_{chain_.model()};
 };
 
-TEST_F(StartTableTest, ComeInOrderAndEndAndLieInTheLimits) {
+TEST_F(StartTableTest, AreSortedFiniteAndWithinTheLimits) {
   const StartTable::Aim aim = StartTable::At(TipAt(std::vector<float>(7).data()), false);
   StartTable::Place place;
   int count = 0;
@@ -46,7 +46,7 @@ TEST_F(StartTableTest, ComeInOrderAndEndAndLieInTheLimits) {
   EXPECT_GE(count, 8);
 }
 
-TEST_F(StartTableTest, AreTheSameAtOnceAndOneByOne) {
+TEST_F(StartTableTest, AreTheSameTogetherAndOneByOne) {
   for (int k = 0; k < 50; ++k) {
     std::vector<float> q(7);
     for (float& value : q) value = static_cast<float>(rng_.Uniform(-1, 1));
@@ -70,7 +70,7 @@ TEST_F(StartTableTest, AreTheSameAtOnceAndOneByOne) {
 }
 
 // Starts whose joints are all alike fail alike.
-TEST_F(StartTableTest, ArePassedOverWhereTheyAreLikeOneThatWasTried) {
+TEST_F(StartTableTest, AreSkippedIfSimilarToEarlierOnes) {
   const StartTable::Aim aim = StartTable::At(TipAt(std::vector<float>(7).data()), false);
   std::vector<StartTable::Place> tried;
   StartTable::Place place;
@@ -93,7 +93,7 @@ TEST_F(StartTableTest, ArePassedOverWhereTheyAreLikeOneThatWasTried) {
 }
 
 // A tip that may turn about an axis is equally near in every turn about it.
-TEST_F(StartTableTest, AreAsNearHoweverTheTargetIsTurnedAboutItsFreeAxis) {
+TEST_F(StartTableTest, DoNotDependOnRotationAboutTheFreeAxis) {
   const Eigen::Vector3d axis = Eigen::Vector3d(1, -2, 0.5).normalized();
   Transform target = TipAt(std::vector<float>(7, 0.3F).data());
   StartTable::Place first, turned;
@@ -114,7 +114,7 @@ TEST_F(StartTableTest, AreAsNearHoweverTheTargetIsTurnedAboutItsFreeAxis) {
   EXPECT_LE(here.score, 8 * (1 - std::cos(off / 2)) + 1e-4);
 }
 
-TEST_F(StartTableTest, AreNearerThanTheMiddle) {
+TEST_F(StartTableTest, AreNearerThanTheCentre) {
   double first = 0, middle = 0;
   const JointVector centre(7);
   for (int k = 0; k < 200; ++k) {
@@ -131,7 +131,7 @@ TEST_F(StartTableTest, AreNearerThanTheMiddle) {
   EXPECT_LT(first, 0.5 * middle);
 }
 
-TEST_F(StartTableTest, AreThereForPosesThatNothingReaches) {
+TEST_F(StartTableTest, ExistForUnreachablePoses) {
   for (const double far : {3.0, 1e6, 1e300}) {
     StartTable::Place place;
     const Transform target{Eigen::Matrix3d::Identity(), {far, -far, far}};
@@ -141,7 +141,7 @@ TEST_F(StartTableTest, AreThereForPosesThatNothingReaches) {
 }
 
 // All configurations put the tip at the same place.
-TEST(StartTable, MayHaveOnePlaceOnly) {
+TEST(StartTable, CanHaveASinglePlace) {
   ChainModel chain;
   chain.n = 1;
   chain.joints[0].lower = -1;

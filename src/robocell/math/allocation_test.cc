@@ -41,7 +41,7 @@ TEST(Allocation, TwistsAndInterpolationDoNotAllocate) {
   EXPECT_EQ(count.allocations(), 0);
 }
 
-TEST(Allocation, TheCounterCounts) {
+TEST(Allocation, TheCounterCountsAllocations) {
   const AllocationCount count;
   ::operator delete(::operator new(1));  // a new expression may be optimised away
   EXPECT_EQ(count.allocations(), 1);

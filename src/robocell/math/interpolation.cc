@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 namespace {
@@ -18,7 +19,8 @@ void RequirePositive(double limit, std::string_view what) {
 
 void RequireSameSize(size_t size, size_t expected, std::string_view what) {
   if (size == expected) return;
-  throw ArgumentError(fmt::format("{} has {} numbers, but the start has {}", what, size, expected));
+  throw ArgumentError(fmt::format("{} has {}, but the start has {}", what,
+                                  Counted(static_cast<int64_t>(size), "number"), expected));
 }
 
 }  // namespace

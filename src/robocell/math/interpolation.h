@@ -48,7 +48,7 @@ class TrapezoidalMotion {
 
  private:
   double distance_;
-  double acceleration_;  // with the sign of the distance
+  double acceleration_;  // acceleration, with the sign of the distance
   double ramp_;          // duration of the acceleration, and of the braking
   double cruise_end_;
 };

@@ -76,7 +76,7 @@ TEST(MinimumJerk, WithoutDurationItJumps) {
                              "the duration of a motion must be >= 0 s, not -1");
 }
 
-TEST(MinimumJerk, TheDurationJustKeepsTheLimits) {
+TEST(MinimumJerk, TheDurationIsTheShortestWithinTheLimits) {
   Rng rng = Rng::Stream(1, "duration");
   for (int i = 0; i < 200; ++i) {
     const double distance = rng.Uniform(-3, 3), v = rng.Uniform(0.1, 3), a = rng.Uniform(0.1, 9);
@@ -89,7 +89,7 @@ TEST(MinimumJerk, TheDurationJustKeepsTheLimits) {
   }
 }
 
-TEST(MinimumJerk, InfiniteLimitsAreNone) {
+TEST(MinimumJerk, IgnoresInfiniteLimits) {
   EXPECT_DOUBLE_EQ(MinimumJerkDuration(1, 1, kInfinity), 1.875);
   EXPECT_EQ(MinimumJerkDuration(1, kInfinity, kInfinity), 0);
   ExpectThrow<ArgumentError>([] { MinimumJerkDuration(1, 0, 1); },
@@ -128,14 +128,14 @@ TEST(TrapezoidalMotion, IsAsFastAsTheLimitsAllow) {
   EXPECT_EQ(TrapezoidalMotion(3, 1, 1).at(3.5).acceleration, -1);
 }
 
-TEST(TrapezoidalMotion, WithoutDistanceItIsOverAtOnce) {
+TEST(TrapezoidalMotion, WithoutDistanceHasNoDuration) {
   const TrapezoidalMotion motion(0, 1, 1);
   EXPECT_EQ(motion.duration(), 0);
   EXPECT_EQ(motion.at(0).position, 0);
   EXPECT_EQ(motion.at(1).position, 0);
 }
 
-TEST(TrapezoidalMotion, RefusesLimitsThatAreNone) {
+TEST(TrapezoidalMotion, RejectsInvalidLimits) {
   ExpectThrow<ArgumentError>([] { TrapezoidalMotion(1, -1, 1); },
                              "max_velocity must be > 0, not -1");
   ExpectThrow<ArgumentError>([] { TrapezoidalMotion(1, 1, kInfinity); },
@@ -166,7 +166,7 @@ TEST(InterpolateJoints, IsExactAtBothEnds) {
   }
 }
 
-TEST(InterpolateJoints, RefusesDifferentSizes) {
+TEST(InterpolateJoints, RejectsDifferentSizes) {
   const std::vector<double> two(2), three(3);
   std::vector<double> out(2);
   ExpectThrow<ArgumentError>([&] { InterpolateJoints(two, three, 0, out); },

@@ -59,7 +59,7 @@ class Pose {
   Eigen::Vector3d rotvec() const;  // axis * angle, angle in [0, pi]
   Eigen::Matrix4d matrix() const;
   std::array<double, 6> xyzrpy() const;
-  double angle() const;  // of the rotation, in [0, pi]
+  double angle() const;  // rotation angle in [0, pi]
 
   Pose inverse() const;
   Pose operator*(const Pose& other) const;

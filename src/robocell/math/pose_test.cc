@@ -29,7 +29,7 @@ TEST(Pose, DefaultIsTheIdentity) {
   EXPECT_EQ(Pose(), Pose(Vector3d::Zero()));
 }
 
-TEST(Pose, ItsArgumentsMayBeListsAndExpressions) {
+TEST(Pose, AcceptsListsAndExpressions) {
   const Pose pose({1, 2, 3}, {0.6, 0, 0, 0.8});
   const Vector3d t = pose.translation();
   EXPECT_EQ(Pose(0.5 * t, pose.quaternion()).translation(), Vector3d(0.5, 1, 1.5));
@@ -65,7 +65,7 @@ TEST(Pose, MovesPointsLikeItsMatrix) {
   }
 }
 
-TEST(Pose, EveryRepresentationComesBack) {
+TEST(Pose, EveryRepresentationRoundTrips) {
   Rng rng = Rng::Stream(1, "representations");
   for (int i = 0; i < kPoses; ++i) {
     const Pose pose = RandomPose(rng);
@@ -131,13 +131,13 @@ TEST(Pose, LimitsBoundOnePartAndKeepItsDirection) {
   }
 }
 
-TEST(Pose, LimitsOfZeroLeaveNothing) {
+TEST(Pose, ZeroLimitsGiveTheIdentity) {
   const Pose pose({1, 2, 3}, Quaternion{0.6, 0, 0, 0.8});
   EXPECT_EQ(pose.limit_translation(0).limit_rotation(0), Pose());
   EXPECT_EQ(Pose().limit_translation(0).limit_rotation(0), Pose());
 }
 
-TEST(Pose, NegativeLimitsAreRefused) {
+TEST(Pose, RejectsNegativeLimits) {
   ExpectThrow<ArgumentError>([] { Pose().limit_translation(-1); },
                              "pose: cannot limit the translation to -1");
   ExpectThrow<ArgumentError>([] { Pose().limit_rotation(NAN); },
@@ -176,7 +176,7 @@ TEST(Pose, IntegrateUndoesPoseDifference) {
   }
 }
 
-TEST(Pose, WhatIsNoPoseIsRefused) {
+TEST(Pose, RejectsInvalidPoses) {
   ExpectThrow<ArgumentError>(
       [] {
         Pose({0, NAN, 0});
@@ -210,7 +210,7 @@ TEST(Pose, IsFiniteUntilArithmeticOverflows) {
   EXPECT_FALSE(IsFinite(far * far));
 }
 
-TEST(Pose, PrintsTheNumbersItIsMadeFrom) {
+TEST(Pose, PrintsItsNumbers) {
   std::ostringstream out;
   out << Pose({0.1, 0, -2}, Quaternion{0.6, 0, 0, 0.8});
   EXPECT_EQ(out.str(), "Pose(translation=[0.1, 0, -2], quaternion=[0.6, 0, 0, 0.8])");

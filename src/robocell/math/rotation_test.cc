@@ -33,7 +33,7 @@ double Distance(const Quaternion& a, const Quaternion& b) {
   return largest;
 }
 
-TEST(Rotation, MatricesAreThoseOfEigen) {
+TEST(Rotation, MatricesMatchEigen) {
   Rng rng = Rng::Stream(1, "matrices");
   for (int i = 0; i < kCases; ++i) {
     const Quaternion q = RandomQuaternion(rng);
@@ -43,7 +43,7 @@ TEST(Rotation, MatricesAreThoseOfEigen) {
   }
 }
 
-TEST(Rotation, ProductsAndInversesAreThoseOfMatrices) {
+TEST(Rotation, ProductsAndInversesMatchMatrices) {
   Rng rng = Rng::Stream(1, "products");
   for (int i = 0; i < kCases; ++i) {
     const Quaternion a = RandomQuaternion(rng), b = RandomQuaternion(rng);
@@ -92,7 +92,7 @@ TEST(Rotation, QuaternionsWithinOneMillionthAreNormalised) {
   }
 }
 
-TEST(Rotation, OtherQuaternionsAreRefused) {
+TEST(Rotation, RejectsOtherQuaternions) {
   ExpectThrow<ArgumentError>(
       [] {
         UnitQuaternion({0, 0, 0, 0.5});
@@ -112,7 +112,7 @@ TEST(Rotation, TheOrderOfMujocoIsWxyz) {
   EXPECT_EQ(QuaternionToWxyz(q), (Quaternion{0.8, 0.6, 0, 0}));
 }
 
-TEST(Rotation, MatricesThatAreNoRotationAreRefused) {
+TEST(Rotation, RejectsMatricesThatAreNotRotations) {
   Matrix3d scaled = Matrix3d::Identity();
   scaled(0, 0) = 1.1;
   ExpectThrow<ArgumentError>([&] { QuaternionFromMatrix(scaled); },
@@ -126,7 +126,7 @@ TEST(Rotation, MatricesThatAreNoRotationAreRefused) {
   EXPECT_EQ(QuaternionFromMatrix(nearly), (Quaternion{0, 0, 0, 1}));
 }
 
-TEST(Rotation, EveryAngleSurvivesTheWayThroughARotationVector) {
+TEST(Rotation, RotationVectorsRoundTripEveryAngle) {
   Rng rng = Rng::Stream(1, "rotvec");
   for (const double angle : {0.0, 1e-300, 1e-170, 1e-20, 1e-9, 0.99e-8, 1.01e-8, 1e-4, 0.1, 1.0,
                              3.0, kPi - 1e-4, kPi - 1e-9, kPi - 1e-15}) {
@@ -141,7 +141,7 @@ TEST(Rotation, EveryAngleSurvivesTheWayThroughARotationVector) {
   }
 }
 
-TEST(Rotation, RotationVectorsBeyondPiComeBackAsTheShorterTurn) {
+TEST(Rotation, RotationVectorsBeyondPiBecomeTheShorterTurn) {
   Rng rng = Rng::Stream(1, "long rotvec");
   for (int i = 0; i < kCases; ++i) {
     const double angle = rng.Uniform(kPi, 20);
@@ -165,7 +165,7 @@ TEST(Rotation, RpyIsYawTimesPitchTimesRoll) {
   }
 }
 
-TEST(Rotation, RpyInItsRangesComesBack) {
+TEST(Rotation, RpyRoundTripsInItsRanges) {
   Rng rng = Rng::Stream(1, "rpy back");
   for (int i = 0; i < kCases; ++i) {
     const Vector3d rpy(rng.Uniform(-3.1, 3.1), rng.Uniform(-1.5, 1.5), rng.Uniform(-3.1, 3.1));
@@ -173,7 +173,7 @@ TEST(Rotation, RpyInItsRangesComesBack) {
   }
 }
 
-TEST(Rotation, RpyGivesTheRotationBackHoweverNearToGimbalLock) {
+TEST(Rotation, RpyRoundTripsNearGimbalLock) {
   Rng rng = Rng::Stream(1, "near lock");
   for (const double gap : {0.0, 1e-16, 1e-14, 1e-12, 2e-12, 1e-9, 1e-6, 1e-3}) {
     for (int i = 0; i < 500; ++i) {

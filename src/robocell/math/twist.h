@@ -49,23 +49,23 @@ Wrench operator+(const Wrench& a, const Wrench& b);
 Wrench operator-(const Wrench& a, const Wrench& b);
 Wrench operator*(double factor, const Wrench& wrench);
 
-// In B to in A.
+// Transforms a twist or wrench from frame B to frame A.
 Twist Transformed(const Pose& X_AB, const Twist& in_B);
 Wrench Transformed(const Pose& X_AB, const Wrench& in_B);
 
-// Axes of B to axes of A; the reference point stays.
+// Rotates the axes from B to A and keeps the reference point.
 Twist Rotated(const Quaternion& R_AB, const Twist& twist);
 Wrench Rotated(const Quaternion& R_AB, const Wrench& wrench);
 
-// The reference point moves by `offset`; the axes stay.
+// Moves the reference point by `offset` and keeps the axes.
 Twist Shifted(const Twist& twist, const Eigen::Vector3d& offset);
 Wrench Shifted(const Wrench& wrench, const Eigen::Vector3d& offset);
 
-// In watts; both in the same frame.
+// Returns the power in watts; both must be in the same frame.
 double Power(const Twist& twist, const Wrench& wrench);
 
-// The matrix of Transformed for twists: V_A.vector() = AdjointMatrix(X_AB) * V_B.vector(). For
-// wrenches it is AdjointMatrix(X_AB.inverse()).transpose().
+// Returns the matrix of Transformed for twists: V_A.vector() = AdjointMatrix(X_AB) * V_B.vector().
+// For wrenches it is AdjointMatrix(X_AB.inverse()).transpose().
 Eigen::Matrix<double, 6, 6> AdjointMatrix(const Pose& X_AB);
 
 }  // namespace robocell

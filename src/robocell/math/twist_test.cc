@@ -44,7 +44,7 @@ Twist FiniteDifference(const Motion& X_AM) {
   return {twist.topRightCorner<3, 1>(), {twist(2, 1), twist(0, 2), twist(1, 0)}};
 }
 
-TEST(Twist, TransformedIsWhatAnObserverInTheOtherFrameSees) {
+TEST(Twist, TransformedMatchesAnObserverInTheOtherFrame) {
   Rng rng = Rng::Stream(1, "adjoint");
   for (int i = 0; i < kTwists; ++i) {
     const Pose X_AB = RandomPose(rng), start = RandomPose(rng);

@@ -19,6 +19,7 @@
 #include <thread>
 
 #include "robocell/base/error.h"
+#include "robocell/media/warm_program.h"
 
 namespace robocell::internal {
 namespace {
@@ -94,6 +95,33 @@ std::vector<char*> Argv(const std::vector<std::string>& arguments) {
   return argv;
 }
 
+// The environment of this process with other values for some names.
+std::vector<std::string> EnvironmentWith(const std::vector<std::string>& changes) {
+  std::vector<std::string> all = changes;
+  const auto is_changed = [&](const std::string& variable) {
+    const std::string beginning = variable.substr(0, variable.find('=') + 1);
+    return std::any_of(changes.begin(), changes.end(),
+                       [&](const std::string& change) { return change.starts_with(beginning); });
+  };
+  for (char** variable = environ; *variable; ++variable) {
+    if (!is_changed(*variable)) all.emplace_back(*variable);
+  }
+  return all;
+}
+
+// A process that has loaded the program forks the child; -1 when there can be none.
+pid_t StartFromLoaded(const std::vector<std::string>& arguments, const SpawnSetup& setup,
+                      int errors) {
+  int nothing = AwayFromStdio(open("/dev/null", O_RDWR | O_CLOEXEC));
+  if (nothing < 0) return -1;
+  const pid_t child =
+      StartWarm(arguments, {.in = setup.child_stdin >= 0 ? setup.child_stdin : nothing,
+                            .out = setup.child_stdout >= 0 ? setup.child_stdout : nothing,
+                            .errors = errors});
+  CloseFd(nothing);
+  return child;
+}
+
 }  // namespace
 
 ChildProcess::ChildProcess(const std::vector<std::string>& arguments,
@@ -122,10 +150,13 @@ ChildProcess::ChildProcess(const std::vector<std::string>& arguments,
     setup.child_stdout = AwayFromStdio(ends[1]);
     if (stdout_ < 0 || setup.child_stdout < 0) fail(errno);
   }
+  if (options.warm) pid_ = StartFromLoaded(arguments, setup, errors_);
+  if (pid_ > 0) return;
   SetDefaults(setup);
   Redirect(setup, errors_);
+  const std::vector<std::string> environment = EnvironmentWith(options.environment);
   const int error = posix_spawn(&pid_, program_.c_str(), &setup.actions, &setup.attributes,
-                                Argv(arguments).data(), environ);
+                                Argv(arguments).data(), Argv(environment).data());
   if (error != 0) {
     reaped_ = true;
     fail(error);

@@ -1,5 +1,5 @@
 // A child process with a pipe to its stdin or from its stdout, for VideoWriter and VideoReader. Not
-// a general process library: no shell, no environment changes, Linux only.
+// a general process library: no shell, Linux only.
 //
 // Guarantees: the child gets no other file descriptor of ours; its stderr is collected; it has its
 // own process group, so that Ctrl-C in the terminal does not end it before us; writing to a dead
@@ -27,7 +27,10 @@ namespace robocell::internal {
 struct ChildProcessOptions {
   bool pipe_stdin = false;   // otherwise stdin is /dev/null
   bool pipe_stdout = false;  // otherwise stdout is /dev/null
+  bool warm = false;         // forked from a process that has loaded the program (warm_program.h)
   double stall_timeout_s = 60;
+  // "NAME=value": in place of what this process has under the name; not for a warm start.
+  std::vector<std::string> environment = {};
 };
 
 class ChildProcess {
@@ -40,6 +43,8 @@ class ChildProcess {
   ChildProcess& operator=(const ChildProcess&) = delete;
 
   pid_t pid() const { return pid_; }
+  // Our end of its stdin, a socket; -1 without one.
+  int stdin_descriptor() const { return stdin_; }
 
   // Writes all bytes to the child's stdin, and blocks while the child is busy. Returns false if the
   // child closed its end or died.
@@ -53,6 +58,8 @@ class ChildProcess {
   int Wait();
   void Kill();
 
+  // Returns the signal that ended it, or 0.
+  int signal() const { return signal_; }
   // Returns "exited with code 1", "was killed by signal 9 (Killed)" or "is running".
   std::string DescribeEnd() const;
   // Returns what the child wrote to stderr (the last 2000 characters, trimmed), "" if nothing.

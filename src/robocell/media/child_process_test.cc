@@ -24,7 +24,7 @@ std::string Output(ChildProcess& child) {
 
 std::vector<std::string> Shell(const std::string& script) { return {"/bin/sh", "-c", script}; }
 
-TEST(ChildProcess, BytesGoInAndComeOut) {
+TEST(ChildProcess, PassesBytesThroughPipes) {
   ChildProcess child({"/bin/cat"}, {.pipe_stdin = true, .pipe_stdout = true});
   const std::string text = "frames";
   EXPECT_TRUE(child.Write({reinterpret_cast<const uint8_t*>(text.data()), text.size()}));
@@ -34,7 +34,7 @@ TEST(ChildProcess, BytesGoInAndComeOut) {
   EXPECT_EQ(child.DescribeEnd(), "exited with code 0");
 }
 
-TEST(ChildProcess, AForkOfOursLeavesItAlone) {
+TEST(ChildProcess, AForkDoesNotAffectIt) {
   ChildProcess child({"/bin/cat"}, {.pipe_stdin = true, .pipe_stdout = true});
   const pid_t fork_of_ours = fork();
   if (fork_of_ours == 0) {
@@ -49,7 +49,7 @@ TEST(ChildProcess, AForkOfOursLeavesItAlone) {
   EXPECT_EQ(child.Wait(), 0);
 }
 
-TEST(ChildProcess, ItsInputEndsThoughAForkOfOursLivesOn) {
+TEST(ChildProcess, ItsInputEndsDespiteALiveFork) {
   ChildProcess child({"/bin/cat"}, {.pipe_stdin = true, .stall_timeout_s = 5});
   const pid_t fork_of_ours = fork();
   if (fork_of_ours == 0) {
@@ -62,7 +62,7 @@ TEST(ChildProcess, ItsInputEndsThoughAForkOfOursLivesOn) {
   waitpid(fork_of_ours, nullptr, 0);
 }
 
-TEST(ChildProcess, ItGetsNoneOfOurDescriptors) {
+TEST(ChildProcess, InheritsNoDescriptors) {
   const int leaked = open("/dev/null", O_RDONLY);  // without O_CLOEXEC, like other libraries
   ChildProcess child(Shell("ls /proc/$$/fd"), {.pipe_stdin = true, .pipe_stdout = true});
   EXPECT_EQ(Output(child), "0\n1\n2\n");
@@ -78,7 +78,7 @@ std::set<int> InheritableDescriptors() {
   return inheritable;
 }
 
-TEST(ChildProcess, OurEndsAreNotInheritedByProcessesThatOthersStart) {
+TEST(ChildProcess, PipeEndsAreNotInheritedByOtherChildren) {
   const std::set<int> before = InheritableDescriptors();
   ChildProcess child({"/bin/cat"}, {.pipe_stdin = true, .pipe_stdout = true});
   EXPECT_EQ(InheritableDescriptors(), before);
@@ -105,7 +105,7 @@ TEST(ChildProcess, AStalledChildIsStoppedAndNamed) {
   ExpectNoChildLeft();
 }
 
-TEST(ChildProcess, ItsLastWordsAndItsEndAreKnown) {
+TEST(ChildProcess, ReportsItsErrorOutputAndExitCode) {
   ChildProcess child(Shell("echo no space left >&2; exit 3"), {});
   EXPECT_EQ(child.Wait(), 3);
   EXPECT_EQ(child.Errors(), "no space left");
@@ -119,7 +119,7 @@ TEST(ChildProcess, AMissingProgramIsNamed) {
                        "cannot start '/no/such/program': No such file or directory");
 }
 
-TEST(ChildProcess, CtrlCInOurTerminalDoesNotReachIt) {
+TEST(ChildProcess, CtrlCInTheTerminalDoesNotReachIt) {
   ChildProcess child({"/bin/sleep", "100"}, {});
   EXPECT_EQ(getpgid(child.pid()), child.pid());
   EXPECT_NE(getpgid(child.pid()), getpgrp());
@@ -133,7 +133,7 @@ uint64_t StandardSignals(const std::string& status, const std::string& line) {
                                  : std::stoull(status.substr(at + 8), nullptr, 16) & 0x7fffffff;
 }
 
-TEST(ChildProcess, ItStartsWithDefaultSignalsWhateverOursAre) {
+TEST(ChildProcess, StartsWithDefaultSignals) {
   const auto handler = signal(SIGPIPE, SIG_IGN);
   sigset_t mine;
   sigset_t before;

@@ -32,7 +32,7 @@ std::string TextOf(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-TEST(Ffmpeg, IsNotAskedAgainAboutAFileThatAParentHasAsked) {
+TEST(Ffmpeg, ReusesTheVersionQueriedByAParent) {
   TempDir folder;
   const fs::path asked = folder / "asked", answer = folder / "answer";
   const std::string count = "echo once >> " + asked.string() + "; echo 'ffmpeg version ";
@@ -56,7 +56,7 @@ TEST(Ffmpeg, IsNotAskedAgainAboutAFileThatAParentHasAsked) {
   unsetenv("ROBOCELL_FFMPEG_ANSWER");
 }
 
-TEST(Ffmpeg, AWrongChoiceOrNoneIsExplained) {
+TEST(Ffmpeg, ExplainsAWrongOrMissingExecutable) {
   setenv("ROBOCELL_FFMPEG", "/no/ffmpeg", 1);
   ExpectThrow<IoError>([] { FindFfmpeg(); },
                        "ROBOCELL_FFMPEG is '/no/ffmpeg', which is not an executable file");

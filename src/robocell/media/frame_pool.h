@@ -2,7 +2,7 @@
 //
 //   FramePool& frames = FramePool::Shared();
 //   frames.Read("wrist.mp4", 17, rgb);
-//   frames.Read("wrist.mp4", 18, rgb);  // the decoder of frame 17 goes on
+//   frames.Read("wrist.mp4", 18, rgb);  // the decoder of frame 17 continues
 //   frames.Read("wrist.mp4", 16, rgb);  // decoded not long ago: copied
 //
 // Starting a decoder costs as much as decoding tens of small frames, so decoders stay alive between
@@ -23,7 +23,7 @@ namespace robocell::internal {
 
 struct FramePoolOptions {
   size_t decoders = 8;                    // idle ones to keep, for each kind of video
-  size_t recent_bytes = size_t{8} << 20;  // of decoded frames, for each of them
+  size_t recent_bytes = size_t{8} << 20;  // decoded frames of each file, bytes
 };
 
 class FramePool {

@@ -103,7 +103,7 @@ TEST(FramePool, AWindowWithGapsStartsOneDecoder) {
   EXPECT_EQ(ffmpeg.starts(), 1);
 }
 
-TEST(FramePool, FramesInAnyOrderAreThoseOfTheVideoReadThrough) {
+TEST(FramePool, FramesInAnyOrderMatchASequentialRead) {
   TempDir folder;
   const int count = 35;
   WriteVideo(folder / "a.mp4", count, kPooled);
@@ -118,7 +118,7 @@ TEST(FramePool, FramesInAnyOrderAreThoseOfTheVideoReadThrough) {
   }
 }
 
-TEST(FramePool, DecodersThatWaitAreFewAndCanBeEnded) {
+TEST(FramePool, IdleDecodersAreLimitedAndCanBeClosed) {
   TempDir folder;
   FramePool pool({.decoders = 2});
   for (const char* name : {"a.mp4", "b.mp4", "c.mp4"}) {
@@ -171,7 +171,7 @@ TEST(FramePool, ManyThreadsReadTheSameVideo) {
   EXPECT_EQ(wrong, 0);
 }
 
-TEST(FramePool, AForkedChildAndItsParentDoNotTakeEachOthersFrames) {
+TEST(FramePool, AForkedChildDoesNotTakeFramesOfItsParent) {
   TempDir folder;
   WriteVideo(folder / "a.mp4", 30, kPooled);
   const std::vector<Rgb> all = AllFrames(folder / "a.mp4");

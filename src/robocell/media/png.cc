@@ -13,6 +13,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/real_file.h"
+#include "robocell/base/suggestions.h"
 
 // libpng reports errors by longjmp. Every function between setjmp and libpng's calls is plain C:
 // raw pointers only, no object with a destructor.
@@ -100,9 +101,9 @@ std::vector<uint8_t> Encode(Format format, const uint8_t* pixels, size_t row_byt
 void RequirePixels(int width, int height, int channels, size_t values) {
   const bool fits = width > 0 && height > 0 && values == size_t{1} * width * height * channels;
   if (fits) return;
-  throw ArgumentError(
-      fmt::format("PNG of {}x{} px with {} values per pixel needs {} values, got {}", width, height,
-                  channels, size_t{1} * width * height * channels, values));
+  throw ArgumentError(fmt::format("PNG of {}x{} px with {} per pixel needs {} values, got {}",
+                                  width, height, Counted(channels, "value"),
+                                  size_t{1} * width * height * channels, values));
 }
 
 // One decoder in two steps, so that the caller can allocate the pixels between them.

@@ -22,7 +22,7 @@ GrayImage16 Depth() {
   return depth;
 }
 
-TEST(Png, ColoursComeBackExactly) {
+TEST(Png, ColoursRoundTripExactly) {
   TempDir folder;
   WritePng(folder / "a.png", Picture());
   const RgbImage back = ReadPngRgb(folder / "a.png");
@@ -31,7 +31,7 @@ TEST(Png, ColoursComeBackExactly) {
   EXPECT_EQ(back.pixels, Picture().pixels);
 }
 
-TEST(Png, SixteenBitDepthComesBackExactly) {
+TEST(Png, SixteenBitDepthRoundTripsExactly) {
   TempDir folder;
   WritePng(folder / "a.png", Depth());
   EXPECT_EQ(ReadPngGray16(folder / "a.png").pixels, Depth().pixels);
@@ -77,7 +77,7 @@ TEST(Png, ADamagedFileIsAnErrorAndNeverACrash) {
   }
 }
 
-TEST(Png, AWrongNumberOfPixelsIsRefused) {
+TEST(Png, RejectsAWrongNumberOfPixels) {
   ExpectThrow<ArgumentError>(
       [] {
         WritePng("/nowhere/a.png", RgbImage{2, 2, std::vector<uint8_t>(11)});
@@ -85,7 +85,7 @@ TEST(Png, AWrongNumberOfPixelsIsRefused) {
       "2x2 px with 3 values per pixel needs 12 values, got 11");
 }
 
-TEST(Png, ANameOfAnotherKindIsRefused) {
+TEST(Png, RejectsAnotherFileExtension) {
   TempDir folder;
   const auto write = [&](const char* name) { WritePng(folder / name, Picture()); };
   for (const char* name : {"a.jpg", "a.JPG", "a"}) {

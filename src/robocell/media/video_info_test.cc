@@ -41,7 +41,7 @@ TEST(VideoInfo, AgreesWithFfprobe) {
   }
 }
 
-TEST(VideoInfo, OtherFilesAreRefusedWithTheReason) {
+TEST(VideoInfo, RejectsOtherFilesWithTheReason) {
   TempDir folder;
   Store(folder / "a.mp4", "");
   ExpectThrow<IoError>([&] { ReadVideoInfo(folder / "a.mp4"); }, "it is empty");

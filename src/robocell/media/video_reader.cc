@@ -55,7 +55,7 @@ struct VideoReader::Impl {
     if (!gray) add({"-vf", "scale=flags=bicubic+accurate_rnd+full_chroma_int+bitexact"});
     add({"-f", "rawvideo", "-pix_fmt", gray ? "gray16le" : "rgb24", "pipe:1"});
     decoder = std::make_unique<internal::ChildProcess>(
-        arguments, internal::ChildProcessOptions{.pipe_stdout = true});
+        arguments, internal::ChildProcessOptions{.pipe_stdout = true, .warm = true});
     position = index;
   }
 

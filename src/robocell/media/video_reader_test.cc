@@ -30,7 +30,7 @@ int64_t CountFrames(const fs::path& path) {
   return count;
 }
 
-TEST(VideoReader, DepthComesBackToTheLastBitInOrderAndByIndex) {
+TEST(VideoReader, DepthRoundTripsBitwiseInOrderAndByIndex) {
   // Covers odd sizes, and the smallest.
   for (const auto& [width, height] : {std::pair(96, 64), {33, 17}, {4, 5}}) {
     TempDir folder;
@@ -55,7 +55,7 @@ TEST(VideoReader, DepthComesBackToTheLastBitInOrderAndByIndex) {
   }
 }
 
-TEST(VideoReader, DepthTooSmallForTheCodecIsRefused) {
+TEST(VideoReader, RejectsDepthTooSmallForTheCodec) {
   TempDir folder;
   const VideoOptions options{.kind = VideoKind::kGray16, .width = 2, .height = 16};
   ExpectThrow<ArgumentError>(
@@ -63,7 +63,7 @@ TEST(VideoReader, DepthTooSmallForTheCodecIsRefused) {
       "16-bit images of 2x16 px cannot be encoded, they need at least 4 px in both directions");
 }
 
-TEST(VideoReader, AKindIsReadAndWrittenAsItselfOnly) {
+TEST(VideoReader, RejectsReadingAsAnotherKind) {
   TempDir folder;
   VideoWriter depth(folder / "a.mov", {.kind = VideoKind::kGray16, .width = 8, .height = 6});
   ExpectThrow<ArgumentError>([&] { depth.Write(std::vector<uint8_t>(96)); },
@@ -124,7 +124,7 @@ TEST(VideoReader, SeekingIsExactAtAwkwardRates) {
   }
 }
 
-TEST(VideoReader, WhatItIsAskedWronglyIsExplained) {
+TEST(VideoReader, ExplainsInvalidRequests) {
   TempDir folder;
   WriteVideo(folder / "a.mp4", 5, kClosely);
   VideoReader video(folder / "a.mp4");

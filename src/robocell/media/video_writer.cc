@@ -1,5 +1,6 @@
 #include "robocell/media/video_writer.h"
 
+#include <signal.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,7 +11,6 @@
 #include <system_error>
 #include <vector>
 
-#include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/media/child_process.h"
@@ -128,7 +128,7 @@ struct VideoWriter::Impl {
   std::filesystem::path partial;
   std::string name;
   VideoOptions options;
-  std::optional<internal::Yuv420Converter> convert;  // for colour: halves the bytes for the encoder
+  std::optional<internal::Yuv420Converter> convert;  // colour only: halves the encoder's input
   std::unique_ptr<internal::ChildProcess> encoder;
   int64_t frames = 0;
   std::string failure;
@@ -144,12 +144,18 @@ struct VideoWriter::Impl {
     failure = fmt::format("{}: {}", name, what);
     throw IoError(failure);
   }
+  [[noreturn]] void FailDead(const std::string& what) {
+    failure = fmt::format("{}: {}", name, what);
+    throw EncoderDied(failure);
+  }
 
-  // Stores the error, so that every later call throws the same.
+  // Stores the error, so that every later call throws an IoError with the same text.
   template <typename Action>
   void Guarded(Action action) {
     try {
       action();
+    } catch (const EncoderDied&) {
+      throw;
     } catch (const IoError& error) {
       if (failure.empty()) failure = fmt::format("{}: {}", name, error.what());
       throw IoError(failure);
@@ -168,8 +174,12 @@ struct VideoWriter::Impl {
     encoder->CloseStdin();
     encoder->Wait();
     const std::string said = encoder->Errors();
-    Fail(fmt::format("the encoder {} after {} frames; it said {}", encoder->DescribeEnd(), frames,
-                     said.empty() ? "nothing" : "'" + said + "'"));
+    const std::string what =
+        fmt::format("the encoder {} after {}; it said {}", encoder->DescribeEnd(),
+                    Counted(frames, "frame"), said.empty() ? "nothing" : "'" + said + "'");
+    // SIGXFSZ: a limit on the size of files, which the next one would meet too.
+    if (encoder->signal() != 0 && encoder->signal() != SIGXFSZ) FailDead(what);
+    Fail(what);
   }
 
   void Put(VideoKind kind, std::span<const uint8_t> frame) {
@@ -195,10 +205,10 @@ struct VideoWriter::Impl {
     if (info.kind != options.kind) Fail("the file is of another kind");
     if (info.frames != frames || !same_rate || info.width != options.width ||
         info.height != options.height) {
-      Fail(
-          fmt::format("wrote {} frames of {}x{} px at {}/{} fps, the file has {} of {}x{} at {}/{}",
-                      frames, options.width, options.height, options.fps_num, options.fps_den,
-                      info.frames, info.width, info.height, info.fps_num, info.fps_den));
+      Fail(fmt::format("wrote {} of {}x{} px at {}/{} fps, the file has {} of {}x{} at {}/{}",
+                       Counted(frames, "frame"), options.width, options.height, options.fps_num,
+                       options.fps_den, info.frames, info.width, info.height, info.fps_num,
+                       info.fps_den));
     }
   }
 };
@@ -215,8 +225,8 @@ VideoWriter::VideoWriter(std::filesystem::path path, const VideoOptions& options
   impl_->Guarded([&] { impl_->partial = MakeTempFile(impl_->path); });
   impl_->encoder = std::make_unique<internal::ChildProcess>(
       Arguments(ffmpeg, impl_->partial.string(), options),
-      internal::ChildProcessOptions{.pipe_stdin = true,
-                                    .stall_timeout_s = options.stall_timeout_s});
+      internal::ChildProcessOptions{
+          .pipe_stdin = true, .warm = true, .stall_timeout_s = options.stall_timeout_s});
 }
 
 VideoWriter::~VideoWriter() = default;

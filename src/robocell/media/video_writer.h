@@ -5,8 +5,9 @@
 // integers: 66 ms per frame is 500/33), and the same frames give the same bytes in every process,
 // under any load, with the same ffmpeg. The file appears under its name after Finish() has checked
 // it; before that, and if the writer is destroyed without Finish(), there is none (an older file of
-// that name stays). A dying encoder is an IoError that quotes its last messages, never a signal, a
-// zombie or a short video.
+// that name stays). A dying encoder is an IoError that quotes its last messages (EncoderDied if it
+// was killed), never a signal, a zombie or a short video. ffmpeg is loaded once for all videos of a
+// process (warm_program.h).
 //
 //   VideoWriter video("pick.mp4", {.width = 640, .height = 480, .fps_num = 500, .fps_den = 33});
 //   for (const auto& frame : frames) video.Write(frame);  // row-major RGB, width * height * 3
@@ -21,9 +22,16 @@
 #include <span>
 #include <string>
 
+#include "robocell/base/error.h"
 #include "robocell/media/video_info.h"
 
 namespace robocell {
+
+// The encoder was ended by a signal that has nothing to do with the video: another one may succeed.
+class EncoderDied : public IoError {
+ public:
+  using IoError::IoError;
+};
 
 struct VideoOptions {
   VideoKind kind = VideoKind::kColour;
@@ -32,7 +40,7 @@ struct VideoOptions {
   int height = 0;
   int fps_num = 30;
   int fps_den = 1;
-  // For colour only:
+  // Options of colour videos:
   std::string preset = "superfast";  // x264's: ultrafast ... veryslow
   int crf = 18;                // x264's constant quality, 0 (lossless) ... 51; 18 gives about 40 dB
   int keyframe_interval = 30;  // frames; smaller makes random access faster and files larger
@@ -51,7 +59,7 @@ class VideoWriter {
   // Appends one frame. Throws ArgumentError for a wrong number of bytes; IoError in this and every
   // later call if the encoder failed; ClosedError after Finish().
   void Write(std::span<const uint8_t> rgb);
-  // The same for a 16-bit image, width * height pixels.
+  // Appends a 16-bit image, width * height pixels.
   void Write(std::span<const uint16_t> pixels);
 
   // Ends the file, checks size, rate and frame count in it and gives it its name. Throws

@@ -34,7 +34,7 @@ constexpr VideoOptions kSmall{.width = 96, .height = 64, .fps_num = 500, .fps_de
 // Expects an empty folder, also without hidden files.
 void ExpectEmpty(const TempDir& folder) { EXPECT_TRUE(fs::is_empty(folder.path())); }
 
-TEST(VideoWriter, FramesComeBackInNumberRateAndLooks) {
+TEST(VideoWriter, FramesRoundTripInNumberRateAndContent) {
   TempDir folder;
   const VideoOptions options{.width = 320, .height = 240, .fps_num = 500, .fps_den = 33};
   WriteVideo(folder / "a.mp4", 40, options);
@@ -86,7 +86,7 @@ TEST(VideoWriter, SameFramesGiveSameBytesInAnyProcess) {
   EXPECT_EQ(ReadFile(folder / "a.mp4"), ReadFile(folder / "c.mp4"));
 }
 
-TEST(VideoWriter, AnOddSizeIsRefusedBeforeEncodingWithTheNearestEvenOne) {
+TEST(VideoWriter, RejectsAnOddSizeAndSuggestsTheNearestEvenOne) {
   TempDir folder;
   ExpectThrow<ArgumentError>(
       [&] { VideoWriter(folder / "a.mp4", {.width = 321, .height = 241}); },
@@ -95,7 +95,7 @@ TEST(VideoWriter, AnOddSizeIsRefusedBeforeEncodingWithTheNearestEvenOne) {
   ExpectEmpty(folder);
 }
 
-TEST(VideoWriter, OtherEndingsAreRefusedWithTheRightOne) {
+TEST(VideoWriter, RejectsOtherFileExtensions) {
   TempDir folder;
   ExpectThrow<ArgumentError>(
       [&] { VideoWriter(folder / "a.xyz", kSmall); },
@@ -107,7 +107,7 @@ TEST(VideoWriter, OtherEndingsAreRefusedWithTheRightOne) {
   ExpectEmpty(folder);
 }
 
-TEST(VideoWriter, UnusableOptionsAreRefusedByName) {
+TEST(VideoWriter, RejectsInvalidOptionsByName) {
   TempDir folder;
   const fs::path path = folder / "a.mp4";
   ExpectThrow<ArgumentError>([&] { VideoWriter(path, {.width = 0, .height = 10}); },
@@ -121,7 +121,7 @@ TEST(VideoWriter, UnusableOptionsAreRefusedByName) {
                              "crf 60 is not in 0");
 }
 
-TEST(VideoWriter, AFrameOfTheWrongSizeIsRefusedAndTheVideoGoesOn) {
+TEST(VideoWriter, RejectsAFrameOfTheWrongSizeAndContinues) {
   TempDir folder;
   VideoWriter video(folder / "a.mp4", kSmall);
   ExpectThrow<ArgumentError>([&] { video.Write(std::vector<uint8_t>(10)); },
@@ -148,7 +148,7 @@ TEST(VideoWriter, AMissingFolderIsNamed) {
                        "No such file or directory");
 }
 
-TEST(VideoWriter, WithoutFinishThereIsNoFileAndNoZombie) {
+TEST(VideoWriter, WithoutFinishLeavesNoFileAndNoZombie) {
   TempDir folder;
   {
     VideoWriter video(folder / "a.mp4", kSmall);
@@ -169,14 +169,14 @@ TEST(VideoWriter, WhileItIsWrittenItHasATemporaryName) {
   EXPECT_EQ(name->process, getpid());
 }
 
-TEST(VideoWriter, ADyingEncoderIsAnErrorAndLeavesNothing) {
+TEST(VideoWriter, ADeadEncoderIsAnErrorAndLeavesNothing) {
   signal(SIGPIPE, SIG_DFL);
   TempDir folder;
   {
     VideoWriter video(folder / "a.mp4", {.width = 320, .height = 240});
     video.Write(TestFrame(320, 240, 0));
     kill(video.encoder_pid(), SIGKILL);
-    const std::string message = ExpectThrow<IoError>(
+    const std::string message = ExpectThrow<EncoderDied>(
         [&] {
           for (int i = 0; i < 100; ++i) video.Write(TestFrame(320, 240, i));
         },
@@ -193,7 +193,7 @@ TEST(VideoWriter, AnEncoderKilledBeforeFinishIsAnError) {
   VideoWriter video(folder / "a.mp4", kSmall);
   video.Write(TestFrame(96, 64, 0));
   kill(video.encoder_pid(), SIGKILL);
-  ExpectThrow<IoError>([&] { video.Finish(); }, "killed by signal 9");
+  ExpectThrow<EncoderDied>([&] { video.Finish(); }, "killed by signal 9");
   EXPECT_FALSE(fs::exists(folder / "a.mp4"));
 }
 
@@ -211,16 +211,16 @@ TEST(VideoWriter, AStoppedEncoderHitsTheDeadline) {
   ExpectNoChildLeft();
 }
 
-TEST(VideoWriter, TheEncodersLastWordsAreQuoted) {
+TEST(VideoWriter, QuotesTheErrorOutputOfTheEncoder) {
   TempDir folder;
   FakeFfmpeg fake("cat > /dev/null; echo 'Unknown encoder libx264' >&2; exit 1");
   VideoWriter video(folder / "a.mp4", kSmall);
   video.Write(TestFrame(96, 64, 0));
   ExpectThrow<IoError>([&] { video.Finish(); },
-                       "exited with code 1 after 1 frames; it said 'Unknown encoder libx264'");
+                       "exited with code 1 after 1 frame; it said 'Unknown encoder libx264'");
 }
 
-TEST(VideoWriter, AnEncoderThatWritesNothingButSaysSuccessIsCaught) {
+TEST(VideoWriter, DetectsAnEncoderThatWritesNothing) {
   TempDir folder;
   FakeFfmpeg fake("cat > /dev/null");
   VideoWriter video(folder / "a.mp4", kSmall);
@@ -253,7 +253,7 @@ TEST(VideoWriter, AFullDiskIsAnErrorAtEveryPoint) {
   EXPECT_EQ(InOwnProcess([&] { return WriteWithSpace(folder / "a.mp4", size + 100000); }), 0);
 }
 
-TEST(VideoWriter, HostileFileNamesAreOnlyNames) {
+TEST(VideoWriter, HostileFileNamesAreHarmless) {
   TempDir folder;
   const fs::path before = fs::current_path();
   fs::current_path(folder.path());

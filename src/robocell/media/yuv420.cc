@@ -28,7 +28,7 @@ constexpr int kLumaOffset = (16 << kScaleBits) + (1 << (kScaleBits - 1));
 constexpr int kChromaBits = kScaleBits + 2;
 constexpr int kChromaOffset = (128 << kChromaBits) + (1 << (kChromaBits - 1));
 
-// As many pixels at a time as a register has 32-bit numbers; conversions keep their order.
+// Converts as many pixels at a time as a register has 32-bit lanes; the order is kept.
 using Ints = hn::CappedTag<int32_t, 16>;
 using Shorts = hn::Rebind<int16_t, Ints>;
 using Bytes = hn::Rebind<uint8_t, Ints>;

@@ -30,7 +30,7 @@ class Yuv420Converter {
  private:
   int width_, height_;
   std::vector<uint8_t> yuv_;
-  std::vector<int16_t> sums_;  // of two rows, by channel
+  std::vector<int16_t> sums_;  // sums of two rows, by channel
 };
 
 }  // namespace robocell::internal

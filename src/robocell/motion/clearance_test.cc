@@ -62,12 +62,12 @@ TEST_F(ClearanceOfBalls, EndsAtTheHorizon) {
   EXPECT_EQ(far.other_geom, "");
 }
 
-TEST_F(ClearanceOfBalls, CountsOnlyTheGeomsThatStandForTheRobot) {
+TEST_F(ClearanceOfBalls, UsesOnlyTheCollisionGeomsOfTheRobot) {
   config.collision_geoms = {ElementRef{.name = "big"}};
   EXPECT_NEAR(With({0.3, 0.2, 0}, 0.5).distance, std::hypot(0.3, 0.2) - 0.1 - 0.02, 1e-9);
 }
 
-TEST_F(ClearanceOfBalls, HasTheFloorForTheArmButNotForThePedestal) {
+TEST_F(ClearanceOfBalls, IncludesTheFloorForTheArmButNotForThePedestal) {
   EXPECT_NEAR(With({5, 0, 0}, 2).distance, 0.9, 1e-9);  // to the floor
   config.base = {.kind = BaseKind::kMocap, .size = Vec3{0.1, 0.1, 0.5}};
   EXPECT_NEAR(With({5, 0, 0}, 2).distance, 1.4, 1e-9);  // the pedestal's bottom is at 1 m

@@ -11,7 +11,7 @@ namespace robocell::internal {
 namespace {
 
 // The oracle for the lowest point is the engine's distance to a floor.
-TEST(GeomExtent, ReachesAsFarDownAsTheEnginesDistanceToTheFloorSays) {
+TEST(GeomExtent, MatchesTheEnginesDistanceToTheFloor) {
   Rng rng = Rng::Stream(1, "extent");
   for (const char* kind : {"box", "cylinder", "sphere", "bracket", "nut"}) {
     PickScene pick = MakePickScene(ObjectOnTheTable(kind));
@@ -33,7 +33,7 @@ TEST(GeomExtent, ReachesAsFarDownAsTheEnginesDistanceToTheFloorSays) {
   }
 }
 
-TEST(GeomExtent, TheOtherWayRoundIsTheSameWithItsSignsChanged) {
+TEST(GeomExtent, TheOppositeDirectionFlipsTheSigns) {
   const PickScene pick = MakePickScene(ObjectOnTheTable("bracket"));
   const mjModel* m = pick.scene.model();
   Rng rng = Rng::Stream(2, "extent");

@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <mutex>
+#include <string>
+#include <vector>
 #include <Eigen/Geometry>
 
 #include "robocell/assets/model_files.h"
@@ -21,13 +22,12 @@
 #include "robocell/robot/gripper_group.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
-#include "robocell/spec/yaml.h"
 
 namespace robocell {
 namespace {
 
 constexpr int kRows = 41;
-constexpr double kFullyOpenSeconds = 0.6;  // to open fully
+constexpr double kFullyOpenSeconds = 0.6;  // time to open fully
 constexpr double kRowSeconds = 0.2;        // per step of closing
 constexpr double kMostPadHalf = 0.02;      // a longer "pad" is a whole finger: its last part grips
 constexpr double kTipPadHalf = 0.01;       // ... this far from its tip
@@ -37,7 +37,7 @@ constexpr double kAskew = 0.99;  // cosine to an axis of the TCP
 // Jaws on a hinge: the direction in which they close turns, and should follow an axis of the TCP.
 constexpr double kTurned = 0.85;  // cosine to the axis where the jaws meet an object
 constexpr double kTurning =
-    internal::Radians(5);  // between open and there; parallel fingers do not
+    internal::Radians(5);  // turn between open and this gap; parallel fingers do not turn
 // Assumed gap between the pads, m, at which jaws on a hinge hold an object: the width of small
 // objects. It is not critical, because only the axis nearest to their closing direction counts.
 constexpr double kHeldGap = 0.02;
@@ -246,24 +246,32 @@ class GripperSweep {
 
 std::shared_ptr<const GripperShape> GripperShape::Of(const RobotConfig& config,
                                                      const SimOptions& options, double timestep) {
+  struct Known {
+    SceneSpec spec;
+    std::string content;  // of the models' files, which may change
+    std::shared_ptr<const GripperShape> shape;
+  };
   static std::mutex mutex;
-  static std::map<std::string, std::shared_ptr<const GripperShape>> known;
+  static std::vector<Known> all_known;
   const SceneSpec spec = RobotAlone(config, options, timestep);
-  std::string key = ToYaml(spec);  // and the models' content: files may change
+  std::string content;
   internal::ForEachModel(spec, [&](const std::string& name, const std::string& directory) {
-    key += internal::ModelFileSet(assets::Resolve(name, directory)).hash + "\n";
+    content += internal::ModelFileSet(assets::Resolve(name, directory)).hash + "\n";
   });
   {
     const std::lock_guard lock(mutex);
-    if (const auto it = known.find(key); it != known.end()) return it->second;
+    for (const Known& known : all_known) {
+      if (known.content == content && known.spec == spec) return known.shape;
+    }
   }
   Scene scene = Scene::Build(spec);
   scene.Reset();
   auto shape = std::make_shared<const GripperShape>(
       GripperSweep(scene, Robot::Of(scene, config.name)).Run());
   const std::lock_guard lock(mutex);
-  if (known.size() >= kMostKept) known.clear();
-  return known[key] = shape;
+  if (all_known.size() >= kMostKept) all_known.clear();
+  all_known.push_back({spec, content, shape});
+  return shape;
 }
 
 bool GripperShape::Supports(const GripperGroup& gripper) {

@@ -1,5 +1,5 @@
 // GripperShape: the shape of a parallel gripper while it closes, measured once per robot by closing
-// it on nothing in a scene of its own: positions of the pads, reach of the fingertips, finger
+// it without an object in a separate scene: positions of the pads, reach of the fingertips, finger
 // joints at each gap. Linkages swing: pads move along the approach direction too, and need not be
 // at the TCP at all.
 //
@@ -51,7 +51,7 @@ class GripperShape {
   double open_gap() const { return rows_.back().gap; }
   double pad_half_height() const { return pad_half_height_; }  // along the approach
   double pad_half_width() const { return pad_half_width_; }    // along x
-  const std::vector<Row>& rows() const { return rows_; }       // in order of increasing gap
+  const std::vector<Row>& rows() const { return rows_; }       // rows by increasing gap
 
   void JointsAt(double gap, std::span<double> out) const;
   Eigen::Vector3d PadAt(double gap) const;

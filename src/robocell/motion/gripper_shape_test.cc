@@ -28,7 +28,7 @@ TEST(GripperShape, FindsTheAxesOfTheGraspInTheTcpFrame) {
 }
 
 // The oracle is the finger distance of another scene with the shape's joints.
-TEST(GripperShape, TheJointsOfAGapMakeThatGap) {
+TEST(GripperShape, TheJointsOfAGapProduceThatGap) {
   const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   const auto shape = pick.shape();
   std::vector<double> joints(shape->joint_names().size());
@@ -71,7 +71,7 @@ TEST(GripperShape, SpansTheConfiguredRangeAndClampsOutsideOfIt) {
 }
 
 // By design rc7's pads meet at the TCP, are 24 mm high and 22 mm wide, and end 12 mm beyond.
-TEST(GripperShape, KnowsThePadsOfTheBuiltInArm) {
+TEST(GripperShape, FindsThePadsOfTheBuiltInArm) {
   const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   const auto shape = pick.shape();
   EXPECT_LT(shape->PadAt(0.04).norm(), 1e-4);
@@ -138,7 +138,7 @@ TEST(GripperShape, AJawOnAHingeClosesAlongAnAxisOfTheTcp) {
   EXPECT_LT(shape->PadAt(shape->open_gap()).z(), -0.02) << "the open jaw swings back";
 }
 
-TEST(GripperShape, ARobotWithoutAGripperIsNamed) {
+TEST(GripperShape, NamesARobotWithoutAGripper) {
   RobotConfig config = ExampleRun("demo.yaml").robot.config;
   const MoveGroupConfig arm = config.move_groups.at("arm");
   config.move_groups = {{"arm", arm}};
@@ -155,7 +155,7 @@ TEST(GripperShape, ARobotWithoutAGripperIsNamed) {
   }
 }
 
-TEST(GripperShape, AnUnstableGripperIsToldNotMeasured) {
+TEST(GripperShape, RejectsAnUnstableGripper) {
   RunConfig run = ExampleRun("demo.yaml");
   run.options.integrator = Integrator::kRk4;  // explicit: a stiff servo needs short steps
   Edit stiff;

@@ -33,7 +33,7 @@ bool EdgeIsFree(const JointVector& a, const JointVector& b, const FreeFunction& 
 
 struct TreeOptions {
   int iterations = 300;
-  double step = 0.3;    // by which a tree grows
+  double step = 0.3;    // growth step of a tree
   double beyond = 1.0;  // margin of the search around the box spanned by both ends, per joint
   int shortcuts = 30;   // tries
 };

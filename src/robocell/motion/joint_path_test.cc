@@ -22,7 +22,7 @@ bool FinelyFree(const JointPath& path, const FreeFunction& is_free) {
   return true;
 }
 
-TEST(EdgeIsFree, LooksAtEveryStepOnceAndAtTheEndButNotAtTheStart) {
+TEST(EdgeIsFree, ChecksEveryStepOnceIncludingTheEndOnly) {
   std::vector<double> seen;
   const FreeFunction record = [&](const JointVector& q) { return seen.push_back(q[0]), true; };
   for (const int steps : {1, 2, 3, 5, 8, 13}) {
@@ -35,13 +35,13 @@ TEST(EdgeIsFree, LooksAtEveryStepOnceAndAtTheEndButNotAtTheStart) {
   }
 }
 
-TEST(EdgeIsFree, IsNotWhenAnythingOnTheWayIsBlocked) {
+TEST(EdgeIsFree, IsFalseIfAnyStepIsBlocked) {
   EXPECT_FALSE(EdgeIsFree({-1, 0}, {1, 0}, NotInTheWall));
   EXPECT_TRUE(EdgeIsFree({-1, 1.5}, {1, 1.5}, NotInTheWall));
   EXPECT_FALSE(EdgeIsFree({-1, 0}, {0, 0}, NotInTheWall));
 }
 
-TEST(ConnectTrees, FindsTheWayAroundAWall) {
+TEST(ConnectTrees, FindsAPathAroundAWall) {
   for (int seed = 0; seed < 20; ++seed) {
     Rng rng = Rng::Stream(seed, "wall");
     const auto path = ConnectTrees({-1, 0}, {1, -0.5}, kLimits, NotInTheWall, rng, {.beyond = 2});
@@ -59,7 +59,7 @@ TEST(ConnectTrees, FindsTheWayAroundAWall) {
   }
 }
 
-TEST(ConnectTrees, GivesUpWhereThereIsNoWay) {
+TEST(ConnectTrees, GivesUpWithoutAPath) {
   Rng rng = Rng::Stream(1, "no way");
   int asked = 0;
   const FreeFunction wall = [&](const JointVector& q) { return ++asked, std::abs(q[0]) > 0.1; };

@@ -37,7 +37,7 @@ struct PlanningScene::State {
   std::vector<char> is_target;  // per geom
   std::vector<int> fingers;     // addresses in qpos
   std::vector<double> finger_values;
-  std::optional<Pose> target_in_tcp;  // while it is held
+  std::optional<Pose> target_in_tcp;  // set while it is held
   int checks = 0;
   std::array<int, 2> in_the_way = {};
 };

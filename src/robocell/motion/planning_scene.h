@@ -23,8 +23,8 @@ namespace robocell {
 
 // The conditions of a collision-free configuration.
 struct FreedomDemand {
-  double gap = 0;             // of the fingers, metres
-  double clearance = 0;       // to everything but the robot, metres, at most kMostClearance
+  double gap = 0;             // finger gap, metres
+  double clearance = 0;       // clearance to other bodies, metres, at most kMostClearance
   bool touch_target = false;  // allows contacts with the target
 };
 inline constexpr double kMostClearance = 0.025;

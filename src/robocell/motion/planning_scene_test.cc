@@ -64,7 +64,7 @@ TEST(PlanningScene, AgreesWithTheEnginesContacts) {
 }
 
 // The object in the hand moves with the forward kinematics.
-TEST(PlanningScene, WhatIsHeldMovesWithTheHandAndMayTouchIt) {
+TEST(PlanningScene, AHeldObjectMovesWithTheHandAndMayTouchIt) {
   const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   PlanningScene planning = pick.planning();
   const mjModel* m = pick.scene.model();
@@ -109,7 +109,7 @@ TEST(PlanningScene, WhatIsHeldMovesWithTheHandAndMayTouchIt) {
   EXPECT_GT(touching, 20);
 }
 
-TEST(PlanningScene, WhatIsPutDownStaysThere) {
+TEST(PlanningScene, AReleasedObjectStaysInPlace) {
   const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   PlanningScene planning = pick.planning();
   const JointVector home = pick.home();
@@ -124,7 +124,7 @@ TEST(PlanningScene, WhatIsPutDownStaysThere) {
 }
 
 // The distances that judge a base placement are an independent way to the same numbers.
-TEST(PlanningScene, ClearanceIsTheDistanceToWhatIsNotTheRobot) {
+TEST(PlanningScene, ClearanceIsTheDistanceToTheSurroundings) {
   PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   PlanningScene planning = pick.planning();
   const double open = pick.shape()->open_gap();
@@ -147,7 +147,7 @@ TEST(PlanningScene, ClearanceIsTheDistanceToWhatIsNotTheRobot) {
   EXPECT_EQ(compared, 8);
 }
 
-TEST(PlanningScene, TheSimulationIsOnlyRead) {
+TEST(PlanningScene, OnlyReadsTheSimulation) {
   const PickScene pick = MakePickScene(ObjectOnTheTable("nut"));
   const std::vector<double> before = pick.scene.state();
   const double margin = pick.scene.model()->opt.o_margin;
@@ -161,7 +161,7 @@ TEST(PlanningScene, TheSimulationIsOnlyRead) {
   EXPECT_EQ(pick.scene.model()->opt.enableflags, flags);
 }
 
-TEST(PlanningScene, SeesObjectsWhereTheyWereAtTheLastUpdate) {
+TEST(PlanningScene, UsesObjectPosesOfTheLastUpdate) {
   PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   PlanningScene planning = pick.planning();
   const JointVector q = pick.home();
@@ -175,7 +175,7 @@ TEST(PlanningScene, SeesObjectsWhereTheyWereAtTheLastUpdate) {
   EXPECT_TRUE(planning.IsFree(q, {.gap = open, .touch_target = true}));
 }
 
-TEST(PlanningScene, IsOfNoUseAfterObjectsCame) {
+TEST(PlanningScene, IsInvalidAfterObjectsAreAdded) {
   PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   PlanningScene planning = pick.planning();
   SceneObject other = pick.scene.spec().objects[0];
@@ -187,7 +187,7 @@ TEST(PlanningScene, IsOfNoUseAfterObjectsCame) {
 }
 
 // Only the hand's link counts: the others may be in the table.
-TEST(PlanningScene, OnlyTheConfiguredCollisionGeomsCount) {
+TEST(PlanningScene, UsesOnlyTheConfiguredCollisionGeoms) {
   PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   RobotConfig config = pick.robot.config();
   config.collision_geoms = {ElementRef{.kind = ElementKind::kGeom, .body = "link7", .index = 0}};

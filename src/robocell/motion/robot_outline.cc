@@ -6,7 +6,7 @@
 
 #include "robocell/motion/geom_extent.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Rectangle = Eigen::AlignedBox2d;
@@ -36,10 +36,10 @@ RobotOutline::RobotOutline(const Robot& robot) {
   const Eigen::Vector3d origin = axes.transpose() * base.translation();
   for (const int g : robot.collision_geom_ids()) {
     // The pedestal of a mocap base collides with nothing in the engine, but takes up space.
-    if (!internal::IsCollisionGeom(m, g) && m->body_mocapid[m->geom_bodyid[g]] < 0) continue;
+    if (!IsCollisionGeom(m, g) && m->body_mocapid[m->geom_bodyid[g]] < 0) continue;
     Eigen::AlignedBox3d box;
     for (int i = 0; i < 3; ++i) {
-      const Interval extent = internal::GeomExtent(m, d, g, axes.col(i));
+      const Interval extent = GeomExtent(m, d, g, axes.col(i));
       box.min()[i] = extent.lower - origin[i];
       box.max()[i] = extent.upper - origin[i];
     }
@@ -47,7 +47,7 @@ RobotOutline::RobotOutline(const Robot& robot) {
   }
 }
 
-bool RobotOutline::IsClearOf(const LevelBox& obstacle, const Pose& base_in_world,
+bool RobotOutline::IsClearOf(const LevelArea& obstacle, const Pose& base_in_world,
                              double margin) const {
   const Pose base = obstacle.frame_to_world.inverse() * base_in_world;
   const Eigen::Vector3d& at = base.translation();
@@ -64,4 +64,4 @@ bool RobotOutline::IsClearOf(const LevelBox& obstacle, const Pose& base_in_world
   return true;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -9,11 +9,11 @@
 #include "robocell/motion/clearance.h"
 #include "robocell/robot/testing/robots.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kMargin = 0.01;
-const LevelBox kPlate{Pose::FromRpy({0.4, -0.1, 0.5}, {0, 0, 0.3}), 0.3, 0.2, 0.04};
+const LevelArea kPlate{Pose::FromRpy({0.4, -0.1, 0.5}, {0, 0, 0.3}), 0.3, 0.2, 0.04};
 
 // The built-in robot beside a box, which is the support.
 struct Cell {
@@ -35,7 +35,7 @@ Cell MakeCell() {
   return {scene, Robot::Of(scene, "r")};
 }
 
-TEST(RobotOutline, NeverCallsAPlaceClearThatIsNot) {
+TEST(RobotOutline, NeverReportsACollidingPlaceAsFree) {
   Cell cell = MakeCell();
   const RobotOutline outline(cell.robot);
   Rng rng = Rng::Stream(2, "outline");
@@ -73,7 +73,7 @@ TEST(RobotOutline, TurnsWithTheBase) {
   }
 }
 
-TEST(RobotOutline, IsTheSameWhereverTheRobotStands) {
+TEST(RobotOutline, IsTheSameAtAnyRobotPose) {
   Cell cell = MakeCell();
   const RobotOutline before(cell.robot);
   cell.robot.base().SetPose(Pose::FromRpy({2, 1, 0.3}, {0, 0, 1.2}));
@@ -88,4 +88,4 @@ TEST(RobotOutline, IsTheSameWhereverTheRobotStands) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -12,7 +12,7 @@
 namespace robocell {
 namespace {
 
-TEST(TimedPath, ReachesItsEndExactlyInTheTicksItSaid) {
+TEST(TimedPath, ReachesItsEndInTheRemainingTicks) {
   TimedPath path({0, 1}, 0.066);
   path.AddLeg({{1, 0}}, 1.2, 0.15);
   const int ticks = path.remaining();
@@ -26,7 +26,7 @@ TEST(TimedPath, ReachesItsEndExactlyInTheTicksItSaid) {
   EXPECT_EQ(path.Next(), (JointVector{1, 0}));
 }
 
-TEST(TimedPath, NoTargetIsFasterThanAsked) {
+TEST(TimedPath, NoTargetExceedsTheSpeedLimit) {
   TimedPath path({0}, 0.02);
   path.AddLeg({{2}}, 0.8, 0.15);
   double before = 0, fastest = 0;
@@ -58,7 +58,7 @@ TEST(TimedPath, ShortMotionsTakeTheLeastTime) {
   EXPECT_EQ(path.remaining(), 8);
 }
 
-TEST(TimedPath, StaysOnTheLinesBetweenItsPoints) {
+TEST(TimedPath, StaysOnTheLinesBetweenWaypoints) {
   TimedPath path({0, 0}, 0.01);
   path.AddLeg({{1, 0}, {1, 1}}, 1, 0.5);
   bool passed = false;
@@ -87,7 +87,7 @@ double ShareOfLimit(Robot robot, int joint, double jump) {
   return std::abs(scene.data()->actuator_force[a]) / m->actuator_forcerange[2 * a + 1];
 }
 
-TEST(ServoJumps, AreWhatTakesTheEnginesServosToTheirLimits) {
+TEST(ServoJumps, MatchTheForceLimitsOfTheServos) {
   REQUIRE_MENAGERIE("franka_emika_panda", "ufactory_xarm7", "kinova_gen3", "robotiq_2f85");
   for (const RobotConfig& config : {Panda(), XArm7(), Gen3WithTool()}) {
     const Robot robot = RobotAlone(config);
@@ -108,7 +108,7 @@ TEST(ServoJumps, OfAServoWithoutLimitIsInfinite) {
   for (const double jump : ServoJumps(m, robot.arm())) EXPECT_TRUE(std::isinf(jump));
 }
 
-TEST(ServoJumps, AreTheSameBesideAnActuatorOfSeveralInputs) {
+TEST(ServoJumps, AreTheSameNextToAMultiInputActuator) {
   const auto jumps_of = [](std::string model) {
     ModelFolder folder;
     for (const char* joint : {"shoulder", "elbow"}) {
@@ -141,7 +141,7 @@ TEST(ServoJumps, OfMotorsAreInfinite) {
   for (const double jump : jumps) EXPECT_TRUE(std::isinf(jump));
 }
 
-TEST(SecondsForJumps, KeepEveryTargetOfTheLegWithinThem) {
+TEST(SecondsForJumps, KeepEveryTargetWithinTheJumps) {
   const JointPath points = {{0, 0}, {0.1, 0.3}, {0.5, 0.4}, {0.6, 0.4}};
   const std::vector<double> jumps = {0.02, 0.05};
   const double tick = 0.066;
@@ -158,7 +158,7 @@ TEST(SecondsForJumps, KeepEveryTargetOfTheLegWithinThem) {
   EXPECT_GT(most, 0.8) << "no slower than needed";
 }
 
-TEST(SecondsForJumps, AreNoneWithoutLimits) {
+TEST(SecondsForJumps, AreZeroWithoutLimits) {
   EXPECT_EQ(SecondsForJumps({{0.0}, {1.0}}, {std::numeric_limits<double>::infinity()}, 0.05), 0);
 }
 

@@ -25,7 +25,7 @@ TEST(VerticalLine, KeepsTheOrientationAndRisesEvenly) {
   }
 }
 
-TEST(VerticalLine, EndsWhereTheArmGetsNoFurther) {
+TEST(VerticalLine, EndsAtTheLimitOfTheArm) {
   const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   const JointVector q = pick.home();
   const Chain& chain = pick.robot.chain();

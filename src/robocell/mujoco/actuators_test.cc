@@ -57,7 +57,7 @@ TEST_F(Actuators, AreFewerThanTheirInputsAndOutputs) {
   EXPECT_GT(m->nout, m->nactuator);
 }
 
-TEST_F(Actuators, HaveTheGearOfTheirOwnOutputs) {
+TEST_F(Actuators, HaveTheGearOfTheirOutputs) {
   EXPECT_EQ(Gear(m, Id("hinge")), 3);
   EXPECT_EQ(Gear(m, Id("slide")), -4);
   EXPECT_EQ(Gear(m, Id("coupled")), 5);
@@ -66,7 +66,7 @@ TEST_F(Actuators, HaveTheGearOfTheirOwnOutputs) {
   EXPECT_EQ(Gear(m, Id("crank")), 8);
 }
 
-TEST_F(Actuators, AreSaidToActOnAJointWhenItIsOne) {
+TEST_F(Actuators, ActOnAJointOnlyWithAJointTransmission) {
   std::vector<std::string> on_joints;
   for (int a = 0; a < m->nactuator; ++a) {
     if (ActsOnJoint(m, a)) on_joints.push_back(ElementName(m, mjOBJ_ACTUATOR, a));
@@ -74,7 +74,7 @@ TEST_F(Actuators, AreSaidToActOnAJointWhenItIsOne) {
   EXPECT_THAT(on_joints, ElementsAre("three", "hinge", "slide"));
 }
 
-TEST_F(Actuators, BelongToABodyThatTheyActOn) {
+TEST_F(Actuators, BelongToTheBodyTheyActOn) {
   EXPECT_EQ(Body("turned"), "a");
   for (const char* name : {"against", "three", "hinge", "coupled", "rope", "sticky"})
     EXPECT_EQ(Body(name), "b") << name;
@@ -82,7 +82,7 @@ TEST_F(Actuators, BelongToABodyThatTheyActOn) {
 }
 
 // The oracle for the moved degrees of freedom is the engine's moment.
-TEST_F(Actuators, MoveTheBodyThatTheyAreSaidToActOn) {
+TEST_F(Actuators, MoveTheReportedBody) {
   DataPtr data = MakeData(m);
   data->qpos[4] = 0.3;
   mj_forward(m, data.get());

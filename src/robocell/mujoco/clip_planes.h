@@ -23,7 +23,7 @@ ClipPlanes GetClipPlanes(const mjModel* model);
 
 // Keeps the extent. Throws ArgumentError unless 0 < near_m < far_m.
 void SetClipPlanes(mjModel* model, double near_m, double far_m);
-// Also sets the extent (metres, > 0): half the size of the usual view.
+// Sets the clip planes and the extent (metres, > 0): half the size of the usual view.
 void SetClipPlanes(mjSpec* spec, double extent_m, double near_m, double far_m);
 
 }  // namespace robocell::internal

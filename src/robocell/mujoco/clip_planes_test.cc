@@ -18,7 +18,7 @@ TEST(ClipPlanes, OfASpecArePlanesOfItsModelInMetres) {
   const ClipPlanes planes = GetClipPlanes(model.get());
   EXPECT_NEAR(planes.near_m, 0.02, 1e-6);
   EXPECT_NEAR(planes.far_m, 40, 1e-3);
-  // As the engine has them: multiples of the extent.
+  // The engine stores them as multiples of the extent.
   EXPECT_DOUBLE_EQ(model->stat.extent, 2);
   EXPECT_NEAR(static_cast<double>(model->vis.map.znear) * model->stat.extent, 0.02, 1e-6);
   EXPECT_NEAR(static_cast<double>(model->vis.map.zfar) * model->stat.extent, 40, 1e-3);

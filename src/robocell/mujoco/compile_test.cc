@@ -62,7 +62,7 @@ TEST_F(Compiling, TextThatIsNotXmlIsASpecErrorWithTheEnginesReason) {
 }
 
 // The engine's library throws in another C++ runtime than ours.
-TEST_F(Compiling, AnExceptionOfTheEngineIsAnEngineErrorThatSaysWhereToLook) {
+TEST_F(Compiling, AnEngineExceptionBecomesAnEngineErrorWithAPlace) {
   constexpr char kTooLarge[] =
       R"(<mujoco><asset><mesh name="m" builtin="plate" params="100000 100000"/></asset></mujoco>)";
   const auto file = folder_ / "large.xml";
@@ -99,7 +99,7 @@ TEST_F(Compiling, AMissingMeshIsASpecErrorThatNamesTheMesh) {
               AllOf(HasSubstr("scene 'pick': building the model: "), HasSubstr("gone.obj")));
 }
 
-TEST_F(Compiling, AFailedBuildCanBeRepairedAndBuiltAgain) {
+TEST_F(Compiling, AFailedSpecCanBeFixedAndCompiledAgain) {
   SpecPtr spec = ParseXmlString(kPendulum);
   mjsJoint* joint = mjs_asJoint(mjs_findElement(spec.get(), mjOBJ_JOINT, "hinge"));
   joint->range[0] = 1;
@@ -110,7 +110,7 @@ TEST_F(Compiling, AFailedBuildCanBeRepairedAndBuiltAgain) {
   EXPECT_NE(Compile(spec.get()), nullptr);
 }
 
-TEST_F(Compiling, AutomaticResetIsOffInTheModelAndInWhatIsSaved) {
+TEST_F(Compiling, AutomaticResetIsOffInTheModelAndInSavedFiles) {
   SpecPtr spec = ParseXmlString(kPendulum);
   ModelPtr model = Compile(spec.get());
   EXPECT_TRUE(model->opt.disableflags & mjDSBL_AUTORESET);
@@ -143,7 +143,7 @@ TEST_F(Compiling, WarningsOfTheBuildAreReturnedOrLoggedOnce) {
   EXPECT_EQ(lines[0], "scene 'pick': MuJoCo: " + warnings[0]);
 }
 
-TEST_F(Compiling, ANanInAModelIsRefusedWithItsPlace) {
+TEST_F(Compiling, RejectsANanInAModelWithItsPlace) {
   const std::filesystem::path file = folder_ / "arm.xml";
   std::ofstream(file) << "<mujoco><!-- pos='nan' -->\n<worldbody>\n"
                          "<body name='nan'><geom size='.1' mass='NaN'/></body>"
@@ -166,7 +166,7 @@ TEST_F(Compiling, ANanInAModelIsRefusedWithItsPlace) {
   EXPECT_NE(ParseXmlFile(file), nullptr) << "a name";
 }
 
-TEST_F(Compiling, WhatIsInfiniteIsRefusedByElement) {
+TEST_F(Compiling, RejectsInfiniteValuesByElement) {
   const auto message = [](const std::string& body) {
     const SpecPtr spec = ParseXmlString("<mujoco><worldbody>" + body + "</worldbody></mujoco>");
     return MessageOf<SpecError>([&] { Compile(spec.get(), nullptr, "scene 'x'"); });
@@ -180,7 +180,7 @@ TEST_F(Compiling, WhatIsInfiniteIsRefusedByElement) {
             "no error");
 }
 
-TEST_F(Compiling, FilesInMemoryAreFoundWhenTheirFileSystemIsGiven) {
+TEST_F(Compiling, FindsFilesInAVirtualFileSystem) {
   VfsPtr vfs = MakeVfs();
   AddBuffer(vfs.get(), "tetra.obj",
             "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n");
@@ -193,7 +193,7 @@ TEST_F(Compiling, FilesInMemoryAreFoundWhenTheirFileSystemIsGiven) {
   EXPECT_EQ(Compile(spec.get(), vfs.get())->nmeshvert, 4);
 }
 
-TEST_F(Compiling, ASavedXmlFileLoadsAndMovesTheSame) {
+TEST_F(Compiling, ASavedXmlFileLoadsAndSimulatesAlike) {
   SpecPtr spec = ParseXmlString(kPendulum);
   ModelPtr model = Compile(spec.get());
   SaveXml(spec.get(), folder_ / "out.xml");
@@ -201,7 +201,7 @@ TEST_F(Compiling, ASavedXmlFileLoadsAndMovesTheSame) {
   ExpectSameMotion(model.get(), Compile(again.get()).get(), 1e-4);
 }
 
-TEST_F(Compiling, ASavedBinaryFileLoadsAndMovesTheSameToTheBit) {
+TEST_F(Compiling, ASavedBinaryFileLoadsAndSimulatesBitwiseAlike) {
   ModelPtr model = Compile(ParseXmlString(kPendulum).get());
   SaveBinary(model.get(), folder_ / "out.mjb");
   ExpectSameMotion(model.get(), LoadBinary(folder_ / "out.mjb").get(), 0);
@@ -217,7 +217,7 @@ TEST_F(Compiling, ATruncatedBinaryFileIsAnErrorThatNamesTheFile) {
   EXPECT_THROW(LoadBinaryString(""), SpecError);
 }
 
-TEST_F(Compiling, WhatIsNoFileOrTooLargeIsNotReadAsABinary) {
+TEST_F(Compiling, RejectsPipesAndHugeFilesAsBinaries) {
   ASSERT_EQ(mkfifo((folder_ / "pipe.mjb").c_str(), 0600), 0);
   EXPECT_THAT(
       MessageOf<IoError>([&] { LoadBinary(folder_ / "pipe.mjb", "scene 'pick'"); }),
@@ -235,7 +235,7 @@ TEST_F(Compiling, AnUnwritablePlaceIsAnIoErrorWithPathAndReason) {
       "scene 'pick': cannot write '/no/such/folder/a.mjb': No such file or directory");
 }
 
-TEST_F(Compiling, NewSpecsCountAnglesInRadians) { EXPECT_FALSE(MakeSpec()->compiler.degree); }
+TEST_F(Compiling, NewSpecsUseRadians) { EXPECT_FALSE(MakeSpec()->compiler.degree); }
 
 }  // namespace
 }  // namespace robocell

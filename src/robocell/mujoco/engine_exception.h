@@ -6,7 +6,7 @@
 // mj_copySpec, mj_copyBack, mj_save..., virtual file systems) are the engine's C++ part: call these
 // through Tried. The rest is C, for which Guarded (guard.h) is enough and takes half the time.
 //
-// The engine's library has a C++ runtime of its own. If such an exception reaches a frame of ours
+// The engine's library has its own C++ runtime. If such an exception reaches a frame of ours
 // with a destructor or a `catch`, it ends the process: each runtime misreads the other's data.
 // Therefore the call goes through a frame without a C++ runtime, whose handler only needs the
 // address at which to continue. The engine's own frames are unwound first; the engine cleans up its

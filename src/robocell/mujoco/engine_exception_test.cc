@@ -36,14 +36,14 @@ bool Throws(const char* xml) {
   return threw;
 }
 
-TEST(EngineExceptions, ThoseOfTheEngineAreCaughtAgainAndAgain) {
+TEST(EngineExceptions, EngineExceptionsAreCaughtRepeatedly) {
   for (int i = 0; i < 100; ++i) {
     EXPECT_TRUE(Throws(kTooLarge));
     EXPECT_FALSE(Throws("<mujoco/>"));
   }
 }
 
-TEST(EngineExceptions, EachThreadCatchesItsOwn) {
+TEST(EngineExceptions, EachThreadCatchesItsOwnExceptions) {
   std::vector<int> caught(4);
   std::vector<std::thread> threads;
   for (int& count : caught) {
@@ -55,7 +55,7 @@ TEST(EngineExceptions, EachThreadCatchesItsOwn) {
   EXPECT_EQ(caught, std::vector<int>(4, 50));
 }
 
-TEST(EngineExceptions, OursPassThroughWithTheirDestructors) {
+TEST(EngineExceptions, OtherExceptionsPassThroughAndUnwind) {
   struct Counted {
     int* left;
     ~Counted() { ++*left; }
@@ -79,7 +79,7 @@ TEST(EngineExceptions, OursPassThroughWithTheirDestructors) {
   }
 }
 
-TEST(EngineExceptions, AnEngineErrorIsStillTheGuards) {
+TEST(EngineExceptions, TheGuardStillHandlesEngineErrors) {
   const auto fail = [](void*) { mju_error("no %s", "way"); };
   for (int i = 0; i < 3; ++i) {
     EngineExceptions exceptions;
@@ -88,7 +88,7 @@ TEST(EngineExceptions, AnEngineErrorIsStillTheGuards) {
   EXPECT_TRUE(Throws(kTooLarge));
 }
 
-TEST(EngineExceptions, TheInnermostCatches) {
+TEST(EngineExceptions, TheInnermostHandlerCatches) {
   const auto outer = [](void* caught) { *static_cast<bool*>(caught) = Throws(kTooLarge); };
   bool caught = false;
   EngineExceptions exceptions;

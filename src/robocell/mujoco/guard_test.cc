@@ -37,7 +37,7 @@ ModelPtr Ball() {
           .get());
 }
 
-TEST(Guard, ReturnsWhatTheFunctionReturns) {
+TEST(Guard, ReturnsTheResultOfTheFunction) {
   EXPECT_EQ(Guarded("", [] { return 42; }), 42);
   int side_effect = 0;
   Guarded("", [&] { side_effect = 7; });
@@ -71,7 +71,7 @@ TEST(Guard, NestedErrorsReachTheInnermostGuardAndTheOuterOneStillWorks) {
   EXPECT_EQ(text, "outer: second");
 }
 
-TEST(Guard, ErrorsFromTwoThreadsAtOnceAreNeverMixed) {
+TEST(Guard, ConcurrentErrorsOfTwoThreadsAreNotMixed) {
   constexpr int kErrors = 4000;
   int wrong[2] = {0, 0};
   auto work = [&](int thread) {
@@ -155,7 +155,7 @@ TEST(Guard, ARealErrorOfTheEngineIsCaught) {
 thread_local std::string foreign_text;
 void ForeignHandler(const mjLogMessage* message) { foreign_text = message->subject; }
 
-TEST(Guard, WorksWhileSomebodyElseHoldsTheProcessWideHandler) {
+TEST(Guard, WorksWithAForeignProcessWideHandler) {
   Guarded("", [] {});
   mjfLogHandler ours = mju_setLogHandler(&ForeignHandler);
   const std::string text = MessageOf([] { Guarded("here", [] { mju_error("mine"); }); });
@@ -174,7 +174,7 @@ void FailInEverySecondSimulation(const mjModel*, mjData*, int simulation, void* 
   });
 }
 
-TEST(Guard, WorksInsideABatchCallbackWhereTheEngineHasItsOwnHandler) {
+TEST(Guard, WorksInsideABatchCallback) {
   ModelPtr model = Ball();
   mjBatch* batch = mjb_makeBatch(model.get(), 8, nullptr, nullptr, 0);
   std::string texts[8];

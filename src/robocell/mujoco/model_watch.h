@@ -19,7 +19,7 @@ namespace robocell {
 
 class ModelWatch {
  public:
-  ModelWatch() = default;  // of no model
+  ModelWatch() = default;  // watches no model
   explicit ModelWatch(const mjModel* model);
 
   bool gone() const { return gone_ && gone_->load(std::memory_order_acquire); }

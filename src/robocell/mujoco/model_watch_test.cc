@@ -12,7 +12,7 @@ namespace {
 
 ModelPtr WatchedModel() { return Compile(MakeSpec().get()); }
 
-TEST(ModelWatch, KnowsWhenAModelIsFreedWhoeverOwnsIt) {
+TEST(ModelWatch, DetectsAFreedModelOfAnyOwner) {
   ModelPtr model = WatchedModel();
   const ModelWatch first(model.get()), second(model.get()), copy = first;
   ModelPtr moved = std::move(model);
@@ -22,7 +22,7 @@ TEST(ModelWatch, KnowsWhenAModelIsFreedWhoeverOwnsIt) {
   EXPECT_FALSE(ModelWatch().gone());
 }
 
-TEST(ModelWatch, ALaterModelAtTheSameAddressIsAnother) {
+TEST(ModelWatch, DistinguishesALaterModelAtTheSameAddress) {
   const ModelPtr model =
       WatchedModel();  // stands for two models at the same address, one after the other
   const ModelWatch before(model.get());

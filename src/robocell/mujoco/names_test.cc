@@ -43,7 +43,7 @@ TEST(Names, AreFoundExactly) {
   EXPECT_EQ(FindId(model.get(), mjOBJ_JOINT, ""), -1);
 }
 
-TEST(Names, AMissNamesPlaceAlternativesAndTheNearest) {
+TEST(Names, AMissingNameErrorHasPlaceAlternativesAndTheNearest) {
   ModelPtr model = Arm();
   try {
     RequireId(model.get(), mjOBJ_JOINT, "joint3", "scene 'pick' / robot 'left'");
@@ -55,14 +55,14 @@ TEST(Names, AMissNamesPlaceAlternativesAndTheNearest) {
   }
 }
 
-TEST(Names, UnnamedElementsAreDescribedByWhatTheyBelongTo) {
+TEST(Names, UnnamedElementsAreDescribedByTheirOwner) {
   ModelPtr model = Arm();
   EXPECT_EQ(Describe(model.get(), mjOBJ_JOINT, 0), "joint 'joint1'");
   EXPECT_EQ(Describe(model.get(), mjOBJ_JOINT, 2), "joint 2 (unnamed, of body 'link2')");
   EXPECT_EQ(Describe(model.get(), mjOBJ_GEOM, 2), "geom 2 (unnamed, of body 3 (unnamed))");
 }
 
-TEST(Names, KindsHaveTheWordsPeopleUse) {
+TEST(Names, KindsHaveCommonNames) {
   EXPECT_THAT(KindName(mjOBJ_BODY), StrEq("body"));
   EXPECT_THAT(KindName(mjOBJ_XBODY), StrEq("body"));
   EXPECT_THAT(KindName(mjOBJ_CAMERA), StrEq("camera"));

@@ -18,6 +18,7 @@
 #include <system_error>
 #include <vector>
 
+#include "robocell/base/lfs_pointer.h"
 #include "robocell/base/suggestions.h"
 
 namespace robocell::internal {
@@ -92,21 +93,9 @@ std::string Place(const std::string& file, const std::string& line) {
   return known ? file + ":" + line + ": " : file + ": ";
 }
 
-// Returns true for the text that a repository has in the place of a large file until Git LFS fetches
-// it.
-bool IsLfsPointer(const std::string& file) {
-  std::ifstream stream(file);
-  std::string first;
-  return std::getline(stream, first) && first.starts_with("version https://git-lfs.github.com/");
-}
-
 // "XML parse error 14:\nError=XML_ERROR_MISMATCHED_ELEMENT ... Line number=2: XMLElement name=body"
 std::string NotWellFormed(const std::string& complaint, const std::string& file) {
-  if (IsLfsPointer(file)) {
-    return file +
-           ": a pointer of Git LFS, not the model itself: run `git lfs pull` where the file's "
-           "repository was cloned, or download the file";
-  }
+  if (const std::string pointer = LfsPointerAdvice({file}); !pointer.empty()) return pointer;
   std::smatch found;
   std::regex_search(complaint, found, std::regex(R"(Error=XML_ERROR_(\w+))"));
   std::string what = found.empty() ? complaint : found[1].str();
@@ -165,12 +154,12 @@ std::string IncludedAt(const std::string& file, const std::string& line) {
 }
 
 struct NumberField {
-  const char* name;  // in MJCF
+  const char* name;  // name in MJCF
   mjtObj kind;
   const mjtNum* numbers;
   mjtSize rows;
   int per_row;
-  const int* owners = nullptr;  // of the rows, unless these are the elements
+  const int* owners = nullptr;  // owners of the rows, unless these are the elements
 };
 
 std::string ProblemIn(const mjModel* m, const NumberField& field) {

@@ -34,7 +34,7 @@ std::string Told(const std::string& line) {
   return told;
 }
 
-TEST(ParseProblem, UnknownAttributesAndElementsHaveTheNearest) {
+TEST(ParseProblem, SuggestsTheNearestAttributeOrElement) {
   EXPECT_EQ(Told("<geom tpye='box'/>"),
             "arm.xml:3: <geom>: unrecognized attribute: 'tpye'. Did you mean 'type'? Correct it "
             "there; MJCF's elements and attributes: "
@@ -45,13 +45,13 @@ TEST(ParseProblem, UnknownAttributesAndElementsHaveTheNearest) {
               AllOf(HasSubstr("'qqqqqqqqqqqq'. Correct it"), Not(HasSubstr("Did you mean"))));
 }
 
-TEST(ParseProblem, WrongValuesHaveTheirLine) {
+TEST(ParseProblem, ReportsTheLineOfAWrongValue) {
   EXPECT_THAT(Told("<geom type='bx'/>"), HasSubstr("arm.xml:3: <geom>: invalid keyword: 'bx'. "));
   EXPECT_THAT(Told("<geom pos='1 2 x'/>"),
               HasSubstr("arm.xml:3: <geom>: bad format in attribute 'pos'. "));
 }
 
-TEST(ParseProblem, WhatIsNoXmlIsTold) {
+TEST(ParseProblem, ReportsMalformedXml) {
   EXPECT_EQ(Told("<body>"),
             "arm.xml:3: <body>: not well-formed XML: mismatched element. Each element that is "
             "opened is closed, inside of the one around it, and each attribute is written "
@@ -60,15 +60,15 @@ TEST(ParseProblem, WhatIsNoXmlIsTold) {
                                                 "attribute. "));
 }
 
-TEST(ParseProblem, APointerOfGitLfsIsTold) {
+TEST(ParseProblem, ReportsAGitLfsPointer) {
   const TempDir folder;
   AtomicWrite(folder.path() / "arm.xml",
               "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n");
   ExpectThrow<SpecError>([&] { ParseXmlFile(folder.path() / "arm.xml"); },
-                         "arm.xml: a pointer of Git LFS, not the model itself: run `git lfs pull`");
+                         "arm.xml: a pointer of Git LFS, not the file itself: run `git lfs pull`");
 }
 
-TEST(ParseProblem, AnIncludedFileThatIsMissingHasTheNearest) {
+TEST(ParseProblem, SuggestsTheNearestIncludedFile) {
   const auto told = [](const std::string& include, const std::string& there) {
     const TempDir folder;
     std::filesystem::create_directory(folder.path() / "parts");
@@ -84,7 +84,7 @@ TEST(ParseProblem, AnIncludedFileThatIsMissingHasTheNearest) {
               HasSubstr("'hand.xml'. There: gripper.xml. Correct"));
 }
 
-TEST(ParseProblem, AnIncludedFileThatIsNoXmlIsToldWithItsLine) {
+TEST(ParseProblem, ReportsTheLineOfMalformedXmlInAnIncludedFile) {
   const TempDir folder;
   const std::string part = (folder.path() / "part.xml").string();
   AtomicWrite(part, "<mujoco>\n<asset>\n</mujoco>");
@@ -93,7 +93,7 @@ TEST(ParseProblem, AnIncludedFileThatIsNoXmlIsToldWithItsLine) {
                          part + ":2: <asset>: not well-formed XML: mismatched element. Each");
 }
 
-TEST(ParseProblem, FilesThatAreNoModels) {
+TEST(ParseProblem, ReportsFilesThatAreNotModels) {
   const TempDir folder;
   const std::string file = (folder.path() / "x.xml").string();
   const auto told = [&](const std::string& text) {

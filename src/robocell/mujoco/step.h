@@ -43,11 +43,11 @@ struct StepStart {
 
 StepStart BeginStep(const mjData* data);
 
-// True when the state is not finite, out of bounds, or when time did not advance by one timestep.
-// Allocates nothing.
+// Returns true if the state is not finite or out of bounds, or if time did not advance by one
+// timestep. Allocates nothing.
 bool HasDiverged(const mjModel* model, const mjData* data, const StepStart& start);
 
-// The value for a state that HasDiverged, which says where. `steps` is copied into it.
+// Returns the result for a diverged state, with its first joint. `steps` is copied into it.
 StepResult Diverged(const mjModel* model, const mjData* data, const StepStart& start, int steps);
 
 // Makes `n` engine steps; stops after the first one that diverged. n <= 0 does nothing.

@@ -40,7 +40,7 @@ class Stepping : public testing::Test {
   internal::WarningCapture quiet_;
 };
 
-TEST_F(Stepping, GoodStepsSaySoAndTellTheTime) {
+TEST_F(Stepping, ReportsSuccessAndTheTime) {
   const StepResult result = Step(model_.get(), data_.get(), 100);
   EXPECT_TRUE(result.ok());
   EXPECT_EQ(result.steps, 100);
@@ -49,7 +49,7 @@ TEST_F(Stepping, GoodStepsSaySoAndTellTheTime) {
   EXPECT_EQ(result.message, "");
 }
 
-TEST_F(Stepping, StepsAreTheEnginesOwn) {
+TEST_F(Stepping, MatchesTheStepsOfTheEngine) {
   DataPtr plain = MakeData(model_.get());
   for (int i = 0; i < 200; ++i) mj_step(model_.get(), plain.get());
   EXPECT_TRUE(Step(model_.get(), data_.get(), 200).ok());
@@ -69,7 +69,7 @@ TEST_F(Stepping, ANanVelocityIsReportedWithJointAndTimeAndStopsTheSteps) {
                     HasSubstr("bad number in qvel")));
 }
 
-TEST_F(Stepping, AHugeForceDivergesWithinTheStepsAskedFor) {
+TEST_F(Stepping, AHugeForceDivergesWithinTheRequestedSteps) {
   data_->qfrc_applied[0] = 1e15;
   const StepResult result = Step(model_.get(), data_.get(), 1000);
   EXPECT_EQ(result.status, StepResult::kDiverged);
@@ -90,7 +90,7 @@ TEST_F(Stepping, TimeIsNeverSetBackByTheEngine) {
   EXPECT_GT(data_->time, 0.1);
 }
 
-TEST_F(Stepping, AModelThatResetsItselfIsCaughtByItsClock) {
+TEST_F(Stepping, DetectsAnAutomaticResetByTheClock) {
   model_->opt.disableflags &= ~mjDSBL_AUTORESET;
   EXPECT_TRUE(Step(model_.get(), data_.get(), 50).ok());
   data_->qvel[0] = 1e12;
@@ -110,7 +110,7 @@ TEST_F(Stepping, GoodStepsAllocateNothing) {
   EXPECT_EQ(count.allocations(), 0);
 }
 
-TEST_F(Stepping, TheAllocationCounterCounts) {
+TEST_F(Stepping, TheAllocationCounterCountsAllocations) {
   const AllocationCount count;
   std::string text(100, 'x');
   EXPECT_GE(count.allocations(), 1);

@@ -18,8 +18,8 @@ std::vector<bool> SubtreeMask(const mjModel* model, int root);
 // Returns the lowest body that is, or carries, both of them.
 int CommonAncestor(const mjModel* model, int a, int b);
 
-// Returns true if a joint is all that is between two bodies, or nothing: where the base stands on the
-// world, the engine lets such neighbours touch.
+// Returns true if a joint is all that is between two bodies, or nothing: where the base stands on
+// the world, the engine lets such neighbours touch.
 bool AreNeighbours(const mjModel* model, int a, int b);
 
 // Returns the body of a joint, degree of freedom, geom, site, camera or light, and a body itself;

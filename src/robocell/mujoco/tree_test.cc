@@ -22,7 +22,7 @@ class Tree : public ::testing::Test {
   const mjModel* m = model.get();
 };
 
-TEST_F(Tree, SubtreesHoldTheirRootAndWhatHangsOnIt) {
+TEST_F(Tree, SubtreesContainTheirRootAndDescendants) {
   for (const auto& [body, root, inside] : {std::tuple{"a", "a", true},
                                            {"d", "a", true},
                                            {"c", "b", true},
@@ -35,7 +35,7 @@ TEST_F(Tree, SubtreesHoldTheirRootAndWhatHangsOnIt) {
   }
 }
 
-TEST_F(Tree, CommonAncestorIsTheLowestThatCarriesBoth) {
+TEST_F(Tree, TheCommonAncestorIsTheLowestSharedBody) {
   for (const auto& [a, b, ancestor] : {std::tuple{"c", "d", "b"},
                                        {"d", "c", "b"},
                                        {"c", "e", "a"},
@@ -46,7 +46,7 @@ TEST_F(Tree, CommonAncestorIsTheLowestThatCarriesBoth) {
   }
 }
 
-TEST_F(Tree, WhatSitsOnABodyIsAskedByKind) {
+TEST_F(Tree, FindsElementsOfABodyByKind) {
   const ModelPtr part = Compile(
       ParseXmlString(R"(<mujoco><asset><mesh name="m" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>
       <worldbody><body name="a"><body name="b"><joint name="j"/><geom name="g" size="1"/><site name="s"/>

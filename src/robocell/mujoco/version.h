@@ -16,7 +16,7 @@ std::string CompiledEngineVersion();
 std::string LoadedEngineVersion();
 
 namespace version_internal {
-// 4000000 -> "4.0.0"
+// Formats a version number: 4000000 -> "4.0.0".
 std::string VersionText(int version);
 void RequireVersions(int compiled, int loaded);
 }  // namespace version_internal

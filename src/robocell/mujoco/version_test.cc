@@ -15,7 +15,7 @@ TEST(Version, TheLoadedEngineIsTheOneWeWereBuiltFor) {
   EXPECT_EQ(CompiledEngineVersion(), LoadedEngineVersion());
 }
 
-TEST(Version, AnotherEngineIsRefusedAndBothVersionsAreNamed) {
+TEST(Version, RejectsAnotherEngineAndNamesBothVersions) {
   try {
     version_internal::RequireVersions(4000000, 4001002);
     FAIL() << "accepted";

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 
 namespace robocell {
@@ -69,7 +70,7 @@ void SetSensor(CameraModel& camera, const float* size, const float* intrinsic) {
 void SetModelCamera(CameraModel& camera, const mjModel* model, const mjData* data, int id) {
   if (id < 0 || id >= model->ncam) {
     throw ArgumentError(
-        fmt::format("camera id {}: the model has {} cameras", id, static_cast<int>(model->ncam)));
+        fmt::format("camera id {}: the model has {}", id, Counted(model->ncam, "camera")));
   }
   camera.camera_in_world =
       Pose::FromTranslationAndMatrix(data->cam_xpos + 3 * id, data->cam_xmat + 9 * id);

@@ -54,7 +54,7 @@ TEST_F(Cameras, ThePrincipalPointOfASymmetricCameraIsTheMiddleOfThePixelCentres)
   EXPECT_EQ(camera.intrinsics(), k);
 }
 
-TEST_F(Cameras, ALensHasItsOwnFocalLengthsAndAPrincipalPointMovedAgainstTheOffset) {
+TEST_F(Cameras, ALensHasItsFocalLengthsAndAnOppositePrincipalPoint) {
   const CameraModel camera = Camera("lens");
   EXPECT_NEAR(camera.fx, 500, 1e-3);
   EXPECT_NEAR(camera.fy, 520, 1e-3);
@@ -62,7 +62,7 @@ TEST_F(Cameras, ALensHasItsOwnFocalLengthsAndAPrincipalPointMovedAgainstTheOffse
   EXPECT_NEAR(camera.cy, 239.5 - 20, 1e-4);
 }
 
-TEST_F(Cameras, PointsProjectWhereOneExpectsThem) {
+TEST_F(Cameras, ProjectsPointsToTheirPixels) {
   const CameraModel camera = Camera("down");  // looks straight down, image up is +y
   EXPECT_TRUE(camera.Project({0.1, 0.2, 0}).isApprox(Eigen::Vector2d(319.5, 239.5)));
   EXPECT_GT(camera.Project({0.5, 0.2, 0}).x(), 319.5);  // +x is right
@@ -94,7 +94,7 @@ TEST_F(Cameras, AnOrthographicCameraKeepsSizesAtAnyDepth) {
 }
 
 // The oracle is the engine's own frustum.
-TEST_F(Cameras, TheFrustumIsTheEnginesForEveryKindOfCamera) {
+TEST_F(Cameras, TheFrustumMatchesTheEngineForEveryCamera) {
   mjvScene scene;
   mjv_defaultScene(&scene);
   mjv_makeScene(model_.get(), &scene, 100);
@@ -125,7 +125,7 @@ TEST_F(Cameras, TheFrustumIsTheEnginesForEveryKindOfCamera) {
   mjv_freeScene(&scene);
 }
 
-TEST_F(Cameras, AnOrbitIsTheViewersFreeCamera) {
+TEST_F(Cameras, AnOrbitMatchesTheViewersFreeCamera) {
   mjvCamera viewer;
   mjv_defaultCamera(&viewer);
   const OrbitCamera orbit{
@@ -145,7 +145,7 @@ TEST_F(Cameras, AnOrbitIsTheViewersFreeCamera) {
   }
 }
 
-TEST_F(Cameras, ATrackingCameraIsTheViewersOne) {
+TEST_F(Cameras, ATrackingCameraMatchesTheViewer) {
   mjvCamera viewer;
   mjv_defaultCamera(&viewer);
   viewer.type = mjCAMERA_TRACKING;
@@ -177,7 +177,7 @@ TEST_F(Cameras, ATrackingCameraIsTheViewersOne) {
       "a camera that tracks body id 99: the model has ");
 }
 
-TEST_F(Cameras, ContainsKnowsTheEdgesOfTheImageAndTheClipPlanes) {
+TEST_F(Cameras, ContainsRespectsImageEdgesAndClipPlanes) {
   const CameraModel camera = Camera("down");
   EXPECT_TRUE(camera.Contains(camera.Unproject({-0.49, 479.49}, 2)));
   EXPECT_FALSE(camera.Contains(camera.Unproject({-0.51, 100}, 2)));
@@ -186,7 +186,7 @@ TEST_F(Cameras, ContainsKnowsTheEdgesOfTheImageAndTheClipPlanes) {
   EXPECT_FALSE(camera.Contains(camera.Unproject({100, 100}, 51)));
 }
 
-TEST_F(Cameras, LookAtPutsTheTargetIntoTheMiddleWithUpUpwards) {
+TEST_F(Cameras, LookAtCentresTheTargetUpright) {
   const Eigen::Vector3d eye(1, 2, 3), target(-0.5, 0.1, 0.2);
   const Pose pose = LookAt(eye, target);
   const CameraModel camera =
@@ -200,7 +200,7 @@ TEST_F(Cameras, LookAtPutsTheTargetIntoTheMiddleWithUpUpwards) {
                              "cannot look at the point that it stands on");
 }
 
-TEST_F(Cameras, WrongNamesIdsAndSizesAreErrorsThatTell) {
+TEST_F(Cameras, RejectsInvalidNamesIdsAndSizes) {
   ExpectThrow<NotFoundError>(
       [&] { NamedCamera(model_.get(), "wirst", "scene 'pick'"); },
       "scene 'pick': no camera 'wirst'. Its cameras: down, flat, lens, wrist. "
@@ -213,7 +213,7 @@ TEST_F(Cameras, WrongNamesIdsAndSizesAreErrorsThatTell) {
       "an image of 0 x 10 pixels");
 }
 
-TEST_F(Cameras, RefuseNumbersThatNothingCanBeDrawnWith) {
+TEST_F(Cameras, RejectInvalidNumbers) {
   const double nan = std::nan(""), infinity = HUGE_VAL;
   const auto draw = [&](const CameraView& view) {
     ComputeCamera(model_.get(), data_.get(), view, 64, 48);

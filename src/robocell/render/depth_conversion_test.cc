@@ -11,7 +11,7 @@ namespace {
 using testing::ElementsAre;
 using testing::FloatNear;
 
-TEST(DepthConversion, RawDepthIsTheNearPlaneAtOneAndNothingAtZero) {
+TEST(DepthConversion, RawDepthIsTheNearPlaneAtOneAndInfinityAtZero) {
   CameraModel camera;
   camera.near_m = 0.1;
   camera.far_m = 10;

@@ -1,5 +1,5 @@
-// The content of a drawing: poses of its own, the engine's list of visible elements, and the body
-// of each element. All back ends share it, so that they show the same. Internal to render/.
+// The content of a drawing: a copy of the poses, the engine's list of visible elements, and the
+// body of each element. All back ends share it, so that they show the same. Internal to render/.
 //
 //   DrawnScene drawn({.visibility = options.visibility, .keep_unseen = quality.shadows});
 //   drawn.SetModel(model);                                 // again after every compile
@@ -60,7 +60,7 @@ class DrawnScene {
   Options options_;
   mjvOption visible_;
   const mjModel* model_ = nullptr;
-  ModelWatch watch_;        // of the model, which is the caller's
+  ModelWatch watch_;        // watch of the caller's model
   uint64_t signature_ = 0;  // the model's, which its data have too
   DataPtr scratch_;         // poses for drawing
   std::unique_ptr<MjvScene> scene_;

@@ -18,7 +18,7 @@ EglDevice Nvidia(int cuda) { return {.vendor = "NVIDIA", .cuda = cuda}; }
 
 using Devices = std::vector<EglDevice>;
 
-TEST(EglDeviceOrder, HardwareComesBeforeSoftwareWhateverVendorEglAsksFirst) {
+TEST(EglDeviceOrder, HardwareComesBeforeSoftwareInAnyVendorOrder) {
   EXPECT_THAT(OrderEglDevices(Devices{kMesa, Nvidia(0)}, {}), ElementsAre(1, 0));
   EXPECT_THAT(OrderEglDevices(Devices{Nvidia(0), kMesa}, {}), ElementsAre(0, 1));
   EXPECT_THAT(OrderEglDevices(Devices{kMesa, kIntel, {}}, {}), ElementsAre(1, 2, 0));
@@ -31,7 +31,7 @@ TEST(EglDeviceOrder, DevicesOfOneKindKeepEglsOrder) {
               ElementsAre(0, 2, 4, 1, 3));
 }
 
-TEST(EglDeviceOrder, CudaNumbersOrderTheDevicesThatTellThem) {
+TEST(EglDeviceOrder, CudaNumbersOrderTheDevicesThatReportThem) {
   EXPECT_THAT(OrderEglDevices(Devices{kMesa, Nvidia(2), Nvidia(0), Nvidia(1)}, {}),
               ElementsAre(2, 3, 1, 0));
   EXPECT_THAT(OrderEglDevices(Devices{Nvidia(4), Nvidia(2), Nvidia(0)}, {.cuda_visible = "2,4"}),
@@ -45,7 +45,7 @@ TEST(EglDeviceOrder, CudaNumbersOrderTheDevicesThatTellThem) {
 }
 
 // The cases of MuJoCo 4.0's own test of its choice.
-TEST(EglDeviceChoices, AMujocoDeviceMeansWhatItMeansToMujoco) {
+TEST(EglDeviceChoices, AMujocoDeviceHasTheMeaningOfMujoco) {
   const Devices three = {Nvidia(2), Nvidia(1), Nvidia(0), kMesa};
   EXPECT_THAT(OrderEglDevices(three, {.mujoco_device = "2"}), ElementsAre(0)) << "a CUDA number";
   const Devices two = {Nvidia(2), Nvidia(0)};
@@ -64,7 +64,7 @@ TEST(EglDeviceChoices, AMujocoDeviceMeansWhatItMeansToMujoco) {
       << "the device that was asked for, software or not";
 }
 
-TEST(EglDeviceChoices, OurVariableCountsAsEglDoesAndComesFirst) {
+TEST(EglDeviceChoices, TheRobocellVariableUsesEglNumbersAndTakesPrecedence) {
   const Devices devices = {kMesa, Nvidia(1), Nvidia(0)};
   EXPECT_THAT(OrderEglDevices(devices, {.robocell_device = "0", .mujoco_device = "1"}),
               ElementsAre(0));
@@ -72,7 +72,7 @@ TEST(EglDeviceChoices, OurVariableCountsAsEglDoesAndComesFirst) {
               ElementsAre(2));
 }
 
-TEST(EglDeviceChoices, AChoiceOfNoDeviceIsAnErrorThatListsThem) {
+TEST(EglDeviceChoices, RejectsAMissingDeviceAndListsTheDevices) {
   const Devices devices = {kMesa, Nvidia(0)};
   const std::string list =
       " chooses none of the 2 EGL devices of this machine: device 0 (Mesa Project, software), "

@@ -108,7 +108,8 @@ void GlContext::RequireOwnProcess() {
   if (!InFork()) return;
   throw Error(
       "this process was forked after something had been drawn, and OpenGL does not work in such a "
-      "fork. Start it anew: context='forkserver' or 'spawn' in multiprocessing and in Gymnasium's "
+      "fork. Start a new process: context='forkserver' or 'spawn' in multiprocessing and in "
+      "Gymnasium's "
       "AsyncVectorEnv; or make copies of an environment in one process: gym.make_vec, "
       "robocell.gym.VectorGymEnv");
 }

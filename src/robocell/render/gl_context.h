@@ -4,7 +4,7 @@
 //
 // The back end is that of `GlBackend`; kAuto uses the environment variable ROBOCELL_GL (egl,
 // osmesa, auto), then MUJOCO_GL if it is egl or osmesa, and else tries EGL, then OSMesa. EGL takes
-// a graphics card if there is one, whatever EGL lists first. With several cards,
+// a graphics card if there is one, in any order of EGL's list. With several cards,
 // MUJOCO_EGL_DEVICE_ID or ROBOCELL_EGL_DEVICE chooses one (egl_devices.h).
 //
 //   std::unique_ptr<GlContext> context = GlContext::Create();

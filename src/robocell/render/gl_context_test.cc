@@ -30,7 +30,7 @@ class Environment {
   std::string old_;
 };
 
-TEST(GlBackends, AreNamedInTheEnvironmentOursFirst) {
+TEST(GlBackends, AreReadFromTheEnvironmentWithTheRobocellVariableFirst) {
   const Environment ours("ROBOCELL_GL", ""), theirs("MUJOCO_GL", "glfw");
   EXPECT_EQ(GlBackendFromEnvironment(), GlBackend::kAuto);
   const Environment osmesa("MUJOCO_GL", "osmesa");
@@ -39,7 +39,7 @@ TEST(GlBackends, AreNamedInTheEnvironmentOursFirst) {
   EXPECT_EQ(GlBackendFromEnvironment(), GlBackend::kEgl);
 }
 
-TEST(GlBackends, AMisspelledNameIsAnErrorWithASuggestion) {
+TEST(GlBackends, SuggestTheNearestName) {
   const Environment ours("ROBOCELL_GL", "osmeas");
   ExpectThrow<NotFoundError>(
       [] { GlBackendFromEnvironment(); },
@@ -58,14 +58,14 @@ class GlContexts : public testing::Test {
   }
 };
 
-TEST_F(GlContexts, SayWhatDraws) {
+TEST_F(GlContexts, DescribeTheRenderer) {
   const auto context = GlContext::Create();
   EXPECT_THAT(context->description(), HasSubstr(GlBackendName(context->backend())));
   EXPECT_THAT(context->description(), HasSubstr("OpenGL"));
   EXPECT_EQ(DescribeGl(), context->description());
 }
 
-TEST_F(GlContexts, ASecondLibraryInOneProcessIsRefused) {
+TEST_F(GlContexts, RejectASecondLibraryInOneProcess) {
   const auto context = GlContext::Create();
   const bool egl = context->backend() == GlBackend::kEgl;
   ExpectThrow<Error>(
@@ -85,7 +85,7 @@ TEST_F(GlContexts, MoveBetweenThreadsButAreCurrentOnOne) {
   }).join();
 }
 
-TEST_F(GlContexts, OneThatWasGivenBackIsTheNext) {
+TEST_F(GlContexts, AReturnedContextIsReused) {
   auto context = GlContext::Create();
   const GlContext* first = context.get();
   const auto other = GlContext::Create();
@@ -96,7 +96,7 @@ TEST_F(GlContexts, OneThatWasGivenBackIsTheNext) {
   std::thread([&] { const GlContext::Current there(*context); }).join();
 }
 
-TEST_F(GlContexts, OneThatWasGivenBackIsNoneForAnotherDevice) {
+TEST_F(GlContexts, AReturnedContextIsNotReusedForAnotherDevice) {
   const auto context = GlContext::Create();
   if (context->backend() != GlBackend::kEgl) SKIP_OR_FAIL("OSMesa has no devices");
   GlContext::GiveBack(GlContext::Create());
@@ -106,7 +106,7 @@ TEST_F(GlContexts, OneThatWasGivenBackIsNoneForAnotherDevice) {
 }
 
 // The tests below run it again in child processes, and read its output.
-TEST(DescribeGl, SaysWhatDrawsOrThrows) {
+TEST(DescribeGl, DescribesTheRendererOrThrows) {
   try {
     const std::string text = DescribeGl();
     EXPECT_FALSE(text.empty());
@@ -124,7 +124,7 @@ TEST(GlContextsInChild, FallBackToOsmesaWhenEglDoesNotWork) {
   EXPECT_THAT(run.output, HasSubstr("draws: osmesa: llvmpipe"));
 }
 
-TEST(GlContextsInChild, TellWhatWasTriedAndWhatToInstall) {
+TEST(GlContextsInChild, ReportTriedBackEndsAndPackagesToInstall) {
   const ChildRun run =
       RunTestsInChild("DescribeGl.*", "ROBOCELL_GL=egl __EGL_VENDOR_LIBRARY_FILENAMES=/no");
   EXPECT_THAT(run.output, HasSubstr("thrown: no OpenGL for off-screen rendering. Tried:\n  egl: "));
@@ -133,7 +133,7 @@ TEST(GlContextsInChild, TellWhatWasTriedAndWhatToInstall) {
       HasSubstr("Install one of them (Debian, Ubuntu): apt-get install libegl1 libgl1-mesa-dri"));
 }
 
-TEST(GlContextsInChild, ADeviceThatDoesNotExistIsNotReplacedSilently) {
+TEST(GlContextsInChild, RejectAMissingDevice) {
   const ChildRun run =
       RunTestsInChild("DescribeGl.*", "ROBOCELL_GL= MUJOCO_GL=egl MUJOCO_EGL_DEVICE_ID=99");
   EXPECT_THAT(run.output, HasSubstr("MUJOCO_EGL_DEVICE_ID=99 chooses none of the"));

@@ -20,7 +20,7 @@ struct GlRenderer::Impl {
   std::string description;
   DrawnScene drawn;
   std::unique_ptr<MjrContext> colour;  // uploads; without multisampling one serves both passes
-  std::unique_ptr<MjrContext> exact;   // for depth and segmentation, when `colour` is multisampled
+  std::unique_ptr<MjrContext> exact;   // for depth and segmentation if `colour` is multisampled
   std::vector<uint8_t> ids_rgb;
   std::vector<float> depth;  // if only millimetres are requested
 

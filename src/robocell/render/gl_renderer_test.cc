@@ -157,7 +157,7 @@ struct View {
   int width, height;
 };
 
-TEST_F(Projection, ColouredMarkersAreWhereTheCameraProjectsThem) {
+TEST_F(Projection, MatchesColouredMarkers) {
   Rng rng = Rng::Stream(7, "markers");
   Move(Body("wall"), Pose(Eigen::Vector3d(0, 0, -100)));
   Move(Body("carrier"), Pose::FromRpy({0.3, -0.5, 0.8}, {0.4, -0.2, 1.1}));
@@ -207,7 +207,7 @@ TEST_F(Projection, ColouredMarkersAreWhereTheCameraProjectsThem) {
   }
 }
 
-TEST_F(Projection, ATiltedWallIsMeasuredToAMillimetreInEveryPixel) {
+TEST_F(Projection, MeasuresATiltedWallToAMillimetre) {
   for (int i = 0; i < kMarkers; ++i)
     Move(Body(fmt::format("marker{}", i)), Pose(Eigen::Vector3d(0, 0, -50)));
   const CameraView view = FreeCamera{Pose(Eigen::Vector3d(0, 0, 0)), 60};  // looks along -z
@@ -237,7 +237,7 @@ TEST_F(Projection, ATiltedWallIsMeasuredToAMillimetreInEveryPixel) {
   }
 }
 
-TEST_F(Projection, NothingHitIsZeroDepthAndNoBody) {
+TEST_F(Projection, TheBackgroundHasZeroDepthAndNoBody) {
   Move(Body("wall"), Pose(Eigen::Vector3d(0, 0, -2)));
   std::vector<float> depth(64);
   std::vector<uint16_t> mm(64);
@@ -250,9 +250,9 @@ TEST_F(Projection, NothingHitIsZeroDepthAndNoBody) {
   EXPECT_THAT(ids, testing::Each(-1));
 }
 
-TEST_F(Projection, HoldsOnOsmesaToo) {
+TEST_F(Projection, HoldsOnOsmesa) {
   if (GlBackendFromEnvironment() == GlBackend::kOsmesa) return;  // this is OSMesa
-  const ChildRun run = RunTestsInChild("Projection.*:-*HoldsOnOsmesaToo", "ROBOCELL_GL=osmesa");
+  const ChildRun run = RunTestsInChild("Projection.*:-*HoldsOnOsmesa", "ROBOCELL_GL=osmesa");
   if (run.skipped) SKIP_OR_FAIL("no OSMesa on this machine (libosmesa6):\n" + run.output);
   EXPECT_TRUE(run.passed) << run.output;
   EXPECT_THAT(run.output, testing::HasSubstr("[  PASSED  ] 3 tests"));

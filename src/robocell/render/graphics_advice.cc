@@ -107,9 +107,8 @@ std::string NvidiaRemedy(const GraphicsFacts& facts) {
 
 std::string Remedy(std::string_view description, const GraphicsFacts& facts) {
   if (description.starts_with("osmesa") && !facts.gl_variable.empty()) {
-    return fmt::format(
-        "{} asks for OSMesa, which always draws on the processor. Unset the variable",
-        facts.gl_variable);
+    return fmt::format("{} selects OSMesa, which always draws on the processor. Unset the variable",
+                       facts.gl_variable);
   }
   if (!facts.device_variable.empty())
     return fmt::format("{} chooses a device that is software. Unset it", facts.device_variable);

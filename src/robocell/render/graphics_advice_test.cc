@@ -43,14 +43,14 @@ class FakeMachine : public ::testing::Test {
       theirs_{"MUJOCO_EGL_DEVICE_ID", ""}, gl_{"ROBOCELL_GL", ""}, mujoco_gl_{"MUJOCO_GL", ""};
 };
 
-TEST_F(FakeMachine, WithoutAGraphicsCardThereIsNothingToSay) {
+TEST_F(FakeMachine, WithoutAGraphicsCardGivesNoAdvice) {
   Add("dev/nvidiactl");
   Add("dev/dri/card0");  // a screen, which draws nothing
   EXPECT_FALSE(Facts().has_gpu());
   EXPECT_EQ(Advice(), "");
 }
 
-TEST_F(FakeMachine, ACardThatDrawsIsFine) {
+TEST_F(FakeMachine, AWorkingCardGivesNoAdvice) {
   AddDriver();
   EXPECT_EQ(Advice(kCard), "");
 }
@@ -62,7 +62,7 @@ TEST_F(FakeMachine, ListsItsCards) {
   EXPECT_THAT(Facts().dri, ElementsAre("/dev/dri/renderD128"));
 }
 
-TEST_F(FakeMachine, ACardWithoutTheDriversLibraryNamesThePackages) {
+TEST_F(FakeMachine, ACardWithoutADriverNamesThePackages) {
   Add("dev/nvidia0");
   EXPECT_EQ(Advice(),
             "images are drawn on the processor (egl: llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5),"
@@ -71,7 +71,7 @@ TEST_F(FakeMachine, ACardWithoutTheDriversLibraryNamesThePackages) {
             "(Debian), `sudo apt install libnvidia-gl-<version of the driver>` (Ubuntu)");
 }
 
-TEST_F(FakeMachine, AContainerWithoutTheGraphicsCapabilitySaysHowToStartIt) {
+TEST_F(FakeMachine, AContainerWithoutGraphicsExplainsHowToStartIt) {
   Add("dev/nvidia0");
   Add(".dockerenv");
   EXPECT_THAT(Advice(), HasSubstr("Start it with NVIDIA_DRIVER_CAPABILITIES=all (`docker run"));
@@ -79,7 +79,7 @@ TEST_F(FakeMachine, AContainerWithoutTheGraphicsCapabilitySaysHowToStartIt) {
   EXPECT_THAT(Advice(), HasSubstr("NVIDIA_DRIVER_CAPABILITIES=all, not compute,utility as now"));
 }
 
-TEST_F(FakeMachine, AMissingVendorFileIsWrittenOut) {
+TEST_F(FakeMachine, AMissingVendorFileIsShown) {
   Add("dev/nvidia0");
   Add("usr/lib/x86_64-linux-gnu/libEGL_nvidia.so.0");
   Add("usr/share/glvnd/egl_vendor.d/50_mesa.json");
@@ -101,21 +101,21 @@ TEST_F(FakeMachine, AVariableThatChoosesSoftwareIsNamed) {
   EXPECT_THAT(Advice(), HasSubstr("MUJOCO_EGL_DEVICE_ID=1 chooses a device that is software."));
   const ScopedEnv gl("MUJOCO_GL", "osmesa");
   EXPECT_THAT(Advice("osmesa: llvmpipe (LLVM 15.0.6, 256 bits)"),
-              HasSubstr("MUJOCO_GL=osmesa asks for OSMesa, which always draws on the processor."));
+              HasSubstr("MUJOCO_GL=osmesa selects OSMesa, which always draws on the processor."));
 }
 
-TEST_F(FakeMachine, ACompleteDriverThatDoesNotDrawIsForNvidiaSmi) {
+TEST_F(FakeMachine, ABrokenDriverPointsToNvidiaSmi) {
   AddDriver();
   EXPECT_THAT(Advice(), HasSubstr("See what `nvidia-smi` says"));
 }
 
-TEST_F(FakeMachine, ACardOfMesaNeedsItsDriver) {
+TEST_F(FakeMachine, AMesaCardNeedsItsDriver) {
   Add("dev/dri/renderD128");
   EXPECT_THAT(Advice(), HasSubstr("(/dev/dri/renderD128). Install the card's OpenGL driver: `sudo "
                                   "apt install libegl1 libegl-mesa0 libgl1-mesa-dri`"));
 }
 
-TEST(GraphicsFactsTest, ACardThatTheUserMayNotOpenSaysWhichGroupMay) {
+TEST(GraphicsFactsTest, AnInaccessibleCardNamesTheRequiredGroup) {
   const GraphicsFacts facts{.dri = {"/dev/dri/renderD128"}, .unreadable = {"/dev/dri/renderD128"}};
   EXPECT_THAT(
       GraphicsAdvice(kLlvmpipe, facts),

@@ -19,7 +19,7 @@ TEST(ImageConvert, RowsAreReversedForOddAndEvenCounts) {
   EXPECT_THAT(two, ElementsAre(3, 4, 1, 2));
 }
 
-TEST(ImageConvert, IdsAreLookedUpAndUnknownOnesAreNone) {
+TEST(ImageConvert, LooksUpIdsAndMapsUnknownOnesToMinusOne) {
   const std::vector<int32_t> table(300, 7);
   std::vector<int32_t> some = table;
   some[0] = 3;

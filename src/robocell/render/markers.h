@@ -20,7 +20,7 @@ struct Marker {
   enum Shape { kSphere, kBox, kCylinder, kArrow, kText };
 
   Shape shape = kSphere;
-  Pose pose;  // in the world; an arrow starts here and points along z
+  Pose pose;  // pose in the world; an arrow starts here and points along z
   std::array<double, 3> size = {0.01, 0, 0};  // sphere: radius; box: half sizes; cylinder: radius,
                                               // half length; arrow: radius, length
   std::array<float, 4> rgba = {1, 0, 0, 1};

@@ -86,7 +86,7 @@ class OsmesaContext final : public GlContext {
 
   void* context_;
   std::vector<unsigned char> buffer_;
-  int width_ = 0, height_ = 0;  // of the previous context
+  int width_ = 0, height_ = 0;  // size of the previous context
 };
 
 std::unique_ptr<GlContext> CreateOsmesaContext() {

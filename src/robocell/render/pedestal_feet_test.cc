@@ -40,7 +40,7 @@ SceneSpec OnAPedestal(const std::string& arm, double height, bool floor) {
   return spec;
 }
 
-TEST(PedestalFeet, ReachDownToWhatIsBelow) {
+TEST(PedestalFeet, ReachDownToTheSupport) {
   ModelFolder folder;
   const std::string arm = folder.Write("arm", kTwoJointArm);
   for (const double height : {0.0, 0.2, 0.7}) {
@@ -58,7 +58,7 @@ TEST(PedestalFeet, ReachDownToWhatIsBelow) {
   EXPECT_NEAR(Drawn(scene, true).first, 0.1 + m->geom_size[3 * box + 2], 1e-6);
 }
 
-TEST(PedestalFeet, StayWithNothingBelow) {
+TEST(PedestalFeet, StayWithoutASupport) {
   ModelFolder folder;
   const std::string arm = folder.Write("arm", kTwoJointArm);
   EXPECT_NEAR(Drawn(Scene::Build(OnAPedestal(arm, 0.7, false)), true).first, 0.7, 1e-6);

@@ -7,7 +7,7 @@
 //                  0 where nothing is
 //   depth_mm       the same in whole millimetres, at most 65535; 0 where nothing is
 //   segmentation   id of the body that is seen (0: the world's own geoms, e.g. the floor), -1 where
-//                  nothing is and for things of no body (tendons, flexes, skins)
+//                  nothing is and for elements without a body (tendons, flexes, skins)
 //
 //   std::unique_ptr<Renderer> renderer = MakeRenderer({.backend = "soft"});
 //   renderer->SetModel(model);                                      // again after every compile
@@ -19,8 +19,8 @@
 // The drawing follows qpos and the mocap poses in `data`; poses are recomputed in the renderer's
 // own scratch data, so that images are never a step behind (the engine's poses are, after mj_step)
 // and `data` is only read. Colours, sizes and lights are read from the model at each call; meshes
-// and textures in SetModel. The same state, model and renderer give the same bytes, whatever was
-// rendered before and on whichever thread.
+// and textures in SetModel. The same state, model and renderer give the same bytes, independent of
+// earlier renderings and of the thread.
 //
 // Lifetime: the model must live until the next SetModel or the end of the renderer; that of a scene
 // ends when objects are added or removed, which render/scene_renderer.h follows. Throws
@@ -57,7 +57,7 @@ struct RenderOutputs {
   std::span<int32_t> segmentation = {};
 };
 
-// Which of the model's elements are drawn, in all kinds of images.
+// Visible elements of the model, in all kinds of images.
 struct Visibility {
   std::array<bool, 6> geom_groups = {true,  true,  true,
                                      false, false, false};  // 3 and up: collision geoms, by custom
@@ -67,13 +67,13 @@ struct Visibility {
 
 struct RendererOptions {
   std::string backend = "auto";  // or one of RendererBackends() (render/renderer_backends.h)
-  std::string gl = "auto";       // for backend gl: auto, egl, osmesa (render/gl_context.h)
+  std::string gl = "auto";       // OpenGL of backend gl: auto, egl, osmesa (render/gl_context.h)
   // Shadows, reflections and multisampling are off by default: on a CPU they cost up to 19 times
   // the rest.
   RenderQuality quality = {};
   Visibility visibility = {};
-  // That share the work of an image with back end soft; 0: as many as the machine has cores. More
-  // than one pays for large images. The images are the same.
+  // Threads that share an image with back end soft; 0 means one per core. Several pay off for large
+  // images. The images are identical.
   int threads = 1;
 };
 
@@ -81,15 +81,14 @@ class Renderer {
  public:
   virtual ~Renderer() = default;
 
-  // Uploads meshes and textures. Required again after a model was compiled anew, even at the same
-  // address.
+  // Uploads meshes and textures. Required again for a recompiled model, even at the same address.
   virtual void SetModel(const mjModel* model) = 0;
   // Returns the camera of the drawing: intrinsics and extrinsics of exactly these images.
   virtual CameraModel Render(const mjData* data, const RenderRequest& request,
                              const RenderOutputs& outputs) = 0;
 
-  // For records: the present settings, and the renderer, e.g. "gl: egl: llvmpipe (LLVM 15.0.6, 256
-  // bits), OpenGL 4.5 ...".
+  // Return the present settings and a description of the renderer, for records: e.g. "gl: egl:
+  // llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5 ...".
   virtual const RenderQuality& quality() const = 0;
   virtual const std::string& description() const = 0;
 };

@@ -32,6 +32,13 @@ std::unique_ptr<Renderer> MakeByName(const std::string& place, const std::string
   for (const internal::RendererBackend& backend : kBackends) {
     if (name == backend.name) return backend.make(options);
   }
+  if (name == "filament") {
+    throw NotFoundError(
+        place +
+        ": the back end 'filament', MuJoCo's physically based renderer, is not offered: in MuJoCo "
+        "4.0 the same state gives other bytes in each image. 'soft' and 'gl' draw shadows and "
+        "reflections with `quality: high`");
+  }
   std::vector<std::string> known = RendererBackends();
   known.insert(known.begin(), kAuto);
   throw NotFoundError(NoSuchName(place, "back end", name, known));

@@ -23,16 +23,20 @@ TEST(RendererBackends, AreKnownByName) {
   EXPECT_THAT(MakeRenderer({.backend = "soft"})->description(), StartsWith("soft: "));
 }
 
-TEST(RendererBackends, AnUnknownNameListsThoseThatThereAre) {
+TEST(RendererBackends, AnUnknownNameErrorListsTheBackEnds) {
   ExpectThrow<NotFoundError>([] { MakeRenderer({.backend = "sofd"}); },
                              "renderer: no back end 'sofd'. Its back ends: auto, gl, soft. Did you "
                              "mean 'soft'?");
+  ExpectThrow<NotFoundError>(
+      [] { MakeRenderer({.backend = "filament"}); },
+      "renderer: the back end 'filament', MuJoCo's physically based renderer, "
+      "is not offered: in MuJoCo 4.0 the same state gives other bytes");
   const ScopedEnv chosen("ROBOCELL_RENDERER", "vulkan");
   ExpectThrow<NotFoundError>([] { MakeRenderer(); },
                              "environment variable ROBOCELL_RENDERER: no back end 'vulkan'");
 }
 
-TEST(RendererBackends, TheEnvironmentChoosesWhereTheCallerDoesNot) {
+TEST(RendererBackends, TheEnvironmentSelectsTheDefault) {
   const ScopedEnv chosen("ROBOCELL_RENDERER", "soft");
   EXPECT_THAT(MakeRenderer()->description(), StartsWith("soft: "));
 }

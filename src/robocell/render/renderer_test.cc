@@ -114,7 +114,7 @@ TEST_P(Rendering, ShowsColourDepthAndBodiesOfTheSameScene) {
   EXPECT_GT(images.rgb[2], 20);
 }
 
-TEST_P(Rendering, IsTheSameToTheByteWhateverWasRenderedBeforeAndBesides) {
+TEST_P(Rendering, DoesNotDependOnOtherRenders) {
   const Images first = Take(*renderer_);
   EXPECT_EQ(Take(*renderer_), first);
   Take(*renderer_, 333, 201);  // a larger buffer, which stays
@@ -128,7 +128,7 @@ TEST_P(Rendering, IsTheSameToTheByteWhateverWasRenderedBeforeAndBesides) {
   EXPECT_EQ(elsewhere, first);
 }
 
-TEST_P(Rendering, IsTheSameInAContextThatOthersHaveUsed) {
+TEST_P(Rendering, IsTheSameInAUsedContext) {
   const Images first = Take(*renderer_);
   const RendererOptions fine{
       .quality = {.shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 512},
@@ -139,7 +139,7 @@ TEST_P(Rendering, IsTheSameInAContextThatOthersHaveUsed) {
   }
 }
 
-TEST_P(Rendering, ImagesAreNeverAStepBehindTheState) {
+TEST_P(Rendering, ImagesShowTheCurrentState) {
   data_->qvel[2] = 5;
   ASSERT_TRUE(Step(model_.get(), data_.get(), 50).ok());
   EXPECT_NE(data_->xpos[3 + 2], data_->qpos[2]);  // the engine's poses are behind
@@ -159,7 +159,7 @@ TEST_P(Rendering, ReadsTheDataOnly) {
   EXPECT_TRUE(std::equal(data_->xpos, data_->xpos + 3 * model_->nbody, before->xpos));
 }
 
-TEST_P(Rendering, CollisionGeomsAndSitesAreHiddenUnlessAskedFor) {
+TEST_P(Rendering, HidesCollisionGeomsAndSitesByDefault) {
   const std::vector<int32_t> ids = Take(*renderer_).ids;
   RendererOptions options;
   options.visibility.sites = true;
@@ -182,7 +182,7 @@ TEST_P(Rendering, QualityChangesColourOnly) {
   EXPECT_FALSE(renderer_->quality().shadows);
 }
 
-TEST_P(Rendering, AFloorWithNothingOnItHasNoShadows) {
+TEST_P(Rendering, AnEmptyFloorHasNoShadows) {
   SpecPtr spec = ParseXmlString(R"(<mujoco>
     <worldbody>
       <light type="directional" pos="0.8 0.9 2.5" dir="-0.35 -0.4 -1"/>
@@ -200,7 +200,7 @@ TEST_P(Rendering, AFloorWithNothingOnItHasNoShadows) {
   EXPECT_EQ(darker, 0);
 }
 
-TEST_P(Rendering, WithNothingToShowTheImageIsEmpty) {
+TEST_P(Rendering, WithoutVisibleGeomsTheImageIsEmpty) {
   const Visibility nothing{.geom_groups = {}, .sites = false, .skybox = false};
   const Images images = Take(*Make({.visibility = nothing}));
   EXPECT_THAT(images.rgb, testing::Each(images.rgb.front()));
@@ -239,7 +239,7 @@ TEST_P(Rendering, MarkersAreInColourOnly) {
   EXPECT_EQ(Take(*renderer_), plain);
 }
 
-TEST_P(Rendering, AModelThatWasCompiledAnewNeedsAnUpload) {
+TEST_P(Rendering, ARecompiledModelNeedsAnUpload) {
   SpecPtr spec = ParseXmlString(kSpheres);
   mjsBody* extra = mjs_addBody(mjs_findBody(spec.get(), "world"), nullptr);
   mjsGeom* geom = mjs_addGeom(extra, nullptr);
@@ -258,7 +258,7 @@ TEST_P(Rendering, AModelThatWasCompiledAnewNeedsAnUpload) {
 
 // Freed memory is not read: the new model has the signature of the old one, and may even have its
 // address.
-TEST_P(Rendering, AModelThatWasFreedIsToldThoughTheNextOneLooksTheSame) {
+TEST_P(Rendering, ReportsAFreedModelEvenIfTheNextOneIsIdentical) {
   std::vector<uint8_t> rgb(3 * kW * kH);
   const RenderRequest request{.camera = ModelCamera{0}, .width = kW, .height = kH};
   const auto compile = [] { return Compile(ParseXmlString(kSpheres).get()); };
@@ -276,7 +276,7 @@ TEST_P(Rendering, AModelThatWasFreedIsToldThoughTheNextOneLooksTheSame) {
   renderer_->Render(data.get(), request, {.rgb = rgb});
 }
 
-TEST_P(Rendering, WrongBuffersAndSizesAreErrorsThatTell) {
+TEST_P(Rendering, RejectsWrongBuffersAndSizes) {
   std::vector<uint8_t> rgb(10);
   ExpectThrow<ArgumentError>(
       [&] { renderer_->Render(data_.get(), {.width = 640, .height = 480}, {.rgb = rgb}); },
@@ -332,7 +332,7 @@ int OpenFiles() {
 }
 
 // A leak grows the process in every round; the driver's own pools only do so occasionally.
-TEST_P(Rendering, RenderersComeAndGoWithoutLeaks) {
+TEST_P(Rendering, RenderersAreFreedWithoutLeaks) {
   for (int i = 0; i < 2; ++i) Take(*Make({}), 16, 16);
   const int files = OpenFiles();
   long least_growth = std::numeric_limits<long>::max();

@@ -60,7 +60,7 @@ VideoRecorder& SceneRecorder::Follow() {
   return recorder_;
 }
 
-// For a change of the camera: the one in use may be missing.
+// Allows a change of camera while the present one is missing.
 VideoRecorder& SceneRecorder::FollowToChange() {
   try {
     return Follow();

@@ -64,7 +64,7 @@ class SceneRecorder {
 
   Scene scene_;
   VideoRecorder recorder_;
-  uint64_t generation_;  // of the recorder's model
+  uint64_t generation_;  // generation of the recorder's model
 };
 
 }  // namespace robocell

@@ -52,7 +52,7 @@ class FollowingRecorder : public testing::Test {
   Scene scene_;
 };
 
-TEST_F(FollowingRecorder, FilmsOnWhenObjectsComeAndGo) {
+TEST_F(FollowingRecorder, ContinuesWhenObjectsComeAndGo) {
   SceneRecorder video(scene_, folder_ / "a.mp4", kLittle);
   video.SetTrackingCamera("ball", 3, 90, 0);
   video.RecordFrame();
@@ -74,7 +74,7 @@ TEST_F(FollowingRecorder, FilmsOnWhenObjectsComeAndGo) {
   EXPECT_LT(rows[5], kMiddle - 3) << "the camera beside it looks below it";
 }
 
-TEST_F(FollowingRecorder, ATrackedBodyThatIsGoneIsToldUntilItIsThereOrAnotherCameraIsChosen) {
+TEST_F(FollowingRecorder, ReportsAMissingTrackedBodyUntilItReturns) {
   SceneRecorder video(scene_, folder_ / "a.mp4", kLittle);
   video.SetTrackingCamera("ball", 3, 90, 0);
   video.RecordFrame();
@@ -149,7 +149,7 @@ TEST_F(FollowingRecorder, HasTheCamerasOfRobotsAndOfTheScene) {
   EXPECT_NEAR(rows[2], kMiddle, 1) << "tracking";
 }
 
-TEST_F(FollowingRecorder, UnknownCamerasAreToldWithThoseThatThereAre) {
+TEST_F(FollowingRecorder, AnUnknownCameraErrorListsTheCameras) {
   SceneRecorder video(scene_, folder_ / "a.mp4", kLittle);
   ExpectThrow<NotFoundError>(
       [&] { video.UseCamera("sied"); },
@@ -159,7 +159,7 @@ TEST_F(FollowingRecorder, UnknownCamerasAreToldWithThoseThatThereAre) {
                              "63");
 }
 
-TEST_F(FollowingRecorder, AfterTheSceneWasClosedTheFileCanBeFinished) {
+TEST_F(FollowingRecorder, FinishesTheFileAfterTheSceneIsClosed) {
   SceneRecorder video(scene_, folder_ / "a.mp4", kLittle);
   video.UseCamera("side");
   video.RecordFrame();

@@ -45,7 +45,7 @@ class SceneRenderer {
 
   Scene scene_;
   std::unique_ptr<Renderer> renderer_;
-  uint64_t generation_ = 0;  // of the upload; no scene has 0
+  uint64_t generation_ = 0;  // generation of the uploaded model; no scene has 0
 };
 
 }  // namespace robocell

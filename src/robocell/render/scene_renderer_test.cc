@@ -61,7 +61,7 @@ class FollowingRenderer : public testing::Test {
   std::unique_ptr<SceneRenderer> renderer_;
 };
 
-TEST_F(FollowingRenderer, DrawsWhatIsThereWhenObjectsComeAndGo) {
+TEST_F(FollowingRenderer, FollowsAddedAndRemovedObjects) {
   const View before = Take();
   EXPECT_EQ(before, TakeAnew());
   SceneObject tower = BoxObject("tower", {0.1, 0, 0.1});
@@ -80,7 +80,7 @@ TEST_F(FollowingRenderer, DrawsWhatIsThereWhenObjectsComeAndGo) {
 }
 
 // The next model has the signature of the drawn one, and may have its address.
-TEST_F(FollowingRenderer, WhatDoesNotFollowIsToldAndDrawsNothingThatWasFreed) {
+TEST_F(FollowingRenderer, APlainRendererRejectsAFreedModel) {
   const auto renderer = MakeRenderer();
   renderer->SetModel(scene_.model());
   const uint64_t signature = scene_.model()->signature;
@@ -94,7 +94,7 @@ TEST_F(FollowingRenderer, WhatDoesNotFollowIsToldAndDrawsNothingThatWasFreed) {
       "again, or draw with a SceneRenderer");
 }
 
-TEST_F(FollowingRenderer, CamerasAreThoseOfTheSceneAsItIs) {
+TEST_F(FollowingRenderer, UsesTheCurrentCamerasOfTheScene) {
   ExpectThrow<NotFoundError>([&] { renderer_->Camera("frnt"); },
                              "scene 'test': no camera 'frnt'. Its cameras: front. Did you mean "
                              "'front'?");
@@ -102,7 +102,7 @@ TEST_F(FollowingRenderer, CamerasAreThoseOfTheSceneAsItIs) {
   EXPECT_TRUE(renderer_->description().starts_with("gl: "));
 }
 
-TEST_F(FollowingRenderer, IsOfNoUseOnceTheSceneWasClosed) {
+TEST_F(FollowingRenderer, RejectsAClosedScene) {
   Take();
   scene_.Close();
   const std::string closed = "scene 'test' is closed";

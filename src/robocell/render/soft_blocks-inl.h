@@ -59,8 +59,8 @@ HWY_INLINE M Inside(const BlockEdges& t, int part, V* e1, V* e2) {
   return hn::Ge(hn::Min(edge(0), hn::Min(*e1, *e2)), hn::Zero(kFloats));
 }
 
-// Stores whole registers: the next triangle often meets the same block, and a processor hands on only
-// what was stored whole.
+// Stores whole registers: the next triangle often meets the same block, and a processor hands on
+// only what was stored whole.
 template <bool kIds>
 HWY_INLINE void Put(M covered, V nearness, uint32_t id, int part, float* at, uint32_t* ids) {
   const V before = hn::Load(kFloats, at + part);

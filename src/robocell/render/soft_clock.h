@@ -1,5 +1,5 @@
-// Where the time of an image goes, stage by stage. It stands still until a test or a benchmark
-// starts it. Internal to render/.
+// Measures the time of an image, stage by stage. It is stopped until a test or a benchmark starts
+// it. Internal to render/.
 //
 //   renderer.clock().Run();
 //   renderer.Render(...);
@@ -22,7 +22,7 @@ enum class SoftStage {
   kEdges,      // blocks that need samples
   kSamples,    // triangles in those blocks
   kSmoothing,  // their means
-  kLayers,     // what can be seen through, and packing
+  kLayers,     // transparent surfaces, and packing
   kCount
 };
 
@@ -32,7 +32,7 @@ inline constexpr std::array<const char*, static_cast<size_t>(SoftStage::kCount)>
 
 class SoftClock {
  public:
-  // Begins anew.
+  // Restarts.
   void Run() {
     seconds_.fill(0);
     runs_ = true;
@@ -49,7 +49,7 @@ class SoftClock {
     last_ = now;
   }
 
-  // Of all images since Run.
+  // Sums over all images since Run.
   double milliseconds(SoftStage stage) const { return 1e3 * seconds_[static_cast<size_t>(stage)]; }
 
  private:

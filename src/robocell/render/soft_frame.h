@@ -79,7 +79,7 @@ struct SoftShadow;
 
 struct SoftLight {
   bool directional = false;
-  float direction[3];  // of directional ones: to the light, in view axes; of others: of the beam
+  float direction[3];  // view axes; directional: to the light, others: along the beam
   float position[3];
   float attenuation[3];
   float cutoff_cosine = -1;  // -1: in all directions
@@ -90,7 +90,7 @@ struct SoftLight {
   bool everywhere = false;  // far away and never hidden
 };
 
-// What a material sends back of a light.
+// Light reflected by a material.
 struct SoftGain {
   float ambient[3], diffuse[3], specular[3];
   bool shines = false;
@@ -124,15 +124,15 @@ struct SoftStray {
   int32_t slot = 0, pixel = 0;
 };
 struct SoftSamples {
-  int count = 0;                                                    // of each pixel
+  int count = 0;                                                    // samples of each pixel
   float right[kSoftMostSamples] = {}, down[kSoftMostSamples] = {};  // pixels from the centre
   int columns = 0;                                                  // blocks
-  std::vector<int32_t> slots;                                       // of each block
+  std::vector<int32_t> slots;  // slot of each block, or kSoftNoSlot
   // The number of slots above and left of a block's upper left corner; one row and column more.
   std::vector<int32_t> before;
   std::vector<SoftNumbers> nearness;  // slot after slot, `count` each
   std::vector<SoftIds> ids;
-  // While edges are smoothed: sums of red and, 16 bits higher, of blue; and of green.
+  // Sums of red and, 16 bits higher, of blue, and sums of green; used while edges are smoothed.
   std::vector<SoftIds> red_blue, green;
 
   size_t At(int32_t slot, int sample) const {
@@ -145,11 +145,11 @@ struct SoftSamples {
 inline constexpr int kSoftTile = 4,
                      kSoftTileBits = 4;  // blocks; pixels are 2 to this power
 struct SoftShadowMap {
-  SoftBuffer buffer;  // without ids
+  SoftBuffer buffer;  // buffer without ids
   int tile_columns = 0, tile_rows = 0;
   float background = 0;
-  std::vector<uint8_t> drawn;            // of each tile
-  std::vector<float> nearest, farthest;  // in each tile and its neighbours
+  std::vector<uint8_t> drawn;            // flag of each tile
+  std::vector<float> nearest, farthest;  // limits in each tile and its neighbours
 };
 
 // A light's view.
@@ -164,18 +164,18 @@ struct SoftShadow {
 // Scratch memory while an instance is drawn.
 struct SoftScratch {
   std::vector<SoftStray> strays;
-  std::vector<float> x, y, nearness;  // of the vertices on the image
+  std::vector<float> x, y, nearness;  // vertices on the image
   std::vector<int32_t> facing;        // triangles that are turned to the camera
   std::vector<int32_t> corners[3];    // their vertices
   std::vector<int32_t> cut;           // those that reach out of the drawable range
-  std::vector<int32_t> clusters;      // that may be seen
-  std::vector<uint8_t> groups;        // of vertices: 1 for those that are needed
+  std::vector<int32_t> clusters;      // clusters that may be visible
+  std::vector<uint8_t> groups;        // 1 for groups of vertices that are needed
 };
 
 struct SoftSky {
   const SoftTexture* texture = nullptr;
   float from_view[9];  // rows; to world axes
-  float radius = 0;    // of the cylinder that the sky is painted on, around the camera
+  float radius = 0;    // radius of the cylinder with the sky, around the camera
   // Haze over the first infinite plane, below `elevation` metres of the camera; 0: none.
   float elevation = 0;
   float to_plane[9];  // rows; from view axes to the plane's
@@ -191,13 +191,13 @@ struct SoftPicture {
   const int32_t* instance_of_run = nullptr;
   const SoftLight* lights = nullptr;
   int light_count = 0;
-  const SoftGain* gains = nullptr;  // of each instance, light after light
+  const SoftGain* gains = nullptr;  // gains of each instance, light after light
   bool shadows = true;
   SoftSky sky;
   const SoftReflection* reflection = nullptr;
 };
 
-// The reflection in a flat face: a picture of its own, seen through the face as a mirror.
+// The reflection in a flat face: a separate picture, seen through the face as a mirror.
 struct SoftReflection {
   SoftPicture picture;
   SoftBuffer buffer;

@@ -25,7 +25,7 @@ std::string SoftInstructions();
 
 // Makes the buffer as large as the view. What is in it is not said.
 void FitBuffer(const SoftView& view, SoftBuffer* buffer);
-// The same without ids.
+// Makes a buffer without ids as large as the view.
 void FitNearness(const SoftView& view, SoftBuffer* buffer);
 // Empties the rows.
 void ClearRows(const SoftView& view, SoftRows rows, SoftBuffer* buffer);
@@ -44,7 +44,7 @@ void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows ro
 // Computes the colours of the buffer: red, green, blue from the lowest byte on.
 void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
                   std::span<SoftIds> colours);
-// The same into rows of 3 bytes a pixel.
+// Computes the colours into rows of 3 bytes a pixel.
 void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
                   std::span<uint8_t> rgb);
 

@@ -74,7 +74,7 @@ struct Compiled {
 
 class SoftDraws : public testing::TestWithParam<std::string> {};
 
-TEST_P(SoftDraws, WhatOpenGlDraws) {
+TEST_P(SoftDraws, TheSameAsOpenGl) {
   Compiled kinds(kKinds);
   std::unique_ptr<Renderer> gl, soft = MakeRenderer({.backend = "soft"});
   try {

@@ -27,7 +27,7 @@ struct PlaneNearness {
 // Returns the nearness of the plane n . p = c in view axes.
 inline PlaneNearness NearnessOf(const SoftView& view, const double n[3], double c) {
   const double x = n[0] / view.fx, y = -n[1] / view.fy;
-  double at = -(x * view.cx + y * view.cy);  // of n.x x + n.y y at pixel (0, 0), depth 1
+  double at = -(x * view.cx + y * view.cy);  // n.x x + n.y y at pixel (0, 0), depth 1
   if (!view.orthographic) return {(at - n[2]) / c, x / c, y / c};
   const double range = 1.0 / (static_cast<double>(view.far) - view.near);
   return {(view.far - (at - c) / n[2]) * range, -x / n[2] * range, -y / n[2] * range};
@@ -79,7 +79,7 @@ inline LargeTriangle MakeLarge(const SoftView& view, const Point* p, int64_t mar
 // the fraction that the shift removes decides nothing.
 struct LargeRows {
   double first[3], right[3], down[3];
-  double e[3];                 // at the row's first block
+  double e[3];                 // values at the row's first block
   int begin, end;              // blocks that may be covered in part
   int whole_begin, whole_end;  // those that are covered certainly
 

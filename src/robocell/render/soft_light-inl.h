@@ -102,7 +102,7 @@ HWY_INLINE Colour Light(const SoftPicture& picture, const SoftInstance& instance
   const V zero = hn::Zero(kFloats);
   V sum[3] = {Num(start[0]), Num(start[1]), Num(start[2])};
   V shine[3] = {zero, zero, zero};
-  // The engine adds each light that casts shadows in a picture of its own.
+  // The engine adds each light that casts shadows in a separate picture.
   V added[3] = {zero, zero, zero};
   V3 eye{zero, zero, zero};
   V along_eye = zero;

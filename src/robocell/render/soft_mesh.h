@@ -28,7 +28,7 @@ struct SoftClusters {
 
   int count = 0;
   std::vector<float> x, y, z, radius;            // padded with balls of nothing
-  std::vector<int32_t> first_group, last_group;  // of vertices
+  std::vector<int32_t> first_group, last_group;  // first and last group of vertices
 };
 
 struct SoftMesh {
@@ -39,7 +39,7 @@ struct SoftMesh {
   bool closed = false;         // it has an inside, which is never visible
   std::vector<float> x, y, z;  // padded with copies of the last vertex
   std::vector<int32_t>
-      corners[3];                // of each triangle, counter-clockwise from outside; padded with 0
+      corners[3];  // vertices of each triangle, counter-clockwise from outside; padded with 0
   std::vector<float> facing[4];  // plane of each triangle; padded with 0
   std::vector<SoftSurface> surface;
   std::vector<float> texture;  // kTexture a triangle, or empty

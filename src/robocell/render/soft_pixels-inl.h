@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace robocell::internal::HWY_NAMESPACE {
 
 struct Pixels {
-  V3 ray;  // in view axes, to depth 1; of orthographic cameras the offset on the image, and -1
+  V3 ray;  // ray in view axes, to depth 1; orthographic: offset on the image, and -1
   V depth;
   V3 at;  // view axes
 };

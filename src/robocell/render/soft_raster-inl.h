@@ -21,7 +21,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace robocell::internal::HWY_NAMESPACE {
 struct alignas(64) Batch {
-  // Of small ones the edge functions are those at the first pixel of each of their four blocks.
+  // Small triangles have their edge functions at the first pixel of each of their four blocks.
   static constexpr int kBlocks = 4;
   float e[kBlocks][3][kSoftPixels], right[3][kSoftPixels], down[3][kSoftPixels];
   float nearness[kSoftPixels], weight1[kSoftPixels], weight2[kSoftPixels];
@@ -29,7 +29,7 @@ struct alignas(64) Batch {
   float x[3][kSoftPixels], y[3][kSoftPixels];
   int32_t x0[kSoftPixels], x1[kSoftPixels], y0[kSoftPixels],
       y1[kSoftPixels];                  // blocks
-  int32_t block[kBlocks][kSoftPixels];  // where those of a small one are in the buffer
+  int32_t block[kBlocks][kSoftPixels];  // buffer position of a small triangle's blocks
   // Edge functions of middling triangles are whole numbers, and the steps are those of a pixel if
   // they are in pixels.
   int32_t whole[3][kSoftPixels];
@@ -158,7 +158,7 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
   }
   const V last_x = Num(static_cast<float>(view.width - 1)),
           last_y = Num(static_cast<float>(view.height - 1));
-  // How a triangle is drawn must not depend on the rows.
+  // The result for a triangle must not depend on the rows.
   const V top = Num(static_cast<float>(to.rows.begin)),
           bottom = Num(static_cast<float>(to.rows.end - 1));
   const SoftSide side = instance.side;
@@ -240,7 +240,7 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
       const V ox = hn::Add(hn::Mul(bx0, hn::Mul(Num(4), steps)), half),
               oy = hn::Add(hn::Mul(by0, hn::Mul(Num(4), steps)), half);
       const bool none_middling = hn::AllFalse(kFloats, draw_middling);
-      // Which of its blocks a small one may meet.
+      // Finds the blocks that a small triangle may cover.
       const M wide = hn::Gt(bx1, bx0);
       const M upper = hn::And(draw_small, hn::Ge(by0, top)),
               lower = hn::And(hn::And(draw_small, hn::Gt(by1, by0)), hn::Lt(by0, bottom));
@@ -259,7 +259,7 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
         const V below = hn::Add(first, block_down);
         const V at_block[] = {first, hn::Add(first, block_right), below,
                               hn::Add(below, block_right)};
-        // What a block's pixels add at most.
+        // Largest contribution of a block's pixels.
         const V most = hn::Mul(Num(3), hn::Add(hn::Max(right, zero), hn::Max(down, zero)));
         for (int j = 0; j < Batch::kBlocks; ++j) {
           hn::Store(at_block[j], kFloats, b.e[j][k]);
@@ -305,7 +305,7 @@ HWY_INLINE void DrawFacing(const SoftView& view, const SoftInstance& instance, i
     hn::Store(y2, kFloats, b.y[2]);
     hn::Store(low, kFloats, b.low);
     hn::Store(high, kFloats, b.high);
-    // Draws in the order of the mesh, whatever the sizes: of triangles at one place the last is
+    // Draws in the order of the mesh, independent of sizes: of triangles at one place the last is
     // visible.
     const uint32_t of_small = BitsOf(draw_small), of_middling = BitsOf(draw_middling),
                    of_large = BitsOf(draw_large), of_cut = BitsOf(hn::And(draw_large, beyond));

@@ -47,7 +47,7 @@ struct SoftRenderer::Impl {
   internal::SoftScene scene;
   internal::SoftThreads threads;
   SoftBuffer opaque;  // surfaces that hide those behind them
-  SoftBuffer all;     // for depth and segmentation, with transparent elements
+  SoftBuffer all;     // buffer for depth and segmentation, with transparent elements
   SoftBuffer layer;
   internal::SoftSamples samples;
   internal::SoftReflection reflection;

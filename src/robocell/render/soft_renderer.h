@@ -23,7 +23,7 @@ class SoftRenderer final : public Renderer {
   const RenderQuality& quality() const override;
   const std::string& description() const override;
 
-  // For measurements; Render moves it on.
+  // Clock for measurements; Render advances it.
   SoftClock& clock();
 
  private:

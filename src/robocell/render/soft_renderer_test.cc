@@ -328,7 +328,7 @@ constexpr RenderQuality kEffects{
     .shadows = true, .reflections = true, .multisamples = 4, .shadow_size = 512};
 
 // A shadow map is kept while nothing in it has moved.
-TEST(SoftEffects, AreTheSameWhateverWasDrawnBefore) {
+TEST(SoftEffects, DoNotDependOnEarlierFrames) {
   RandomViews views("");
   const auto make = [&] {
     auto renderer = MakeRenderer({.backend = "soft", .quality = kEffects});
@@ -347,8 +347,8 @@ TEST(SoftEffects, AreTheSameWhateverWasDrawnBefore) {
   }
 }
 
-// Where the time of an image goes, printed on request.
-TEST(SoftStages, AddUpToTheImage) {
+// Prints the time of each stage of an image on request.
+TEST(SoftStages, ComposeTheImage) {
   for (const char* quality : {"fast", "standard"}) {
     RandomViews views("");
     views.Next();

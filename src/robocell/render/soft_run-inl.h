@@ -1,6 +1,6 @@
-// Colours of runs: blocks beside each other that show nothing but one flat face, as of a floor; part
-// of soft_kernel.cc, compiled for each instruction set. What changes smoothly over such a face is
-// computed at the four outermost pixels of each block and lies between them elsewhere.
+// Colours of runs: blocks beside each other that show nothing but one flat face, as of a floor;
+// part of soft_kernel.cc, compiled for each instruction set. What changes smoothly over such a face
+// is computed at the four outermost pixels of each block and lies between them elsewhere.
 #if defined(ROBOCELL_SOFT_RUN_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ROBOCELL_SOFT_RUN_INL_H_
 #undef ROBOCELL_SOFT_RUN_INL_H_
@@ -26,7 +26,7 @@ constexpr int kShortestRun = 4;
 struct Patch {
   V corner, right, down, across;
 
-  // From its values at the outermost pixels: of the first row, then of the last.
+  // Interpolates from the values at the outermost pixels: first row, then last row.
   HWY_INLINE void Be(const V at[4]) {
     const V third = Num(1.0f / 3);
     const V upper = hn::Mul(third, hn::Sub(at[1], at[0])),
@@ -131,7 +131,7 @@ class Run {
     if (shadowed_ >= 0) SetShadow(map);
   }
 
-  // What the face's light is like; before Begin.
+  // Sets the lighting of the face; call it before Begin.
   void SetFace(int triangle) {
     face_.Be(picture_, instance_, triangle);
     if (shadowed_ < 0) return;
@@ -224,7 +224,7 @@ class Run {
     }
     const SoftShadow& shadow = *picture_.lights[shadowed_].shadow;
     const V last = Num(static_cast<float>(shadow.view.width - 4));
-    // What the map does not show is lit.
+    // Points outside the map are lit.
     const M outside = hn::Or(hn::Or(hn::Or(hn::Le(high[0], one), hn::Ge(low[0], last)),
                                     hn::Or(hn::Le(high[1], one), hn::Ge(low[1], last))),
                              hn::Ge(low[2], one));
@@ -271,7 +271,7 @@ class Run {
   alignas(64) float rest_[kSoftPixels];
 };
 
-// How many blocks from `bx` on show only the triangle `id`.
+// Returns the number of blocks from `bx` on that show only the triangle `id`.
 HWY_INLINE int RunLength(const SoftBuffer& buffer, size_t block, int bx, int32_t id) {
   const I one = hn::Set(kInts, id);
   int end = bx;

@@ -48,8 +48,8 @@ HWY_INLINE bool ShowsOne(const SoftBuffer& buffer, size_t block, bool has_right,
   return other == 0;
 }
 
-// Returns true if no pixel of a block, of that right of it and of those below meets another surface:
-// a quick answer for what lies within a surface of small triangles.
+// Returns true if no pixel of a block, of that right of it and of those below meets another
+// surface: a quick answer for what lies within a surface of small triangles.
 HWY_INLINE bool ShowsOneSurface(const SoftBuffer& buffer, size_t block, bool has_right,
                                 bool has_below) {
   const size_t right = has_right ? 1 : 0,
@@ -200,7 +200,7 @@ struct ToSamples {
 // Draws a triangle into the samples of one block. `e`: edge functions of each sample at the block's
 // first pixel; `beside`: the largest difference of a sample from the centre.
 struct SampledTriangle {
-  V pixel[3][kSoftPixels / kLanes];  // what pixels add to the edge functions
+  V pixel[3][kSoftPixels / kLanes];  // contribution of the pixels to the edge functions
   V nearness, weight1, weight2, low, high;
   float beside[3];
   uint32_t id;

@@ -222,7 +222,7 @@ bool SoftScene::DrawReflection(SoftThreads* threads, SoftReflection* reflection)
   });
   reflection->picture = PictureOf(mirrored_);
   reflection->first_id = mirror_.first_id;
-  reflection->triangles = 2;  // of a plane all, of a box those of the upper face
+  reflection->triangles = 2;  // all of a plane; the upper face of a box
   return true;
 }
 
@@ -546,7 +546,7 @@ void SoftScene::AddFlex(const mjvScene& list, const mjvGeom& geom, const SoftMat
   if (list.flexfaceused[flex] <= 0) return;
   SoftMesh* mesh = NextOwnMesh();
   if (!mesh) return;
-  const bool sliced = geom.dataid >= 0;  // by material
+  const bool sliced = geom.dataid >= 0;  // true for slices by material
   const int begin = sliced ? static_cast<int>(geom.size[1]) : 0;
   const int end = sliced ? begin + static_cast<int>(geom.size[2]) : list.flexfaceused[flex];
   const bool textured = material.mapping == SoftMapping::kMesh;

@@ -79,13 +79,13 @@ class SoftScene {
     std::vector<int> opaque;
     std::vector<Layer> layers;
     std::vector<SoftLight> lights;
-    std::vector<SoftGain> gains;  // of each instance, light after light
+    std::vector<SoftGain> gains;  // gains of each instance, light after light
 
     void Clear();
   };
   // A flat face that reflects: a plane, or the upper face of a box.
   struct Mirror {
-    int geom = -1;  // of the list
+    int geom = -1;  // index in the list
     Eigen::Vector3d point = Eigen::Vector3d::Zero(), normal = Eigen::Vector3d::UnitZ();  // world
     float reflectance = 0;
     uint32_t first_id = 0;
@@ -107,8 +107,8 @@ class SoftScene {
   SoftSky sky_;
   SoftShadows shadows_;
   bool with_shadows_ = false;
-  bool casts_ = false, bends_ = false;  // of the element being added
-  int body_ = -1;                       // of the element being added
+  bool casts_ = false, bends_ = false;  // flags of the element being added
+  int body_ = -1;                       // body of the element being added
   // Meshes that change with the state: of skins and flexes.
   std::vector<SoftMesh> own_;
   size_t own_used_ = 0;

@@ -43,7 +43,7 @@ inline void EyeOf(const SoftView& view, const float* m, float* eye) {
   for (int k = 0; k < 3; ++k) eye[k] = m[4 * k + (view.orthographic ? 2 : 3)];
 }
 
-// How far a face moves along the ray with a step to the right and down, as a share of the ray.
+// Change of depth along the ray per step to the right and down, as a share of the ray.
 struct FaceSlope {
   V right, down;
 };
@@ -349,7 +349,7 @@ HWY_INLINE V3 SkyRay(const SoftPicture& picture, const Pixels& p) {
   return picture.view->orthographic ? V3{hn::Zero(kFloats), hn::Zero(kFloats), Num(-1)} : p.ray;
 }
 
-// Where sky or haze may hide the surface: nothing that is near enough is hidden.
+// Returns the pixels in which sky or haze may hide the surface; near surfaces stay visible.
 HWY_INLINE M MayBeSky(const SoftPicture& picture, const Pixels& p) {
   const SoftSky& sky = picture.sky;
   const V3 ray = SkyRay(picture, p);

@@ -48,8 +48,8 @@ inline void SummariseMapHere(SoftShadowMap* map, SoftRows rows) {
   }
 }
 
-// Share of a light that reaches points, with a soft edge of two pixels of the map: at these places of
-// it, where it shows them.
+// Share of a light that reaches points, with a soft edge of two pixels of the map: at these places
+// of it, where it shows them.
 HWY_INLINE V LitAt(const SoftShadow& shadow, M inside, V u, V v, V nearness) {
   const V zero = hn::Zero(kFloats), one = Num(1);
   const V last = Num(static_cast<float>(shadow.view.width - 4));
@@ -87,7 +87,7 @@ HWY_INLINE V LitAt(const SoftShadow& shadow, M inside, V u, V v, V nearness) {
   const auto reached = [&](int j, int k) HWY_ATTR {
     return hn::Ge(nearness, hn::GatherIndex(kFloats, map, hn::Add(rows[j], columns[k])));
   };
-  // Where the outermost four of nine pixels agree, the others do.
+  // If the four corner pixels of nine agree, the others do too.
   const M a = reached(0, 0), b = reached(0, 2), c = reached(2, 0), d = reached(2, 2);
   const M lit = hn::Or(hn::And(hn::And(a, b), hn::And(c, d)), hn::Not(inside)),
           dark = hn::Not(hn::Or(hn::Or(a, b), hn::Or(c, d)));
@@ -105,7 +105,7 @@ HWY_INLINE V LitAt(const SoftShadow& shadow, M inside, V u, V v, V nearness) {
   return hn::IfThenElse(hn::Or(lit, dark), agreed, hn::Mul(sum, Num(0.25f)));
 }
 
-// How far points are lifted off a surface, in pixels of the map: surfaces are rounded to these, the
+// Offset of points from a surface, in pixels of the map: surfaces are rounded to these, the
 // more so where light grazes. `facing` is the cosine between normal and light.
 HWY_INLINE V LiftPixels(V facing) {
   // About the sine.
@@ -114,12 +114,12 @@ HWY_INLINE V LiftPixels(V facing) {
       hn::Sub(one, hn::Mul(hn::Mul(Num(0.5f), facing2), hn::Add(one, hn::Mul(facing2, facing2))));
   return hn::Add(Num(0.7f), hn::Mul(Num(1.8f), slant));
 }
-// The same in metres, of light from far away.
+// Returns the offset in metres, for light from far away.
 HWY_INLINE float LiftOf(const SoftShadow& shadow, float facing) {
   return shadow.view.per_fx * hn::GetLane(LiftPixels(Num(facing)));
 }
 
-// The same of points on a surface. `facing` is the cosine between normal and light.
+// Returns the light on points of a surface. `facing` is the cosine between normal and light.
 HWY_INLINE V Lit(const SoftShadow& shadow, const V3& at, const V3& normal, V facing) {
   const V zero = hn::Zero(kFloats), one = Num(1);
   const M towards = hn::Gt(facing, zero);

@@ -1,5 +1,5 @@
 // Shadow maps of the software renderer: the nearness of the first surface to each light. A map is
-// drawn anew only if its light or something that casts a shadow has moved; it does not depend on
+// drawn again only if its light or something that casts a shadow has moved; it does not depend on
 // the camera, so that several cameras share it. Internal to render/.
 //
 //   SoftShadows shadows;
@@ -43,7 +43,7 @@ class SoftShadows {
     bool operator==(const Caster& other) const;
   };
   struct Map {
-    int light = -1;  // of the present list
+    int light = -1;  // index in the present list
     SoftShadow shadow;
     SoftShadowMap map;
     Eigen::Affine3d to_light;
@@ -52,7 +52,7 @@ class SoftShadows {
     float drawn_to_light[12];
     SoftView drawn_view;
     std::vector<Caster> drawn_casters;
-    std::vector<SoftInstance> instances;  // of the casters; scratch memory
+    std::vector<SoftInstance> instances;  // instances of the casters; scratch memory
   };
 
   // The caster as the light sees it.

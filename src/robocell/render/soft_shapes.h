@@ -12,8 +12,8 @@ namespace robocell::internal {
 // Shapes of unit size. Capsules are an open cylinder and two half spheres.
 struct SoftShapes {
   SoftMesh sphere, upper_half, lower_half;  // the halves are centred at z = 1 and z = -1
-  SoftMesh cylinder, open_cylinder;         // from z = -1 to z = 1
-  SoftMesh cone;                            // from z = 0 to z = 1
+  SoftMesh cylinder, open_cylinder;         // height from z = -1 to z = 1
+  SoftMesh cone;                            // height from z = 0 to z = 1
   SoftMesh box, plane, triangle;
 
   SoftShapes() = default;

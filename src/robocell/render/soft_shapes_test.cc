@@ -36,14 +36,14 @@ TEST(SoftShapes, AreClosedAndFaceOutwards) {
   EXPECT_DOUBLE_EQ(VolumeOf(shapes.box), 8);
 }
 
-TEST(SoftShapes, OpenOnesAreOpen) {
+TEST(SoftShapes, OpenShapesAreOpen) {
   const SoftShapes shapes(16, 8);
   EXPECT_FALSE(shapes.open_cylinder.closed);
   EXPECT_FALSE(shapes.upper_half.closed);
   EXPECT_FALSE(shapes.plane.closed);
 }
 
-TEST(SoftShapes, ClustersHoldTheirTrianglesAndVertices) {
+TEST(SoftShapes, ClustersContainTheirTrianglesAndVertices) {
   const SoftShapes shapes(64, 32);
   const SoftMesh& mesh = shapes.sphere;
   const SoftClusters& clusters = mesh.clusters;

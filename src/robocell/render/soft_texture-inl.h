@@ -100,8 +100,8 @@ HWY_INLINE Colour SampleLevel(const SoftTexture& texture, I level, I face, V u, 
   return Mix(Mix(Unpack(left0), Unpack(right0), fx), Mix(Unpack(left1), Unpack(right1), fx), fy);
 }
 
-// The level that shows a pixel as one texel, and a fraction. `square` is the square of a pixel's size
-// in texels of the largest level.
+// The level that shows a pixel as one texel, and a fraction. `square` is the square of a pixel's
+// size in texels of the largest level.
 HWY_INLINE V LevelOf(const SoftTexture& texture, V square) {
   const V most = Num(static_cast<float>(texture.levels - 1));
   return hn::Min(
@@ -123,7 +123,7 @@ HWY_INLINE Colour Sample(const SoftTexture& texture, int level, float rest, V u,
   return Share255(Mix(c, SampleLevel(texture, hn::Set(kInts, next), none, u, v), Num(rest)));
 }
 
-// The same where levels may differ. `square` as above.
+// Samples with levels that may differ. `square` as above.
 HWY_INLINE Colour Sample(const SoftTexture& texture, I face, V u, V v, V square) {
   const V lod = LevelOf(texture, square);
   const V whole = hn::Floor(lod), rest = hn::Sub(lod, whole);

@@ -1,5 +1,5 @@
-// The threads that draw one image, and how they divide it: into bands of rows of blocks. Internal to
-// render/.
+// The threads that draw one image, and how they divide it: into bands of rows of blocks. Internal
+// to render/.
 #pragma once
 
 #include <algorithm>

@@ -14,7 +14,7 @@
 namespace robocell::internal {
 namespace {
 
-TEST(SoftThreads, BandsMakeUpAllRowsOnce) {
+TEST(SoftThreads, BandsCoverAllRowsOnce) {
   for (const int count : {1, 2, 3, 7}) {
     SoftThreads threads(count);
     ASSERT_EQ(threads.count(), count);
@@ -37,12 +37,12 @@ TEST(SoftThreads, BandsMakeUpAllRowsOnce) {
   }
 }
 
-TEST(SoftThreads, AreAsManyAsTheMachineHasCoresUnlessANumberIsGiven) {
+TEST(SoftThreads, DefaultToTheNumberOfCores) {
   EXPECT_EQ(SoftThreads(0).count(), static_cast<int>(std::thread::hardware_concurrency()));
   ExpectThrow<ArgumentError>([] { SoftThreads threads(-1); }, "-1");
 }
 
-TEST(SoftThreads, OneDrawsOnTheCallersThread) {
+TEST(SoftThreads, OneThreadIsTheCallersThread) {
   SoftThreads one(1);
   std::thread::id drawn;
   one.InBands(5, [&](SoftRows, int) { drawn = std::this_thread::get_id(); });

@@ -56,7 +56,7 @@ HWY_INLINE V PerRoot(V x) {
   }
   return y;
 }
-// The same bits, for one number.
+// Returns the same bits for one number.
 inline float PerRoot(float x) {
   int32_t bits;
   std::memcpy(&bits, &x, sizeof bits);
@@ -102,7 +102,7 @@ HWY_INLINE V Exp2(V x) {
   const I power = hn::ShiftLeft<23>(hn::Add(hn::ConvertTo(kInts, whole), hn::Set(kInts, 127)));
   return hn::Mul(sum, hn::BitCast(kFloats, power));
 }
-// The same within 2e-4 and without a division; for levels of textures.
+// Returns the logarithm within 2e-4 and without a division; for levels of textures.
 HWY_INLINE V RoughLog2(V x) {
   const I bits = hn::BitCast(kInts, x);
   const V exponent = hn::ConvertTo(kFloats, hn::Sub(hn::ShiftRight<23>(bits), hn::Set(kInts, 127)));

@@ -1,4 +1,4 @@
-// Which triangles of an instance are drawn, and where their vertices are in the image; part of
+// Finds the visible triangles of an instance and the image positions of their vertices; part of
 // soft_kernel.cc, compiled for each instruction set.
 #if defined(ROBOCELL_SOFT_VERTICES_INL_H_) == defined(HWY_TARGET_TOGGLE)
 #ifdef ROBOCELL_SOFT_VERTICES_INL_H_
@@ -91,7 +91,7 @@ HWY_INLINE int FindFacing(const SoftInstance& instance, int begin, int end, int 
   return count;
 }
 
-// How many times as long as in the mesh something may be in the view. A little more than 1 if
+// Largest scale from mesh to view. A little more than 1 if
 // the matrix only turns.
 inline float LongestScale(const float* m) {
   float apart = 0, sum = 0;

@@ -38,9 +38,9 @@ std::string FindCameraName(const Scene& scene, const CameraConfig& stream) {
   }
   if (of_robots.size() == 1) return of_robots.front();
   if (!of_robots.empty()) {
-    throw ArgumentError(fmt::format(
-        "{}camera '{}' is one of {}; write the full name of the one that is meant",
-        stream.name.empty() ? "" : PlaceOf(stream) + ": ", stream.camera, ListNames(of_robots)));
+    throw ArgumentError(fmt::format("{}camera '{}' is one of {}; write the full name",
+                                    stream.name.empty() ? "" : PlaceOf(stream) + ": ",
+                                    stream.camera, ListNames(of_robots)));
   }
   for (std::string& camera : cameras) camera = AsWritten(scene, camera);
   throw NotFoundError(NoSuchName(PlaceOf(stream), "camera", stream.camera, cameras));

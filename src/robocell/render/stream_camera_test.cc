@@ -32,27 +32,26 @@ class StreamCamera : public ::testing::Test {
   ModelFolder folder_;
 };
 
-TEST_F(StreamCamera, TakesTheExactNameBeforeThatOfARobot) {
+TEST_F(StreamCamera, PrefersTheExactName) {
   EXPECT_EQ(FindCameraName(Cell(false), Stream("wrist_camera")), "a/wrist_camera");
   EXPECT_EQ(FindCameraName(Cell(false, "wrist_camera"), Stream("wrist_camera")), "wrist_camera");
   EXPECT_EQ(FindCameraName(Cell(true), Stream("b/wrist_camera")), "b/wrist_camera");
 }
 
-TEST_F(StreamCamera, OneOfTwoRobotsHasToBeNamed) {
-  ExpectThrow<ArgumentError>(
-      [&] { FindCameraName(Cell(true), Stream("wrist_camera")); },
-      "stream 'wrist': camera 'wrist_camera' is one of a/wrist_camera, b/wrist_camera; write the "
-      "full name of the one that is meant");
+TEST_F(StreamCamera, RequiresTheRobotNameIfAmbiguous) {
+  ExpectThrow<ArgumentError>([&] { FindCameraName(Cell(true), Stream("wrist_camera")); },
+                             "stream 'wrist': camera 'wrist_camera' is one of a/wrist_camera, "
+                             "b/wrist_camera; write the full name");
 }
 
-TEST_F(StreamCamera, OneThatIsNotThereIsToldWithThoseThatAre) {
+TEST_F(StreamCamera, AMissingCameraErrorListsTheCameras) {
   ExpectThrow<NotFoundError>(
       [&] { FindCameraName(Cell(false, "top"), Stream("wrist_camra")); },
       "stream 'wrist': no camera 'wrist_camra'. Its cameras: top, wrist_camera. Did you mean "
       "'wrist_camera'?");
 }
 
-TEST_F(StreamCamera, ShowsTheWholeModelAsFreeUnlessACameraIsCalledSo) {
+TEST_F(StreamCamera, FreeShowsTheWholeModelUnlessACameraHasThatName) {
   const Scene scene = Cell(false);
   const auto view = std::get<OrbitCamera>(ViewOfStream(scene, Stream("Free")));
   const OrbitCamera first = InitialView(scene.model());

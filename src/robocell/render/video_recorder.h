@@ -54,7 +54,7 @@ class VideoRecorder {
   VideoRecorder(const mjModel* model, std::filesystem::path path,
                 const VideoRecorderOptions& options = {});
 
-  // Call it after the scene was compiled anew. A camera of the model and a tracked body are looked
+  // Call it after a rebuild of the scene. A camera of the model and a tracked body are looked
   // up again by their names. Throws NotFoundError if they are missing, here and for each frame
   // until another camera is chosen.
   void SetModel(const mjModel* model);
@@ -83,7 +83,7 @@ class VideoRecorder {
   const std::filesystem::path& path() const { return writer_.path(); }
 
  private:
-  std::string Place() const;  // for messages
+  std::string Place() const;  // place for messages
   // Throws ArgumentError for infinite values and NaN.
   void RequireFinite(const std::string& what, double value) const;
   void RequireDirection(double distance, double azimuth, double elevation) const;
@@ -95,12 +95,12 @@ class VideoRecorder {
   VideoWriter writer_;
   std::unique_ptr<Renderer> renderer_;
   const mjModel* model_;
-  ModelWatch watch_;  // of the model, which is the caller's
+  ModelWatch watch_;  // watch of the caller's model
   OrbitCamera free_;
   TrackingCamera tracking_;
   std::string tracked_;  // name of the tracked body; ids change
   CameraView view_;
-  std::string name_;      // of the model's camera or the body in view_
+  std::string name_;      // name of the camera or body in view_
   bool missing_ = false;  // true if the present model has none of that name
   VideoSize size_;
   std::vector<Marker> markers_;

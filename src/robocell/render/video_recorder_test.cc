@@ -65,7 +65,7 @@ TEST_F(Recording, EachCallIsOneFrameAndShowsThatState) {
   }
 }
 
-TEST_F(Recording, TheTrackingCameraFollowsTheFreeOneStaysAndOneGoesBackToIt) {
+TEST_F(Recording, SwitchesBetweenTrackingAndFreeCameras) {
   VideoRecorder video(model_.get(), folder_ / "cameras.mp4", kSmall);
   const auto fall = [&](int steps) { EXPECT_TRUE(Step(model_.get(), data_.get(), steps).ok()); };
   video.SetFreeCamera(3, 90, 0, {0, 0, 0.7});
@@ -88,7 +88,7 @@ TEST_F(Recording, TheTrackingCameraFollowsTheFreeOneStaysAndOneGoesBackToIt) {
   EXPECT_NEAR(rows[3], rows[4], 2);
 }
 
-TEST_F(Recording, NamesAreLookedUpAgainInANewModel) {
+TEST_F(Recording, ResolvesNamesAgainInANewModel) {
   VideoRecorder video(model_.get(), folder_ / "again.mp4", kSmall);
   video.SetTrackingCamera("ball", 3, 90, 0);
   video.RecordFrame(data_.get());
@@ -143,7 +143,7 @@ TEST_F(Recording, CurrentFreeAndTrackingAreCamerasByName) {
   EXPECT_NEAR(rows[5], rows[4], 0.5);
 }
 
-TEST_F(Recording, ACameraOfTheModelComesBeforeOursOfThatName) {
+TEST_F(Recording, ModelCamerasTakePrecedenceOverBuiltInNames) {
   const ModelPtr model = Compile(
       ParseXmlString(R"(<mujoco><worldbody><camera name="Free" pos="0 -3 .7" xyaxes="1 0 0 0 0 1"/>
         <light pos="0 0 3"/><geom pos="0 0 1" size=".2" rgba="1 0 0 1"/></worldbody></mujoco>)")
@@ -163,7 +163,7 @@ TEST_F(Recording, ACameraOfTheModelComesBeforeOursOfThatName) {
   EXPECT_NEAR(rows[1], 23.5, 1) << "the free one";
 }
 
-TEST_F(Recording, AModelThatWasFreedIsToldAndNotRead) {
+TEST_F(Recording, ReportsAFreedModelWithoutReadingIt) {
   ModelPtr model = Compile(ParseXmlString(kFalling).get());
   VideoRecorder video(model.get(), folder_ / "freed.mp4", kSmall);
   video.UseCamera("side");
@@ -197,7 +197,7 @@ TEST_F(Recording, AModelThatWasFreedIsToldAndNotRead) {
   EXPECT_EQ(video.frames(), 1);
 }
 
-TEST_F(Recording, OddSizesAndUnknownCamerasAreErrorsThatTell) {
+TEST_F(Recording, RejectsOddSizesAndUnknownCameras) {
   ExpectThrow<ArgumentError>(
       [&] { VideoRecorder(model_.get(), folder_ / "odd.mp4", {.width = 63, .height = 48}); }, "63");
   VideoRecorder video(model_.get(), folder_ / "a.mp4", kSmall);
@@ -209,7 +209,7 @@ TEST_F(Recording, OddSizesAndUnknownCamerasAreErrorsThatTell) {
                              "no body 'bal'. Its bodies: world, ball. Did you mean 'ball'?");
 }
 
-TEST_F(Recording, APresetHasItsSizeAndExactlyAsManyFramesAsWereRecorded) {
+TEST_F(Recording, APresetHasItsSizeAndTheRecordedFrames) {
   const VideoSize size = SizeOf(VideoResolution::kR720p);
   const std::filesystem::path file = folder_ / "preset.mp4";
   VideoRecorder video(model_.get(), file,

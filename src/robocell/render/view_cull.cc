@@ -71,7 +71,7 @@ bool ViewCull::BoxOf(const mjvGeom& geom, Box& box) const {
       box = {Eigen::Vector3d::Zero(), size + size[0] * Eigen::Vector3d::UnitZ()};
       return true;
     case mjGEOM_MESH: {
-      const size_t mesh = static_cast<size_t>(geom.dataid) / 2;  // of its faces, or of its hull
+      const size_t mesh = static_cast<size_t>(geom.dataid) / 2;  // mesh of its faces or its hull
       if (geom.dataid < 0 || mesh >= meshes_.size()) return false;
       box = meshes_[mesh];
       return true;

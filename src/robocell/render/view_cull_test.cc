@@ -79,7 +79,7 @@ class ViewCulling : public testing::Test {
   ViewCull cull_;
 };
 
-TEST_F(ViewCulling, NoPixelChangesFromWhereverOneLooks) {
+TEST_F(ViewCulling, ChangesNoPixelFromAnyView) {
   GlContext::Current current(*context_);
   MjrContext drawing(model_.get(), 0, 0);
   Rng rng = Rng::Stream(1);
@@ -102,7 +102,7 @@ TEST_F(ViewCulling, NoPixelChangesFromWhereverOneLooks) {
   EXPECT_LT(left, 0.8 * all) << "most views show a part only";
 }
 
-TEST_F(ViewCulling, WhatIsSeenKeepsItsOrderAndItsIds) {
+TEST_F(ViewCulling, VisibleGeomsKeepTheirOrderAndIds) {
   const Eigen::Vector3d eye(0, -0.2, 0);
   const CameraModel camera = See(FreeCamera{LookAt(eye, {1, -0.2, 0}), 60});
   Update(camera);
@@ -116,7 +116,7 @@ TEST_F(ViewCulling, WhatIsSeenKeepsItsOrderAndItsIds) {
       << "the floor, the sphere ahead, the mesh beside it, the site, which always stays";
 }
 
-TEST_F(ViewCulling, ShapesCountAsTheyAreDrawnNotAsTheyWereCompiled) {
+TEST_F(ViewCulling, UsesDrawnRatherThanCompiledSizes) {
   const CameraModel camera = See(FreeCamera{LookAt({0, 0, 0.3}, {0, 0, 5}), 20});
   Update(camera);
   const int all = scene_->get()->ngeom;

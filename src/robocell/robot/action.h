@@ -18,11 +18,11 @@ struct GroupCommand {
   enum Kind {
     kJoints,          // absolute joint positions, rad or m
     kRelativeJoints,  // added to the present target
-    kPose,            // of the leaf in the robot base frame, reached through IK
-    kOpening,         // of a gripper, 0 closed ... 1 open
-    kVelocities,      // of the joints, rad/s or m/s
-    kTorques,         // of the joints, Nm or N
-    kBasePose,        // of a driven base in the world
+    kPose,            // pose of the leaf frame in the robot base frame, through IK
+    kOpening,         // gripper opening, 0 closed ... 1 open
+    kVelocities,      // joint velocities, rad/s or m/s
+    kTorques,         // joint torques, Nm or N
+    kBasePose,        // pose of a driven base in the world
   };
   Kind kind = kJoints;
   std::vector<double> values = {};

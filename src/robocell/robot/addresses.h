@@ -49,7 +49,7 @@ class Addresses {
 
  private:
   std::vector<int> list_;
-  int first_ = -1;  // of the list: stored here, not behind a pointer
+  int first_ = -1;  // first address; stored here, not behind a pointer
   bool in_a_row_ = true;
 };
 

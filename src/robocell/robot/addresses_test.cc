@@ -14,7 +14,7 @@ Addresses Of(const std::vector<int>& list) {
   return addresses;
 }
 
-TEST(Addresses, NumbersAreGatheredAndScatteredInTheirOrder) {
+TEST(Addresses, GatherAndScatterInOrder) {
   std::vector<double> array(20);
   std::iota(array.begin(), array.end(), 0);
   for (const auto& list : std::vector<std::vector<int>>{
@@ -31,7 +31,7 @@ TEST(Addresses, NumbersAreGatheredAndScatteredInTheirOrder) {
   }
 }
 
-TEST(Addresses, AreInARowWhenEachFollowsTheOneBefore) {
+TEST(Addresses, AreContiguousIfConsecutive) {
   const double array[20] = {};
   EXPECT_EQ(Of({3, 4, 5}).InARow(array), array + 3);
   EXPECT_EQ(Of({0}).InARow(array), array);

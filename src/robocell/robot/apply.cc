@@ -29,7 +29,7 @@ void RequireKindOfCommand(const std::string& place, const internal::GroupSlot& s
   const bool gripper = slot.own->group->kind() == MoveGroupKind::kGripper;
   if ((command.kind == GroupCommand::kOpening) == gripper) return;
   throw ArgumentError(place + (gripper ? " is a gripper: command it with an opening"
-                                       : " is no gripper: command it with joints or a pose"));
+                                       : " is not a gripper: command it with joints or a pose"));
 }
 
 [[noreturn]] void ThrowOtherKind(const std::string& place, const internal::GroupSlot& slot,

@@ -32,7 +32,7 @@ class Apply : public ::testing::Test {
   const std::vector<double> home = Rc7().home.at("arm");
 };
 
-TEST_F(Apply, SetsAbsoluteJointsAndLeavesTheOtherGroupsAlone) {
+TEST_F(Apply, SetsAbsoluteJointsOfOneGroupOnly) {
   const std::vector<double> q{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7};
   EXPECT_TRUE(robot.Apply({{"arm", GroupCommand::Joints(q)}}).ok);
   EXPECT_EQ(Target(), q);
@@ -51,7 +51,7 @@ TEST_F(Apply, AddsRelativeJointsToTheTargetWithinLimits) {
   EXPECT_EQ(Target()[0], 2.9);
 }
 
-TEST_F(Apply, MeansTheSameWithARelativeController) {
+TEST_F(Apply, WorksAlikeWithARelativeController) {
   robot.SetController("arm", "relative_joint_position");
   const std::vector<double> q{0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7};
   robot.Apply({{"arm", GroupCommand::Joints(q)}});
@@ -83,7 +83,7 @@ double LargestDifference(std::span<const double> a, std::span<const double> b) {
 }
 
 // Moves by centimetres at a time, wherever that leads.
-TEST_F(Apply, ASmallStepOfThePoseIsASmallStepOfTheJoints) {
+TEST_F(Apply, SmallPoseStepsAreSmallJointSteps) {
   constexpr int kSteps = 4000;
   Rng rng = Rng::Stream(1, "random walk");
   Eigen::Vector3d way;
@@ -138,7 +138,7 @@ TEST_F(Apply, ReportsAPoseOutOfReachAndKeepsThatTarget) {
   EXPECT_EQ(Opening(), 0) << "the other groups are commanded";
 }
 
-TEST_F(Apply, RefusesBadCommandsAndThenChangesNothing) {
+TEST_F(Apply, RejectsInvalidCommandsWithoutAChange) {
   const std::string arm = "scene 'test' / robot 'rc7' / group 'arm'";
   const std::string gripper = "scene 'test' / robot 'rc7' / group 'gripper'";
   Refuses({{"arm", GroupCommand::Joints({1, 2, 3})}}, arm + ": expected 7 joint values, got 3");
@@ -148,7 +148,7 @@ TEST_F(Apply, RefusesBadCommandsAndThenChangesNothing) {
           arm + ": the target of 'joint5' is nan; targets must be finite");
   Refuses({{"arm", GroupCommand::RelativeJoints(q)}}, "the target of 'joint5' is nan");
   Refuses({{"arm", GroupCommand::Opening(1)}},
-          arm + " is no gripper: command it with joints or a pose");
+          arm + " is not a gripper: command it with joints or a pose");
   Refuses({{"gripper", GroupCommand::Joints({0, 0})}},
           gripper + " is a gripper: command it with an opening");
   Refuses({{"arm", GroupCommand::Joints(std::vector<double>(7, 0.1))},

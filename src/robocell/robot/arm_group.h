@@ -2,9 +2,9 @@
 // velocity servos or motors. A switchable arm has one such group per mode, over the same joints;
 // controllers work on the group of their mode.
 //
-// It knows the arm's chain, from the robot base frame to the leaf, so that controllers can use
-// gravity and inertia. Errors: those of GroupCore; NotFoundError without a chain. Functions that
-// controllers call every tick do not allocate.
+// It knows the arm's chain, from the robot base frame to the leaf frame, so that controllers can
+// use gravity and inertia. Errors: those of GroupCore; NotFoundError without a chain. Functions
+// that controllers call every tick do not allocate.
 #pragma once
 
 #include <optional>
@@ -23,9 +23,11 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   ArmGroup(const Scene& scene, GroupNames names)
       : JointGroupOf(scene, std::move(names), MoveGroupKind::kArm) {}
 
-  // `chain` is read whenever it is needed, because it may be made anew. It must outlive the group's
+  // `chain` is read whenever it is needed, because it may be replaced. It must outlive the group's
   // use.
   void UseChain(const std::optional<Chain>* chain) { chain_ = chain; }
+  // Returns true if other joints follow those of the arm (mujoco/couplings.h).
+  bool has_followers() const { return !core().followers().empty(); }
   bool has_chain() const { return chain_ && chain_->has_value(); }
   const Chain& chain() const;
 
@@ -65,6 +67,15 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
                          std::span<const double> torque, std::span<double> out) const;
 
  private:
+  // The same functions for arms whose actuators act together (scene/drive_matrix.h).
+  Interval TorqueLimitOfMatrix(size_t joint) const;
+  void CtrlForTorqueOfMatrix(std::span<const double> torque, std::span<double> ctrl) const;
+  void CtrlForVelocityOfMatrix(std::span<const double> velocity, std::span<const double> torque,
+                               std::span<double> ctrl) const;
+  void PositionForTorqueOfMatrix(std::span<const double> q, std::span<const double> v,
+                                 std::span<const double> torque, std::span<double> out) const;
+  Eigen::VectorXd ForcesFor(std::span<const double> torque) const;
+
   Interval TorqueLimit(const mjModel* m, size_t joint) const;
   bool IsInsideLimits(const mjModel* m, size_t joint, double torque) const;
   // Restricts `limit` to the force limits of actuator and joint.

@@ -141,7 +141,7 @@ TEST_P(AnyRobot, IkSolvesAThousandReachableTargets) {
   EXPECT_GE(solved, 990);
 }
 
-TEST_P(AnyRobot, LockedGroupsOutsideTheChainAreNoMatterAndThoseInsideStayPut) {
+TEST_P(AnyRobot, LockedGroupsMatterOnlyInsideTheChain) {
   REQUIRE_ROBOT(GetParam());
   const Scene scene = Build({});
   Robot robot = In(scene);
@@ -156,7 +156,7 @@ TEST_P(AnyRobot, LockedGroupsOutsideTheChainAreNoMatterAndThoseInsideStayPut) {
 }
 
 // The engine's torques that keep everything still: the bias forces less the passive ones, at rest.
-TEST_P(AnyRobot, GravityTorquesAreTheEnginesBiasForcesAtRest) {
+TEST_P(AnyRobot, GravityTorquesMatchTheEngineAtRest) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build({.euler = {30, 50, 0}});
   Robot robot = In(scene);
@@ -175,7 +175,7 @@ TEST_P(AnyRobot, GravityTorquesAreTheEnginesBiasForcesAtRest) {
 }
 
 // The dynamics of impedance control with the present tool, which the chain contains as one body.
-TEST_P(AnyRobot, InverseDynamicsAndMassAreTheEnginesInMotion) {
+TEST_P(AnyRobot, InverseDynamicsAndMassMatchTheEngine) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build({.pos = {0, 0, 1}, .euler = {30, 50, 0}});
   Robot robot = In(scene);
@@ -208,7 +208,7 @@ TEST_P(AnyRobot, InverseDynamicsAndMassAreTheEnginesInMotion) {
   }
 }
 
-TEST(RobotKinematics, AMocapBaseCarriesTheWholeRobotRigidly) {
+TEST(RobotKinematics, AMocapBaseMovesTheWholeRobotRigidly) {
   Robot robot = RobotAlone(Rc7());
   const Pose tcp_in_base = robot.FkFrame();
   const Pose mount = robot.base().pose().inverse() * robot.base_in_world();
@@ -221,7 +221,7 @@ TEST(RobotKinematics, AMocapBaseCarriesTheWholeRobotRigidly) {
   ExpectFramesAgree(robot, 0);
 }
 
-TEST(RobotKinematics, GravityAlongZCanBeGivenAndIsRotatedIntoATiltedBase) {
+TEST(RobotKinematics, GravityAlongZIsRotatedIntoATiltedBase) {
   RobotConfig config = Rc7();
   config.gravcomp = false;
   const Scene scene =
@@ -236,7 +236,7 @@ TEST(RobotKinematics, GravityAlongZCanBeGivenAndIsRotatedIntoATiltedBase) {
   EXPECT_GT(std::abs(full[1]), 10) << "the arm lies flat";
 }
 
-TEST(RobotKinematics, GravcompTakesItsShareOfGravityTorques) {
+TEST(RobotKinematics, GravcompReducesGravityTorques) {
   Robot compensated = RobotAlone(Rc7());
   std::vector<double> torques(7);
   compensated.GravityTorques(torques);
@@ -278,7 +278,7 @@ TEST(RobotKinematics, TheToolsSiteIsTheTcp) {
   EXPECT_NEAR(configured.tip_to_tcp().translation().z(), 0.152, 1e-12) << "from link7";
 }
 
-TEST(RobotKinematics, WeighsTheToolWithTheArm) {
+TEST(RobotKinematics, IncludesTheMassOfTheTool) {
   REQUIRE_MENAGERIE("kinova_gen3", "robotiq_2f85");
   const Scene scene = HangingGen3();
   const mjModel* m = scene.model();
@@ -303,7 +303,7 @@ double GravityError(Robot& robot) {
   return error;
 }
 
-TEST(RobotKinematics, AClosedGripperIsWeighedWhereItIsWhenAsked) {
+TEST(RobotKinematics, RefreshingToolInertiaIncludesAClosedGripper) {
   REQUIRE_MENAGERIE("kinova_gen3", "robotiq_2f85");
   Scene scene = HangingGen3();
   Robot robot = Gen3In(scene);
@@ -320,7 +320,7 @@ TEST(RobotKinematics, AClosedGripperIsWeighedWhereItIsWhenAsked) {
   EXPECT_LT(GravityError(robot), 1e-9) << "a reset forgets it";
 }
 
-TEST(RobotKinematics, GravityIsGivenInTheAxesOfTheBase) {
+TEST(RobotKinematics, GravityIsInBaseAxes) {
   REQUIRE_MENAGERIE("kinova_gen3", "robotiq_2f85");
   const Robot robot = Gen3In(HangingGen3());
   EXPECT_LT((robot.gravity_in_base() - Eigen::Vector3d(0, 0, 9.81)).norm(), 1e-12);

@@ -12,7 +12,7 @@ namespace {
 
 class ArmPortsTest : public CommandedRobot {};
 
-TEST_F(ArmPortsTest, PortsNameTheJointAndRecover) {
+TEST_F(ArmPortsTest, ErrorsNameTheJointAndPortsRecover) {
   Refuses([&] { robot.SetJntPosCmd(WithNan(home, 1)); }, kArm + ": the target of 'joint2' is nan");
   const std::vector<double> ctrl = Ctrl();
   robot.jnt_pos_cmd()[1] = kNan;
@@ -26,7 +26,7 @@ TEST_F(ArmPortsTest, PortsNameTheJointAndRecover) {
   EXPECT_TRUE(robot.Step().ok());
 }
 
-TEST_F(ArmPortsTest, EveryPortNamesTheJoint) {
+TEST_F(ArmPortsTest, ErrorsOfEveryPortNameTheJoint) {
   RobotSpec spec{.name = "rc7", .config = Rc7()};
   spec.control_modes = std::vector{CtrlMode::kVelocity, CtrlMode::kTorque};
   robot = Robot::Of(Scene::Build(SceneWith(spec)), "rc7");

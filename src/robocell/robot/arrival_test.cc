@@ -8,7 +8,7 @@
 namespace robocell::internal {
 namespace {
 
-TEST(Arrival, OfSlidesIsATenthOfThatOfHingesInMetres) {
+TEST(Arrival, OfSlidesIsATenthOfHinges) {
   ModelFolder folder;
   RobotConfig config{.name = "rail", .model = folder.Write("rail", R"(
     <worldbody><body name="base"><geom size="0.1"/>

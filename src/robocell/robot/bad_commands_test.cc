@@ -10,7 +10,7 @@ namespace {
 
 class BadCommands : public CommandedRobot {};
 
-TEST_F(BadCommands, ControllersNameRobotAndGroup) {
+TEST_F(BadCommands, ErrorsOfControllersNameRobotAndGroup) {
   for (const char* kind : {"joint_position", "relative_joint_position"}) {
     robot.SetController("arm", kind);
     Controller& arm = robot.controller("arm");
@@ -26,7 +26,7 @@ TEST_F(BadCommands, ControllersNameRobotAndGroup) {
           kGripper + ": the target of 'opening' is nan");
 }
 
-TEST_F(BadCommands, GroupsNameTheElement) {
+TEST_F(BadCommands, ErrorsOfGroupsNameTheElement) {
   MoveGroup& arm = robot.arm();
   Refuses([&] { arm.SetCtrl(std::vector<double>(8)); },
           kArm + ": expected 7 control values, got 8");
@@ -39,7 +39,7 @@ TEST_F(BadCommands, GroupsNameTheElement) {
   Refuses([&] { robot.gripper().SetOpening(kNan); }, kGripper + ": opening cannot be nan");
 }
 
-TEST_F(BadCommands, APoseThatOverflowedIsNoTarget) {
+TEST_F(BadCommands, RejectsAnOverflowedPose) {
   const Pose far(Eigen::Vector3d(1.7e308, 0, 0));
   Refuses(
       [&] {
@@ -48,7 +48,7 @@ TEST_F(BadCommands, APoseThatOverflowedIsNoTarget) {
       kArm + ": the target pose has a number that is not finite");
 }
 
-TEST_F(BadCommands, ScenesNameTheActuatorAndTheBody) {
+TEST_F(BadCommands, ErrorsOfScenesNameActuatorAndBody) {
   Scene scene = robot.scene();
   Refuses([&] { scene.SetActuatorCtrl("servo3", kNan); },
           "scene 'test': control of actuator 'servo3' must be a finite number, got nan");

@@ -138,7 +138,7 @@ void LeavesObject::Warn(const Scene& scene, const std::string& robot, const std:
       base == BaseKind::kDriven ? "" : "give the robot `base: {kind: driven}` and ";
   LogWarn(
       fmt::format("{}: it is put elsewhere while {}, which stays behind{}: setting a pose carries "
-                  "nothing. To carry it, {}set the base's target (said once)",
+                  "nothing. To carry it, {}set the base's target (reported once)",
                   place, held, pushes ? " unless the fingers push it along" : "", give));
 }
 

@@ -18,7 +18,7 @@ Robot OnBase(const BaseConfig& base, const Vec3& pos = {}, const Vec3& euler = {
   return Robot::Of(scene, "rc7");
 }
 
-TEST(MocapBase, IsTeleportedAndKeepsItsPlaceWhileTheArmMoves) {
+TEST(MocapBase, TeleportsAndStaysWhileTheArmMoves) {
   Robot robot = OnBase({.kind = BaseKind::kMocap, .size = Vec3{0.2, 0.2, 0.3}}, {1, 0, 0});
   BaseGroup& base = robot.base();
   EXPECT_FALSE(base.is_mobile());
@@ -35,7 +35,7 @@ TEST(MocapBase, IsTeleportedAndKeepsItsPlaceWhileTheArmMoves) {
   EXPECT_EQ(base.pose(), placed);
 }
 
-TEST(FixedBase, CannotBeMovedAndSaysWhatToDo) {
+TEST(FixedBase, RejectsMotionAndSuggestsAnotherKind) {
   for (const auto& size : {std::optional<Vec3>(), std::optional<Vec3>({0.2, 0.2, 0.3})}) {
     Robot robot = OnBase({.kind = BaseKind::kFixed, .size = size}, {0, 1, 0}, {0, 0, 90});
     EXPECT_TRUE(
@@ -47,7 +47,7 @@ TEST(FixedBase, CannotBeMovedAndSaysWhatToDo) {
   }
 }
 
-TEST(FreeBase, FliesWhereItIsPutAndFallsFromThere) {
+TEST(FreeBase, CanBePlacedAndFallsFromThere) {
   Robot robot = OnBase({.kind = BaseKind::kFree, .size = Vec3{0.2, 0.2, 0.1}});
   BaseGroup& base = robot.base();
   EXPECT_TRUE(base.is_mobile());
@@ -66,7 +66,7 @@ TEST(FreeBase, FliesWhereItIsPutAndFallsFromThere) {
   EXPECT_LT(base.pose().translation().z(), 5);
 }
 
-TEST(PlanarBase, DrivesInItsPlaneOnly) {
+TEST(PlanarBase, MovesInItsPlaneOnly) {
   Robot robot =
       OnBase({.kind = BaseKind::kPlanar, .size = Vec3{0.4, 0.4, 0.3}}, {1, 2, 0.5}, {0, 0, 30});
   BaseGroup& base = robot.base();
@@ -89,7 +89,7 @@ TEST(PlanarBase, DrivesInItsPlaneOnly) {
   EXPECT_EQ(base.pose(), before);
 }
 
-TEST(AnyMovableBase, IsAtRestWhereItIsPut) {
+TEST(AnyMovableBase, IsAtRestAfterPlacement) {
   for (const BaseKind kind : {BaseKind::kPlanar, BaseKind::kFree}) {
     Robot robot = OnBase({.kind = kind, .size = Vec3{0.4, 0.4, 0.3}});
     BaseGroup& base = robot.base();
@@ -102,7 +102,7 @@ TEST(AnyMovableBase, IsAtRestWhereItIsPut) {
   }
 }
 
-TEST(PlanarBase, ThatIsConfiguredNeedsThreeJoints) {
+TEST(PlanarBase, NeedsThreeJointsIfConfigured) {
   RobotConfig config = Rc7();
   config.base = {.kind = BaseKind::kPlanar};
   config.move_groups["wheels"] = {.kind = MoveGroupKind::kBase, .joints = {"base_x", "base_y"}};
@@ -111,7 +111,7 @@ TEST(PlanarBase, ThatIsConfiguredNeedsThreeJoints) {
                              "has 2 joint values");
 }
 
-TEST(ConfiguredBase, StandsOnTheBodyMadeForIt) {
+TEST(ConfiguredBase, UsesTheGeneratedBaseBody) {
   RobotConfig config = Rc7();
   config.move_groups["stand"] = {.kind = MoveGroupKind::kBase};
   Robot robot = RobotAlone(config);

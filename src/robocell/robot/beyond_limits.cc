@@ -9,7 +9,7 @@ namespace robocell {
 void BeyondLimits::Tell(const std::string& what, double value, const Interval& range) {
   LogWarn(
       fmt::format("{} is commanded to {:g}, beyond [{:g}, {:g}]; the nearest value inside is used "
-                  "(said once)",
+                  "(reported once)",
                   what, value, range.lower, range.upper));
 }
 

@@ -26,7 +26,7 @@ class BeyondLimitsTest : public ::testing::Test {
   ScopedLogSink sink_{[this](LogLevel, std::string_view text) { lines_.emplace_back(text); }};
 };
 
-TEST_F(BeyondLimitsTest, TheNearestValueIsUsedAndToldOnce) {
+TEST_F(BeyondLimitsTest, ClampsToTheNearestValueAndWarnsOnce) {
   BeyondLimits beyond;
   const auto what = [] { return std::string("it"); };
   EXPECT_EQ(beyond.Clamp(0.5, {0, 1}, what), 0.5);
@@ -36,11 +36,11 @@ TEST_F(BeyondLimitsTest, TheNearestValueIsUsedAndToldOnce) {
   EXPECT_EQ(beyond.Clamp(50, {0, 1}, what), 1);
   EXPECT_EQ(beyond.Clamp(-50, {0, 1}, what), 0);
   EXPECT_THAT(lines_, ElementsAre("it is commanded to 50, beyond [0, 1]; the nearest value inside "
-                                  "is used (said once)"));
+                                  "is used (reported once)"));
 }
 
 // A joint commanded beyond its limit is driven to the limit, by the port and by an action.
-TEST_F(BeyondLimitsTest, AnArmIsDrivenToItsLimits) {
+TEST_F(BeyondLimitsTest, AnArmMovesToItsLimits) {
   Robot robot = RobotAlone(Rc7());
   const Interval limits = robot.joint_limits()[3];
   robot.jnt_pos_cmd()[3] = 90;
@@ -57,7 +57,7 @@ TEST_F(BeyondLimitsTest, AnArmIsDrivenToItsLimits) {
   EXPECT_EQ(lines_.size(), 1u);
 }
 
-TEST_F(BeyondLimitsTest, ATeleportBeyondTheLimitsIsTakenAndTold) {
+TEST_F(BeyondLimitsTest, ATeleportBeyondTheLimitsIsAcceptedWithAWarning) {
   Robot robot = RobotAlone(Rc7());
   const Interval limits = robot.joint_limits()[3];
   std::vector<double> q = robot.arm().joint_pos();
@@ -69,15 +69,15 @@ TEST_F(BeyondLimitsTest, ATeleportBeyondTheLimitsIsTakenAndTold) {
   robot.SetJointPos(q, false);
   EXPECT_EQ(robot.arm().joint_pos()[3], q[3]);
   EXPECT_THAT(lines_, ElementsAre(fmt::format(
-                          "robot 'rc7' / group 'arm': joint 'joint4' is put at {:g}, outside of "
-                          "its limits {:g} to {:g}, which push it back (said once)",
+                          "robot 'rc7' / group 'arm': joint 'joint4' is set to {:g}, outside its "
+                          "limits {:g} to {:g}, which push it back (reported once)",
                           q[3], limits.lower, limits.upper)));
   robot.SetJointPos(q);
   EXPECT_EQ(lines_.size(), 1u);
 }
 
 // Positions without a command are not logged, and later commands still are.
-TEST_F(BeyondLimitsTest, HoldingWhereAServoCannotHoldIsNoCommand) {
+TEST_F(BeyondLimitsTest, HoldingBeyondAServoRangeIsNotACommand) {
   RobotConfig config = Rc7();
   const double home = config.home.at("arm")[3];
   Edit edit;
@@ -117,7 +117,7 @@ TEST_F(BeyondLimitsTest, HoldingWhereAServoCannotHoldIsNoCommand) {
 }
 
 // The limits count at the time of the command, not earlier ones.
-TEST_F(BeyondLimitsTest, LimitsOfMotorsAreThoseOfTheModel) {
+TEST_F(BeyondLimitsTest, MotorLimitsComeFromTheModel) {
   RobotSpec spec{.name = "rc7", .config = Rc7()};
   spec.control_modes = std::vector{CtrlMode::kTorque};
   Scene scene = Scene::Build(SceneWith(spec));
@@ -146,7 +146,7 @@ TEST_F(BeyondLimitsTest, LimitsOfMotorsAreThoseOfTheModel) {
   EXPECT_EQ(robot.arm().joint_torque()[0], 5);
 }
 
-TEST_F(BeyondLimitsTest, AnOpeningInPercentIsTold) {
+TEST_F(BeyondLimitsTest, WarnsAboutAnOpeningInPercent) {
   Robot robot = RobotAlone(Rc7());
   robot.gripper().SetOpening(50);
   EXPECT_EQ(robot.gripper().ctrl()[0], robot.gripper().ctrl_for_opening(1));
@@ -158,7 +158,7 @@ TEST_F(BeyondLimitsTest, AnOpeningInPercentIsTold) {
 }
 
 // Also at run time: a servo commanded beyond its ctrlrange, a motor beyond its force.
-TEST(BeyondLimits, CommandsThatAServoCutsOffAreToldOnce) {
+TEST(BeyondLimits, WarnsOnceAboutCommandsThatAServoClamps) {
   ModelFolder folder;
   const std::string model = folder.Write("bar", R"(<compiler angle="radian"/><worldbody>
 <body name="post" pos="0 0 1"><geom size="0.02" pos="0 0 -0.5"/><body name="bar">
@@ -181,7 +181,7 @@ forcerange="-30 30"/></actuator>)");
   EXPECT_THAT(lines,
               ElementsAre("robot 'bar' / group 'arm': actuator 'drive', by its ctrlrange, is "
                           "commanded to 1.5, beyond [-1, 1]; the nearest value inside is "
-                          "used (said once)"));
+                          "used (reported once)"));
   lines.clear();
   robot.set_ctrl_mode(CtrlMode::kTorque);
   for (int i = 0; i < 3; ++i) {
@@ -190,10 +190,10 @@ forcerange="-30 30"/></actuator>)");
     ASSERT_TRUE(robot.Step().ok());
   }
   EXPECT_NEAR(robot.jnt_trq_msr()[0], -30, 1e-9);
-  EXPECT_THAT(lines,
-              ElementsAre("robot 'bar' / group 'arm': the torque of joint 'hip' is commanded "
-                          "to -500, beyond [-30, 30]; the nearest value inside is used (said "
-                          "once)"));
+  EXPECT_THAT(
+      lines,
+      ElementsAre("robot 'bar' / group 'arm': the torque of joint 'hip' is commanded "
+                  "to -500, beyond [-30, 30]; the nearest value inside is used (reported once)"));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <mutex>
 
 #include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/scratch_robot.h"
@@ -82,10 +83,10 @@ bool CollisionFilter::IsFree(std::span<const double> q) {
 void CollisionFilter::operator()(std::span<const double> q, int count, std::span<uint8_t> keep) {
   const size_t n = static_cast<size_t>(n_joints());
   if (q.size() != n * static_cast<size_t>(count) || keep.size() != static_cast<size_t>(count)) {
-    throw ArgumentError(fmt::format(
-        "collision filter of robot '{}': expected {} values for {} configurations of {} joints, "
-        "got {}",
-        state_->scratch.robot().name(), n * count, count, n, q.size()));
+    throw ArgumentError(
+        fmt::format("collision filter of robot '{}': expected {} for {} of {}, got {}",
+                    state_->scratch.robot().name(), Counted(n_joints() * count, "value"),
+                    Counted(count, "configuration"), Counted(n_joints(), "joint"), q.size()));
   }
   const std::lock_guard lock(state_->mutex);
   for (int k = 0; k < count; ++k) keep[k] = state_->IsFree(q.subspan(k * n, n)) ? 1 : 0;

@@ -42,8 +42,8 @@ class CollisionFilter {
   // Implements IkFilter: `count` configurations row by row.
   void operator()(std::span<const double> q, int count, std::span<uint8_t> keep);
   int n_joints() const;
-  // For garbage collectors of other languages: returns its scene, unless copies of this filter
-  // share it.
+  // Returns its scene, unless copies of this filter share it; for garbage collectors of other
+  // languages.
   std::optional<Scene> scene_of_sole_handle() const;
 
  private:

@@ -54,7 +54,7 @@ class CollisionFilterTest : public testing::Test {
   Robot robot_ = Robot::Of(scene_, "rc7");
 };
 
-TEST_F(CollisionFilterTest, SaysWhatTheEngineSays) {
+TEST_F(CollisionFilterTest, AgreesWithTheEngine) {
   CollisionFilter filter(robot_);
   int touching = 0;
   for (int k = 0; k < 200; ++k) {
@@ -68,7 +68,7 @@ TEST_F(CollisionFilterTest, SaysWhatTheEngineSays) {
   EXPECT_EQ(scene_.time(), 0);
 }
 
-TEST_F(CollisionFilterTest, IsTheHookOfInverseKinematics) {
+TEST_F(CollisionFilterTest, FiltersInverseKinematics) {
   const CollisionFilter filter(robot_, {.clearance = 0.02});
   std::vector<Pose> targets;
   for (int k = 0; k < 4000 && targets.size() < 60; ++k) {
@@ -106,7 +106,7 @@ TEST_F(CollisionFilterTest, BodiesCanBeIgnored) {
 }
 
 // Copies share the data that configurations are put into.
-TEST_F(CollisionFilterTest, IsSharedByThreads) {
+TEST_F(CollisionFilterTest, CanBeSharedByThreads) {
   constexpr int kCount = 2000;
   CollisionFilter filter(robot_);
   std::vector<double> q;
@@ -126,7 +126,7 @@ TEST_F(CollisionFilterTest, IsSharedByThreads) {
   EXPECT_EQ(second, alone);
 }
 
-TEST_F(CollisionFilterTest, IsOfNoUseAfterObjectsCame) {
+TEST_F(CollisionFilterTest, IsInvalidAfterObjectsAreAdded) {
   CollisionFilter filter(robot_);
   scene_.AddObject(BoxObject("other", {3, 3, 1}));
   ExpectThrow<Error>([&] { filter.IsFree(JointVector(7)); },
@@ -135,7 +135,7 @@ TEST_F(CollisionFilterTest, IsOfNoUseAfterObjectsCame) {
   ExpectThrow<Error>([&] { filter.Update(); }, "make the filter again");
 }
 
-TEST_F(CollisionFilterTest, RefusesWhatItCannotJudge) {
+TEST_F(CollisionFilterTest, RejectsInvalidOptions) {
   ExpectThrow<ArgumentError>([&] { CollisionFilter(robot_, {.clearance = -1}); },
                              "collision filter: clearance is -1 m; it must be 0 or more");
   ExpectThrow<NotFoundError>([&] { CollisionFilter(robot_, {.ignored = {"wal"}}); },

@@ -3,11 +3,10 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <map>
-#include <mutex>
+#include <utility>
 
 #include "robocell/base/error.h"
-#include "robocell/base/suggestions.h"
+#include "robocell/base/registry.h"
 #include "robocell/robot/base_pose_controller.h"
 #include "robocell/robot/joint_position_controller.h"
 #include "robocell/robot/joint_torque_controller.h"
@@ -17,37 +16,19 @@
 namespace robocell {
 namespace {
 
-struct Kind {
+struct ControllerKind {
   ControllerFactory factory;
   CtrlMode mode = CtrlMode::kPosition;
 };
 
-struct Registry {
-  std::mutex mutex;
-  std::map<std::string, Kind> kinds;
-};
-
-Registry& TheRegistry() {
-  static Registry registry{
-      .kinds = {{"base_pose", {internal::MakeBasePoseController}},
-                {"joint_position", {MakeJointPositionController}},
-                {"joint_velocity", {internal::MakeJointVelocityController, CtrlMode::kVelocity}},
-                {"joint_torque", {internal::MakeJointTorqueController, CtrlMode::kTorque}}}};
+Registry<ControllerKind>& RegisteredControllers() {
+  static Registry<ControllerKind> registry(
+      "controller",
+      {{"base_pose", {internal::MakeBasePoseController}},
+       {"joint_position", {MakeJointPositionController}},
+       {"joint_velocity", {internal::MakeJointVelocityController, CtrlMode::kVelocity}},
+       {"joint_torque", {internal::MakeJointTorqueController, CtrlMode::kTorque}}});
   return registry;
-}
-
-std::vector<std::string> Kinds(const Registry& registry) {
-  std::vector<std::string> kinds;
-  for (const auto& [name, kind] : registry.kinds) kinds.push_back(name);
-  return kinds;
-}
-
-Kind FindKind(const std::string& kind, const std::string& place) {
-  Registry& registry = TheRegistry();
-  std::lock_guard lock(registry.mutex);
-  const auto it = registry.kinds.find(kind);
-  if (it != registry.kinds.end()) return it->second;
-  throw NotFoundError(NoSuchName(place, "controller", kind, Kinds(registry)));
 }
 
 }  // namespace
@@ -94,11 +75,7 @@ void ThrowBadValues(std::string_view place, std::string_view what, std::span<con
 
 void RegisterController(const std::string& kind, ControllerFactory factory, CtrlMode mode) {
   if (!factory) throw ArgumentError("controller '" + kind + "' needs a function that makes it");
-  Registry& registry = TheRegistry();
-  std::lock_guard lock(registry.mutex);
-  if (!registry.kinds.emplace(kind, Kind{std::move(factory), mode}).second) {
-    throw ArgumentError("controller '" + kind + "' is registered already; choose another name");
-  }
+  RegisteredControllers().Register(kind, {std::move(factory), mode}, false);
 }
 
 void RequireControllable(const MoveGroup& group, const std::string& kind,
@@ -109,17 +86,13 @@ void RequireControllable(const MoveGroup& group, const std::string& kind,
 
 std::unique_ptr<Controller> MakeController(const std::string& kind, MoveGroup& group) {
   RequireControllable(group, kind, group.place());
-  return FindKind(kind, group.place()).factory(group);
+  return RegisteredControllers().Find(kind, group.place()).factory(group);
 }
 
 CtrlMode ControllerMode(const std::string& kind, const std::string& place) {
-  return FindKind(kind, place).mode;
+  return RegisteredControllers().Find(kind, place).mode;
 }
 
-std::vector<std::string> ControllerKinds() {
-  Registry& registry = TheRegistry();
-  std::lock_guard lock(registry.mutex);
-  return Kinds(registry);
-}
+std::vector<std::string> ControllerKinds() { return RegisteredControllers().names(); }
 
 }  // namespace robocell

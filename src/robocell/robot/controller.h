@@ -33,12 +33,12 @@ namespace robocell {
 enum class TargetKind {
   kJointPositions,
   kJointSteps,  // added to the present target
-  kOpening,     // of a gripper
+  kOpening,     // opening of a gripper
   kJointVelocities,
   kJointTorques,
-  kPose,      // of the leaf in the robot base frame: x y z, quaternion xyzw
-  kTwist,     // of the leaf: linear, then angular velocity
-  kBasePose,  // of a base in the world: x y z, quaternion xyzw
+  kPose,      // leaf frame in the robot base frame: x y z, quaternion xyzw
+  kTwist,     // twist of the leaf frame: linear, then angular velocity
+  kBasePose,  // base pose in the world: x y z, quaternion xyzw
 };
 // Describes the kind for messages: "joint positions", "a pose", ...
 const char* Describe(TargetKind kind);
@@ -77,7 +77,7 @@ class Controller {
   }
   // Forgets the target and holds: the present joint positions, or a gripper's present command.
   virtual void Reset() = 0;
-  // The same when it takes over an arm from another controller. For position servos, `start` has
+  // Resets a controller that takes over an arm from another one. For position servos, `start` has
   // nq() joint positions at which they apply the force of the previous drive, which differ from the
   // joints' positions; for velocity servos, the joints' nv() velocities.
   virtual void ResetTo(std::span<const double> start) {

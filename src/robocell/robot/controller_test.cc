@@ -41,7 +41,7 @@ class DiaryController : public JointPositionController {
   Diary* diary_;
 };
 
-TEST(OwnController, GoesWhenReplacedAndBeforeItsGroup) {
+TEST(OwnController, IsFreedWhenReplacedAndBeforeItsGroup) {
   Diary diary;
   Robot robot = RobotAlone(Rc7());
   robot.SetGroup(std::make_unique<DiaryGroup>(robot.scene(), &diary));
@@ -72,7 +72,7 @@ class FickleController : public DiaryController {
   Diary* diary_;
 };
 
-TEST(OwnController, ThatReplacesItselfGoesWhenTheUpdateIsOver) {
+TEST(OwnController, ThatReplacesItselfIsFreedAfterTheUpdate) {
   Diary diary;
   Robot robot = RobotAlone(Rc7());
   robot.SetGroup(std::make_unique<DiaryGroup>(robot.scene(), &diary));
@@ -84,7 +84,7 @@ TEST(OwnController, ThatReplacesItselfGoesWhenTheUpdateIsOver) {
   EXPECT_EQ(diary.entries.size(), 3u);
 }
 
-TEST(OwnController, ThatIsKeptWhenReplacedKeepsItsGroup) {
+TEST(OwnController, KeepsItsGroupIfKeptAfterReplacement) {
   Diary diary;
   std::shared_ptr<Controller> kept;
   {
@@ -113,7 +113,7 @@ class Waving : public JointPositionController {
   int ticks_ = 0;
 };
 
-TEST(OwnController, IsRegisteredByNameAndChosenByIt) {
+TEST(OwnController, IsRegisteredAndSelectedByName) {
   RegisterController("waving", [](MoveGroup& g) { return std::make_unique<Waving>(g); });
   ExpectThrow<ArgumentError>(
       [] {

@@ -60,7 +60,7 @@ TEST_P(Modes, GravityTorquesHoldTheArm) {
   EXPECT_LT(Drift({&robot}, 500, CommandGravityTorques), 1e-3);
 }
 
-TEST_P(Modes, SwitchingMovesNothingAndStaysThroughAReset) {
+TEST_P(Modes, SwitchingMovesNothingAndSurvivesAReset) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build();
   Robot robot = In(scene);
@@ -76,7 +76,7 @@ TEST_P(Modes, SwitchingMovesNothingAndStaysThroughAReset) {
   EXPECT_LT(Drift(robot, 200), 2e-3);
 }
 
-TEST_P(Modes, VelocityModeMovesAsItIsTold) {
+TEST_P(Modes, VelocityModeTracksTheCommandedVelocity) {
   REQUIRE_ROBOT(GetParam());
   const Scene scene = Build();
   Robot robot = In(scene);
@@ -89,7 +89,7 @@ TEST_P(Modes, VelocityModeMovesAsItIsTold) {
   EXPECT_NEAR(robot.jnt_vel_msr()[0], 0.3, 3e-3);
 }
 
-TEST_P(Modes, EveryJointReachesItsVelocityAndTheOthersStandStill) {
+TEST_P(Modes, EveryJointReachesItsVelocityWhileTheOthersRest) {
   REQUIRE_ROBOT(GetParam());
   const Scene scene = Build();
   Robot robot = In(scene);
@@ -139,7 +139,7 @@ TEST_P(Modes, ForcesOfASteadyMotionDoNotJumpWhenSwitched) {
   }
 }
 
-TEST_P(Modes, AMovingArmSwitchedToVelocitiesBrakesWhereItIsNotTold) {
+TEST_P(Modes, AMovingArmSwitchedToVelocityModeBrakesWithoutACommand) {
   REQUIRE_ROBOT(GetParam());
   Scene scene = Build();
   Robot robot = In(scene);
@@ -176,7 +176,7 @@ RobotSpec WithoutServos(RobotSpec spec, const std::vector<std::string>& servos) 
   return spec;
 }
 
-TEST_P(Modes, NothingOfTheServosIsLeftInTorqueMode) {
+TEST_P(Modes, TorqueModeDisablesTheServos) {
   REQUIRE_ROBOT(GetParam());
   Robot with = In(Build());
   std::vector<std::string> servos = with.arm().actuator_names();
@@ -211,7 +211,7 @@ TEST(CtrlMode, GravityTorquesHoldTwoArmsWithGrippers) {
   EXPECT_LT(Drift({&left, &right}, 500, CommandGravityTorques), 1e-3);
 }
 
-TEST(CtrlMode, TheMeasuredTorqueIsThatOfTheMotors) {
+TEST(CtrlMode, TheMeasuredTorqueIsTheMotorTorque) {
   Robot robot = RobotAlone(Rc7());
   robot.set_ctrl_mode(kTorque);
   const std::vector<double> torque{1, -2, 3, -4, 0.5, 0.25, -0.125};
@@ -260,7 +260,7 @@ TEST(CtrlMode, ForcesOfAMovingArmDoNotJumpWhenSwitched) {
 }
 
 // A servo holds against gravity because its target differs from its joint's position.
-TEST(CtrlMode, ServosGoOnHoldingTheArmWhenTheirControllerIsReplaced) {
+TEST(CtrlMode, ServosKeepHoldingTheArmWhenTheirControllerIsReplaced) {
   RobotConfig config = Rc7();
   config.gravcomp = false;
   Robot robot = RobotAlone(config);
@@ -280,7 +280,7 @@ TEST(CtrlMode, ServosGoOnHoldingTheArmWhenTheirControllerIsReplaced) {
 }
 
 // After a reset they hold, with or without an update.
-TEST(CtrlMode, ServosThatHoldSinceAResetGoOnHoldingWhenTheyGetAController) {
+TEST(CtrlMode, ServosHoldingSinceAResetKeepHoldingWithANewController) {
   RobotConfig config = Rc7();
   config.gravcomp = false;
   Robot robot = RobotAlone(config);
@@ -292,7 +292,7 @@ TEST(CtrlMode, ServosThatHoldSinceAResetGoOnHoldingWhenTheyGetAController) {
   EXPECT_LT((robot.tcp_in_world().translation() - start).norm(), 1e-5);
 }
 
-TEST(CtrlMode, CommandsAreThoseOfTheController) {
+TEST(CtrlMode, CommandsMustMatchTheController) {
   Robot robot = RobotAlone(Rc7());
   ExpectThrow<ArgumentError>([&] { robot.jnt_vel_cmd(); },
                              "group 'arm' has no jnt_vel_cmd: the scene has no actuators for it: "
@@ -332,7 +332,7 @@ TEST(CtrlMode, CommandsAreThoseOfTheController) {
   ExpectThrow<ArgumentError>([&] { robot.Update(); }, "the target of 'joint3' is nan");
 }
 
-TEST(CtrlMode, ARobotOfAChainHasNoGripperAndSaysWhatHas) {
+TEST(CtrlMode, AChainRobotNamesTheRobotWithAGripper) {
   const Scene scene = Scene::Build(SceneWith({.name = "rc7", .config = Rc7()}));
   const Robot robot = Robot::FromScene(scene, "base_link", "link7");
   ExpectThrow<NotFoundError>(
@@ -343,7 +343,7 @@ TEST(CtrlMode, ARobotOfAChainHasNoGripperAndSaysWhatHas) {
       "Scene.set_actuator_ctrl)");
 }
 
-TEST(CtrlMode, SaysWhyAModeIsNotThere) {
+TEST(CtrlMode, ExplainsAMissingMode) {
   Robot robot = RobotAlone(Rc7());
   ExpectThrow<ArgumentError>(
       [&] { robot.set_ctrl_mode(kVelocity); },
@@ -360,7 +360,7 @@ TEST(CtrlMode, SaysWhyAModeIsNotThere) {
                              "its actuators are switched together with others ('joint_5_torque')");
 }
 
-TEST(CtrlMode, AFrozenModelIsNotSwitchedButMayStartInAnyMode) {
+TEST(CtrlMode, AFrozenModelCannotSwitchButCanStartInAnyMode) {
   RobotConfig config = Rc7();
   config.control["arm"] = ControlKind::kJointTorque;
   const auto compiled = CompileScene(SceneWith({.name = "rc7", .config = config}));
@@ -379,7 +379,7 @@ SceneSpec SwitchableRc7() {
                     .control_modes = std::vector{kPosition, kVelocity, kTorque}});
 }
 
-TEST(CtrlMode, OfASceneThatIsGoneIsNotThatOfTheNextOnItsModel) {
+TEST(CtrlMode, IsNotInheritedByTheNextSceneOfAModel) {
   const auto compiled = CompileScene(SwitchableRc7());
   const int as_compiled = compiled->model()->opt.disableactuator;
   std::optional<Scene> scene = Scene::FromCompiled(compiled);
@@ -422,7 +422,7 @@ class CannotCompute : public Controller {
   std::span<double> port_ = torque_;
 };
 
-TEST(CtrlMode, ThatCannotBeSwitchedToChangesNothing) {
+TEST(CtrlMode, AFailedSwitchChangesNothing) {
   Scene scene = Scene::Build(SwitchableRc7()), twin = Scene::Build(SwitchableRc7());
   Robot robot = Robot::Of(scene, "rc7"), other = Robot::Of(twin, "rc7");
   for (Robot* r : {&robot, &other}) {
@@ -480,7 +480,7 @@ std::string ArmWithFingers(bool right, bool right_servo) {
          "</equality>";
 }
 
-TEST(CtrlMode, AnArmGivenByPathIsSwitchedAndTheFingersOfItsHandGoOn) {
+TEST(CtrlMode, SwitchingAnArmGivenByPathLeavesItsFingersAlone) {
   ModelFolder folder;
   for (const auto& [right, right_servo] : {std::pair{false, false}, {true, false}, {true, true}}) {
     const std::string model = folder.Write("hand", ArmWithFingers(right, right_servo));
@@ -510,7 +510,7 @@ TEST(CtrlMode, AnArmGivenByPathIsSwitchedAndTheFingersOfItsHandGoOn) {
   }
 }
 
-TEST(CtrlMode, WhereGroupsAreFewWhatMayBeAFingerIsSwitchedWithItsArm) {
+TEST(CtrlMode, WithFewActuatorGroupsFingersSwitchWithTheirArm) {
   ModelFolder folder;
   const std::string model = folder.Write("hand", ArmWithFingers(false, false));
   SceneSpec spec = EmptyScene();
@@ -525,7 +525,7 @@ TEST(CtrlMode, WhereGroupsAreFewWhatMayBeAFingerIsSwitchedWithItsArm) {
                              "give the robot a configuration with this arm as a move group");
 }
 
-TEST(CtrlMode, ThatNoActuatorGroupIsLeftForIsTold) {
+TEST(CtrlMode, RejectsAModeWithoutAFreeActuatorGroup) {
   ModelFolder folder;
   const std::string arm = folder.Write("arm", kTwoJointArm);
   SceneSpec spec = EmptyScene();
@@ -541,7 +541,7 @@ TEST(CtrlMode, ThatNoActuatorGroupIsLeftForIsTold) {
       "that the engine can switch; set control_modes of robots that need no torque to [position]");
 }
 
-TEST(CtrlModes, ThatAreNoneAreRefused) {
+TEST(CtrlModes, RejectsInvalidValues) {
   Robot robot = RobotAlone(Rc7());
   ExpectThrow<ArgumentError>([&] { robot.set_ctrl_mode(static_cast<CtrlMode>(9)); },
                              "there is no control mode 9; expected one of position, velocity, "

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <span>
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
@@ -22,12 +24,12 @@ constexpr double kPlannedShare = 0.96;
 // the axes of a turning hand, make the base faster the longer the step is.
 constexpr double kLongTimestep = 0.01;
 constexpr double kFarthestTarget = 1e6;  // m, from the origin; farther is a mistake
-// A base is blocked when contacts push on the robot with more than so many times what the weight and
-// the fastest motion of the robot and its load ask for, and so many N. What touches the robot may be
-// its load, up to so many times its own mass.
+// A base is blocked when contacts push on the robot with more than so many times what the weight
+// and the fastest motion of the robot and its load ask for, and so many N. What touches the robot
+// may be its load, up to so many times its own mass.
 constexpr double kPushShare = 3, kPushOnTop = 20, kMostLoad = 5;
-// Of the way to the target, translation or rotation is what contacts block when they resist it with
-// at least this share of the work with which they resist the other one.
+// Contacts block translation or rotation if they resist it with at least this share of the work
+// with which they resist the other one.
 constexpr double kBlockedShare = 0.1;
 
 double PlannedShare(double timestep) {
@@ -47,7 +49,7 @@ DrivenBase::Target ToTarget(const Pose& pose) {
   return {p[0], p[1], p[2], q[0], q[1], q[2], q[3]};
 }
 
-// How far the mocap body has to be ahead of a base for the base to move as commanded. The engine
+// Lead of the mocap body that makes the base move as commanded. The engine
 // turns the distance r between them and its rate r' into the acceleration -b r' - k r of the base,
 // with b = 2 / (d t) and k = 1 / (d t z)^2 (time constant t, damping ratio z, impedance d). The
 // mocap body has no velocity for the engine, so a base at speed v that is to have the acceleration
@@ -71,46 +73,50 @@ Lead LeadOf(const mjModel* m, int equality) {
   return {2 * root * reference[1], root * root};
 }
 
-// What contacts do to the robot on this base.
+// Contact forces on the robot.
 struct Push {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();   // N
   Eigen::Vector3d moment = Eigen::Vector3d::Zero();  // N m, about the base's origin
   double lever = 0;  // m, mean distance of the contacts from there, weighted by their forces
 };
 
-// Returns true for a body that an active constraint holds on the robot, such as what a suction cup
-// has, or that is the robot's own.
-bool MovesWith(const mjModel* m, const mjData* d, int robot, int root) {
-  if (root == robot) return true;
-  if (m->body_weldid[root] == 0) return false;  // the world, and what is fixed in it
-  for (int e = 0; e < m->neq; ++e) {
-    const bool is_joined = m->eq_type[e] == mjEQ_WELD || m->eq_type[e] == mjEQ_CONNECT;
-    if (!is_joined || !d->eq_active[e]) continue;
-    const auto root_of = [&](int id) {
-      return m->body_rootid[m->eq_objtype[e] == mjOBJ_SITE ? m->site_bodyid[id] : id];
-    };
-    const int a = root_of(m->eq_obj1id[e]), b = root_of(m->eq_obj2id[e]);
-    if ((a == robot && b == root) || (b == robot && a == root)) return true;
+// Marks the roots of the bodies that move with the robot: its own, and those that active
+// constraints hold on it or on one of these, such as a box in a suction cup and the lid on it.
+void FindMoved(const mjModel* m, const mjData* d, int robot, std::span<uint8_t> moved) {
+  std::ranges::fill(moved, 0);
+  moved[robot] = 1;
+  const auto can_move = [&](int root) {  // neither fixed in the world nor a mocap body
+    return m->body_weldid[root] != 0 && m->body_mocapid[root] < 0;
+  };
+  for (bool has_more = true; has_more;) {
+    has_more = false;
+    for (int e = 0; e < m->neq; ++e) {
+      const bool is_joined = m->eq_type[e] == mjEQ_WELD || m->eq_type[e] == mjEQ_CONNECT;
+      if (!is_joined || !d->eq_active[e]) continue;
+      const auto root_of = [&](int id) {
+        return m->body_rootid[m->eq_objtype[e] == mjOBJ_SITE ? m->site_bodyid[id] : id];
+      };
+      const int a = root_of(m->eq_obj1id[e]), b = root_of(m->eq_obj2id[e]);
+      if (moved[a] == moved[b] || !can_move(moved[a] ? b : a)) continue;
+      moved[a] = moved[b] = 1;
+      has_more = true;
+    }
   }
-  return false;
 }
 
-Push PushOn(const mjModel* m, const mjData* d, int base) {
-  const int robot = m->body_rootid[base];
+Push PushOn(const mjModel* m, const mjData* d, int base, std::span<const uint8_t> moved) {
   const Eigen::Map<const Eigen::Vector3d> origin(d->xpos + 3 * static_cast<ptrdiff_t>(base));
   Push push;
   double sum = 0;
   for (int c = 0; c < d->ncon; ++c) {
     const mjContact& contact = d->contact[c];
     if (contact.geom[0] < 0 || contact.geom[1] < 0) continue;
-    const auto is_moved = [&](int geom) {
-      return MovesWith(m, d, robot, m->body_rootid[m->geom_bodyid[geom]]);
-    };
+    const auto is_moved = [&](int geom) { return moved[m->body_rootid[m->geom_bodyid[geom]]]; };
     const bool is_first = is_moved(contact.geom[0]), is_second = is_moved(contact.geom[1]);
     if (is_first == is_second) continue;
     mjtNum in_contact[6];
     Eigen::Vector3d force;
-    mj_contactForce(m, d, c, in_contact);  // on the second geom, along the contact's axes
+    mj_contactForce(m, d, c, in_contact);  // force on the second geom, along the contact's axes
     mju_mulMatTVec3(force.data(), contact.frame, in_contact);
     if (is_first) force = -force;
     const Eigen::Vector3d at = Eigen::Map<const Eigen::Vector3d>(contact.pos) - origin;
@@ -123,25 +129,24 @@ Push PushOn(const mjModel* m, const mjData* d, int base) {
   return push;
 }
 
-// The mass of the free bodies, with all that hangs on them, that touch the robot on this base, kg.
-double LoadOf(const mjModel* m, const mjData* d, int base) {
-  const int robot = m->body_rootid[base];
-  // The root of the free body that touches the robot in a contact; -1 for others.
-  const auto touching = [&](const mjContact& contact) {
-    if (contact.geom[0] < 0 || contact.geom[1] < 0) return -1;
+// Returns true for a body that touches the robot or what moves with it.
+bool Touch(const mjModel* m, const mjData* d, std::span<const uint8_t> moved, int root) {
+  return std::any_of(d->contact, d->contact + d->ncon, [&](const mjContact& contact) {
+    if (contact.geom[0] < 0 || contact.geom[1] < 0) return false;
     const int a = m->body_rootid[m->geom_bodyid[contact.geom[0]]];
     const int b = m->body_rootid[m->geom_bodyid[contact.geom[1]]];
-    if ((a == robot) == (b == robot)) return -1;
-    const int other = a == robot ? b : a;
-    return m->body_weldid[other] == 0 ? -1 : other;
-  };
+    return (b == root && moved[a]) || (a == root && moved[b]);
+  });
+}
+
+// The mass of the free bodies, with all that hangs on them, that touch the robot on this base or
+// that a constraint holds on it, kg.
+double LoadOf(const mjModel* m, const mjData* d, int base, std::span<const uint8_t> moved) {
+  const int robot = m->body_rootid[base];
   double mass = 0;
-  for (int c = 0; c < d->ncon; ++c) {
-    const int body = touching(d->contact[c]);
-    const bool is_new = std::none_of(d->contact, d->contact + c, [&](const mjContact& before) {
-      return touching(before) == body;
-    });
-    if (body >= 0 && is_new) mass += m->body_subtreemass[body];
+  for (int body = 1; body < m->nbody; ++body) {
+    if (m->body_parentid[body] != 0 || m->body_weldid[body] == 0 || body == robot) continue;
+    if (Touch(m, d, moved, body) || moved[body]) mass += m->body_subtreemass[body];
   }
   return mass;
 }
@@ -164,6 +169,7 @@ void DrivenBase::Bind() const {
   const mjModel* m = core().model();
   mocap_ = m->body_mocapid[RequireId(m, mjOBJ_BODY, target_body_, place())];
   equality_ = RequireId(m, mjOBJ_EQUALITY, weld_, place());
+  moved_.resize(m->nbody);
   generation_ = core().scene().generation();
 }
 
@@ -260,14 +266,15 @@ DrivenBase::Blocked DrivenBase::FindBlocked(const Pose& goal, const BaseSpeeds& 
   const double arm = mju_dist3(d->subtree_com + 3 * base, d->xpos + 3 * base);
   const double turning = (planned.angular / kRampTime + planned.angular * planned.angular) * arm;
   const double acceleration = mju_norm3(m->opt.gravity) + planned.linear / kRampTime + turning;
-  const Push push = PushOn(m, d, base);
+  FindMoved(m, d, m->body_rootid[base], moved_);
+  const Push push = PushOn(m, d, base, moved_);
   const auto pushes_more = [&](double mass) {
     const double most = kPushShare * acceleration * mass + kPushOnTop;
     return push.force.norm() > most || push.moment.norm() > most * push.lever;
   };
   const double mass = m->body_subtreemass[base];
   if (!pushes_more(mass)) return {};
-  if (!pushes_more(mass + std::min(LoadOf(m, d, base), kMostLoad * mass))) return {};
+  if (!pushes_more(mass + std::min(LoadOf(m, d, base, moved_), kMostLoad * mass))) return {};
   const Pose here = pose();
   const double along = -push.force.dot(goal.translation() - here.translation());
   const double around = -push.moment.dot(
@@ -291,8 +298,8 @@ void DrivenBase::Advance() {
   const double linear = share * speeds_.linear, angular = share * speeds_.angular;
   const Blocked blocked = FindBlocked(goal, {linear, angular});
   if (blocked.translation || blocked.rotation) {
-    // Where only one of them is blocked, the other one is held: a base that gave way in both would
-    // slip round the obstacle.
+    // If only one of them is blocked, the other one is held: a base that yielded in both would slip
+    // round the obstacle.
     const Pose at = pose();
     const Pose& held = ramp_.pose();
     ramp_.Start(Pose(blocked.translation ? at.translation() : held.translation(),

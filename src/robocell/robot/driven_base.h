@@ -7,12 +7,14 @@
 //
 // The weld is a spring and damper: at constant speed the base would trail its mocap body. So the
 // mocap body runs ahead by what the weld makes of the speed, and the base itself is at the
-// commanded pose, within 1.5 mm on the way. A base that something blocks stops there, and goes on to
-// its target as soon as it can. Whoever moves the mocap body or the base otherwise
+// commanded pose, within 1.5 mm on the way. A base that something blocks stops there, and continues
+// to its target as soon as it can. Whoever moves the mocap body or the base otherwise
 // (Scene::SetBodyPose, Scene::SetState, data.mocap_pos) puts the target there, at rest.
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <vector>
 
 #include "robocell/robot/joint_group.h"
 #include "robocell/robot/pose_ramp.h"
@@ -41,7 +43,7 @@ class DrivenBase : public JointGroupOf<BaseGroup> {
   // Teleports like SetPose.
   void SetJointPos(std::span<const double> q) override;
 
-  // For its controller: the numbers of the target, for writing in place; Advance() checks them.
+  // Returns the target's numbers for the controller to write; Advance() checks them.
   std::span<double> target_numbers() const { return target_; }
   // Moves the mocap body for the time since the last call, at most kLongestTick or one engine step:
   // larger steps would make the base faster than allowed. No allocation.
@@ -57,7 +59,7 @@ class DrivenBase : public JointGroupOf<BaseGroup> {
   void FollowOthers() const;
   void HoldAt(const Pose& pose) const;
   void WriteMocap(const Pose& pose) const;
-  // Whether contacts keep the base from getting on to its goal.
+  // Result of FindBlocked: the motions that contacts block.
   struct Blocked {
     bool translation = false, rotation = false;
   };
@@ -69,10 +71,11 @@ class DrivenBase : public JointGroupOf<BaseGroup> {
   mutable Target target_ = {};
   mutable PoseRamp ramp_;
   mutable std::array<double, 7> written_ = {};  // the mocap body's position and quaternion wxyz
-  mutable double time_ = 0;                     // of the last Advance()
+  mutable double time_ = 0;                     // time of the last Advance()
   mutable uint64_t generation_ = ~uint64_t{0};
   mutable uint64_t puts_ = 0;  // moves of the mocap body that are known
   mutable int mocap_ = -1, equality_ = -1;
+  mutable std::vector<uint8_t> moved_;  // root body -> 1 if it moves with the robot
 };
 
 }  // namespace robocell::internal

@@ -86,7 +86,7 @@ class CarriedCube : public ::testing::TestWithParam<HandCase> {
 INSTANTIATE_TEST_SUITE_P(Hands, CarriedCube, ::testing::Values(kTwoFingerCase, k2f85Case),
                          [](const auto& test) { return test.param.name; });
 
-TEST_P(CarriedCube, GoesWhereTheHandGoes) {
+TEST_P(CarriedCube, FollowsTheHand) {
   Robot robot = Hand();
   Grasp(robot);
   BaseGroup& base = robot.base();
@@ -123,7 +123,7 @@ TEST_P(CarriedCube, StaysWithoutDrift) {
 }
 
 // A teleported hand leaves the cube behind.
-TEST_P(CarriedCube, IsLeftBehindByATeleportWhichSaysSo) {
+TEST_P(CarriedCube, ATeleportLeavesItBehindWithAWarning) {
   for (const BaseKind kind : {BaseKind::kMocap, BaseKind::kDriven}) {
     std::vector<std::string> warnings;
     const ScopedLogSink sink([&](LogLevel, std::string_view text) { warnings.emplace_back(text); });
@@ -153,7 +153,7 @@ TEST_P(CarriedCube, IsLeftBehindByATeleportWhichSaysSo) {
 }
 
 // Scene::SetBodyPose is the same teleport.
-TEST_P(CarriedCube, IsLeftBehindByWhoeverPutsTheBaseElsewhere) {
+TEST_P(CarriedCube, AnyTeleportOfTheBaseLeavesItBehind) {
   for (const BaseKind kind : {BaseKind::kMocap, BaseKind::kDriven, BaseKind::kFree}) {
     std::vector<std::string> warnings;
     const ScopedLogSink sink([&](LogLevel, std::string_view text) { warnings.emplace_back(text); });
@@ -188,7 +188,7 @@ class DrivenHand : public CarriedCube {
 };
 INSTANTIATE_TEST_SUITE_P(One, DrivenHand, ::testing::Values(kTwoFingerCase));
 
-TEST_P(DrivenHand, IsAtThePoseThatItsRampCommandsAllTheWay) {
+TEST_P(DrivenHand, FollowsItsRamp) {
   Robot robot = Hand();
   BaseGroup& base = robot.base();
   const Pose start = base.pose();
@@ -223,7 +223,7 @@ TEST_P(DrivenHand, KeepsTheLimitsOfItsFile) {
                                "robot 'hand' / group 'base': the largest speeds cannot be");
 }
 
-TEST_P(DrivenHand, RareUpdatesDoNotBreakTheLimits) {
+TEST_P(DrivenHand, RareUpdatesRespectTheLimits) {
   for (const int every : {2, 5, 10, 33}) {
     Robot robot = Hand();
     BaseGroup& base = robot.base();
@@ -242,7 +242,7 @@ TEST_P(DrivenHand, RareUpdatesDoNotBreakTheLimits) {
   }
 }
 
-TEST_P(DrivenHand, IsCommandedByApplyToo) {
+TEST_P(DrivenHand, IsCommandedByApply) {
   Robot robot = Hand();
   const Pose away = Pose(Eigen::Vector3d(0, 0.1, 0)) * robot.base().pose();
   EXPECT_TRUE(robot.Apply({{"base", GroupCommand::BasePose(away)}}).ok);
@@ -265,7 +265,7 @@ TEST_P(DrivenHand, IsCommandedByApplyToo) {
       "robot 'hand' / group 'base': the target pose: ");
 }
 
-TEST_P(DrivenHand, ATeleportPutsItThereAtRestAndItStays) {
+TEST_P(DrivenHand, ATeleportPlacesItAtRest) {
   Robot robot = Hand();
   Scene scene = robot.scene();
   BaseGroup& base = robot.base();
@@ -294,7 +294,7 @@ TEST_P(DrivenHand, ATeleportPutsItThereAtRestAndItStays) {
   stays();
 }
 
-TEST_P(DrivenHand, AResetPutsItBackAndForgetsItsTarget) {
+TEST_P(DrivenHand, AResetRestoresItAndClearsItsTarget) {
   Robot robot = Hand();
   Scene scene = robot.scene();
   const Pose start = robot.base().pose();
@@ -307,7 +307,7 @@ TEST_P(DrivenHand, AResetPutsItBackAndForgetsItsTarget) {
   EXPECT_TRUE(robot.base().pose().is_close(start, 1e-4, 1e-5));
 }
 
-TEST_P(DrivenHand, GoesOnToItsTargetWhenObjectsComeAndGo) {
+TEST_P(DrivenHand, ContinuesToItsTargetWhenObjectsComeAndGo) {
   Robot robot = Hand();
   Scene scene = robot.scene();
   const Pose away = Pose(Eigen::Vector3d(0.3, 0, 0)) * robot.base().pose();
@@ -323,7 +323,7 @@ TEST_P(DrivenHand, GoesOnToItsTargetWhenObjectsComeAndGo) {
   EXPECT_TRUE(robot.base().pose().is_close(away, 1e-4, 1e-4));
 }
 
-TEST_P(DrivenHand, AStateThatIsSetPutsTheTargetWhereTheStateHasIt) {
+TEST_P(DrivenHand, SettingAStateRestoresTheTarget) {
   Robot robot = Hand();
   Scene scene = robot.scene();
   const Pose start = robot.base().pose();
@@ -338,7 +338,7 @@ TEST_P(DrivenHand, AStateThatIsSetPutsTheTargetWhereTheStateHasIt) {
 
 // This also holds before the first tick after SetTarget, when the engine has not moved anything
 // yet, and after it has come to rest, where the state has the mocap body in its place.
-TEST_P(DrivenHand, AStateAndAPoseThatAreSetForgetATargetThatNothingMovedToYet) {
+TEST_P(DrivenHand, SettingAStateOrPoseClearsAPendingTarget) {
   Robot robot = Hand();
   Scene scene = robot.scene();
   BaseGroup& base = robot.base();
@@ -368,7 +368,7 @@ TEST_P(DrivenHand, AStateAndAPoseThatAreSetForgetATargetThatNothingMovedToYet) {
   EXPECT_EQ(base.target(), away);
 }
 
-TEST_P(DrivenHand, ATargetThatIsNowhereIsRefused) {
+TEST_P(DrivenHand, RejectsANonFiniteTarget) {
   Robot robot = Hand();
   BaseGroup& base = robot.base();
   const Pose here = base.pose();
@@ -380,7 +380,7 @@ TEST_P(DrivenHand, ATargetThatIsNowhereIsRefused) {
   ExpectThrow<ArgumentError>([&] { robot.Update(); }, "the target is 1e+300 m away");
 }
 
-TEST_P(DrivenHand, KeepsItsLimitsAndComesToRestWithLongTimesteps) {
+TEST_P(DrivenHand, RespectsItsLimitsWithLongTimesteps) {
   for (const double timestep : {0.0005, 0.002, 0.005, 0.01, 0.014, 0.018, 0.02}) {
     SceneSpec spec = SceneWith({.name = "hand",
                                 .config = TwoFingerHand(folder_, kDriven),
@@ -416,7 +416,7 @@ TEST_P(DrivenHand, ASecondRobotObjectChangesNothing) {
 }
 
 // Stock MuJoCo holds the hand at its start, without robocell.
-TEST_P(DrivenHand, ASavedFileHoldsItselfInTheEngineAlone) {
+TEST_P(DrivenHand, ASavedFileHoldsItsPoseInStockMujoco) {
   Robot robot = Hand();
   const std::string file = (folder_.path() / "saved.xml").string();
   robot.scene().SaveXml(file);
@@ -451,7 +451,8 @@ TEST_P(DrivenHand, OtherBasesHaveNoTarget) {
   }
 }
 
-// How deep anything is in what is not a part of the robot at most, while the base follows its target.
+// How deep anything is in what is not a part of the robot at most, while the base follows its
+// target.
 double DeepestContact(Robot& robot, double seconds) {
   Scene scene = robot.scene();
   double deepest = 0;
@@ -466,7 +467,7 @@ double DeepestContact(Robot& robot, double seconds) {
   return deepest;
 }
 
-TEST_P(DrivenHand, AFloorStopsItAndItLeavesAtOnce) {
+TEST_P(DrivenHand, AFloorStopsItAndItRetreatsAtOnce) {
   Robot robot = Hand();
   robot.scene().SetBodyPose("cube", Pose(Eigen::Vector3d(1, 1, 0.02)));
   BaseGroup& base = robot.base();
@@ -478,7 +479,7 @@ TEST_P(DrivenHand, AFloorStopsItAndItLeavesAtOnce) {
   EXPECT_TRUE(base.pose().is_close(start, 1e-3, 1e-3));
 }
 
-TEST_P(DrivenHand, AFloorStopsWhatItPressesOn) {
+TEST_P(DrivenHand, AFloorStopsAPressedObject) {
   Robot robot = Hand();
   BaseGroup& base = robot.base();
   robot.gripper().Close();
@@ -562,7 +563,99 @@ TEST(DrivenTool, DoesNotSlipRoundWhatBlocksIt) {
   EXPECT_LT(robot.base().pose().rotvec().norm(), 0.1);
 }
 
-TEST(DrivenArm, HoldsAnArmOnItsPedestal) {
+// A hand, and a box below that a constraint of the base scene's file ties to it, without a contact
+// between them. What holds is active or not.
+class TiedLoad : public ::testing::TestWithParam<const char*> {
+ protected:
+  Robot HandWith(double mass, double height, bool active = true) {
+    RobotConfig config{.name = "hand",
+                       .model = folder_.Write("hand", R"(<worldbody>
+      <body name="palm"><geom type="box" size=".03 .03 .03" mass=".5"/>
+        <site name="cup" pos="0 0 -.1"/></body></worldbody>)"),
+                       .root_body = "palm"};
+    config.base = kDriven;
+    config.gravcomp = true;
+    SceneSpec spec = SceneWith(
+        {.name = "hand", .config = config, .prefix = "h_", .pos = Vec3{0, 0, height + 0.1}});
+    spec.base = folder_.Write(
+        "cell",
+        fmt::format("<worldbody><body name='load' pos='0 0 {}'><freejoint/><geom type='box' "
+                    "size='.02 .02 .02' mass='{}' priority='1' friction='.2'/><site "
+                    "name='top'/></body></worldbody>"
+                    "<equality><{} name='cup' active='{}'/></equality>",
+                    height, mass, GetParam(), active));
+    return Robot::Of(Scene::Build(spec), "hand");
+  }
+  ModelFolder folder_;
+};
+INSTANTIATE_TEST_SUITE_P(
+    Constraints, TiedLoad,
+    ::testing::Values("weld body1='h_palm' body2='load' relpose='0 0 -.1 1 0 0 0'",
+                      "weld site1='h_cup' site2='top'",
+                      "connect body1='h_palm' body2='load' anchor='0 0 -.1'",
+                      "connect site1='top' site2='h_cup'"));
+
+TEST_P(TiedLoad, StopsTheBaseWhereItMeetsTheFloorOrAWall) {
+  Robot robot = HandWith(0.2, 0.4);
+  const Pose start = robot.base().pose();
+  robot.base().SetTarget(Pose(Eigen::Vector3d(0, 0, -0.45)) * start);
+  EXPECT_LT(DeepestContact(robot, 3), 0.008);
+  EXPECT_GT(robot.base().pose().translation().z(), 0.1) << "as high as its load holds it";
+  EXPECT_NEAR(robot.base().target().translation().z(), 0.05, 1e-9) << "the target stays";
+  robot.base().SetTarget(start);
+  DeepestContact(robot, 2);
+  EXPECT_TRUE(robot.base().pose().is_close(start, 1e-2, 1e-3));
+}
+
+// Holds a rod, which holds the box below: only the box meets the floor.
+TEST(DrivenBase, StopsWhereALoadThatHangsOnItsLoadMeetsTheFloor) {
+  ModelFolder folder;
+  RobotConfig config{.name = "hand",
+                     .model = folder.Write("hand", R"(<worldbody>
+      <body name="palm"><geom type="box" size=".03 .03 .03" mass=".5"/></body></worldbody>)"),
+                     .root_body = "palm"};
+  config.base = kDriven;
+  config.gravcomp = true;
+  for (const bool is_tied : {true, false}) {
+    SceneSpec spec =
+        SceneWith({.name = "hand", .config = config, .prefix = "h_", .pos = Vec3{0, 0, 0.6}});
+    spec.base = folder.Write(is_tied ? "tied" : "loose", fmt::format(R"(<worldbody>
+      <body name="load" pos="0 0 .3"><freejoint/><geom type="box" size=".02 .02 .02" mass=".2"/>
+      </body><body name="rod" pos="0 0 .5"><freejoint/>
+        <geom type="box" size=".01 .01 .01" mass=".1"/></body></worldbody>
+      <equality><weld body1="rod" body2="load" relpose="0 0 -.2 1 0 0 0" active="{}"/>
+        <weld body1="h_palm" body2="rod" relpose="0 0 -.1 1 0 0 0"/></equality>)",
+                                                                     is_tied));
+    Robot robot = Robot::Of(Scene::Build(spec), "hand");
+    const Pose start = robot.base().pose();
+    robot.base().SetTarget(Pose(Eigen::Vector3d(0, 0, -0.45)) * start);
+    DeepestContact(robot, 3);
+    const double height = robot.base().pose().translation().z();
+    if (is_tied)
+      EXPECT_GT(height, 0.28) << "as high as both loads hold it";
+    else
+      EXPECT_LT(height, 0.2);
+  }
+}
+
+TEST_P(TiedLoad, StopsNothingAfterItIsLetGo) {
+  Robot robot = HandWith(0.2, 0.4, false);
+  robot.base().SetTarget(Pose(Eigen::Vector3d(0.3, 0, -0.4)) * robot.base().pose());
+  DeepestContact(robot, 3);
+  EXPECT_TRUE(robot.base().pose().is_close(robot.base().target(), 1e-3, 1e-3));
+  EXPECT_NEAR(robot.scene().body_pose("load").translation().x(), 0, 0.01);
+}
+
+// The floor carries it, with more than the hand alone may push.
+TEST_P(TiedLoad, IsDraggedOverTheFloorThoughItIsHeavy) {
+  Robot robot = HandWith(5, 0.02);
+  robot.base().SetTarget(Pose(Eigen::Vector3d(0.3, 0, 0)) * robot.base().pose());
+  DeepestContact(robot, 3);
+  EXPECT_NEAR(robot.base().pose().translation().x(), 0.3, 2e-3);
+  EXPECT_NEAR(robot.scene().body_pose("load").translation().x(), 0.3, 0.03);
+}
+
+TEST(DrivenArm, HoldsItsPoseOnAPedestal) {
   RobotConfig config = Rc7();
   config.base = {.kind = BaseKind::kDriven, .size = Vec3{0.2, 0.2, 0.2}};
   const Scene scene =
@@ -578,14 +671,14 @@ TEST(DrivenArm, HoldsAnArmOnItsPedestal) {
   EXPECT_TRUE(robot.base().pose().is_close(start, 1e-3, 1e-4));
 }
 
-TEST(DrivenBaseControl, IsItsOwnAlone) {
+TEST(DrivenBaseControl, RejectsOtherControllers) {
   RobotConfig config = Rc7();
   config.base = kDriven;
   config.move_groups["base"] = {.kind = MoveGroupKind::kBase};
   config.control["base"] = ControlKind::kJointPosition;
   ExpectThrow<ArgumentError>([&] { RobotAlone(config); },
-                             "group 'base': `control` asks for joint_position, but it is driven by "
-                             "its target alone ('base_pose'); leave it out of `control`");
+                             "group 'base': `control` is joint_position, but this group only has "
+                             "the controller 'base_pose'; leave it out of `control`");
 }
 
 }  // namespace

@@ -7,10 +7,12 @@
 #include <set>
 
 #include "robocell/mujoco/actuators.h"
+#include "robocell/mujoco/joint_followers.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/control_modes.h"
+#include "robocell/scene/hold_ctrl.h"
 
 namespace robocell::internal {
 namespace {
@@ -31,6 +33,26 @@ bool Contains(const std::vector<int>& ids, int id) {
   return std::find(ids.begin(), ids.end(), id) != ids.end();
 }
 
+// Returns the actuators that act on these joints, or on those that follow them.
+std::vector<int> ActingOn(const Scene& scene, const std::vector<std::string>& joints) {
+  const mjModel* m = scene.model();
+  std::vector<bool> dofs(static_cast<size_t>(m->nv));
+  std::vector<int> ids;
+  for (const std::string& name : joints) {
+    const int joint = FindId(m, mjOBJ_JOINT, name);
+    if (joint < 0) continue;
+    dofs[static_cast<size_t>(m->jnt_dofadr[joint])] = true;
+    ids.push_back(joint);
+  }
+  for (const JointFollower& f : FollowersOf(m, ids))
+    dofs[static_cast<size_t>(m->jnt_dofadr[f.joint])] = true;
+  std::vector<int> acting;
+  for (int a = 0; a < m->nactuator; ++a) {
+    if (ActsOn(m, scene.data(), a, dofs)) acting.push_back(a);
+  }
+  return acting;
+}
+
 bool AllGroupsAreTaken(const mjModel* m) {
   std::set<int> taken(m->actuator_group, m->actuator_group + m->nactuator);
   taken.erase(0);
@@ -39,13 +61,15 @@ bool AllGroupsAreTaken(const mjModel* m) {
 
 // Returns the reason why the engine cannot switch these actuators in groups of their own, "" if it
 // can. There are several groups if the last joint is separate from the others
-// (Limb::may_end_in_finger).
-std::string WhyNotSwitchable(const mjModel* m, const std::vector<int>& ids) {
+// (Limb::may_end_in_finger). `beside`: actuators that are switched with them on purpose
+// (SwitchBesides).
+std::string WhyNotSwitchable(const mjModel* m, const std::vector<int>& ids,
+                             const std::vector<int>& beside = {}) {
   if (ids.empty()) return "it has no actuators";
   std::set<int> groups;
   for (const int id : ids) groups.insert(m->actuator_group[id]);
   for (int a = 0; a < m->nactuator; ++a) {
-    if (!groups.contains(m->actuator_group[a]) || Contains(ids, a)) continue;
+    if (!groups.contains(m->actuator_group[a]) || Contains(ids, a) || Contains(beside, a)) continue;
     if (groups.contains(0) && AllGroupsAreTaken(m)) {
       return fmt::format(
           "the arms before it took all {} actuator groups that the engine can switch; set "
@@ -125,8 +149,14 @@ std::string HowToGet(const std::string& group, CtrlMode mode, CtrlMode native, O
 
 // Returns why an arm with actuators cannot be driven by those of `mode`, and what to do.
 std::string WhyNotAdded(const mjModel* m, const std::string& group,
-                        const std::vector<std::string>& own, std::optional<CtrlMode> native,
-                        CtrlMode mode, Origin origin) {
+                        const std::vector<std::string>& own, bool pulls_tendons,
+                        std::optional<CtrlMode> native, CtrlMode mode, Origin origin) {
+  if (native && pulls_tendons) {
+    return fmt::format(
+        "some of its actuators pull tendons, and others are added only where one "
+        "acts on each joint. Give the model {}s",
+        ActuatorWord(mode));
+  }
   if (!native) {
     return fmt::format("{}, and others are added to actuators of one kind only. Give the model {}s",
                        WhatItHas(m, own, mode), ActuatorWord(mode));
@@ -163,6 +193,9 @@ Drives FindDrives(const Scene& scene, const std::shared_ptr<ArmGroup>& arm, Grou
     return drives;
   }
   const Origin origin = OriginOf(scene, names.joints);
+  const bool pulls_tendons = std::any_of(own.begin(), own.end(), [&](const std::string& name) {
+    return !ActsOnJoint(m, FindId(m, mjOBJ_ACTUATOR, name));
+  });
   for (int i = 0; i < kCtrlModes; ++i) {
     const auto mode = static_cast<CtrlMode>(i);
     if (mode == drives.native) {
@@ -172,11 +205,15 @@ Drives FindDrives(const Scene& scene, const std::shared_ptr<ArmGroup>& arm, Grou
     const std::vector<std::string> added = AddedActuators(names.joints, mode);
     const std::vector<int> ids = Ids(m, added);
     if (!drives.native || ids.empty() || Contains(ids, -1)) {
-      drives.why_none[i] = WhyNotAdded(m, arm->name(), own, drives.native, mode, origin);
+      drives.why_none[i] =
+          WhyNotAdded(m, arm->name(), own, pulls_tendons, drives.native, mode, origin);
       continue;
     }
-    drives.why_none[i] = WhyNotSwitchable(m, ids);
-    if (drives.why_none[i].empty()) drives.why_none[i] = WhyNotSwitchable(m, Ids(m, own));
+    // Followers that the model lists as joints of the arm have motors of their own, which rest.
+    drives.why_none[i] = WhyNotSwitchable(
+        m, ids, arm->has_followers() ? ActingOn(scene, names.joints) : std::vector<int>());
+    if (drives.why_none[i].empty())
+      drives.why_none[i] = WhyNotSwitchable(m, Ids(m, own), ActingOn(scene, names.joints));
     if (!drives.why_none[i].empty()) continue;
     names.actuators = added;
     drives.groups[i] = std::make_shared<ArmGroup>(scene, names);

@@ -14,7 +14,7 @@
 namespace robocell::internal {
 
 struct Drives {
-  // By CtrlMode; null for a missing mode, with its reason beside it.
+  // Groups by CtrlMode; null for a missing mode, with its reason beside it.
   std::array<std::shared_ptr<MoveGroup>, kCtrlModes> groups = {};
   std::array<std::string, kCtrlModes> why_none = {};
 
@@ -29,7 +29,7 @@ struct Drives {
 // Returns the drives of a group with only its own actuators. Does not keep the group.
 Drives OwnDrive(const std::shared_ptr<MoveGroup>& group);
 // Returns the drives of an arm: its own actuators and those that were added to the scene for its
-// joints (RobotSpec::control_modes). `why_no_actuators` explains why it has none of its own, if so.
+// joints (RobotSpec::control_modes). `why_no_actuators` explains why it has no actuators.
 Drives FindDrives(const Scene& scene, const std::shared_ptr<ArmGroup>& arm, GroupNames names,
                   const std::string& why_no_actuators);
 

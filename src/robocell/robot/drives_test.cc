@@ -22,6 +22,9 @@ constexpr const char* kMotors =
     R"(<motor name="m1" joint="shoulder" gear="2"/><motor name="m2" joint="elbow"/>)";
 constexpr const char* kVelocities =
     R"(<velocity name="v1" joint="shoulder" kv="20"/><velocity name="v2" joint="elbow" kv="9"/>)";
+constexpr const char* kPairs =
+    R"(<position name="p1" joint="shoulder" kp="100"/><velocity name="v1" joint="shoulder" kv="20"/>
+       <position name="p2" joint="elbow" kp="60"/><velocity name="v2" joint="elbow" kv="9"/>)";
 constexpr const char* kIntegrating =
     R"(<intvelocity name="i1" joint="shoulder" kp="100" actrange="-2 2"/>
        <intvelocity name="i2" joint="elbow" kp="100" actrange="-2 2"/>)";
@@ -73,7 +76,41 @@ double DriftUnderGravityTorques(Robot& robot) {
   return (robot.tcp_in_world().translation() - start).norm();
 }
 
-TEST_F(MotorArms, OfMotorsAreDrivenByTorques) {
+// The oracle is the arm that has motors alone.
+TEST_F(MotorArms, PairsOfServosAreSwitchedOffForTorques) {
+  std::vector<double> end[2];
+  for (const char* actuators : {kPairs, kMotors}) {
+    Robot robot = RobotAlone(Config(actuators, ControlKind::kJointTorque));
+    EXPECT_EQ(robot.ctrl_mode(), CtrlMode::kTorque);
+    robot.SetJointPos(std::array{0.3, -0.4});
+    for (int i = 0; i < 100; ++i) {
+      robot.Update();
+      robot.jnt_trq_cmd()[0] = 3;
+      robot.jnt_trq_cmd()[1] = -1;
+      EXPECT_TRUE(robot.Step().ok());
+    }
+    end[actuators == kMotors] = robot.arm().joint_pos();
+  }
+  for (size_t joint = 0; joint < 2; ++joint) EXPECT_NEAR(end[0][joint], end[1][joint], 1e-9);
+}
+
+TEST_F(MotorArms, PairsOfServosBrakeTogetherInVelocityMode) {
+  const Scene scene = Scene::Build(
+      SceneWith({.config = Config(kPairs, ControlKind::kJointVelocity),
+                 .control_modes = std::vector{CtrlMode::kPosition, CtrlMode::kVelocity}}));
+  Robot robot = Robot::Of(scene, scene.compiled()->robots().front().name);
+  EXPECT_EQ(robot.ctrl_mode(), CtrlMode::kVelocity);
+  for (int i = 0; i < 500; ++i) {
+    robot.Update();
+    robot.jnt_vel_cmd()[0] = 0.2;
+    EXPECT_TRUE(robot.Step().ok());
+  }
+  EXPECT_NEAR(robot.arm().joint_vel()[0], 0.2, 0.05) << "with the gravity of the arm";
+  robot.set_ctrl_mode(CtrlMode::kPosition);
+  EXPECT_EQ(robot.ctrl_mode(), CtrlMode::kPosition);
+}
+
+TEST_F(MotorArms, AreDrivenByTorques) {
   Robot robot = Bare(kMotors);
   EXPECT_THAT(robot.arm().actuator_names(), ElementsAre("m1", "m2"));
   EXPECT_EQ(robot.ctrl_mode(), CtrlMode::kTorque);
@@ -87,7 +124,7 @@ TEST_F(MotorArms, OfMotorsAreDrivenByTorques) {
   EXPECT_NEAR(robot.jnt_trq_msr()[1], -0.25, 1e-12);
 }
 
-TEST_F(MotorArms, OfMotorsHoldThemselvesUpUntilTold) {
+TEST_F(MotorArms, HoldThemselvesUpWithoutACommand) {
   Robot robot = Bare(kMotors);
   const Eigen::Vector3d start = robot.tcp_in_world().translation();
   for (int i = 0; i < 100; ++i) {
@@ -97,7 +134,7 @@ TEST_F(MotorArms, OfMotorsHoldThemselvesUpUntilTold) {
   EXPECT_LT((robot.tcp_in_world().translation() - start).norm(), 1e-3);
 }
 
-TEST_F(MotorArms, OfMotorsCannotBeSentToPositionsAndSayWhatTheyHave) {
+TEST_F(MotorArms, RejectPositionsAndNameTheirModes) {
   Robot robot = Bare(kMotors);
   ExpectThrow<ArgumentError>([&] { robot.set_ctrl_mode(CtrlMode::kPosition); },
                              "group 'arm' cannot be driven to positions: 'm1' is a motor, no "
@@ -116,14 +153,15 @@ TEST_F(MotorArms, OfMotorsCannotBeSentToPositionsAndSayWhatTheyHave) {
   std::vector<double> ctrl(2);
   ExpectThrow<ArgumentError>(
       [&] { robot.arm().CtrlForJointPos(q, ctrl); },
-      "actuator 'm1' is no position servo of one of its joints but a motor, so it cannot be driven "
+      "actuator 'm1' is not a position servo of one of its joints but a motor, so it cannot be "
+      "driven "
       "to a joint position; give the group another controller (for an arm of motors: `control: "
       "{arm: joint_impedance}` at the top level of the robot file, or joint_torque there to "
       "command "
       "torques), or the model a servo");
 }
 
-TEST_F(MotorArms, OfMotorsGetTheModesThatAreDeclared) {
+TEST_F(MotorArms, GetTheDeclaredModes) {
   Robot robot = Bare(kMotors, std::vector{CtrlMode::kVelocity, CtrlMode::kTorque});
   EXPECT_EQ(robot.scene().model()->nu, 4);
   EXPECT_EQ(robot.ctrl_mode(), CtrlMode::kTorque) << "what the model has";
@@ -164,7 +202,7 @@ TEST_F(MotorArms, OfVelocityServosAreDrivenByVelocities) {
   }
 }
 
-TEST_F(MotorArms, WithoutActuatorsAreRefusedInEveryMode) {
+TEST_F(MotorArms, AreRejectedWithoutActuatorsInEveryMode) {
   for (const CtrlMode mode : {CtrlMode::kPosition, CtrlMode::kVelocity, CtrlMode::kTorque}) {
     Robot robot = Bare("");
     ExpectThrow<ArgumentError>([&] { robot.set_ctrl_mode(mode); },
@@ -178,7 +216,7 @@ TEST_F(MotorArms, WithoutActuatorsAreRefusedInEveryMode) {
   }
 }
 
-TEST_F(MotorArms, OfSeveralKindsAreRefusedInEveryMode) {
+TEST_F(MotorArms, AreRejectedWithMixedActuatorsInEveryMode) {
   for (const CtrlMode mode : {CtrlMode::kPosition, CtrlMode::kVelocity, CtrlMode::kTorque}) {
     Robot robot = Bare(kHalf);
     ExpectThrow<ArgumentError>(
@@ -197,7 +235,7 @@ TEST_F(MotorArms, OfSeveralKindsAreRefusedInEveryMode) {
                              "are added to actuators of one kind only. Give the model motors");
 }
 
-TEST_F(MotorArms, OfServosThatIntegrateAreRefusedInEveryMode) {
+TEST_F(MotorArms, AreRejectedWithIntegratingServosInEveryMode) {
   for (const CtrlMode mode : {CtrlMode::kPosition, CtrlMode::kVelocity, CtrlMode::kTorque}) {
     Robot robot = Bare(kIntegrating, std::vector{CtrlMode::kPosition, CtrlMode::kTorque});
     ExpectThrow<ArgumentError>(
@@ -207,7 +245,7 @@ TEST_F(MotorArms, OfServosThatIntegrateAreRefusedInEveryMode) {
   }
   ExpectThrow<ArgumentError>(
       [&] { RobotAlone(Config(kIntegrating, ControlKind::kJointTorque)); },
-      "`control` asks for joint_torque, but it has no actuators: no position servo on its joints, "
+      "`control` is joint_torque, but it has no actuators: no position servo on its joints, "
       "no velocity servo and no motor: shoulder ('i1' on it is a servo that integrates its "
       "control), elbow ('i2' on it is a servo that integrates its control); remove it there, or "
       "give the model motors or position servos");
@@ -224,7 +262,7 @@ TEST_F(MotorArms, OfServosThatIntegrateAreRefusedInEveryMode) {
   ExpectThrow<SpecError>([&] { RobotAlone(listed); }, "actuator 'i1' is none");
 }
 
-TEST_F(MotorArms, WithAGearOfZeroAreRefusedByName) {
+TEST_F(MotorArms, AreRejectedWithZeroGearByName) {
   const auto all = std::vector{CtrlMode::kVelocity, CtrlMode::kTorque};
   for (const CtrlMode mode : {CtrlMode::kPosition, CtrlMode::kVelocity, CtrlMode::kTorque}) {
     Robot robot = Bare(kWithoutGear, all);
@@ -251,7 +289,8 @@ TEST_F(MotorArms, WithAGearOfZeroAreRefusedByName) {
         std::vector<double> ctrl(2);
         robot.arm().CtrlForJointPos(std::vector<double>(2), ctrl);
       },
-      "actuator 'm1' is no position servo of one of its joints but without effect, as its gear is "
+      "actuator 'm1' is not a position servo of one of its joints but without effect, as its gear "
+      "is "
       "0");
 }
 
@@ -274,7 +313,7 @@ TEST_F(MotorArms, AreConfiguredWithoutAListOfActuators) {
             CtrlMode::kVelocity);
 }
 
-TEST_F(MotorArms, OfAConfigurationNameTheFieldsToChange) {
+TEST_F(MotorArms, ErrorsNameTheConfigurationFields) {
   Robot robot = RobotAlone(Config(kMotors));
   const std::string what = ExpectThrow<NotFoundError>(
       [&] { robot.controller("arm"); },
@@ -294,7 +333,7 @@ TEST_F(MotorArms, OfAConfigurationNameTheFieldsToChange) {
   EXPECT_LT(DriftUnderGravityTorques(robot), 1e-3);
 }
 
-TEST_F(MotorArms, AreDrivenOnceHoweverManyRobotsAreMadeOfThem) {
+TEST_F(MotorArms, AreDrivenOnceByAnyNumberOfRobots) {
   Robot configured = RobotAlone(Config(kMotors));
   Robot bare = Robot::FromScene(configured.scene(), "base", "fore");
   bare.SetJntTrqCmd(std::vector<double>{0.5, 0.25});
@@ -308,7 +347,7 @@ TEST_F(MotorArms, AreDrivenOnceHoweverManyRobotsAreMadeOfThem) {
   EXPECT_THAT(TorqueCommand(later), ElementsAre(3, 4));
 }
 
-TEST_F(MotorArms, OfObjectsAreNotToldOfARobotsFields) {
+TEST_F(MotorArms, ErrorsOfObjectsNameNoRobotFields) {
   SceneSpec spec = EmptyScene();
   spec.objects.push_back({.name = "lamp", .mjcf_path = Model(kMotors), .fixed = true});
   Scene scene = Scene::Build(spec);
@@ -323,7 +362,7 @@ TEST_F(MotorArms, OfObjectsAreNotToldOfARobotsFields) {
   EXPECT_THAT(what, Not(HasSubstr("its RobotSpec")));
 }
 
-TEST_F(MotorArms, SayWhenDeclaredModesCannotBeHad) {
+TEST_F(MotorArms, WarnAboutUnavailableModes) {
   const auto warnings = [&](const std::string& actuators, std::vector<CtrlMode> modes) {
     return Bare(actuators, std::move(modes)).scene().compiled()->warnings();
   };

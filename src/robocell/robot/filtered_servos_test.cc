@@ -1,5 +1,5 @@
-// Tests that position servos with a filtered or delayed control begin at their target when the arm is
-// switched to them, moved elsewhere, or reset.
+// Tests that position servos with a filtered or delayed control begin at their target when the arm
+// is switched to them, moved elsewhere, or reset.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -76,7 +76,7 @@ class FilteredServo : public ::testing::TestWithParam<const char*> {
 };
 INSTANTIATE_TEST_SUITE_P(Servos, FilteredServo, ::testing::ValuesIn(kServos));
 
-TEST_P(FilteredServo, PushesAsWhatDroveTheArmWhenItIsSwitchedTo) {
+TEST_P(FilteredServo, StartsWithTheForceOfThePreviousMode) {
   Robot robot = Build();
   for (const CtrlMode mode : {CtrlMode::kTorque, CtrlMode::kVelocity}) {
     SCOPED_TRACE(ToString(mode));
@@ -97,7 +97,7 @@ TEST_P(FilteredServo, PushesAsWhatDroveTheArmWhenItIsSwitchedTo) {
   }
 }
 
-TEST_P(FilteredServo, HoldsAnArmThatIsPutSomewhereElse) {
+TEST_P(FilteredServo, HoldsATeleportedArm) {
   Robot robot = Build();
   Run(robot, 50);
   for (const double q : {0.5, -0.4}) {
@@ -107,7 +107,7 @@ TEST_P(FilteredServo, HoldsAnArmThatIsPutSomewhereElse) {
   }
 }
 
-TEST_P(FilteredServo, HoldsAnArmThatAResetHookPutsSomewhere) {
+TEST_P(FilteredServo, HoldsAnArmPlacedByAResetHook) {
   Robot robot = Build();
   Scene scene = robot.scene();
   const int hook = scene.AddResetHook(
@@ -121,7 +121,7 @@ TEST_P(FilteredServo, HoldsAnArmThatAResetHookPutsSomewhere) {
   ExpectHeldAsByTheEngine(robot, -0.4);
 }
 
-TEST(IntegratingServo, HoldsAnArmThatIsPutSomewhereElse) {
+TEST(IntegratingServo, HoldsATeleportedArm) {
   ModelFolder folder;
   const RobotSpec spec{.path = folder.Write("arm", R"(
       <worldbody><body name="base"><body name="link" pos="0 0 1" gravcomp="1">

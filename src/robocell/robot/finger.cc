@@ -16,7 +16,7 @@ namespace robocell::internal {
 namespace {
 
 constexpr int kLooksAtAJaw = 16;    // over its range
-constexpr double kNearHinge = 0.4;  // of the jaw's length
+constexpr double kNearHinge = 0.4;  // share of the jaw's length
 
 bool Collides(const mjModel* m, int geom) {
   return m->geom_contype[geom] != 0 || m->geom_conaffinity[geom] != 0;

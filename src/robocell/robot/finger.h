@@ -42,7 +42,7 @@ std::array<int, 2> FingertipBodies(const mjModel* model, int first, int second);
 // other jaw is fixed. Unset if both are named by geoms or sites, because the measured parts were
 // chosen.
 struct Jaw {
-  int index;  // of the moving one
+  int index;  // index of the moving one
   int joint;
 };
 std::optional<Jaw> FindJaw(const mjModel* model, const FingerPair& pair);

@@ -17,9 +17,9 @@ namespace robocell::internal {
 namespace {
 
 constexpr int kPathParts = 40;
-constexpr double kHardlyChanges = 0.05;  // of the whole change of the distance
-constexpr double kLongPart = 0.25;       // of the way
-constexpr double kOfTheMotion = 0.5;     // of the fingers' middles: less is near their hinges
+constexpr double kHardlyChanges = 0.05;  // share of the whole change of the distance
+constexpr double kLongPart = 0.25;       // share of the path
+constexpr double kOfTheMotion = 0.5;     // share of the middles' motion: less is near the hinges
 constexpr double kNoChange = 1e-4;       // metres: the fingers do not move at all
 constexpr double kDeep = 1e-3;           // metres; usual contacts give way by tenths of that
 constexpr double kDepthWanted = 2.5e-4;  // metres

@@ -18,7 +18,7 @@ namespace robocell::internal {
 // are nearest at the hinges while their tips are apart.
 struct FlatDistance {
   double distance = 0;  // there, m
-  double share = 0;     // of the way between the two states
+  double share = 0;     // share of the path between the two states
   // The points of the fingers that are nearest where they are closed, in the frames of their
   // bodies, and whether the distance of these follows the whole motion.
   bool points_follow = false;
@@ -42,8 +42,8 @@ struct PressedFingers {
   double depth = 0;  // m
 };
 
-// Returns the deepest pair in the contacts of the data, if it is so deep that it counts: more than a
-// share of the `travel` (m) that the distance has, or more than half of the thinner geom.
+// Returns the deepest pair in the contacts of the data, if it is so deep that it counts: more than
+// a share of the `travel` (m) that the distance has, or more than half of the thinner geom.
 std::optional<PressedFingers> FindPressedFingers(const mjModel* model, const mjData* data,
                                                  const FingerPair& pair, double travel);
 

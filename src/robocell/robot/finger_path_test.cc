@@ -41,13 +41,13 @@ class FingersOfTwoCapsules {
   FingerPair pair_;
 };
 
-TEST(FingerPath, TheDistanceOfParallelFingersFollowsThem) {
+TEST(FingerPath, TheDistanceOfParallelFingersFollowsTheirMotion) {
   const FingersOfTwoCapsules fingers("type='slide' axis='1 0 0'", "type='slide' axis='-1 0 0'");
   EXPECT_FALSE(fingers.Flat({-0.02, -0.02}, {0.02, 0.02}).has_value());
 }
 
 // Tips that open beyond the hinges leave the hinges as the nearest parts, 0.044 m apart.
-TEST(FingerPath, TheDistanceOfHingedFingersIsThatOfTheirHingesWhereTheTipsAreFartherApart) {
+TEST(FingerPath, TheDistanceOfHingedFingersIsAtTheirNearestPoint) {
   const FingersOfTwoCapsules fingers("axis='0 -1 0'", "axis='0 1 0'");
   const std::optional<FlatDistance> flat = fingers.Flat({0.6, 0.6}, {-0.2, -0.2});
   ASSERT_TRUE(flat.has_value());

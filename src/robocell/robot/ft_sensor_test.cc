@@ -70,13 +70,13 @@ TEST_F(FtSensorTest, AHangingMassReadsItsWeightInEveryOrientation) {
   }
 }
 
-TEST_F(FtSensorTest, UprightTheLoadPullsDown) {
+TEST_F(FtSensorTest, AnUprightSensorReadsADownwardLoad) {
   Robot robot = Make();
   Turn(robot, Pose(Eigen::Vector3d(0, 0, 1)));
   EXPECT_NEAR(robot.ft_sensor("wrist_ft").force.z(), -kMass * kGravity, 1e-3);
 }
 
-TEST_F(FtSensorTest, AnotherSiteOfTheFrameGivesTheSameWrenchThere) {
+TEST_F(FtSensorTest, AnotherSiteOfTheFrameGivesTheEquivalentWrench) {
   RobotConfig elsewhere = config;
   elsewhere.ft_sensors.push_back({.name = "at_end",
                                   .force_sensor = "wrist_ft_force",
@@ -93,7 +93,7 @@ TEST_F(FtSensorTest, AnotherSiteOfTheFrameGivesTheSameWrenchThere) {
   }
 }
 
-TEST_F(FtSensorTest, WithTheToolCompensatedOnlyWhatPushesIsRead) {
+TEST_F(FtSensorTest, ToolCompensationLeavesOnlyExternalForces) {
   config.ft_sensors[0].compensate_tool = true;
   Robot robot = Make();
   Scene scene = robot.scene();
@@ -112,14 +112,14 @@ TEST_F(FtSensorTest, WithTheToolCompensatedOnlyWhatPushesIsRead) {
   }
 }
 
-TEST_F(FtSensorTest, CompensatedGravityOfTheToolIsWeighedAllTheSame) {
+TEST_F(FtSensorTest, ReadsTheToolWeightDespiteGravcomp) {
   config.gravcomp = true;
   Robot robot = Make();
   Turn(robot, Pose(Eigen::Vector3d(0, 0, 1)));
   EXPECT_NEAR(robot.ft_sensor("wrist_ft").force.z(), -kMass * kGravity, 1e-3);
 }
 
-TEST_F(FtSensorTest, TareTakesOffWhatItReadsUntilTheNextReset) {
+TEST_F(FtSensorTest, TareHoldsUntilTheNextReset) {
   Robot robot = Make();
   const Pose there(Eigen::Vector3d(0, 0, 1));
   Turn(robot, there);
@@ -139,7 +139,7 @@ TEST_F(FtSensorTest, TareTakesOffWhatItReadsUntilTheNextReset) {
   EXPECT_LT(FtError(robot.ft_sensor("wrist_ft"), before), 1e-9);
 }
 
-TEST_F(FtSensorTest, AfterAResetItReadsWhatHangsFromItThen) {
+TEST_F(FtSensorTest, AResetUpdatesTheReading) {
   Robot robot = Make();
   Scene scene = robot.scene();
   scene.SetBodyWrench("w_mass", {0, 0, -2}, {0, 0, 0});
@@ -157,7 +157,7 @@ TEST_F(FtSensorTest, AfterAResetItReadsWhatHangsFromItThen) {
   EXPECT_LT(robot.ft_sensor("wrist_ft").vector().norm(), 1e-9);
 }
 
-TEST_F(FtSensorTest, TareTakesOffWhatItReadsNowAndNotWhatTheLastUpdateRead) {
+TEST_F(FtSensorTest, TareUsesTheCurrentReading) {
   Robot robot = Make();
   Turn(robot, Pose(Eigen::Vector3d(0, 0, 1)));
   robot.scene().SetBodyWrench("w_mass", {0, 0, -2}, {0, 0, 0});
@@ -167,7 +167,7 @@ TEST_F(FtSensorTest, TareTakesOffWhatItReadsNowAndNotWhatTheLastUpdateRead) {
   EXPECT_LT(robot.ft_sensor("wrist_ft").vector().norm(), 1e-9);
 }
 
-TEST_F(FtSensorTest, ReadsOnWhenObjectsComeAndGo) {
+TEST_F(FtSensorTest, ContinuesWhenObjectsComeAndGo) {
   Robot robot = Make();
   Scene scene = robot.scene();
   const Pose there(Eigen::Vector3d(0, 0, 1));
@@ -182,7 +182,7 @@ TEST_F(FtSensorTest, ReadsOnWhenObjectsComeAndGo) {
   EXPECT_NEAR(robot.ft_sensor("wrist_ft").force.z(), -2, 1e-9);
 }
 
-TEST_F(FtSensorTest, TwoRobotsReadTheirOwn) {
+TEST_F(FtSensorTest, SensorsOfTwoRobotsAreIndependent) {
   SceneSpec spec = EmptyScene();
   RobotConfig other = config;
   other.attachments.clear();
@@ -200,7 +200,7 @@ TEST_F(FtSensorTest, TwoRobotsReadTheirOwn) {
   ExpectThrow<ClosedError>([&] { left.ft_sensor("wrist_ft"); }, "robot 'left' is closed");
 }
 
-TEST_F(FtSensorTest, UnknownNamesAreToldWithThoseThereAre) {
+TEST_F(FtSensorTest, AnUnknownNameErrorListsTheSensors) {
   const Robot robot = Make();
   ExpectThrow<NotFoundError>(
       [&] { robot.ft_sensor("wrist"); },
@@ -212,7 +212,7 @@ TEST_F(FtSensorTest, UnknownNamesAreToldWithThoseThereAre) {
                              "configuration or of the ToolFrameSpec");
 }
 
-TEST_F(FtSensorTest, APairThatIsNoneIsToldWithWhatThereIs) {
+TEST_F(FtSensorTest, RejectsAnInvalidPairAndListsTheSensors) {
   config.ft_sensors[0].name = "wrist";
   EXPECT_EQ(Refused(),
             "scene 'test' / robot 'probe': ft sensor 'wrist': no force sensor 'wrist_force'. Its "
@@ -237,7 +237,7 @@ TEST_F(FtSensorTest, APairThatIsNoneIsToldWithWhatThereIs) {
   EXPECT_EQ(Refused(), "") << "at the same site it is a pair";
 }
 
-TEST_F(FtSensorTest, APairAtTwoSitesIsNone) {
+TEST_F(FtSensorTest, RejectsAPairAtTwoSites) {
   config.model = folder.Write("apart", R"(<worldbody><body name="ft_sensor"><geom size="0.02"/>
       <site name="wrist_ft_site"/><site name="beside" pos="0.1 0 0"/></body></worldbody>
       <sensor><force name="wrist_ft_force" site="wrist_ft_site"/>
@@ -248,7 +248,7 @@ TEST_F(FtSensorTest, APairAtTwoSitesIsNone) {
                                    "of a pair measure at one site"));
 }
 
-TEST_F(FtSensorTest, OfSeveralThePrefixSaysWhich) {
+TEST_F(FtSensorTest, ThePrefixSelectsOneOfSeveral) {
   config.attachments[0] = {
       .mjcf_path = "ft_sensor", .attach_to = Site("wrist_ft_site"), .prefix = "a_"};
   config.attachments.push_back(
@@ -265,7 +265,7 @@ TEST_F(FtSensorTest, OfSeveralThePrefixSaysWhich) {
                              "Several end so: write `force_sensor` with the attachment's prefix"));
 }
 
-TEST_F(FtSensorTest, AFileIsToldWithLineAndColumn) {
+TEST_F(FtSensorTest, ErrorsInAFileHaveLineAndColumn) {
   RobotConfig file = ParseYaml<RobotConfig>(
       "name: probe\nmodel: ft_sensor\nft_sensors:\n  - {name: wrist}\n", "probe.yaml");
   ExpectThrow<SpecError>([&] { RobotAlone(file); },

@@ -25,7 +25,7 @@ INSTANTIATE_TEST_SUITE_P(Disabled, ArmsWithout,
                                            Options{"damper"}, Options{"spring", "damper"},
                                            Options{"gravity", "spring", "damper"}));
 
-TEST_P(ArmsWithout, NeedTheTorquesThatTheEngineSays) {
+TEST_P(ArmsWithout, NeedTheTorquesOfTheEngine) {
   for (const bool compensated : {false, true}) {
     const Robot robot = Without(GetParam(), compensated);
     std::vector<double> torques(7);
@@ -39,7 +39,7 @@ TEST_P(ArmsWithout, NeedTheTorquesThatTheEngineSays) {
 }
 
 // For a model without compensation, the engine only reads written values once the flag is set.
-TEST(CompensationWrittenToTheModel, CountsWhereTheEngineCountsIt) {
+TEST(CompensationWrittenToTheModel, AppliesAsInTheEngine) {
   Scene scene = Without({}).scene();
   mjModel* m = scene.mutable_model();
   mju_fill(m->body_gravcomp, 1, static_cast<int>(m->nbody));
@@ -77,7 +77,7 @@ TEST_P(ArmsWithout, HoldStillInTorqueAndVelocityMode) {
   EXPECT_LT(DriftInASecond(robot, CtrlMode::kVelocity), 1e-3);
 }
 
-TEST(GravityThatIsOff, IsStillWhatTheCallerGives) {
+TEST(GravityThatIsOff, CanBeOverriddenByTheCaller) {
   const Robot robot = Without({"gravity"});
   EXPECT_EQ(robot.gravity_in_base(), Eigen::Vector3d::Zero());
   EXPECT_NEAR(robot.gravity_in_base(-3).norm(), 3, 1e-12);

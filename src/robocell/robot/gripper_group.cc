@@ -24,11 +24,11 @@ namespace {
 
 constexpr double kOpenFrom = 0.9;      // opening above which a gripper counts as open
 constexpr double kLeastTravel = 1e-4;  // metres; fingers that move less do not move
-constexpr double kJammed = 0.8;        // of the travel; differences of slow fingers are smaller
-constexpr double kMeetsFrom = 0.2;     // of the way from closed to open: earlier is not checked
-constexpr double kSluggish = 1;        // s; no gripper needs longer to move by 1 - 1/e of its way
-constexpr double kParted = 0.02;       // of the travel from which on fingers are separate
-constexpr double kSqueeze = 0.05;  // the openings in which fingers that met are pressed together
+constexpr double kJammed = 0.8;     // share of the travel; differences of slow fingers are smaller
+constexpr double kMeetsFrom = 0.2;  // share of the travel from closed; earlier is not checked
+constexpr double kSluggish = 1;     // s; no gripper needs longer to move by 1 - 1/e of its way
+constexpr double kParted = 0.02;    // share of the travel from which on fingers are separate
+constexpr double kSqueeze = 0.05;   // the openings in which fingers that met are pressed together
 
 // Returns true if a geom of the finger's side touches a geom on a body that `accept` accepts.
 template <class Accept>
@@ -271,7 +271,7 @@ void ActuatedGripper::Orient(std::vector<GripperCtrl>& ends) const {
   for (const size_t i : idle) Swap(ends[i]);
 }
 
-// At this distance, at both controls.
+// Both controls give this distance.
 std::string ActuatedGripper::WhyTheyStay(const std::array<std::vector<double>, 2>& ctrl,
                                          double distance) const {
   const mjModel* m = core().model();
@@ -324,7 +324,7 @@ GripperRange ActuatedGripper::Measure() const {
   const std::vector<double> closed = ValuesOf(ends, &GripperCtrl::closed);
   const SettledFingers closing = Settled({open, closed});
   const auto [at_open, at_closed] = closing.distances;
-  // In the reverse order: then the first starts from home, and the second after it.
+  // Measures in reverse order, so that the first starts from home and the second after it.
   const SettledFingers opening = Settled({closed, open});
   const auto [closed_first, open_after] = opening.distances;
   const auto ends_of_travel = std::minmax({at_open, at_closed, closed_first, open_after});

@@ -87,7 +87,7 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   bool IsGraspingAnything() const;
 
   MoveGroupConfig config_;
-  std::vector<GripperCtrl> configured_;  // of each actuator, if configured
+  std::vector<GripperCtrl> configured_;  // configured controls of each actuator, if any
   mutable std::optional<GripperRange> measured_;
   mutable uint64_t generation_ = ~uint64_t{0};
   mutable GripperParts parts_;

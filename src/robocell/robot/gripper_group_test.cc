@@ -62,7 +62,7 @@ class AnyGripper : public ::testing::TestWithParam<GripperCase> {
 INSTANTIATE_TEST_SUITE_P(Robots, AnyGripper, ::testing::ValuesIn(Grippers()),
                          [](const auto& info) { return info.param.robot.name; });
 
-TEST_P(AnyGripper, MeasuresItsRangeWhateverTheStateAndAlwaysTheSame) {
+TEST_P(AnyGripper, MeasuresTheSameRangeInAnyState) {
   REQUIRE_ROBOT(GetParam().robot);
   Robot robot = Unmeasured();
   const Interval range = robot.gripper().inter_finger_dist_range();
@@ -135,7 +135,7 @@ TEST_P(AnyGripper, HoldsACubeBetweenItsFingers) {
 
 // Sides are the branches below the hand: parts that a finger carries belong to it, the hand does
 // not.
-TEST_P(AnyGripper, FingersHaveSidesThatShareNothing) {
+TEST_P(AnyGripper, FingerSidesAreDisjoint) {
   REQUIRE_ROBOT(GetParam().robot);
   const Robot robot = Unmeasured();
   const ActuatedGripper& gripper = GripperOf(robot);
@@ -149,7 +149,7 @@ TEST_P(AnyGripper, FingersHaveSidesThatShareNothing) {
   }
 }
 
-TEST(Gripper, SidesOfALinkageReachToTheHand) {
+TEST(Gripper, FingerSidesOfALinkageExtendToTheHand) {
   REQUIRE_MENAGERIE("ufactory_xarm7");
   const Robot robot = RobotAlone(XArm7());
   const ActuatedGripper& gripper = GripperOf(robot);
@@ -165,7 +165,7 @@ TEST(Gripper, SidesOfALinkageReachToTheHand) {
   EXPECT_THAT(gripper.finger(0).side, Contains(pad)) << "the pad that was not named, too";
 }
 
-TEST(Gripper, IsNotMeasuredWhenTheConfigurationSaysAll) {
+TEST(Gripper, IsNotMeasuredWithACompleteConfiguration) {
   RobotConfig config = Rc7();
   GripperConfig(config).distance = GripperDistance{0.01, 0.05};
   Robot robot = RobotAlone(config);
@@ -174,7 +174,7 @@ TEST(Gripper, IsNotMeasuredWhenTheConfigurationSaysAll) {
   EXPECT_NEAR(GripperOf(robot).Measure().distance.open, 0.09, 1e-4);
 }
 
-TEST(Gripper, KeepsConfiguredDistancesWhenItMustGuessTheControl) {
+TEST(Gripper, KeepsConfiguredDistancesWithGuessedControls) {
   RobotConfig config = Rc7();
   GripperConfig(config).ctrl.reset();
   GripperConfig(config).distance = GripperDistance{0, 0.1};
@@ -184,7 +184,7 @@ TEST(Gripper, KeepsConfiguredDistancesWhenItMustGuessTheControl) {
   EXPECT_EQ(robot.gripper().inter_finger_dist_range().upper, 0.1);
 }
 
-TEST(Gripper, MeasuringIsNotDisturbedByThingsInTheWayNorByOthers) {
+TEST(Gripper, MeasuringIgnoresObstaclesAndOtherRobots) {
   RobotConfig config = Rc7();
   GripperConfig(config).distance.reset();
   const Interval alone = RobotAlone(config).gripper().inter_finger_dist_range();
@@ -217,7 +217,7 @@ TEST(Gripper, FingersCanBeGeomsBodiesSitesOrTheBodiesOfTwoJoints) {
   EXPECT_NEAR(RobotAlone(config).gripper().inter_finger_dist(), 0.002 + 2 * 0.044, 1e-9);
 }
 
-TEST(Gripper, FingersOfLinkagesAreFoundAtTheirEnds) {
+TEST(Gripper, FindsFingersAtTheEndsOfLinkages) {
   REQUIRE_MENAGERIE("ufactory_xarm7", "kinova_gen3", "robotiq_2f85");
   for (RobotConfig config : {XArm7(), Gen3WithTool()}) {
     MoveGroupConfig& gripper = GripperConfig(config);
@@ -231,7 +231,7 @@ TEST(Gripper, FingersOfLinkagesAreFoundAtTheirEnds) {
   }
 }
 
-TEST(Gripper, SaysWhenFingersCannotBeTold) {
+TEST(Gripper, ReportsFingersThatCannotBeIdentified) {
   RobotConfig config = Rc7();
   MoveGroupConfig& gripper = GripperConfig(config);
   gripper.fingers = {};
@@ -256,7 +256,7 @@ TEST(Gripper, SaysWhenFingersCannotBeTold) {
       "of one rigid body, so nothing moves between them; name one element of each finger");
 }
 
-TEST(Gripper, SaysWhenOpenAndClosedAreSwapped) {
+TEST(Gripper, ReportsSwappedOpenAndClosed) {
   RobotConfig config = Rc7();
   GripperConfig(config).ctrl = GripperCtrl{.open = 0, .closed = 100};
   GripperConfig(config).distance.reset();
@@ -287,7 +287,7 @@ RobotConfig WithStickyGripper(ModelFolder& folder, const std::string& arm) {
   return config;
 }
 
-TEST(Gripper, SaysWhenItsFingersDoNotComeBack) {
+TEST(Gripper, ReportsFingersThatDoNotReturn) {
   ModelFolder folder;
   RobotConfig config = WithStickyGripper(folder, kTwoJointArm);
   for (const bool said : {false, true}) {
@@ -304,7 +304,7 @@ TEST(Gripper, SaysWhenItsFingersDoNotComeBack) {
 }
 
 // No force helps against it.
-TEST(Gripper, FingersThatTheKvOfTheirServoHoldsAreToldIt) {
+TEST(Gripper, ReportsAKvThatBlocksTheFingers) {
   RobotConfig config = Rc7();
   GripperConfig(config).distance.reset();
   config.edits.push_back({.actuator = ElementRef{.name = "gripper"}, .kv = 4e6});
@@ -318,7 +318,7 @@ TEST(Gripper, FingersThatTheKvOfTheirServoHoldsAreToldIt) {
 }
 
 // At home a ball of the upper arm is at the place of the palm, and stops both fingers.
-TEST(Gripper, FingersThatDoNotComeBackAreToldWithWhatTouchesThem) {
+TEST(Gripper, ReportsContactsOfFingersThatDoNotReturn) {
   const std::string ball = R"(<geom name="ball" type="sphere" size=".034" pos="-.0779 0 .4842"
       contype="1" conaffinity="1"/>)";
   std::string arm = kTwoJointArm;
@@ -354,7 +354,7 @@ RobotConfig WithSlowGripper(ModelFolder& folder, double seconds, const std::stri
   return config;
 }
 
-TEST(Gripper, SlowFingersAreMeasuredOnceTheyStandStill) {
+TEST(Gripper, MeasuresSlowFingersAtRest) {
   constexpr const char* kServo = R"(<position name="grip" joint="l" kp="1000" ctrlrange="0 .04"/>)";
   for (const double seconds : {0.05, 2.0}) {
     ModelFolder folder;
@@ -365,7 +365,7 @@ TEST(Gripper, SlowFingersAreMeasuredOnceTheyStandStill) {
   }
 }
 
-TEST(Gripper, FingersThatDoNotComeToRestAreNoNumber) {
+TEST(Gripper, RejectsFingersThatDoNotComeToRest) {
   constexpr const char* kServo = R"(<position name="grip" joint="l" kp="1000" ctrlrange="0 .04"/>)";
   ModelFolder folder;
   RobotConfig config = WithSlowGripper(folder, 30, kServo);
@@ -379,7 +379,7 @@ TEST(Gripper, FingersThatDoNotComeToRestAreNoNumber) {
   }
 }
 
-TEST(Gripper, FingersOfAVelocityServoThatNeverRestAreToldWhy) {
+TEST(Gripper, ExplainsThatAVelocityServoHoldsNoOpening) {
   ModelFolder folder;
   Robot robot = RobotAlone(WithSlowGripper(
       folder, 1, R"(<velocity name="grip" joint="l" kv="1000" ctrlrange="-.002 .002"/>)"));
@@ -418,7 +418,7 @@ RobotConfig WithTwoServos(ModelFolder& folder, const char* first_axis, const cha
 }
 
 // The actuators move on for a long time after the fingers have met.
-TEST(Gripper, AnOpeningIsOfTheMeasuredRangeWhereFingersMeetHalfWay) {
+TEST(Gripper, ScalesTheOpeningToTheMeasuredRange) {
   ModelFolder folder;
   const RobotConfig config = WithTwoServos(folder, "0 1 0", "-.02 .02", "0 -1 0", "-.02 .02");
   Robot robot = RobotAlone(config);
@@ -443,7 +443,7 @@ TEST(Gripper, AnOpeningIsOfTheMeasuredRangeWhereFingersMeetHalfWay) {
       << "of the controls, which the file says";
 }
 
-TEST(Gripper, EachOfSeveralServosOpensByItsOwnRange) {
+TEST(Gripper, EachServoOpensByItsOwnRange) {
   struct Hand {
     const char *first_axis, *first, *second_axis, *second;
     std::array<double, 3> open, closed;
@@ -476,7 +476,7 @@ TEST(Gripper, EachOfSeveralServosOpensByItsOwnRange) {
   }
 }
 
-TEST(Gripper, SaysWhichOfItsServosHasNoRange) {
+TEST(Gripper, NamesAServoWithoutARange) {
   ModelFolder folder;
   RobotConfig config = WithTwoServos(folder, "0 1 0", "0 .04", "0 1 0", "-.04 0");
   config.attachments[0].mjcf_path = folder.Write("free", [&] {
@@ -495,7 +495,7 @@ TEST(Gripper, SaysWhichOfItsServosHasNoRange) {
       "...}`");
 }
 
-TEST(Gripper, SaysWhenItsFingersDoNotMove) {
+TEST(Gripper, ReportsFingersThatDoNotMove) {
   RobotConfig config = Rc7();
   GripperConfig(config).ctrl = GripperCtrl{.open = 100, .closed = 99.999};
   GripperConfig(config).distance.reset();
@@ -508,7 +508,7 @@ TEST(Gripper, SaysWhenItsFingersDoNotMove) {
 }
 
 // Two hooks that cross at their roots, whatever their tips do.
-TEST(Gripper, NamesTheGeomsOfItsFingersThatOverlapOpenAndClosed) {
+TEST(Gripper, NamesOverlappingGeomsOfTheFingers) {
   ModelFolder folder;
   RobotConfig config = WithTwoServos(folder, "0 1 0", "0 .04", "0 1 0", "-.04 0");
   config.attachments[0].mjcf_path = folder.Write("hooks", R"(
@@ -532,7 +532,7 @@ TEST(Gripper, NamesTheGeomsOfItsFingersThatOverlapOpenAndClosed) {
 }
 
 // Fingers of sixty metres always overlap.
-TEST(Gripper, SaysThatAMeshOfItsFingersMayBeInMillimetres) {
+TEST(Gripper, SuspectsAFingerMeshInMillimetres) {
   ModelFolder folder;
   RobotConfig config = WithTwoServos(folder, "0 1 0", "0 .04", "0 1 0", "-.04 0");
   config.attachments[0].mjcf_path = folder.Write("large", R"(<asset><mesh name="pad"
@@ -553,7 +553,7 @@ TEST(Gripper, SaysThatAMeshOfItsFingersMayBeInMillimetres) {
 }
 
 // Contacts are soft: a light and fast object crosses a thin finger before they stop it.
-TEST(Gripper, WarnsOfLightFingersThatPassThroughEachOtherAndSaysWhatHelps) {
+TEST(Gripper, WarnsAboutPenetratingLightFingersWithARemedy) {
   ModelFolder folder;
   RobotConfig config;
   config.name = "hand";
@@ -589,7 +589,7 @@ TEST(Gripper, WarnsOfLightFingersThatPassThroughEachOtherAndSaysWhatHelps) {
   EXPECT_THAT(warnings, ::testing::IsEmpty());
 }
 
-TEST(Gripper, RefusesOpeningsThatAreNoNumbersAndClampsOthers) {
+TEST(Gripper, RejectsNonFiniteOpeningsAndClampsOthers) {
   Robot robot = RobotAlone(Rc7());
   ExpectThrow<ArgumentError>([&] { robot.gripper().SetOpening(NAN); },
                              "robot 'rc7' / group 'gripper': opening cannot be nan; it goes from 0 "
@@ -600,7 +600,7 @@ TEST(Gripper, RefusesOpeningsThatAreNoNumbersAndClampsOthers) {
                              "robot 'rc7' / group 'gripper': no body 'cub'");
 }
 
-TEST(GripperRoot, IsTheLeafOfItsArmWhereItHasNone) {
+TEST(GripperRoot, IsTheTcpOfItsArmByDefault) {
   RobotConfig config = Rc7();
   ASSERT_TRUE(config.move_groups["arm"].leaf);
   GripperConfig(config).leaf.reset();
@@ -610,7 +610,7 @@ TEST(GripperRoot, IsTheLeafOfItsArmWhereItHasNone) {
   EXPECT_FALSE(gripper.leaf_frame_to_world().is_close(robot.tcp_in_world(), 1e-3, 1e-3));
 }
 
-TEST(GripperRoot, IsItsLeafUnlessTheFileNamesAnother) {
+TEST(GripperRoot, IsItsLeafFrameUnlessConfigured) {
   RobotConfig config = Rc7();
   const Robot robot = RobotAlone(config);
   const MoveGroup& gripper = robot.gripper();
@@ -622,7 +622,7 @@ TEST(GripperRoot, IsItsLeafUnlessTheFileNamesAnother) {
   EXPECT_TRUE(other.gripper().root_frame_to_world().is_close(other.base_in_world(), 1e-12, 1e-12));
 }
 
-TEST_P(AnyGripper, ReadsItsOpeningFromItsJointWhereItsRangeIsGiven) {
+TEST_P(AnyGripper, ReadsItsOpeningFromItsJointRange) {
   RobotConfig config = *GetParam().robot.spec().config;
   if (GripperConfig(config).joints.empty()) return;
   GripperConfig(config).joint_range = GripperJointRange{.open = -0.3, .closed = 0.9};

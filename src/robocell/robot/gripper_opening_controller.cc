@@ -31,7 +31,7 @@ void GripperOpeningController::Reset() {
 
 // Controls go from closed to open with the opening, usually linearly.
 double GripperOpeningController::OpeningFor(double ctrl) const {
-  constexpr double kSame = 1e-9;  // of the way from closed to open
+  constexpr double kSame = 1e-9;  // share of the travel from closed to open
   const double closed = group_.ctrl_for_opening(0), open = group_.ctrl_for_opening(1);
   const auto share = [&](double value) { return (value - closed) / (open - closed); };
   const double wanted = std::clamp(share(ctrl), 0.0, 1.0);

@@ -27,7 +27,7 @@ constexpr double kLeastSeconds = 1.0;
 constexpr double kMostSeconds = 20.0;
 constexpr double kWindowSeconds = 0.25;
 constexpr double kStill = 2.5e-4;  // metres within a window: a millimetre a second
-constexpr double kSteady = 0.97;   // of the distance moved within the window before
+constexpr double kSteady = 0.97;   // share of the distance moved within the window before
 constexpr const char* kContext = "measuring a gripper";
 
 ModelPtr AloneWithoutGravity(const mjModel* model, int robot_body) {
@@ -176,7 +176,7 @@ class PassedFingers {
   }
 
  private:
-  static constexpr int kParts = 50;             // of the straight line between the two states
+  static constexpr int kParts = 50;             // parts of the straight line between the two states
   static constexpr double kThrough = 1e-3;      // metres deeper than at both of its ends
   static constexpr double kContactTime = 0.02;  // s; the engine's default for contacts
 
@@ -339,7 +339,7 @@ std::vector<std::string> TouchingFingers(const Scene& scene, const GripperParts&
 
 std::optional<std::array<int, 2>> OverlapOfFingers(const Scene& scene, const GripperParts& parts,
                                                    const std::array<std::vector<double>, 2>& ctrl) {
-  GeomDistances farthest;  // of the two ends
+  GeomDistances farthest;  // distances at the farther one of the two ends
   LookAtEnds(scene, parts, ctrl, [&](const mjModel* m, mjData* d, double) {
     for (const auto& [geoms, distance] : DistancesOfGeoms(m, d, parts.pair)) {
       const auto [at, is_new] = farthest.try_emplace(geoms, distance);

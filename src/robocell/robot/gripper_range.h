@@ -15,7 +15,7 @@ namespace robocell::internal {
 
 // The behaviour of a gripper at the two ends of its control.
 struct GripperRange {
-  std::vector<GripperCtrl> ctrl;  // of each actuator
+  std::vector<GripperCtrl> ctrl;  // controls of each actuator
   GripperDistance distance;
   // Fingers may meet before the controls are at `closed`: up to this share from closed (0) to open
   // (1) they stay together. 0 if that is less than a fifth of the way.
@@ -48,8 +48,8 @@ std::vector<int> ActuatorsOf(const mjModel* model, const GripperParts& parts);
 // for all scenes on a frozen one.
 struct SettledFingers {
   std::array<double, 2> distances = {};
-  std::optional<FlatDistance> flat;       // on the way from the first controls to the second
-  std::optional<PressedFingers> pressed;  // at the second
+  std::optional<FlatDistance> flat;  // flat part on the way from the first controls to the second
+  std::optional<PressedFingers> pressed;  // pressed fingers at the second controls
   std::vector<double> pushed;             // forces of the actuators there
 };
 SettledFingers SettleFingers(const Scene& scene, const GripperParts& parts,

@@ -1,6 +1,6 @@
 // Private to robot: a group of a robot, and the controller that drives its actuators.
 //
-// One arm may belong to several robots, configured or not, each with a tool or leaf of its own.
+// One arm may belong to several robots, configured or not, each with its own tool or leaf.
 // Each has its own group, but an arm's actuators have one driver: all robots whose arm has the same
 // joints and actuators share the control.
 #pragma once
@@ -28,7 +28,7 @@ class ControlledGroup {
   ControlledGroup(const Scene& scene, MadeGroup made, std::string root_body,
                   const ChainOptions& options);
 
-  // Reads the chain anew, with the bodies that hang on it at `qpos` or, by default, at the
+  // Reads the chain again, with the bodies that hang on it at `qpos` or, by default, at the
   // reference.
   void RemakeChain(const mjModel* model, std::span<const double> qpos = {});
   // Returns true if the model was written to since the chain was read from it.
@@ -40,15 +40,16 @@ class ControlledGroup {
   std::shared_ptr<MoveGroup> group;
   Drives drives;
   const ArmGroup* arm = nullptr;  // the group, if it is an ArmGroup
-  std::optional<ChainTip> tip;    // of arms whose chain is known
-  std::optional<Chain> chain;     // from the root body to `tip`
+  std::optional<ChainTip> tip;    // tip of an arm whose chain is known
+  std::optional<Chain> chain;     // chain from the root body to `tip`
 
  private:
   std::string root_body_, tool_body_;
   std::string control_key_;
-  ChainSource source_;  // of `chain`
+  ChainSource source_;  // source of `chain`
   bool refreshed_ = false;
-  std::vector<std::shared_ptr<void>> companions_;  // of former chains, see Chain::companion()
+  std::vector<std::shared_ptr<void>>
+      companions_;  // companions of former chains, see Chain::companion()
 };
 
 // The controller of a group, and the buffer that carries the control to the engine. The scene keeps

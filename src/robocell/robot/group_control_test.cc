@@ -51,7 +51,7 @@ class SharedArm : public ::testing::TestWithParam<bool> {
 INSTANTIATE_TEST_SUITE_P(Second, SharedArm, ::testing::Bool(),
                          [](const auto& second) { return second.param ? "Configured" : "AdHoc"; });
 
-TEST_P(SharedArm, AnotherRobotOfItChangesNothing) {
+TEST_P(SharedArm, AnotherRobotChangesNothing) {
   Scene scene = Build();
   Robot first = AdHoc(scene, false);
   first.set_ctrl_mode(kPushed);
@@ -83,7 +83,7 @@ TEST_P(SharedArm, EitherRobotSwitchesItForBoth) {
   }
 }
 
-TEST_P(SharedArm, TheLastCommandCountsWhoeverUpdates) {
+TEST_P(SharedArm, TheLastCommandWinsWhicheverRobotUpdates) {
   Scene scene = Build();
   Robot first = AdHoc(scene, false), second = Second(scene);
   const std::vector<double> here(first.jnt_pos_msr().begin(), first.jnt_pos_msr().end());
@@ -104,7 +104,7 @@ TEST_P(SharedArm, TheLastCommandCountsWhoeverUpdates) {
   EXPECT_NEAR(first.arm().joint_pos()[0], here[0], 0.02);
 }
 
-TEST_P(SharedArm, ModeAndTargetsStayThroughObjectsThatComeAndGoAndTheModeThroughResets) {
+TEST_P(SharedArm, RebuildsKeepModeAndTargetsAndResetsKeepTheMode) {
   Scene scene = Build();
   Robot first = AdHoc(scene, false), second = Second(scene);
   second.set_ctrl_mode(kPushed);
@@ -122,7 +122,7 @@ TEST_P(SharedArm, ModeAndTargetsStayThroughObjectsThatComeAndGoAndTheModeThrough
   EXPECT_THAT(second.jnt_trq_cmd(), ElementsAreArray(gravity));
 }
 
-TEST_P(SharedArm, GoesOnWhenTheRobotThatChoseItsControllerGoes) {
+TEST_P(SharedArm, KeepsItsControllerAfterTheRobotThatSetItIsGone) {
   Scene scene = Build();
   std::optional<Robot> first = AdHoc(scene, false);
   first->set_ctrl_mode(kPushed);
@@ -134,7 +134,7 @@ TEST_P(SharedArm, GoesOnWhenTheRobotThatChoseItsControllerGoes) {
   ExpectPush(second);
 }
 
-TEST_P(SharedArm, StaysInItsModeWhenNoRobotIsLeft) {
+TEST_P(SharedArm, KeepsItsModeWithoutARobot) {
   Scene scene = Build();
   AdHoc(scene, false).set_ctrl_mode(kPushed);
   Robot next = Second(scene);
@@ -173,7 +173,7 @@ class PointedArm : public SharedArm {
 INSTANTIATE_TEST_SUITE_P(Second, PointedArm, ::testing::Bool(),
                          [](const auto& second) { return second.param ? "Configured" : "AdHoc"; });
 
-TEST_P(PointedArm, GoesOnAsTheOtherRobotWhenTheTipOfTheOneIsTakenAway) {
+TEST_P(PointedArm, FollowsTheOtherRobotAfterItsTipIsRemoved) {
   for (const bool before : {true, false}) {
     Make(before);
     first->SetController("arm", "cartesian_impedance");
@@ -194,7 +194,7 @@ TEST_P(PointedArm, GoesOnAsTheOtherRobotWhenTheTipOfTheOneIsTakenAway) {
   }
 }
 
-TEST_P(PointedArm, KeepsItsTargetWhenTheTipIsTakenAway) {
+TEST_P(PointedArm, KeepsItsTargetAfterItsTipIsRemoved) {
   for (const bool before : {true, false}) {
     for (const bool handle : {true, false}) {
       Make(before);
@@ -218,7 +218,7 @@ TEST_P(PointedArm, KeepsItsTargetWhenTheTipIsTakenAway) {
 // The first four of seven joints.
 Robot PartOf(const Scene& scene) { return Robot::FromScene(scene, "base_link", "link4"); }
 
-TEST(PartOfAnArm, IsMeasuredBesideTheArmAndNotDriven) {
+TEST(PartOfAnArm, IsMeasuredButNotDriven) {
   const Scene scene = Scene::Build(SceneWith({.name = "a", .config = Rc7()}));
   Robot arm = Robot::Of(scene, "a"), part = PartOf(scene);
   const std::string why =
@@ -242,7 +242,7 @@ TEST(PartOfAnArm, IsMeasuredBesideTheArmAndNotDriven) {
       (part.base_in_world() * part.FkFrame()).is_close(scene.body_pose("link4"), 1e-9, 1e-9));
 }
 
-TEST(PartOfAnArm, ThatIsThereFirstIsDrivenUntilItGoes) {
+TEST(PartOfAnArm, IsDrivenWhileItExistsFirst) {
   const Scene scene = Scene::Build(SceneWith({.name = "a", .config = Rc7()}));
   std::optional<Robot> part = PartOf(scene);
   part->SetJntPosCmd(std::vector<double>{0.1, 0.2, 0.3, 0.4});
@@ -260,7 +260,7 @@ TEST(PartOfAnArm, ThatIsThereFirstIsDrivenUntilItGoes) {
   ExpectThrow<NotFoundError>([&] { PartOf(scene).jnt_pos_cmd(); }, "'arm' already");
 }
 
-TEST(PartOfAnArm, OfArmsThatShareNoJointEachIsDriven) {
+TEST(PartOfAnArm, DisjointArmsAreBothDriven) {
   SceneSpec spec = SceneWith({.name = "a", .config = Rc7(), .prefix = "a_"});
   spec.robots.push_back({.name = "b", .config = Rc7(), .prefix = "b_", .pos = {0, 2, 0}});
   const Scene scene = Scene::Build(spec);
@@ -270,7 +270,7 @@ TEST(PartOfAnArm, OfArmsThatShareNoJointEachIsDriven) {
   EXPECT_EQ(a.jnt_pos_cmd().size(), 7);
 }
 
-TEST(ArmMode, IsTheActuatorsWhoeverSwitchedThem) {
+TEST(ArmMode, IsSharedByAllRobotsOfTheActuators) {
   Robot robot = RobotAlone(Rc7());
   mjModel* m = robot.scene().mutable_model();
   const auto bit = [&](const char* actuator) {
@@ -283,7 +283,7 @@ TEST(ArmMode, IsTheActuatorsWhoeverSwitchedThem) {
   EXPECT_EQ(robot.ctrl_mode(), kDriven);
 }
 
-TEST(ArmPort, StaysInItsPlaceThroughChangesOfTheMode) {
+TEST(ArmPort, KeepsItsAddressThroughModeChanges) {
   Robot robot = RobotAlone(Rc7());
   const std::span<double> pos = robot.jnt_pos_cmd(), trq = robot.jnt_trq_cmd();
   robot.set_ctrl_mode(kPushed);
@@ -303,7 +303,7 @@ TEST(ArmPort, StaysInItsPlaceThroughChangesOfTheMode) {
   EXPECT_NEAR(robot.arm().joint_pos()[0], target, 0.02);
 }
 
-TEST(ArmPort, WhatIsWrittenBeforeTheModeCountsWithIt) {
+TEST(ArmPort, CommandsWrittenBeforeTheModeApplyWithIt) {
   Robot robot = RobotAlone(Rc7());
   robot.SetJntTrqCmd(kPush);
   robot.Update();
@@ -321,7 +321,7 @@ TEST(ArmPort, WhatIsWrittenBeforeTheModeCountsWithIt) {
   EXPECT_THAT(robot.jnt_trq_cmd(), ElementsAreArray(std::vector<double>(7)));
 }
 
-TEST(ArmPort, OfAnotherModeIsForgottenByAReset) {
+TEST(ArmPort, OfAnotherModeIsClearedByAReset) {
   Robot robot = RobotAlone(Rc7());
   robot.SetJntTrqCmd(kPush);
   robot.scene().Reset();
@@ -346,7 +346,7 @@ TEST(ArmPort, TheReadingOfASensorOutlivesARebuild) {
   EXPECT_EQ(reading.vector(), before.vector());
 }
 
-TEST(Paused, StepsOfTheRobotLeaveTheSceneAsItIs) {
+TEST(Paused, RobotStepsDoNotAdvanceTheScene) {
   Robot robot = RobotAlone(Rc7());
   Scene scene = robot.scene();
   EXPECT_FALSE(robot.paused());

@@ -10,11 +10,15 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/small_arrays.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/gravity.h"
 #include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/joint_followers.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
 #include "robocell/scene/actuator_kind.h"
+#include "robocell/scene/drive_matrix.h"
 #include "robocell/scene/hold_ctrl.h"
 
 namespace robocell {
@@ -63,6 +67,8 @@ void GroupCore::Resolve() const {
   const std::string where = "scene '" + scene_.name() + "' / " + place();
   ResolveJoints(where);
   ResolveActuators(where);
+  ResolveFollowers();
+  ResolveLengths();
   root_ = Find(names_.root, where);
   leaf_ = Find(names_.leaf, where);
   base_ = Find(names_.robot_base, where);
@@ -97,14 +103,44 @@ void GroupCore::ResolveActuators(const std::string& where) const {
   }
 }
 
+void GroupCore::ResolveFollowers() const {
+  const mjModel* m = model();
+  followers_.clear();
+  if (!names_.couples || m->neq == 0) return;
+  for (const internal::JointFollower& f : internal::FollowersOf(m, joint_ids_)) {
+    followers_.push_back(
+        {f.joint, m->jnt_qposadr[f.joint], m->jnt_dofadr[f.joint], f.leader, f.of_leader});
+  }
+}
+
+void GroupCore::ResolveLengths() const {
+  const mjModel* m = model();
+  lengths_.reset();
+  if (!names_.couples || actuator_ids_.empty()) return;
+  bool plain = driven_.size() == joint_ids_.size();
+  for (size_t i = 0; plain && i < driven_.size(); ++i) plain = driven_[i] == static_cast<int>(i);
+  if (plain) return;
+  const std::vector<internal::JointFollower> followers = internal::FollowersOf(m, joint_ids_);
+  internal::DriveLengths lengths;
+  for (const int id : actuator_ids_) {
+    lengths.of_actuators.push_back(
+        internal::LengthOver(m, id, joint_ids_, followers).value_or(internal::DriveLength{}));
+  }
+  lengths_ = std::make_shared<const internal::DriveLengths>(std::move(lengths));
+}
+
+Eigen::MatrixXd GroupCore::DriveMatrix(std::span<const double> q) const {
+  return internal::DriveMatrix(lengths_->of_actuators, q);
+}
+
 GroupCore::FrameId GroupCore::Find(const FrameName& frame, const std::string& where) const {
   const mjtObj kind = frame.is_site ? mjOBJ_SITE : mjOBJ_BODY;
   return {frame.is_site, RequireId(model(), kind, frame.name, where)};
 }
 
 void GroupCore::ThrowWrongSize(size_t got, int expected, const char* what) const {
-  throw ArgumentError(
-      fmt::format("{}: expected {} {} values, got {}", place(), expected, what, got));
+  throw ArgumentError(fmt::format("{}: expected {}, got {}", place(),
+                                  Counted(expected, std::string(what) + " value"), got));
 }
 
 void GroupCore::RequireFiniteValues(std::span<const double> values,
@@ -137,6 +173,10 @@ void GroupCore::GetJointTorque(std::span<double> out) const {
   Bind();
   RequireSize(out.size(), nv(), "joint torque");
   dof_addresses_.Gather(data()->qfrc_actuator, out);
+  for (const Follower& f : followers_) {
+    const double slope = f.of_leader.slope(data()->qpos[qpos_addresses_[f.leader]]);
+    out[f.leader] += slope * data()->qfrc_actuator[f.dof_address];
+  }
 }
 
 void GroupCore::GetCtrl(std::span<double> out) const {
@@ -155,6 +195,7 @@ void GroupCore::WriteJointPos(std::span<const double> q) const {
   RequireSize(q.size(), nq(), "joint");
   RequireFiniteValues(q, names_.joints, "joint");
   qpos_addresses_.Scatter(q, data()->qpos);
+  for (const Follower& f : followers_) data()->qpos[f.qpos_address] = f.of_leader.at(q[f.leader]);
   Scene(scene_).PosesChanged();
 }
 
@@ -163,6 +204,10 @@ void GroupCore::SetJointVel(std::span<const double> v) const {
   RequireSize(v.size(), nv(), "joint velocity");
   RequireFiniteValues(v, names_.joints, "joint");
   dof_addresses_.Scatter(v, data()->qvel);
+  for (const Follower& f : followers_) {
+    const double slope = f.of_leader.slope(data()->qpos[qpos_addresses_[f.leader]]);
+    data()->qvel[f.dof_address] = slope * v[f.leader];
+  }
 }
 
 void GroupCore::SetCtrl(std::span<const double> ctrl) const {
@@ -190,6 +235,22 @@ void GroupCore::GetJointPosLimits(std::span<Interval> out) const {
     const mjtNum* range = m->jnt_range + 2 * id;
     limits = std::fill_n(limits, count,
                          limited ? Interval{range[0], range[1]} : Interval{-kInfinity, kInfinity});
+  }
+  if (!followers_.empty()) [[unlikely]]
+    NarrowToFollowers(out);
+}
+
+// Only followers that carry the leaf are joints of its chain.
+void GroupCore::NarrowToFollowers(std::span<Interval> limits) const {
+  const mjModel* m = model();
+  const int leaf = leaf_.is_site ? m->site_bodyid[leaf_.id] : leaf_.id;
+  for (const Follower& f : followers_) {
+    const bool carries = internal::IsInSubtree(m, leaf, m->jnt_bodyid[f.joint]);
+    if (!m->jnt_limited[f.joint] || !carries) continue;
+    Interval& own = limits[f.leader];
+    const internal::JointRange within =
+        internal::RangeWithin(f.of_leader, {own.lower, own.upper}, internal::LimitsOf(m, f.joint));
+    if (within.lower <= within.upper) own = {within.lower, within.upper};
   }
 }
 
@@ -224,12 +285,18 @@ void GroupCore::NoopCtrl(std::span<double> out) const {
   }
 }
 
+std::optional<double> GroupCore::LengthFor(size_t actuator, std::span<const double> q) const {
+  const int joint = driven_[actuator];
+  if (joint >= 0) return internal::Gear(model(), actuator_ids_[actuator]) * q[joint];
+  if (!lengths_ || lengths_->of_actuators[actuator].empty()) return std::nullopt;
+  return internal::LengthAt(lengths_->of_actuators[actuator], q);
+}
+
 // Ignores its control range. Unset if it is not a position servo of one of the joints.
 std::optional<double> GroupCore::RestingCtrlFor(size_t actuator, std::span<const double> q) const {
-  const mjModel* m = model();
-  const int id = actuator_ids_[actuator], joint = driven_[actuator];
-  if (joint < 0) return std::nullopt;
-  return internal::FreeRestingCtrl(m, id, internal::Gear(m, id) * q[joint]);
+  const std::optional<double> length = LengthFor(actuator, q);
+  if (!length) return std::nullopt;
+  return internal::FreeRestingCtrl(model(), actuator_ids_[actuator], *length);
 }
 
 void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const {
@@ -241,7 +308,8 @@ void GroupCore::CtrlForJointPos(std::span<const double> q, std::span<double> ctr
     const std::optional<double> rest = RestingCtrlFor(i, q);
     if (!rest) {
       throw ArgumentError(fmt::format(
-          "{}: actuator '{}' is no position servo of one of its joints{}, so it cannot be driven "
+          "{}: actuator '{}' is not a position servo of one of its joints{}, so it cannot be "
+          "driven "
           "to "
           "a joint position; give the group another controller (for an arm of motors: `control: "
           "{{{}: joint_impedance}}` at the top level of the robot file, or joint_torque there to "
@@ -263,9 +331,10 @@ void GroupCore::SettleLags(std::span<const double> q) const {
   RequireSize(q.size(), nq(), "joint");
   const mjModel* m = model();
   for (size_t i = 0; i < actuator_ids_.size(); ++i) {
-    const int id = actuator_ids_[i], joint = driven_[i];
-    if (joint < 0) continue;
-    if (const auto ctrl = internal::RestingCtrl(m, id, internal::Gear(m, id) * q[joint]))
+    const int id = actuator_ids_[i];
+    const std::optional<double> length = LengthFor(i, q);
+    if (!length) continue;
+    if (const auto ctrl = internal::RestingCtrl(m, id, *length))
       internal::SettleLag(m, data(), id, *ctrl);
   }
 }
@@ -281,7 +350,9 @@ std::optional<CutCtrl> GroupCore::FindCutCtrl(std::span<const double> q,
     if (!m->actuator_ctrllimited[input] || !at_end) continue;
     const std::optional<double> rest = RestingCtrlFor(i, q);
     if (!rest || (*rest >= range[0] && *rest <= range[1])) continue;
-    return CutCtrl{i, static_cast<size_t>(driven_[i]), *rest, {range[0], range[1]}};
+    const size_t joint =
+        driven_[i] >= 0 ? static_cast<size_t>(driven_[i]) : lengths_->of_actuators[i].front().joint;
+    return CutCtrl{i, joint, *rest, {range[0], range[1]}};
   }
   return std::nullopt;
 }
@@ -338,6 +409,14 @@ void GroupCore::Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> ou
     for (int r = 0; r < 3; ++r) {
       out(r, c) = linear[r * m->nv + dof_addresses_[c]];
       out(r + 3, c) = angular[r * m->nv + dof_addresses_[c]];
+    }
+  }
+  for (const Follower& f : followers_) {
+    const double slope = f.of_leader.slope(d->qpos[qpos_addresses_[f.leader]]);
+    const auto column = static_cast<Eigen::Index>(f.leader);
+    for (int r = 0; r < 3; ++r) {
+      out(r, column) += slope * linear[r * m->nv + f.dof_address];
+      out(r + 3, column) += slope * angular[r * m->nv + f.dof_address];
     }
   }
 }

@@ -5,17 +5,23 @@
 // Members mean the same as the functions of that name in move_group.h. Errors begin with place().
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 #include <Eigen/Core>
 
+#include "robocell/mujoco/couplings.h"
 #include "robocell/robot/addresses.h"
 #include "robocell/robot/move_group.h"
 #include "robocell/scene/scene.h"
 
 namespace robocell {
+
+namespace internal {
+struct DriveLengths;
+}
 
 // A body or site of the model.
 struct FrameName {
@@ -25,23 +31,33 @@ struct FrameName {
 
 // The parts of a group, by full names.
 struct GroupNames {
-  std::string robot = {};  // for messages; may be empty
+  std::string robot = {};  // name for messages; may be empty
   std::string group = {};
   std::vector<std::string> joints = {};
   std::vector<std::string> actuators = {};
   FrameName root = {}, leaf = {};
   FrameName robot_base = {};
+  // If true, joints that follow its own (mujoco/couplings.h) move with them, and its actuators may
+  // act through fixed tendons and on followers.
+  bool couples = false;
 };
 
 // A control that its actuator's ctrlrange clips.
 struct CutCtrl {
-  size_t actuator = 0, joint = 0;  // of the group's
+  size_t actuator = 0, joint = 0;  // indices of the group's actuator and joint
   double wanted = 0;
   Interval range = {};
 };
 
 class GroupCore {
  public:
+  // A joint that follows one of the group.
+  struct Follower {
+    int joint = -1, qpos_address = -1, dof_address = -1;
+    size_t leader = 0;  // index in the group
+    JointPolynomial of_leader;
+  };
+
   // Holds the scene by inner(). Throws NotFoundError if the scene lacks one of the names.
   GroupCore(const Scene& scene, GroupNames names);
 
@@ -63,6 +79,7 @@ class GroupCore {
   int nu() const { return static_cast<int>(ctrl_addresses_.size()); }
   const std::vector<int>& joint_ids() const { return joint_ids_; }
   const std::vector<int>& actuator_ids() const { return actuator_ids_; }
+  const std::vector<Follower>& followers() const { return followers_; }
   const std::vector<int>& ctrl_addresses() const { return ctrl_addresses_.list(); }
 
   void GetJointPos(std::span<double> out) const;
@@ -82,6 +99,10 @@ class GroupCore {
   void CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const;
   // Makes filtered and delayed servos begin as if their target had been `q` for long.
   void SettleLags(std::span<const double> q) const;
+  // Returns true if an actuator acts on each joint alone, in their order, and no joint follows one.
+  bool has_plain_drive() const { return !lengths_; }
+  // Returns how the lengths of the actuators change with the joints; only without a plain drive.
+  Eigen::MatrixXd DriveMatrix(std::span<const double> q) const;
   // Returns the first control, from the actuator `from` on, that CtrlForJointPos clipped when it
   // made `ctrl` for `q`. No allocation.
   std::optional<CutCtrl> FindCutCtrl(std::span<const double> q, std::span<const double> ctrl,
@@ -109,6 +130,11 @@ class GroupCore {
   void Resolve() const;
   void ResolveJoints(const std::string& where) const;
   void ResolveActuators(const std::string& where) const;
+  void ResolveFollowers() const;
+  void ResolveLengths() const;
+  void NarrowToFollowers(std::span<Interval> limits) const;
+  // Returns the length of an actuator; unset if it acts on something else than the joints.
+  std::optional<double> LengthFor(size_t actuator, std::span<const double> q) const;
   FrameId Find(const FrameName& frame, const std::string& where) const;
   Pose FramePose(FrameId& frame) const;
   std::optional<double> RestingCtrlFor(size_t actuator, std::span<const double> q) const;
@@ -125,10 +151,12 @@ class GroupCore {
   // One per number, in the order of joints and actuators.
   mutable Addresses qpos_addresses_, dof_addresses_, ctrl_addresses_;
   mutable std::vector<int> joint_ids_, actuator_ids_;
-  mutable std::vector<int> driven_;       // per actuator: index of the position it drives, or -1
-  mutable std::vector<double> jacobian_;  // 6 x model nv, scratch
+  mutable std::vector<int> driven_;  // per actuator: index of the position it drives, or -1
+  mutable std::vector<Follower> followers_;
+  mutable std::shared_ptr<const internal::DriveLengths> lengths_;  // null with a plain drive
+  mutable std::vector<double> jacobian_;                           // 6 x model nv, scratch
   mutable FrameId root_, leaf_, base_;
-  mutable bool base_is_carried_ = false;  // by joints
+  mutable bool base_is_carried_ = false;  // true if joints carry the base
   GroupNames names_;
 };
 

@@ -57,7 +57,7 @@ std::vector<double> Numbered(int n) {
   return v;
 }
 
-TEST_F(OddGroup, ReadsAndWritesJointsInItsOwnOrder) {
+TEST_F(OddGroup, ReadsAndWritesJointsInItsOrder) {
   EXPECT_EQ(all.nq(), 1 + 7 + 1 + 4);
   EXPECT_EQ(all.nv(), 1 + 6 + 1 + 3);
   const std::vector<double> q = Numbered(13), v = Numbered(11);
@@ -97,7 +97,7 @@ TEST_F(OddGroup, HasLimitsOnlyWhereJointsHaveThem) {
   for (const int i : {1, 4, 7, 9, 12}) EXPECT_TRUE(std::isinf(limits[i].upper)) << i;
 }
 
-TEST_F(OddGroup, JacobianIsThatOfTheEngineForEveryKindOfJoint) {
+TEST_F(OddGroup, JacobianMatchesTheEngineForEveryJointType) {
   all.SetJointPos(Numbered(13));
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(6, 11);
   all.Jacobian(jacobian);
@@ -123,7 +123,7 @@ double ForceWith(Scene& scene, const char* actuator, double ctrl) {
   return scene.data()->actuator_force[RequireId(scene.model(), mjOBJ_ACTUATOR, actuator, "")];
 }
 
-TEST_F(OddGroup, NoopCtrlIsWhereServosOfEveryKindRest) {
+TEST_F(OddGroup, NoopCtrlHoldsServosOfEveryKindAtRest) {
   GroupCore group = Make({"slide", "hinge"}, {"geared", "scaled", "pulled", "motor", "integrated"});
   group.SetJointPos(std::vector<double>{0.15, -0.6});
   std::vector<double> ctrl(5);
@@ -154,7 +154,7 @@ TEST_F(OddGroup, NoopCtrlFollowsATeleportInsideOfAReset) {
   EXPECT_DOUBLE_EQ(ctrl[1], 0.2);
 }
 
-TEST_F(OddGroup, CtrlForJointPosIsWhereServosRestThere) {
+TEST_F(OddGroup, CtrlForJointPosHoldsServosAtRest) {
   GroupCore group = Make({"slide", "hinge"}, {"geared", "scaled"});
   std::vector<double> ctrl(2);
   const std::vector<double> q{0.15, -0.6};
@@ -166,17 +166,17 @@ TEST_F(OddGroup, CtrlForJointPosIsWhereServosRestThere) {
   EXPECT_EQ(ctrl[1], 20) << "clamped to the control range";
 }
 
-TEST_F(OddGroup, CtrlForJointPosNamesTheActuatorThatIsNoServoOfItsJoints) {
+TEST_F(OddGroup, CtrlForJointPosNamesAnUnsuitableActuator) {
   std::vector<double> ctrl(1);
   for (const char* name : {"pulled", "motor", "integrated"}) {
     GroupCore group = Make({"hinge"}, {name});
     ExpectThrow<ArgumentError>([&] { group.CtrlForJointPos(std::vector<double>{0}, ctrl); },
                                std::string("group 'odd': actuator '") + name +
-                                   "' is no position servo of one of its joints");
+                                   "' is not a position servo of one of its joints");
   }
 }
 
-TEST_F(OddGroup, RefusesWrongSizesAndBadNumbersByName) {
+TEST_F(OddGroup, RejectsWrongSizesAndInvalidNumbersByName) {
   GroupCore group = Make({"hinge", "slide"}, {"motor"});
   std::vector<double> one(1), two(2);
   ExpectThrow<ArgumentError>([&] { group.GetJointPos(one); },
@@ -184,7 +184,7 @@ TEST_F(OddGroup, RefusesWrongSizesAndBadNumbersByName) {
   ExpectThrow<ArgumentError>([&] { group.SetJointVel(one); },
                              "group 'odd': expected 2 joint velocity values, got 1");
   ExpectThrow<ArgumentError>([&] { group.SetCtrl(two); },
-                             "group 'odd': expected 1 control values, got 2");
+                             "group 'odd': expected 1 control value, got 2");
   ExpectThrow<ArgumentError>(
       [&] {
         group.SetJointPos(std::vector<double>{0, NAN});
@@ -200,7 +200,7 @@ TEST_F(OddGroup, RefusesWrongSizesAndBadNumbersByName) {
                              "group 'odd': expected 2 Jacobian column values, got 1");
 }
 
-TEST_F(OddGroup, SaysWhichNameTheSceneLacks) {
+TEST_F(OddGroup, NamesAMissingElement) {
   ExpectThrow<NotFoundError>(
       [&] { Make({"hing"}, {}); },
       "scene 'test' / group 'odd': no joint 'hing'. Its joints: float, neck, "
@@ -208,7 +208,7 @@ TEST_F(OddGroup, SaysWhichNameTheSceneLacks) {
   ExpectThrow<NotFoundError>([&] { Make({}, {"moter"}); }, "Did you mean 'motor'?");
 }
 
-TEST_F(OddGroup, FramesAreThoseOfTheSceneAfterStepsToo) {
+TEST_F(OddGroup, FramesMatchTheSceneAfterSteps) {
   EXPECT_TRUE(scene.StepN(10).ok());
   EXPECT_EQ(all.leaf_frame_to_world(), scene.site_pose("tip"));
   EXPECT_EQ(all.root_frame_to_world(), scene.body_pose("trunk"));

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/actuators.h"
+#include "robocell/mujoco/joint_followers.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/base_group.h"
@@ -14,6 +17,7 @@
 #include "robocell/robot/gripper_group.h"
 #include "robocell/robot/joint_group.h"
 #include "robocell/scene/actuator_kind.h"
+#include "robocell/scene/drive_matrix.h"
 #include "robocell/scene/element_lookup.h"
 
 namespace robocell::internal {
@@ -37,8 +41,25 @@ struct FoundActuators {
   bool incomplete = false;  // some joints have one
 };
 
+// Returns the actuators of an arm that act through tendons or on followers of its joints; none if
+// one acts on each joint alone.
+std::vector<int> DrivenTogether(const mjModel* m, const std::vector<std::string>& joints,
+                                bool one_on_each) {
+  std::vector<int> ids;
+  for (const std::string& joint : joints) ids.push_back(FindId(m, mjOBJ_JOINT, joint));
+  if (std::find(ids.begin(), ids.end(), -1) != ids.end()) return {};
+  if (one_on_each && FollowersOf(m, ids).empty()) return {};
+  return FindMatrixDrive(m, ids);
+}
+
 FoundActuators ActuatorsOf(const mjModel* m, const std::vector<std::string>& joints) {
   ArmDrive drive = FindArmDrive(joints, JointActuators(m));
+  const std::vector<int> together = DrivenTogether(m, joints, drive.complete());
+  if (!together.empty()) {
+    FoundActuators found;
+    for (const int id : together) found.names.push_back(ElementName(m, mjOBJ_ACTUATOR, id));
+    return found;
+  }
   if (drive.complete()) return {std::move(drive.names)};
   std::vector<std::string> without;
   bool others = false;  // actuators of no kind
@@ -60,6 +81,7 @@ FoundActuators ActuatorsOf(const mjModel* m, const std::vector<std::string>& joi
 
 MadeGroup MakeArmGroup(const Scene& scene, GroupNames names, const ChainTip& tip,
                        const std::string& why_no_actuators) {
+  names.couples = true;
   const auto arm = std::make_shared<ArmGroup>(scene, names);
   return {arm, tip, why_no_actuators, FindDrives(scene, arm, std::move(names), why_no_actuators)};
 }

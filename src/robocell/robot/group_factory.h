@@ -21,8 +21,8 @@ struct MadeGroup {
   std::shared_ptr<MoveGroup> group;
   std::optional<ChainTip> tip = {};  // the end of an arm's chain; unset for the other kinds
   std::string why_no_actuators = {};
-  std::optional<Drives> drives = {};  // of an arm
-  std::string own_controller = {};    // of a group with a single possible controller, or ""
+  std::optional<Drives> drives = {};  // drives of an arm
+  std::string own_controller = {};    // the group's only possible controller, or ""
 };
 
 // Makes the groups of RobotConfig.move_groups in order, and a group "base" if none is configured.

@@ -37,7 +37,7 @@ TEST(HotPath, OfTheBuiltInRobotAllocatesNothing) {
   ExpectNoAllocation(robot);
 }
 
-TEST(HotPath, OfADrivenBaseOnTheWayAllocatesNothing) {
+TEST(HotPath, OfAMovingDrivenBaseAllocatesNothing) {
   RobotConfig config = Rc7();
   config.base = {.kind = BaseKind::kDriven};
   Robot robot = RobotAlone(config);

@@ -52,7 +52,7 @@ class JointPositionController : public Controller {
   std::vector<double> held_;  // the target without a command
   bool commanded_ = false;
   std::vector<double> within_;    // the target inside the limits, scratch
-  std::vector<Interval> limits_;  // for servos those of the last Compute(), else of the last reset
+  std::vector<Interval> limits_;  // servo limits at the last Compute(), others at the last reset
   BeyondLimits beyond_;
 };
 

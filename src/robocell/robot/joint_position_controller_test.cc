@@ -38,7 +38,7 @@ std::vector<double> StartOf(const Robot& robot) {
   return q;
 }
 
-TEST_P(AnyArm, TracksATargetAndHoldsStillWithoutOne) {
+TEST_P(AnyArm, TracksATargetOrHoldsStill) {
   REQUIRE_ROBOT(GetParam());
   RobotSpec spec = GetParam().spec();
   spec.name = GetParam().name;
@@ -82,7 +82,7 @@ TEST(JointPosition, FollowsChangesOfTheModel) {
   EXPECT_DOUBLE_EQ(robot.arm().ctrl()[0], 0.25);
 }
 
-TEST(JointPosition, RefusesTargetsByGroupAndJoint) {
+TEST(JointPosition, ErrorsNameGroupAndJoint) {
   Robot robot = RobotAlone(Rc7());
   Controller& controller = robot.controller("arm");
   EXPECT_EQ(controller.target_size(), 7);
@@ -95,7 +95,7 @@ TEST(JointPosition, RefusesTargetsByGroupAndJoint) {
                              "group 'arm': the target of 'joint2' is inf; targets must be finite");
 }
 
-TEST(JointPosition, NeedsServos) {
+TEST(JointPosition, RequiresServos) {
   ModelFolder folder;
   std::string motors = kTwoJointArm;
   for (const char* tag : {"position", "position"}) {
@@ -143,7 +143,7 @@ TEST_F(GripperOpening, IsTheTargetClampedToItsEnds) {
   ExpectThrow<ArgumentError>([&] { robot.Update(); }, "opening cannot be nan");
 }
 
-TEST_F(GripperOpening, CommandedAtTheGroupIsTakenOver) {
+TEST_F(GripperOpening, SetAtTheGroupBecomesTheTarget) {
   robot.gripper().Close();
   Simulate(robot, 500);
   EXPECT_EQ(Ctrl(), 0);
@@ -159,7 +159,7 @@ TEST_F(GripperOpening, CommandedAtTheGroupIsTakenOver) {
 }
 
 // The last command counts even if it equals the actuator's present control.
-TEST_F(GripperOpening, WhoeverCommandsLastIsObeyed) {
+TEST_F(GripperOpening, TheLastCommandWins) {
   robot.gripper().Open();
   robot.Update();
   robot.Apply({{"gripper", GroupCommand::Opening(0)}});
@@ -173,7 +173,7 @@ TEST_F(GripperOpening, WhoeverCommandsLastIsObeyed) {
   EXPECT_EQ(Ctrl(), 100);
 }
 
-TEST_F(GripperOpening, SetAtTheGroupReallyOpensIt) {
+TEST_F(GripperOpening, SetAtTheGroupOpensTheGripper) {
   for (const bool updated : {true, false}) {
     for (const double opening : {0.0, 1.0}) {
       robot.gripper().SetOpening(opening);
@@ -187,7 +187,7 @@ TEST_F(GripperOpening, SetAtTheGroupReallyOpensIt) {
   }
 }
 
-TEST_F(GripperOpening, AfterAResetIsThatOfHomeOrOfTheHook) {
+TEST_F(GripperOpening, AfterAResetComesFromHomeOrTheHook) {
   Scene scene = robot.scene();
   robot.gripper().Close();
   robot.Update();
@@ -200,7 +200,7 @@ TEST_F(GripperOpening, AfterAResetIsThatOfHomeOrOfTheHook) {
   EXPECT_LT(robot.gripper().opening(), 0.01);
 }
 
-TEST_F(GripperOpening, OfANewHandleIsWhatTheActuatorIsCommandedTo) {
+TEST_F(GripperOpening, OfANewHandleMatchesTheActuatorCommand) {
   Scene scene = robot.scene();
   robot.gripper().Close();
   Simulate(robot, 20);  // still far from closed

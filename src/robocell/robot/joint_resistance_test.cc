@@ -33,7 +33,7 @@ constexpr const char* kStiffJoints = R"(<mujoco>
     <position joint="j2" kp="500" damping="12 2 1" gear="2"/></actuator>
 </mujoco>)";
 
-TEST(JointResistance, IsWhatTheEngineComputesWithEachPartOnAndOff) {
+TEST(JointResistance, MatchesTheEngineWithEachPartOnAndOff) {
   const ModelPtr model = Compile(ParseXmlString(kStiffJoints).get());
   const DataPtr data = MakeData(model.get());
   mjModel* m = model.get();

@@ -46,7 +46,7 @@ class JointTorqueController : public Controller {
   PortValues torque_;
   std::vector<double> held_;  // the torques without a command
   bool commanded_ = false;
-  std::vector<double> q_;  // as last measured
+  std::vector<double> q_;  // last measured values
   BeyondLimits beyond_;
 };
 

@@ -46,10 +46,10 @@ class JointVelocityController : public Controller {
   ArmGroup& arm_;
   PortValues velocity_;
   std::vector<double> still_, feedforward_;
-  std::vector<double> q_, qd_;  // as last measured
+  std::vector<double> q_, qd_;  // last measured values
   std::vector<double> start_, driven_;
   double started_ = 0;    // simulated s
-  bool braking_ = false;  // from `start_`
+  bool braking_ = false;  // true while it brakes from `start_`
 };
 
 }  // namespace robocell::internal

@@ -70,7 +70,7 @@ class VelocityMode : public ::testing::Test {
   SimOptions options;
 };
 
-TEST_F(VelocityMode, ReachesItAgainstDampersSpringsAndFriction) {
+TEST_F(VelocityMode, ReachesTheVelocityAgainstDampersSpringsAndFriction) {
   for (const char* joint :
        {"damping='60'", "damping='2 10 30'", "frictionloss='5'",
         "stiffness='20 5 3' springref='0.4'", "damping='8' frictionloss='2' stiffness='10'"}) {
@@ -81,7 +81,7 @@ TEST_F(VelocityMode, ReachesItAgainstDampersSpringsAndFriction) {
   }
 }
 
-TEST_F(VelocityMode, CreepsAsSlowlyAsToldAgainstFriction) {
+TEST_F(VelocityMode, TracksSlowVelocitiesAgainstFriction) {
   for (const char* joint : {"frictionloss='3'", "frictionloss='3' solreffriction='0.2 1'",
                             "frictionloss='3' solreffriction='-50 -20'",
                             "frictionloss='3' solimpfriction='0.3 0.8 0.01'"}) {
@@ -94,7 +94,7 @@ TEST_F(VelocityMode, CreepsAsSlowlyAsToldAgainstFriction) {
   }
 }
 
-TEST_F(VelocityMode, MotorsReachItAndTheirOtherJointsKeepStill) {
+TEST_F(VelocityMode, MotorsReachTheVelocityWhileOtherJointsRest) {
   Robot robot = Build("damping='0.4'", "motor ctrlrange='-90 90'", kTorque);
   ExpectReached(robot, {0.1, 0.1});
   ExpectReached(robot, {0, 0});
@@ -103,12 +103,12 @@ TEST_F(VelocityMode, MotorsReachItAndTheirOtherJointsKeepStill) {
   EXPECT_NEAR(robot.jnt_pos_msr()[1], before, 1e-3);
 }
 
-TEST_F(VelocityMode, DampersOfActuatorsAreOvercomeEvenWhereTheseAreOff) {
+TEST_F(VelocityMode, OvercomesDampersOfDisabledActuators) {
   Robot robot = Build("damping='1'", "position kp='500' damping='12' gear='2'", kPosition);
   ExpectReached(robot, {0.1, -0.1});
 }
 
-TEST_F(VelocityMode, MotorsPushNoHarderThanTheirControlAllows) {
+TEST_F(VelocityMode, MotorsRespectTheirControlRange) {
   Robot robot = Build("damping='0.4'", "motor ctrlrange='-3 6' gear='2'", kTorque);
   robot.SetJntVelCmd(std::vector<double>{50, -50});
   for (int i = 0; i < 20; ++i) {
@@ -123,7 +123,7 @@ TEST_F(VelocityMode, MotorsPushNoHarderThanTheirControlAllows) {
 }
 
 // Otherwise joints without resistance would be pushed.
-TEST_F(VelocityMode, ReachesItWithoutDampersSpringsOrFrictionWhereTheSceneDisablesThem) {
+TEST_F(VelocityMode, ReachesTheVelocityWithDisabledPassiveForces) {
   options.disable = {"spring", "damper", "frictionloss"};
   for (const char* joint :
        {"damping='60'", "frictionloss='5'", "stiffness='20 5 3' springref='0.4'"}) {

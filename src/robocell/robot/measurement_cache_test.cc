@@ -26,7 +26,7 @@ TEST(CachedMeasurement, AFrozenModelIsMeasuredOnceForAllItsScenes) {
   EXPECT_EQ(CachedMeasurement(*other, "a", [] { return std::vector<double>{9}; })[0], 9);
 }
 
-TEST(CachedMeasurement, RobotsOnOneModelAreMeasuredAsRobotsAlone) {
+TEST(CachedMeasurement, RobotsOnOneModelAreMeasuredLikeSingleRobots) {
   RobotConfig config = Rc7();
   config.reach = std::nullopt;
   const Robot alone = RobotAlone(config);

@@ -37,7 +37,7 @@ class MoveGroup {
  public:
   virtual ~MoveGroup() = default;
 
-  virtual const std::string& name() const = 0;  // as in RobotConfig.move_groups
+  virtual const std::string& name() const = 0;  // name as in RobotConfig.move_groups
   // Returns the place for messages: "robot 'left' / group 'arm'", or without an unknown robot.
   virtual std::string place() const { return "group '" + name() + "'"; }
   // Throws ClosedError if its scene was closed. A group without a scene is never closed.
@@ -75,11 +75,11 @@ class MoveGroup {
   // Frames.
   virtual Pose leaf_frame_to_world() const = 0;
   virtual Pose root_frame_to_world() const = 0;
-  virtual Pose leaf_frame_to_robot() const = 0;  // in the robot base frame
+  virtual Pose leaf_frame_to_robot() const = 0;  // pose in the robot base frame
   Pose leaf_frame_to_root() const {
     return root_frame_to_world().inverse() * leaf_frame_to_world();
   }
-  // Writes the 6 x nv Jacobian at the leaf, world axes, linear rows first.
+  // Writes the 6 x nv Jacobian of the leaf frame, in world axes, linear rows first.
   virtual void Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const = 0;
 
   // Convenience functions that allocate.
@@ -95,7 +95,7 @@ class MoveGroup {
 // group may return: a missing limit would mean a joint without limits.
 std::vector<Interval> CheckedJointPosLimits(const MoveGroup& group);
 
-// A gripper: `opening` is 0 (closed) to 1 (open), whatever the raw control means.
+// A gripper: `opening` is 0 (closed) to 1 (open), independent of the raw control.
 class GripperGroup : public MoveGroup {
  public:
   // Returns the measured opening, from the finger distance.

@@ -43,7 +43,7 @@ class CountingGroup : public JointGroup {
   int* commands_;
 };
 
-TEST(OwnGroup, IsDrivenLikeTheConfiguredOnes) {
+TEST(OwnGroup, IsDrivenLikeConfiguredGroups) {
   Robot robot = RobotAlone(Rc7());
   int commands = 0;
   robot.SetGroup(std::make_unique<CountingGroup>(robot.scene(), WristNames(), &commands));
@@ -63,7 +63,7 @@ TEST(OwnGroup, IsDrivenLikeTheConfiguredOnes) {
       robot.scene().body_pose("link5").inverse() * robot.tcp_in_world(), 1e-12, 1e-12));
 }
 
-TEST(OwnGroup, ThatTakesTheArmsPlaceKeepsItsKinematics) {
+TEST(OwnGroup, ReplacingTheArmKeepsItsKinematics) {
   Robot robot = RobotAlone(Rc7());
   const std::shared_ptr<MoveGroup> arm = robot.shared_group("arm");
   const FrameName base{false, "base_link"};
@@ -89,7 +89,7 @@ TEST(OwnGroup, ThatTakesTheArmsPlaceKeepsItsKinematics) {
   EXPECT_EQ(arm->nq(), 7);  // a kept reference to a replaced group stays usable
 }
 
-TEST(OwnGroup, OfKindGripperOrBaseMustBeOne) {
+TEST(OwnGroup, RejectsTheKindsGripperAndBaseForOtherClasses) {
   Robot robot = RobotAlone(Rc7());
   const auto set = [&](MoveGroupKind kind) {
     robot.SetGroup(std::make_unique<JointGroup>(robot.scene(), WristNames(), kind));
@@ -117,7 +117,7 @@ class WristGripper : public JointGroupOf<GripperGroup> {
   bool is_grasping(const std::string&) const override { return false; }
 };
 
-TEST(OwnGroup, CanBeAGripperAndTakesOpenings) {
+TEST(OwnGroup, CanBeAGripperWithOpenings) {
   Robot robot = RobotAlone(Rc7());
   GroupNames names = WristNames();
   GroupNames arm{.robot = "rc7",  // without the wrist, which becomes the gripper
@@ -137,7 +137,7 @@ TEST(OwnGroup, CanBeAGripperAndTakesOpenings) {
   EXPECT_EQ(robot.controller("gripper").target()[0], 0.8);
 }
 
-TEST(OwnGroup, ThatIsSharedKeepsTheRobotAlive) {
+TEST(OwnGroup, SharedOwnershipKeepsTheRobotAlive) {
   std::shared_ptr<MoveGroup> arm;
   {
     Robot robot = RobotAlone(Rc7());
@@ -163,7 +163,7 @@ class FickleArm : public JointGroup {
   mutable std::function<void()> replace;
 };
 
-TEST(OwnGroup, CannotBeReplacedWhileItIsRead) {
+TEST(OwnGroup, CannotBeReplacedDuringARead) {
   Robot robot = RobotAlone(Rc7());
   auto fickle = std::make_unique<FickleArm>(robot);
   FickleArm& arm = *fickle;
@@ -187,7 +187,7 @@ class OddlyLimited : public JointGroup {
   std::vector<Interval> limits_;
 };
 
-TEST(OwnGroup, NeedsARisingLimitForEachJoint) {
+TEST(OwnGroup, RequiresIncreasingLimitsForEachJoint) {
   Robot robot = RobotAlone(Rc7());
   const auto make = [&](std::vector<Interval> limits) {
     OddlyLimited group(robot.scene(), std::move(limits));

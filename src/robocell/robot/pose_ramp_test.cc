@@ -48,7 +48,7 @@ TEST(PoseRamp, KeepsItsLimitsAndEndsExactlyAtTheGoal) {
   }
 }
 
-TEST(PoseRamp, NeedsNoMoreThanTheSpeedAndTheRampsTake) {
+TEST(PoseRamp, TakesTheTimeOfItsSpeedAndRamps) {
   PoseRamp ramp;
   const Pose goal(Eigen::Vector3d(1, 0, 0));
   int ticks = 0;
@@ -72,7 +72,7 @@ TEST(PoseRamp, TurnsToAnotherGoalWithinItsLimits) {
   EXPECT_EQ(ramp.pose(), goal);
 }
 
-TEST(PoseRamp, LongTicksKeepTheLimitsToo) {
+TEST(PoseRamp, LongTicksRespectTheLimits) {
   Rng rng = Rng::Stream(9, "pose ramp");
   for (const double seconds : {0.01, 0.02, 0.05}) {
     PoseRamp ramp;
@@ -82,7 +82,7 @@ TEST(PoseRamp, LongTicksKeepTheLimitsToo) {
   }
 }
 
-TEST(PoseRamp, WithoutTimeNothingMoves) {
+TEST(PoseRamp, AZeroTickDoesNotMove) {
   PoseRamp ramp;
   ramp.Advance(Pose(Eigen::Vector3d(1, 0, 0)), kLimits, 0);
   EXPECT_EQ(ramp.pose(), Pose());

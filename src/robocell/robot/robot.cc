@@ -11,6 +11,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/kinematics/reach.h"
 #include "robocell/mujoco/gravity.h"
+#include "robocell/mujoco/joint_followers.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/measurement_cache.h"
 #include "robocell/robot/robot_state.h"
@@ -50,8 +51,12 @@ void HoldWithoutController(Scene& scene, const MoveGroup& arm, const std::string
   scene.SyncPoses();
   const mjModel* m = scene.model();
   std::vector<bool> dofs(static_cast<size_t>(m->nv));
+  std::vector<int> joints;
   for (const std::string& joint : arm.joint_names())
-    dofs[m->jnt_dofadr[FindId(m, mjOBJ_JOINT, joint)]] = true;
+    joints.push_back(FindId(m, mjOBJ_JOINT, joint));
+  for (const int joint : joints) dofs[m->jnt_dofadr[joint]] = true;
+  for (const internal::JointFollower& f : internal::FollowersOf(m, joints))
+    dofs[m->jnt_dofadr[f.joint]] = true;
   internal::HoldMoved(m, scene.data(), dofs, place);
 }
 
@@ -66,6 +71,9 @@ Robot::State& Robot::open() const {
 
 const std::string& Robot::name() const { return state_->record.name; }
 const std::string& Robot::prefix() const { return state_->record.prefix; }
+std::string Robot::OwnName(const std::string& name) const {
+  return name.starts_with(prefix()) ? name.substr(prefix().size()) : name;
+}
 const RobotConfig& Robot::config() const { return open().record.config; }
 
 std::vector<std::string> Robot::group_names() const { return open().group_names(); }

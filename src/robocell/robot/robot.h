@@ -14,7 +14,7 @@
 //
 // Lifetime: all handles from Of() to one robot of one scene share their state (groups, controllers,
 // targets), which the scene keeps as long as any handle to it or to one of its robots lives. Each
-// call of FromScene() makes a robot of its own, which lives as long as its handles. A reset hook of
+// call of FromScene() makes a separate robot, which lives as long as its handles. A reset hook of
 // the scene, or a group of your own, that holds a handle keeps everything alive until
 // Scene::Close().
 //
@@ -64,8 +64,10 @@ class Robot {
 
   const std::string& name() const;
   const std::string& prefix() const;
+  // Returns the name that an element of the scene has in the robot's own model: without the prefix.
+  std::string OwnName(const std::string& name) const;
   Scene scene() const { return scene_; }
-  SceneUse& use() const { return scene_.use(); }  // of the scene
+  SceneUse& use() const { return scene_.use(); }  // use of the scene
   // Throws ClosedError after the scene was closed.
   void RequireOpen() const;
   const RobotConfig& config() const;
@@ -92,7 +94,7 @@ class Robot {
   // Throws ArgumentError for a group that is not an arm.
   std::string gripper_of(const std::string& arm) const;
   BaseGroup& base() const;
-  // Replaces or adds a group, e.g. one of a custom kind. Its controller is made anew: joint
+  // Replaces or adds a group, e.g. one of a custom kind. It gets a new controller: joint
   // position, or none if its actuators are not position servos. A replaced group is destroyed when
   // no other owner keeps it.
   void SetGroup(std::shared_ptr<MoveGroup> group);
@@ -127,8 +129,8 @@ class Robot {
   // Returns a group's actuators of a mode, for making a controller for them. Throws ArgumentError
   // if there are none.
   MoveGroup& drive(const std::string& group, CtrlMode mode) const;
-  // For garbage collectors of other languages: returns the groups of this robot if this handle
-  // alone keeps them alive, as for a robot of a closed scene; otherwise the scene owns them.
+  // Returns the groups of this robot if this handle alone keeps them alive, as for a robot of a
+  // closed scene; otherwise the scene owns them. For garbage collectors of other languages.
   std::vector<std::shared_ptr<MoveGroup>> groups_of_sole_handle() const;
 
   // Sets targets of the named groups; the others hold. A rejected action changes nothing. Pose
@@ -176,9 +178,9 @@ class Robot {
   void SetJointPos(std::span<const double> q, bool call_forward = true);
 
   // Kinematics of the arm, from the root body (robot base frame) to the TCP. A reset or
-  // Scene::Forward() makes it anew if the model was written to; a copy does not change.
+  // Scene::Forward() updates it if the model was written to; a copy does not change.
   const Chain& chain() const;
-  const Chain& chain(const std::string& group) const;  // of another arm
+  const Chain& chain(const std::string& group) const;  // chain of another arm
   Pose FkFrame() const;                                // TCP in the robot base frame, present state
   Pose FkFrame(std::span<const double> q) const;
   // Starts at `options.seed`, else at the present joint positions.
@@ -188,7 +190,7 @@ class Robot {
   LockedJoints LockGroups(std::span<const std::string> groups) const;
   Pose base_in_world() const;  // the robot base frame
   Pose tcp_in_world() const;
-  // The TCP is the arm's leaf. If the leaf is a site, it is a tool frame of its own: then
+  // The TCP is the arm's leaf. If the leaf is a site, it is a separate tool frame: then
   // tcp_site() is the site's full name, else "". tip_to_tcp() is its pose in the tip body, which is
   // the last one that the arm moves or the one given to FromScene().
   bool has_tcp_frame() const { return !tcp_site().empty(); }
@@ -209,7 +211,7 @@ class Robot {
   // direction), less the tare. Throws NotFoundError that lists the sensors.
   std::vector<std::string> ft_sensor_names() const;
   Wrench ft_sensor(const std::string& name) const;
-  Pose ft_sensor_frame(const std::string& name) const;  // of the reading, in the world
+  Pose ft_sensor_frame(const std::string& name) const;  // frame of the reading in the world
   // Subtracts the present reading, of the last step or Forward(), from later readings until the
   // next reset.
   void TareFtSensor(const std::string& name);

@@ -247,7 +247,7 @@ void Robot::State::AddGroup(internal::MadeGroup made, const std::string& control
   if (!own_controller.empty()) {
     if (must_be_driven) {
       throw ArgumentError(
-          fmt::format("{}: `control` asks for {}, but it is driven by its target alone ('{}'); "
+          fmt::format("{}: `control` is {}, but this group only has the controller '{}'; "
                       "leave it out of `control`",
                       place(*slot), controller, own_controller));
     }
@@ -256,7 +256,7 @@ void Robot::State::AddGroup(internal::MadeGroup made, const std::string& control
     slot->control->why_no_controller = why_no_actuators;
     if (must_be_driven) {
       throw ArgumentError(fmt::format(
-          "{}: `control` asks for {}, but {}; remove it there, or give the model {}", place(*slot),
+          "{}: `control` is {}, but {}; remove it there, or give the model {}", place(*slot),
           controller, why_no_actuators, ActuatorsFor(ControllerMode(controller, place(*slot)))));
     }
   } else {
@@ -421,8 +421,8 @@ void Robot::State::TellBeyondLimits(const ArmGroup& arm, std::span<const double>
   told_beyond_limits = true;
   const Interval limits = arm.joint_pos_limits()[i];
   LogWarn(
-      fmt::format("{}: joint '{}' is put at {:g}, outside of its limits {:g} to {:g}, which "
-                  "push it back (said once)",
+      fmt::format("{}: joint '{}' is set to {:g}, outside its limits {:g} to {:g}, which "
+                  "push it back (reported once)",
                   arm.place(), arm.joint_names()[i], q[i], limits.lower, limits.upper));
 }
 

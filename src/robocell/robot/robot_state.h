@@ -123,7 +123,7 @@ class Robot::State : public SceneObserver, public internal::BodyPutObserver {
  public:
   RobotRecord record;
   ChainOptions chain_options;
-  std::string tip_body;  // as given to FromScene(), full name; else ""
+  std::string tip_body;  // full name as given to FromScene(); else ""
   int root_body = -1;
   std::vector<int> bodies, geoms, collision_geoms;
   std::optional<double> reach;
@@ -163,7 +163,7 @@ class Robot::State : public SceneObserver, public internal::BodyPutObserver {
   // actuators.
   template <class Visit>
   void ForChains(Visit&& visit);
-  std::span<const double> positions() const;  // of the whole model
+  std::span<const double> positions() const;  // positions of the whole model
   void FindBodies();
   void FindCollisionGeoms();
   void FindFtSensors();

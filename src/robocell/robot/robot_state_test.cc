@@ -98,7 +98,7 @@ TEST(Rebuild, TargetsAndControlModesStay) {
 }
 
 // Each kind of robot is commanded to the pose that the hook sets, and stays there.
-TEST(Rebuild, AfterLaterResetsRobotsHoldThePoseOfTheHook) {
+TEST(Rebuild, RobotsHoldThePoseOfTheHookAfterLaterResets) {
   Scene scene = Scene::Build(TwoRobots());
   Robot a = Robot::Of(scene, "a");
   Robot b =
@@ -127,7 +127,7 @@ TEST(Rebuild, AfterLaterResetsRobotsHoldThePoseOfTheHook) {
 }
 
 // The mode belongs to the model; it stays without any handle to the robot.
-TEST(Rebuild, AControlModeStaysWithoutAHandle) {
+TEST(Rebuild, AControlModePersistsWithoutAHandle) {
   Scene scene = Scene::Build(TwoRobots());
   const auto tip = RobotOptions{.prefix = "b_", .tool = {.tcp_site = "tcp"}};
   Robot::Of(scene, "b").set_ctrl_mode(CtrlMode::kTorque);
@@ -145,7 +145,7 @@ TEST(Rebuild, AControlModeStaysWithoutAHandle) {
   EXPECT_TRUE(off("a_joint1_torque"));
 }
 
-TEST(Rebuild, AnObjectOnTheFlangeWeighsInTheArm) {
+TEST(Rebuild, AnObjectOnTheFlangeAddsToTheArm) {
   Scene scene = Scene::Build(SceneWith({.name = "a", .config = Rc7()}));
   Robot robot = Robot::Of(scene, "a");
   std::vector<double> bare(7), loaded(7);
@@ -164,7 +164,7 @@ TEST(Rebuild, AnObjectOnTheFlangeWeighsInTheArm) {
   EXPECT_THAT(loaded, ElementsAreArray(bare));
 }
 
-TEST(Rebuild, ARobotThatWentWithItsObjectSaysSoAndComesBack) {
+TEST(Rebuild, ARobotRemovedWithItsObjectReportsItAndReturns) {
   ModelFolder folder;
   SceneSpec spec = EmptyScene();
   const SceneObject door{.name = "door", .mjcf_path = folder.Write("door", R"(<worldbody>

@@ -109,7 +109,7 @@ TEST(Robot, OwnsTheBodiesAndGeomsOfItsSubtreeWithPedestalAndTools) {
   }
 }
 
-TEST(Robot, PortsReadAtUpdateAndDriveTheArm) {
+TEST(Robot, PortsAreReadAtUpdateAndDriveTheArm) {
   Robot robot = RobotAlone(Rc7());
   robot.jnt_pos_cmd()[3] += 0.1;
   const double target = robot.jnt_pos_cmd()[3];
@@ -127,7 +127,7 @@ TEST(Robot, PortsReadAtUpdateAndDriveTheArm) {
             robot.arm().joint_torque());
 }
 
-TEST(Robot, PortsRefuseWrongSizesAtOnceAndBadNumbersWhenTheyAreUsed) {
+TEST(Robot, PortsRejectWrongSizesAtOnceAndInvalidNumbersAtUse) {
   Robot robot = RobotAlone(Rc7());
   ExpectThrow<ArgumentError>([&] { robot.SetJntPosCmd(std::vector<double>(3)); },
                              "robot 'rc7' / group 'arm': expected 7 joint values, got 3");
@@ -155,7 +155,7 @@ TEST(Robot, SetJointPosTeleportsAndHolds) {
   for (int i = 0; i < 7; ++i) EXPECT_NEAR(robot.arm().joint_pos()[i], q[i], 1e-6);
 }
 
-TEST(Robot, WithoutAConfigurationIsMadeFromTwoBodies) {
+TEST(Robot, CanBeMadeFromTwoBodies) {
   const Scene scene = Scene::Build(SceneWith({.path = SourceDir() + "/models/robots/rc7/rc7.xml",
                                               .prefix = "r_",
                                               .base = BaseConfig{.kind = BaseKind::kMocap}}));
@@ -185,7 +185,7 @@ TEST(Robot, WithoutAConfigurationIsMadeFromTwoBodies) {
                              "Robot::FromScene");
 }
 
-TEST(Robot, MadeFromTwoBodiesSaysWhatIsMissing) {
+TEST(Robot, MadeFromTwoBodiesNamesAMissingBody) {
   const Scene scene = Scene::Build(SceneWith({.config = Rc7(), .prefix = "r_"}));
   ExpectThrow<NotFoundError>(
       [&] { Robot::FromScene(scene, "base_lnk", "link7", {.prefix = "r_"}); },
@@ -203,7 +203,7 @@ TEST(Robot, MadeFromTwoBodiesSaysWhatIsMissing) {
       [&] { Robot::FromScene(scene, "link7", "base_link", {.prefix = "r_"}); }, "r_base_link");
 }
 
-TEST(Robot, SaysWhenAnArmListsOtherJointsThanItsLeafHas) {
+TEST(Robot, RejectsArmJointsThatDoNotLeadToItsLeafFrame) {
   RobotConfig config = Rc7();
   config.move_groups.at("arm").joints = {"joint1", "joint3", "joint2"};
   config.move_groups.at("arm").actuators = {"servo1", "servo3", "servo2"};
@@ -238,7 +238,7 @@ TEST(Robot, IsClosedWithItsScene) {
   EXPECT_EQ(robot.name(), "rc7");
 }
 
-TEST(Robot, LivesInItsSceneAndBothGoWithTheLastHandle) {
+TEST(Robot, IsFreedWithItsSceneAndTheLastHandle) {
   std::weak_ptr<void> data;
   {
     std::optional<Robot> robot = RobotAlone(Rc7());
@@ -252,7 +252,7 @@ TEST(Robot, LivesInItsSceneAndBothGoWithTheLastHandle) {
   EXPECT_EQ(Robot::Of(scene, "rc7").jnt_pos_cmd()[0], 1) << "the scene keeps a robot's state";
 }
 
-TEST(Robot, ItsStateLivesWhileAHandleToAnotherRobotOfTheSceneDoes) {
+TEST(Robot, ItsStateLivesAsLongAsAnyHandleOfTheScene) {
   SceneSpec spec = SceneWith({.name = "a", .config = Rc7(), .prefix = "a_"});
   spec.robots.push_back({.name = "b", .config = Rc7(), .prefix = "b_", .pos = {0, 2, 0}});
   std::optional<Robot> a = Robot::Of(Scene::Build(spec), "a");
@@ -263,7 +263,7 @@ TEST(Robot, ItsStateLivesWhileAHandleToAnotherRobotOfTheSceneDoes) {
   EXPECT_TRUE(data.expired());
 }
 
-TEST(Robot, MadeFromTwoBodiesGoesWithItsHandle) {
+TEST(Robot, MadeFromTwoBodiesIsFreedWithItsHandle) {
   const Scene scene = Scene::Build(SceneWith({.config = Rc7(), .prefix = "r_"}));
   const auto make = [&] { return Robot::FromScene(scene, "base_link", "link7", {.prefix = "r_"}); };
   make().jnt_pos_cmd()[0] = 1;
@@ -277,7 +277,7 @@ std::string ArmWithOneServo() {
   return model.replace(model.find(servo), servo.size(), R"(<motor name="push" joint="elbow"/>)");
 }
 
-TEST(Robot, AnArmThatServosDriveOnlyPartlyIsRefused) {
+TEST(Robot, RejectsAPartlyDrivenArm) {
   ModelFolder folder;
   RobotConfig config = ArmConfig(folder.Write("half", ArmWithOneServo()));
   config.move_groups.at("arm").actuators = {};
@@ -290,7 +290,7 @@ TEST(Robot, AnArmThatServosDriveOnlyPartlyIsRefused) {
   EXPECT_EQ(RobotAlone(config).arm().actuator_names().size(), 2u);
 }
 
-TEST(Robot, AnArmWithoutServosIsRefusedWhenItIsToBeControlled) {
+TEST(Robot, RejectsControlOfAnArmWithoutServos) {
   ModelFolder folder;
   std::string passive = kTwoJointArm;
   const size_t begin = passive.find("<actuator>"), end = passive.find("</actuator>");
@@ -303,12 +303,12 @@ TEST(Robot, AnArmWithoutServosIsRefusedWhenItIsToBeControlled) {
   ExpectThrow<NotFoundError>([&] { robot.controller("arm"); },
                              "has no controller: it has no actuators: no position servo on its");
   config.control["arm"] = ControlKind::kJointPosition;
-  ExpectThrow<ArgumentError>([&] { RobotAlone(config); },
-                             "robot 'arm' / group 'arm': `control` asks for joint_position, but it "
-                             "has no actuators");
+  ExpectThrow<ArgumentError>(
+      [&] { RobotAlone(config); },
+      "robot 'arm' / group 'arm': `control` is joint_position, but it has no actuators");
 }
 
-TEST(Robot, MadeFromTwoBodiesSaysWhyItIsNotDriven) {
+TEST(Robot, MadeFromTwoBodiesExplainsWhyItIsNotDriven) {
   ModelFolder folder;
   const Scene scene = Scene::Build(SceneWith({.path = folder.Write("half", ArmWithOneServo())}));
   Robot robot = Robot::FromScene(scene, "base", "fore");
@@ -319,7 +319,7 @@ TEST(Robot, MadeFromTwoBodiesSaysWhyItIsNotDriven) {
                              "('push' on it is a motor)");
 }
 
-TEST(Robot, ResetReseedsTargetsFromThePoseThatAHookLeaves) {
+TEST(Robot, AResetTakesTargetsFromThePoseOfTheHook) {
   const Scene built = Scene::Build(SceneWith({.name = "rc7", .config = Rc7()}));
   Scene scene = built;
   Robot robot = Robot::Of(scene, "rc7");
@@ -362,7 +362,7 @@ class ThrowsAtReset : public Controller {
   std::vector<double> q_;
 };
 
-TEST(Robot, AGroupThatThrowsAtAResetStopsNoOther) {
+TEST(Robot, AnExceptionOfOneGroupAtAResetStopsNoOther) {
   Scene scene = Scene::Build(TwoRc7());
   Robot left = Robot::Of(scene, "left"), right = Robot::Of(scene, "right");
   std::array<int, 3> resets = {};
@@ -403,7 +403,7 @@ TEST(Robot, TheSameCommandsAfterAResetGiveTheSameBits) {
   EXPECT_EQ(Trajectory(RobotAlone(Rc7()), 5), first);
 }
 
-TEST(Robot, AfterAResetItsPortsAreThoseOfTheForwardThatEndsIt) {
+TEST(Robot, AfterAResetItsPortsMatchTheFinalForward) {
   Scene scene = Scene::Build(SceneWith({.name = "a", .config = Rc7()}));
   Robot robot = Robot::Of(scene, "a");
   scene.AddResetHook([](ResetContext& reset) {

@@ -9,6 +9,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/joint_followers.h"
 #include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/tree.h"
 
@@ -59,11 +60,12 @@ struct ScratchRobot::State {
   std::string remedy;
   std::shared_ptr<CompiledScene> compiled;
   mjModel model;  // shares the arrays of the scene's; contact margin and filters are its own
-  std::vector<int> contype, conaffinity;  // of objects of the pool at the last update
+  std::vector<int> contype, conaffinity;  // masks of objects of the pool at the last update
   DataPtr data;
-  std::vector<char> is_robot, counts;  // per geom; `counts`: it is not ignored
-  std::vector<char> is_held;           // per geom
-  std::vector<int> arm;                // addresses in qpos
+  std::vector<char> is_robot, counts;    // per geom; `counts`: it is not ignored
+  std::vector<char> is_held;             // per geom
+  std::vector<int> arm;                  // addresses in qpos
+  std::vector<JointFollower> followers;  // of the arm's joints
   std::set<std::pair<int, int>> always_touching;
   std::set<std::pair<int, int>> boxes;  // the robot's that count, and others, that may collide
   std::vector<Touch> touches;
@@ -145,7 +147,12 @@ ScratchRobot::ScratchRobot(const Robot& robot, double horizon, std::string_view 
     s.counts[g] = 0;
   }
   for (const int g : robot.collision_geom_ids()) s.counts[g] = 1;
-  for (const ChainJoint& joint : robot.chain().joints()) s.arm.push_back(joint.qpos_address);
+  std::vector<int> joints;
+  for (const ChainJoint& joint : robot.chain().joints()) {
+    s.arm.push_back(joint.qpos_address);
+    joints.push_back(joint.id);
+  }
+  s.followers = FollowersOf(&s.model, joints);
   Update();
 }
 
@@ -171,7 +178,10 @@ void ScratchRobot::Update() {
 }
 
 void ScratchRobot::SetArm(std::span<const double> q) {
-  for (size_t i = 0; i < state_->arm.size(); ++i) state_->data->qpos[state_->arm[i]] = q[i];
+  State& s = *state_;
+  for (size_t i = 0; i < s.arm.size(); ++i) s.data->qpos[s.arm[i]] = q[i];
+  for (const JointFollower& f : s.followers)
+    s.data->qpos[s.model.jnt_qposadr[f.joint]] = f.of_leader.at(q[f.leader]);
 }
 
 void ScratchRobot::Hold(int body) {

@@ -87,7 +87,7 @@ int CompareAnywhere(const Robot& robot, ScratchRobot& scratch, int thing) {
   return compared;
 }
 
-TEST(ScratchRobot, DistancesAreThoseOfTheNearestPoints) {
+TEST(ScratchRobot, DistancesAreBetweenNearestPoints) {
   for (const std::string geom : {"type='sphere' size='.15'", "type='capsule' size='.08 .1'",
                                  "type='cylinder' size='.1 .15'", "type='box' size='.15 .15 .1'",
                                  "type='ellipsoid' size='.1 .15 .2'", "type='mesh' mesh='stone'"}) {
@@ -101,7 +101,7 @@ TEST(ScratchRobot, DistancesAreThoseOfTheNearestPoints) {
 }
 
 // When the copy was made, it could not collide with anything.
-TEST(ScratchRobot, DistancesOfAnObjectOfThePoolAreRightOnceItIsThere) {
+TEST(ScratchRobot, MeasuresPooledObjectsOnceTheyAreInTheScene) {
   SceneSpec spec = SceneWith({.name = "rc7", .config = Rc7()});
   SceneObject box = BoxObject("box", {0.55, 0, 0.45});
   box.size = Vec3{0.15, 0.15, 0.1};
@@ -122,7 +122,7 @@ TEST(ScratchRobot, DistancesOfAnObjectOfThePoolAreRightOnceItIsThere) {
 }
 
 // They are not at their parking places either, nor only half of them.
-TEST(ScratchRobot, ObjectsOfThePoolAreAsTheyWereAtTheLastUpdate) {
+TEST(ScratchRobot, UsesPooledObjectsOfTheLastUpdate) {
   SceneSpec spec = SceneWith({.name = "rc7", .config = Rc7()});
   SceneObject box = BoxObject("box", {0.55, 0, 0.45});
   box.parked = true;

@@ -11,7 +11,7 @@ namespace {
 class Teleported : public testing::TestWithParam<bool> {};
 INSTANTIATE_TEST_SUITE_P(Updated, Teleported, testing::Bool());
 
-TEST_P(Teleported, ArmsStayWhereTheyAreWhateverControllerTheyGetThen) {
+TEST_P(Teleported, ArmsStayInPlaceWithAnyNewController) {
   const bool updated = GetParam();
   Robot robot = RobotAlone(Rc7());
   Scene scene = robot.scene();
@@ -43,7 +43,7 @@ TEST(Teleport, AnArmIsHeldBeforeItIsUpdated) {
   EXPECT_LT((robot.tcp_in_world().translation() - start).norm(), 1e-6);
 }
 
-TEST(Teleport, WithoutForwardItIsSeenWhenAskedFor) {
+TEST(Teleport, WithoutForwardIsVisibleOnDemand) {
   Robot robot = RobotAlone(Rc7());
   const std::vector<double> q{0.3, 0.2, -0.1, 1.2, 0.4, 0.5, -1};
   robot.SetJointPos(q, false);

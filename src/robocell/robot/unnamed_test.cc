@@ -107,7 +107,7 @@ TEST_F(UnnamedRobot, ShowsLabels) {
   EXPECT_EQ(robot.scene().model()->actuator_gainprm[0], 70) << "stiffness";
 }
 
-TEST_F(UnnamedRobot, IsFoundInABaseSceneToo) {
+TEST_F(UnnamedRobot, IsFoundInABaseScene) {
   const std::string base = folder_.Write("base", Replaced(kNamed, kNames, ""));
   const Scene scene = Scene::Build(SceneSpec{.name = "test", .base = base, .timestep = 0.002});
   const Robot robot = Robot::FromScene(scene, "foot", "hand");

@@ -10,6 +10,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/control_modes.h"
 
 namespace robocell::internal {
@@ -57,6 +58,23 @@ std::string TellUnusedGroups(const Robot& robot) {
                      unused.size() == 1 ? "s" : "");
 }
 
+namespace {
+
+// Returns true for the velocity servo of a PD pair: it brakes a joint whose position servo is
+// commanded, and its own control is the 0 that it is meant to have.
+bool BrakesACommandedJoint(const mjModel* m, int actuator, const std::set<std::string>& commanded) {
+  if (!ActsOnJoint(m, actuator) || ActuatorKind(m, actuator) != CtrlMode::kVelocity) return false;
+  const int joint = m->actuator_trnid[2 * actuator];
+  for (int a = 0; a < m->nactuator; ++a) {
+    if (ActsOnJoint(m, a) && m->actuator_trnid[2 * a] == joint && IsPositionServo(m, a) &&
+        commanded.contains(ElementName(m, mjOBJ_ACTUATOR, a)))
+      return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 std::vector<std::string> IdleActuators(const Robot& robot) {
   const mjModel* m = robot.scene().model();
   const std::vector<int>& parts = robot.body_ids();
@@ -65,7 +83,7 @@ std::vector<std::string> IdleActuators(const Robot& robot) {
   for (int a = 0; a < m->nactuator; ++a) {
     const std::string name = ElementName(m, mjOBJ_ACTUATOR, a);
     const bool own = std::find(parts.begin(), parts.end(), BodyOfActuator(m, a)) != parts.end();
-    if (!own || commanded.contains(name)) continue;
+    if (!own || commanded.contains(name) || BrakesACommandedJoint(m, a, commanded)) continue;
     idle.push_back(name.starts_with(robot.prefix()) ? name.substr(robot.prefix().size()) : name);
   }
   return idle;

@@ -10,7 +10,7 @@
 namespace robocell::internal {
 namespace {
 
-TEST(GripperOf, IsTheHandThatHangsOnTheArmInWhicheverOrderTheFileHasThem) {
+TEST(GripperOf, IsTheHandOnTheArmInAnyFileOrder) {
   ModelFolder folder;
   for (const std::vector<std::string>& hands :
        {std::vector<std::string>{"l", "r"}, std::vector<std::string>{"r", "l"}}) {
@@ -23,7 +23,7 @@ TEST(GripperOf, IsTheHandThatHangsOnTheArmInWhicheverOrderTheFileHasThem) {
   }
 }
 
-TEST(GripperOf, AnotherArmsHandIsNoneOfTheFirst) {
+TEST(GripperOf, ExcludesTheHandOfAnotherArm) {
   ModelFolder folder;
   const Robot robot = RobotAlone(Torso(folder, {"r"}));
   EXPECT_FALSE(robot.has_gripper());
@@ -37,7 +37,7 @@ TEST(GripperOf, AnotherArmsHandIsNoneOfTheFirst) {
             "arm 'l_arm', which carries no gripper, is used; r_arm, r_hand hold still");
 }
 
-TEST(GripperOf, OneArmHasTheFirstGripperWhereverThatIs) {
+TEST(GripperOf, ASingleArmGetsTheFirstGripper) {
   ModelFolder folder;
   RobotConfig config = Torso(folder, {"r"});
   RobotConfig alone = config;
@@ -50,7 +50,7 @@ TEST(GripperOf, OneArmHasTheFirstGripperWhereverThatIs) {
   EXPECT_EQ(TellUnusedGroups(robot), "");
 }
 
-TEST(GripperOf, IsAskedOfArms) {
+TEST(GripperOf, RejectsGroupsThatAreNotArms) {
   const Robot robot = RobotAlone(Rc7());
   EXPECT_EQ(robot.gripper_of("arm"), "gripper");
   EXPECT_EQ(TellUnusedGroups(robot), "");

@@ -18,8 +18,8 @@ namespace {
 constexpr double kDistanceTolerance = 0.005;
 // The allowed ratio of the configured reach to the measured one, which is accurate to a percent or
 // two.
-constexpr double kMostReach = 1.1;
-// By how much an opening that is read from a joint has to change from closed to open.
+constexpr double kMostReach = 1.1, kLeastReach = 0.3;
+// Smallest change of an opening that is read from a joint, from closed to open.
 constexpr double kLeastRead = 0.1;
 
 void ValidateDistance(const ActuatedGripper& gripper, const GripperDistance& said,
@@ -35,8 +35,8 @@ void ValidateDistance(const ActuatedGripper& gripper, const GripperDistance& sai
                              measured.closed, measured.open, said.closed, said.open));
 }
 
-// An opening that is read from a joint has to follow the fingers: the range may be wider or narrower
-// than what the joint does, but not turned around or somewhere else.
+// An opening that is read from a joint has to follow the fingers: the range may be wider or
+// narrower than what the joint does, but not turned around or somewhere else.
 void ValidateJointRange(const ActuatedGripper& gripper, const GripperJointRange& said,
                         Problems& problems) {
   const GripperJointRange measured = gripper.MeasureJoint();
@@ -93,12 +93,12 @@ void ValidateBaseSize(const Robot& robot, Problems& problems) {
                              (*size)[0], (*size)[1], (*size)[2], reach));
 }
 
-// A reach beyond that of the TCP: centimetres, or the value of another robot.
+// A reach far from that of the TCP: centimetres or kilometres, or the value of another robot.
 void ValidateReachField(const Robot& robot, Problems& problems) {
   const std::optional<double>& said = robot.config().reach;
   if (!said || !HasArm(robot)) return;
   const double measured = ApproximateReach(robot.chain());
-  if (*said <= kMostReach * measured) return;
+  if (*said <= kMostReach * measured && *said >= kLeastReach * measured) return;
   problems.AddAt("reach", fmt::format("the TCP gets {:.2f} m away from the root body, not {:g} m: "
                                       "correct it, or leave `reach` out to have it measured",
                                       measured, *said));

@@ -20,7 +20,7 @@ std::string Wrong(const RobotConfig& config) {
   return problems.empty() ? "" : problems.Text("robot");
 }
 
-TEST(ValidateConfig, ShippedFilesSayWhatTheirModelsDo) {
+TEST(ValidateConfig, ShippedFilesMatchTheirModels) {
   EXPECT_EQ(Wrong(Rc7()), "");
   for (const auto& [file, model] : {std::pair{"xarm7.yaml", "ufactory_xarm7"},
                                     {"panda.yaml", "franka_emika_panda"},
@@ -31,7 +31,7 @@ TEST(ValidateConfig, ShippedFilesSayWhatTheirModelsDo) {
   }
 }
 
-TEST(ValidateConfig, ADistanceThatMeasuringContradictsIsToldWithItsLine) {
+TEST(ValidateConfig, ReportsTheLineOfAWrongFingerDistance) {
   RobotConfig config = Rc7();
   config.move_groups.find("gripper")->distance->closed = 0.02;
   const std::string text = Wrong(config);
@@ -41,7 +41,7 @@ TEST(ValidateConfig, ADistanceThatMeasuringContradictsIsToldWithItsLine) {
                               "leave `distance` out to have it measured"));
 }
 
-TEST(ValidateConfig, AJointRangeThatTheGripperDoesNotHaveIsTold) {
+TEST(ValidateConfig, ReportsAWrongGripperJointRange) {
   RobotConfig config = Rc7();
   Maybe<GripperJointRange>& range = config.move_groups.find("gripper")->joint_range;
   for (const auto& good : {GripperJointRange{.open = 0.044, .closed = 0},
@@ -62,7 +62,7 @@ TEST(ValidateConfig, AJointRangeThatTheGripperDoesNotHaveIsTold) {
   }
 }
 
-TEST(ValidateConfig, ASpringThatIsTooStiffIsNamedWhereTheGripperFails) {
+TEST(ValidateConfig, NamesASpringThatBlocksTheGripper) {
   ModelFolder folder;
   std::string xml = kTwoFingers;
   const std::string joint = "name=\"left_slide\"";
@@ -74,7 +74,7 @@ TEST(ValidateConfig, ASpringThatIsTooStiffIsNamedWhereTheGripperFails) {
               HasSubstr("the stiffness 1e+09 of joint 'left_slide' is too high for"));
 }
 
-TEST(ValidateConfig, AGripperThatCannotBeMeasuredAsItIsConfiguredIsTold) {
+TEST(ValidateConfig, ReportsAGripperThatCannotBeMeasured) {
   RobotConfig config = Rc7();
   std::swap(config.move_groups.find("gripper")->ctrl->open,
             config.move_groups.find("gripper")->ctrl->closed);
@@ -82,7 +82,7 @@ TEST(ValidateConfig, AGripperThatCannotBeMeasuredAsItIsConfiguredIsTold) {
 }
 
 // The first check measures the gripper.
-TEST(ValidateConfig, MeasuringAGripperNamesTheGainThatItFailsBy) {
+TEST(ValidateConfig, NamesTheGainThatMakesAGripperFail) {
   RobotConfig config = Rc7();
   config.edits.push_back({.actuator = ElementRef{.name = "gripper"}, .kp = 5e9});
   EXPECT_THAT(Wrong(config),
@@ -105,7 +105,7 @@ TEST(ValidateConfig, MeasuringAGripperNamesTheGainThatItFailsBy) {
                            "of servo 'servo1' is too high for joint 'joint1'");
 }
 
-TEST(ValidateConfig, ABaseWiderThanTheReachIsTold) {
+TEST(ValidateConfig, ReportsABaseWiderThanTheReach) {
   RobotConfig config = Rc7();
   config.base.size = Vec3{22, 22, 25};
   const std::string text = Wrong(config);
@@ -113,19 +113,20 @@ TEST(ValidateConfig, ABaseWiderThanTheReachIsTold) {
   EXPECT_THAT(text, HasSubstr("are in metres"));
 }
 
-TEST(ValidateConfig, AReachThatTheArmDoesNotHaveIsTold) {
+TEST(ValidateConfig, ReportsAReachBeyondTheArm) {
   RobotConfig config = Rc7();
   const double measured = RobotAlone(config).reach();
   config.reach = measured;
   EXPECT_EQ(Wrong(config), "");
   config.reach = 0.5;  // less than the real one: only that may be used
   EXPECT_EQ(Wrong(config), "");
-  config.reach = 9;
-  EXPECT_THAT(Wrong(config),
-              HasSubstr(fmt::format("reach: the TCP gets {:.2f} m away from the root "
-                                    "body, not 9 m: correct it, or leave `reach` "
-                                    "out to have it measured",
-                                    measured)));
+  for (const double wrong : {9.0, 0.1}) {
+    config.reach = wrong;
+    EXPECT_THAT(Wrong(config), HasSubstr(fmt::format(
+                                   "reach: the TCP gets {:.2f} m away from the root body, not {:g} "
+                                   "m: correct it, or leave `reach` out to have it measured",
+                                   measured, wrong)));
+  }
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ class WrittenModel : public ::testing::Test {
   Scene scene = robot.scene();
 };
 
-TEST_F(WrittenModel, IsWeighedAfterForward) {
+TEST_F(WrittenModel, UpdatesMassesAfterForward) {
   const std::vector<double> before = Torques();
   MakeTheLastLinkHeavier();
   EXPECT_EQ(Torques(), before) << "not announced yet";
@@ -52,7 +52,7 @@ TEST_F(WrittenModel, IsWeighedAfterForward) {
   EXPECT_THAT(Torques(), Pointwise(DoubleNear(1e-9), Needed()));
 }
 
-TEST_F(WrittenModel, IsWeighedAfterAResetAndTorquesThatAreResetHoldIt) {
+TEST_F(WrittenModel, UpdatesMassesAndTorquesAfterAReset) {
   robot.set_ctrl_mode(CtrlMode::kTorque);
   MakeTheLastLinkHeavier();
   scene.Reset();
@@ -65,7 +65,7 @@ TEST_F(WrittenModel, IsWeighedAfterAResetAndTorquesThatAreResetHoldIt) {
   EXPECT_THAT(robot.arm().joint_pos(), Pointwise(DoubleNear(1e-3), start));
 }
 
-TEST_F(WrittenModel, OfAResetHookIsWeighedInThatReset) {
+TEST_F(WrittenModel, UpdatesMassesWithinTheResetOfAHook) {
   scene.AddResetHook([this](ResetContext&) { MakeTheLastLinkHeavier(); });
   for (int i = 0; i < 3; ++i) {
     scene.Reset();
@@ -104,7 +104,7 @@ TEST_F(WrittenModel, LimitsAPositionCommandFromTheNextUpdateOn) {
   EXPECT_LT(sent(), limited);
 }
 
-TEST_F(WrittenModel, IsWeighedWithTheGripperWhereItWasRefreshed) {
+TEST_F(WrittenModel, UsesTheRefreshedGripperPose) {
   robot.gripper().SetJointPos(std::vector<double>(robot.gripper().nq(), 0.0));
   robot.RefreshToolInertia();
   MakeTheLastLinkHeavier();
@@ -112,7 +112,7 @@ TEST_F(WrittenModel, IsWeighedWithTheGripperWhereItWasRefreshed) {
   EXPECT_THAT(Torques(), Pointwise(DoubleNear(1e-9), Needed()));
 }
 
-TEST_F(WrittenModel, IsWeighedAsRefreshedWhileObjectsComeAndGo) {
+TEST_F(WrittenModel, KeepsTheRefreshedGripperPoseThroughRebuilds) {
   const std::vector<double> at_the_reference = Torques();
   std::vector<double> fingers(robot.gripper().nq());
   fingers[0] = 0.03;  // only one of them: together they keep their centre of mass
@@ -129,7 +129,7 @@ TEST_F(WrittenModel, IsWeighedAsRefreshedWhileObjectsComeAndGo) {
   EXPECT_THAT(Torques(), Pointwise(DoubleNear(1e-9), at_the_reference)) << "until a reset";
 }
 
-TEST_F(WrittenModel, MayHaveQuaternionsOfAnyLength) {
+TEST_F(WrittenModel, AcceptsQuaternionsOfAnyLength) {
   const int body = IdOf(mjOBJ_BODY, robot.chain().joints()[2].body);
   for (int k = 0; k < 4; ++k) m()->body_quat[4 * body + k] = 2 * m()->body_quat[4 * body + k] + 0.1;
   scene.Forward();
@@ -137,7 +137,7 @@ TEST_F(WrittenModel, MayHaveQuaternionsOfAnyLength) {
       (robot.base_in_world() * robot.FkFrame()).is_close(robot.tcp_in_world(), 1e-12, 1e-12));
 }
 
-TEST_F(WrittenModel, ThatWasNotWrittenToLeavesTheChainAsItIs) {
+TEST_F(WrittenModel, KeepsTheChainWithoutEdits) {
   const LinkTable* before = &robot.chain().links();
   scene.Forward();
   scene.Reset();

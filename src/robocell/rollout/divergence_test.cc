@@ -13,11 +13,12 @@
 #include "robocell/base/log.h"
 #include "robocell/data/episode_reader.h"
 #include "robocell/expert/pick_planner.h"
+#include "robocell/rollout/on_disk.h"
 #include "robocell/rollout/prepare.h"
 #include "robocell/rollout/rollout.h"
 #include "robocell/rollout/runner.h"
 #include "robocell/scene/testing/scenes.h"
-#include "robocell/task/pick_sampler.h"
+#include "robocell/task/start_sampler.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
 #include "robocell/testing/source_dir.h"
@@ -126,12 +127,12 @@ class DivergenceTest : public ::testing::Test {
   ScopedLogSink sink{[this](LogLevel, std::string_view text) { log.emplace_back(text); }};
 };
 
-TEST_F(DivergenceTest, UnstableModelsEndEpisodeAfterEpisodeAndSpoilNoLaterOne) {
+TEST_F(DivergenceTest, UnstableModelsEndTheirEpisodesOnly) {
   const RunConfig run = Run("stormy", Keep::kAll);
   const RunConfig calm = Run("calm", Keep::kAll);
   const RunnerParts parts{
       .sampler = [this](const RunConfig& r) -> std::shared_ptr<TaskSampler> {
-        return std::make_shared<UnstableAtFirst>(std::make_unique<PickTaskSampler>(r), models);
+        return std::make_shared<UnstableAtFirst>(std::make_unique<StartSampler>(r), models);
       },
       .expert = [](const RunConfig& r, const EpisodeStart& start) -> std::shared_ptr<Expert> {
         if (start.target_object.empty()) return std::make_shared<Standing>();
@@ -161,7 +162,7 @@ TEST_F(DivergenceTest, UnstableModelsEndEpisodeAfterEpisodeAndSpoilNoLaterOne) {
   EXPECT_EQ(ReadFile(folder / "stormy" / steps), ReadFile(folder / "calm" / steps));
 }
 
-TEST_F(DivergenceTest, APoisonedStateIsForgottenByTheNextAttemptOfTheSameRunner) {
+TEST_F(DivergenceTest, TheNextRolloutClearsANonFiniteState) {
   const RunConfig poisoned = Run("poisoned"), idle = Run("idle");
   Runner hit(poisoned, AtFirst([] { return std::make_shared<Standing>(&PutNan); }));
   Runner spared(idle, AtFirst([] { return std::make_shared<Standing>(); }));
@@ -197,7 +198,7 @@ class Crowd : public DivergenceTest {
   }
 };
 
-TEST_F(Crowd, TooLargeForTheEnginesBuffersIsCountedInTheRecord) {
+TEST_F(Crowd, RecordsFullContactBuffers) {
   EXPECT_TRUE(Rollout("450K").committed);
   const Episode episode(folder / "crowd" / "e");
   EXPECT_THAT(episode.warnings(), Contains(AllOf(HasSubstr(" x contact buffer full"),
@@ -209,7 +210,7 @@ TEST_F(Crowd, TooLargeForTheEnginesBuffersIsCountedInTheRecord) {
 }
 
 // With a little more memory the contacts fit, but not the results computed from them.
-TEST_F(Crowd, ThatTheEngineCannotComputeIsAnErrorThatSaysWhatToDo) {
+TEST_F(Crowd, ThatExceedsTheMemoryIsAnErrorWithARemedy) {
   const std::string said = ExpectThrow<EngineError>([&] { Rollout("5000K"); }, "scene 'test'");
   EXPECT_THAT(said, HasSubstr("increase <size memory"));
 }

@@ -15,10 +15,12 @@
 #include "robocell/assets/scene_models.h"
 #include "robocell/base/error.h"
 #include "robocell/base/hash.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/base/units.h"
 #include "robocell/data/model_store.h"
 #include "robocell/rollout/episode_reading.h"
 #include "robocell/rollout/recorded_scene.h"
+#include "robocell/rollout/registered_kinds.h"
 #include "robocell/rollout/run_inputs.h"
 #include "robocell/rollout/user_code.h"
 #include "robocell/spec/yaml.h"
@@ -77,7 +79,7 @@ std::string PortableOrOwnName(const std::string& name, const std::string& direct
     if (const auto portable = assets::PortableName(path)) return *portable;
     return internal::StoredModelPath(internal::ModelFileSet(path));
   } catch (const Error&) {
-    if (internal::IsStoredModelPath(name)) return name;  // of an environment that EnvOfEpisode made
+    if (internal::IsStoredModelPath(name)) return name;  // set by EnvOfEpisode
     return std::filesystem::path(name).filename().string();
   }
 }
@@ -106,9 +108,9 @@ std::vector<double> RowsOf(const Episode& episode, const FeatureSchema& features
     const std::vector<double> column = internal::ReadSteps<double>(episode, feature.column.name);
     const auto size = static_cast<size_t>(feature.size());
     if (column.size() != rows * size) {
-      throw IoError(fmt::format("{}: column '{}' has {} numbers a row, and its feature {}",
-                                PlaceOfEpisode(episode), feature.column.name,
-                                column.size() / std::max<size_t>(rows, 1), size));
+      throw IoError(fmt::format(
+          "{}: column '{}' has {} a row, and its feature {}", PlaceOfEpisode(episode),
+          feature.column.name, Counted(column.size() / std::max<size_t>(rows, 1), "number"), size));
     }
     all.resize(rows * width);  // after the number of rows was checked
     for (size_t row = 0; row < rows; ++row)
@@ -133,8 +135,8 @@ void RequireSameCode(const EnvConfig& config, const Episode& episode) {
   const std::vector<std::string> files = CodeDifferences(config, episode);
   if (files.empty()) return;
   throw SpecError(
-      fmt::format("environment '{}': {} was recorded with other code than {}; restore the files of "
-                  "then, or record anew",
+      fmt::format("environment '{}': {} was recorded with other code than {}; restore these files, "
+                  "or record again",
                   config.name, PlaceOfEpisode(episode), fmt::join(files, ", ")));
 }
 
@@ -203,7 +205,7 @@ class ActionReplay {
       const internal::EpisodeJson part = final->At(feature.column.name);
       const auto numbers = part.AsNumbers();
       if (std::ssize(numbers) != feature.size())
-        part.ThrowNot(fmt::format("a list of {} numbers", feature.size()));
+        part.ThrowNot("a list of " + Counted(feature.size(), "number"));
       seen_.insert(seen_.end(), numbers.begin(), numbers.end());
     }
   }
@@ -293,18 +295,24 @@ std::vector<std::string> DifferencesFromEpisode(const EnvConfig& config, const E
     same.sim.realtime = same.headless = false;
     return RunInputs{.identity = ToYaml(same), .versions = {}, .files = {}};
   };
-  std::vector<std::string> lines = Differences(
-      identity(EnvironmentOf(episode).At("config").AsText()), identity(PortableConfig(config)));
+  std::vector<std::string> lines = LinesOf(Differences(
+      identity(EnvironmentOf(episode).At("config").AsText()), identity(PortableConfig(config))));
   for (const std::string& file : CodeDifferences(config, episode))
     lines.push_back(fmt::format("code file {}: not the recorded one", file));
   return lines;
 }
 
 std::unique_ptr<Env> EnvOfEpisode(const Episode& episode, bool images, const DataFactory& factory) {
-  auto config = EnvironmentOf(episode).At("config").AsSpec<EnvConfig>();
+  const internal::EpisodeJson recorded = EnvironmentOf(episode).At("config");
+  const std::vector<std::string> unknown = internal::UnregisteredKinds(recorded.AsText());
+  if (!unknown.empty()) {
+    throw NotFoundError(fmt::format("the environment that recorded '{}': {}",
+                                    episode.folder().string(), fmt::join(unknown, "; ")));
+  }
+  auto config = recorded.AsSpec<EnvConfig>();
   config.sim.realtime = false;
   config.headless = true;
-  if (!images) config.cameras.streams = {};
+  if (!images && !config.cameras.streams.empty()) config.cameras.draw = false;
   RequireSameCode(config, episode);  // before any of it runs
   return std::make_unique<Env>(std::move(config), Scene::Build(RecordedScene(episode), factory));
 }

@@ -3,8 +3,8 @@
 //
 //   const Episode episode("out/teleop/episode-000003");
 //   const std::unique_ptr<Env> env = EnvOfEpisode(episode);
-//   const ReplayResult report = ReplayActions(*env, episode);
-//   if (!report.ok()) LogWarn(report.Text());
+//   const ReplayResult result = ReplayActions(*env, episode);
+//   if (!result.ok()) LogWarn(result.Text());
 //
 // VerifyReplay (replay.h) checks less: that the recorded controls give the recorded states, without
 // the environment and its task.
@@ -27,7 +27,8 @@ namespace robocell {
 // first control tick of each row.
 inline constexpr std::string_view kEnvStateColumn = "env_state";
 inline constexpr std::string_view kControlTickColumn = "control_tick";
-// In the results: the observation after the last action, by the names of observation features.
+// Key of the results that contains the observation after the last action, by the names of
+// observation features.
 inline constexpr const char* kFinalObservation = "final_observation";
 
 // Returns true if an environment recorded the episode.
@@ -55,7 +56,7 @@ struct EnvReplayOptions {
   StateFrame frame = StateFrame::kWorld;
   // Largest difference of each number of the observations and of the rewards. 0: equal to the bit.
   double tolerance = 0;
-  std::function<void()> poll = {};  // as in Env::Step
+  std::function<void()> poll = {};  // called as in Env::Step
 };
 
 // Restores the start of an episode and repeats its actions until a number differs from the recorded

@@ -131,7 +131,7 @@ class EnvOfEpisodeTest : public ::testing::Test {
   mutable int count = 0;
 };
 
-TEST_F(EnvOfEpisodeTest, GivesTheSameToTheBitInEveryEnvironmentOfItsConfiguration) {
+TEST_F(EnvOfEpisodeTest, ReproducesAnEpisodeBitwise) {
   const Episode episode = Record(Rc7WithCube());
   Env other(Rc7WithCube());
   const ReplayResult report = ReplayActions(other, episode);
@@ -145,7 +145,7 @@ TEST_F(EnvOfEpisodeTest, GivesTheSameToTheBitInEveryEnvironmentOfItsConfiguratio
   EXPECT_EQ(same->config().task->kind(), "pick");
 }
 
-TEST_F(EnvOfEpisodeTest, SaysWhatCameOutOtherwise) {
+TEST_F(EnvOfEpisodeTest, ReportsDifferences) {
   const Episode episode = Record(Rc7WithCube());
   Env env(Rc7WithCube());
   ReplayResult report = ReplayActions(env, Changed(episode, "observation/robot/joints", 7 + 3, 1));
@@ -168,7 +168,7 @@ TEST_F(EnvOfEpisodeTest, SaysWhatCameOutOtherwise) {
                              "tolerance -1 is not at least 0");
 }
 
-TEST_F(EnvOfEpisodeTest, InARigThatStandsElsewhere) {
+TEST_F(EnvOfEpisodeTest, ReplaysAtAnotherRootPose) {
   const Episode episode = Record(Rc7WithCube());
   Env there(Rc7WithCube(kElsewhere));
   const ReplayResult report =
@@ -198,7 +198,7 @@ TEST_F(EnvOfEpisodeTest, EndsWhenThePollThrows) {
   EXPECT_TRUE(ReplayActions(env, episode).ok());
 }
 
-TEST_F(EnvOfEpisodeTest, IsRefusedForOtherConfigurationsAndEpisodes) {
+TEST_F(EnvOfEpisodeTest, RejectsOtherConfigurationsAndEpisodes) {
   const Episode episode = Record(Rc7WithCube());
   Env env(Rc7Env());
   ExpectThrow<ArgumentError>([&] { ReplayActions(env, episode); },
@@ -243,7 +243,7 @@ TEST_F(EnvOfEpisodeTest, ColumnsHaveARowForEachStep) {
   }
 }
 
-TEST_F(EnvOfEpisodeTest, ColumnsOfAnotherLengthAreNamed) {
+TEST_F(EnvOfEpisodeTest, NamesColumnsOfAnotherLength) {
   const Episode episode = Record(Rc7WithCube());
   Env env(Rc7WithCube());
   for (const char* column : {"reward", "time", "observation/robot/joints", "action/robot/tquat"}) {
@@ -255,7 +255,7 @@ TEST_F(EnvOfEpisodeTest, ColumnsOfAnotherLengthAreNamed) {
       "column 'control_tick' has 2 rows");
 }
 
-TEST_F(EnvOfEpisodeTest, WithoutARowCannotBeRepeated) {
+TEST_F(EnvOfEpisodeTest, RejectsAnEpisodeWithoutRows) {
   const Episode episode = Record(Rc7WithCube());
   Env env(Rc7WithCube());
   const Episode empty = WithRows(
@@ -264,7 +264,7 @@ TEST_F(EnvOfEpisodeTest, WithoutARowCannotBeRepeated) {
                        "has no row: there is nothing to repeat");
 }
 
-TEST_F(EnvOfEpisodeTest, NamesTheFieldThatIsNotAsItWasWritten) {
+TEST_F(EnvOfEpisodeTest, NamesAnInvalidField) {
   const Episode episode = Record(Rc7WithCube());
   Env env(Rc7WithCube());
   const auto edited = [&](const char* pointer, const nlohmann::ordered_json& value) {
@@ -314,7 +314,7 @@ TEST_F(EnvOfEpisodeTest, NamesTheFieldThatIsNotAsItWasWritten) {
       "is [1,\"b\"], not a list of numbers");
 }
 
-TEST_F(EnvOfEpisodeTest, OfASavedSceneNeedsItsFile) {
+TEST_F(EnvOfEpisodeTest, RequiresTheFileOfASavedScene) {
   EnvConfig config = Rc7WithCube();
   Env(config).scene().SaveXml(folder / "cell.xml");
   config.saved_scene = (folder / "cell.xml").string();
@@ -333,7 +333,7 @@ TEST_F(EnvOfEpisodeTest, OfASavedSceneNeedsItsFile) {
   ExpectThrow<ArgumentError>([&] { VerifyReplay(episode); }, "its scene was a saved file");
 }
 
-TEST_F(EnvOfEpisodeTest, NamesModelsAsEveryMachineKnowsThem) {
+TEST_F(EnvOfEpisodeTest, RecordsPortableModelNames) {
   const Episode episode = Record(Rc7WithCube());
   const std::string config = nlohmann::json::parse(episode.metadata_json())
                                  .at("environment")

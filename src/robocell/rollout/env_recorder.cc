@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <string_view>
 #include <utility>
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,7 @@
 #include "robocell/base/io_error.h"
 #include "robocell/base/log.h"
 #include "robocell/base/ratio.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_folder.h"
 #include "robocell/data/dataset_lock.h"
@@ -22,10 +24,11 @@
 #include "robocell/data/leftovers.h"
 #include "robocell/features/chosen_features.h"
 #include "robocell/rollout/env_of_episode.h"
-#include "robocell/rollout/episode_cameras.h"
-#include "robocell/rollout/episode_columns.h"
+#include "robocell/rollout/episode_reading.h"
+#include "robocell/rollout/episode_recording.h"
 #include "robocell/rollout/recorded_scene.h"
 #include "robocell/spec/yaml.h"
+#include "robocell/task/task_calls.h"
 #include "robocell/task/task_features.h"
 
 namespace robocell {
@@ -34,7 +37,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-// In the order of EndReason.
+// Names in the order of EndReason.
 constexpr std::array kEndReasons = {EndReason::kDiverged, EndReason::kCollision,
                                     EndReason::kIkFailed, EndReason::kArrived,
                                     EndReason::kSettled,  EndReason::kTimeout};
@@ -43,86 +46,19 @@ constexpr std::array kEndReasons = {EndReason::kDiverged, EndReason::kCollision,
 // rate of the configuration.
 Ratio RateOfRows(const EnvConfig& config) { return RatioOf(config.sim.frequency); }
 
-// The frame that a stream shows.
-struct ShownFrame {
-  std::vector<uint8_t> rgb;
-  std::vector<uint16_t> depth, bodies;
-  std::array<double, 16> extrinsics = {};
-  double time = 0;
-};
-
-// The streams of an environment as cameras of an episode: frames as they were shown.
-class FrameColumns {
- public:
-  FrameColumns(EpisodeSchema& schema, const Env& env) {
-    for (const EnvFrame& frame : env.frames()) Add(schema, env, frame);
-    if (std::ranges::any_of(env.frames(),
-                            [](const EnvFrame& f) { return !f.segmentation.empty(); }))
-      schema.SetSegmentLabels(internal::SegmentLabelsOf(env.scene()));
-  }
-  // Reads the current frames.
-  void Take(const Env& env, std::vector<ShownFrame>& out) const {
-    out.resize(streams_.size());
-    for (size_t i = 0; i < streams_.size(); ++i) {
-      ShownFrame& shown = out[i];
-      const EnvFrame& frame = env.frames()[i];
-      shown.rgb = frame.rgb;
-      shown.depth = frame.depth_mm;
-      shown.bodies.resize(frame.segmentation.size());
-      std::ranges::transform(frame.segmentation, shown.bodies.begin(), [](int32_t body) {
-        return body < 0 ? kNoSegment : static_cast<uint16_t>(body);
-      });
-      const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> pose = frame.camera.extrinsics();
-      std::copy_n(pose.data(), 16, shown.extrinsics.begin());
-      shown.time = frame.time;
-    }
-  }
-  void Put(EpisodeWriter& writer, const std::vector<ShownFrame>& frames) const {
-    for (size_t i = 0; i < streams_.size(); ++i) {
-      const Stream& stream = streams_[i];
-      const ShownFrame& shown = frames[i];
-      writer.Put(stream.extrinsics_column, std::span<const double>(shown.extrinsics));
-      writer.Put(stream.time_column, shown.time);
-      writer.WriteFrame(stream.video, shown.rgb);
-      if (!shown.depth.empty()) writer.WriteDepth(stream.video, shown.depth);
-      if (!shown.bodies.empty()) writer.WriteSegmentation(stream.video, shown.bodies);
+// The frames that an environment shows, and when they were taken.
+struct ShownFrames {
+  void Take(const Env& env) {
+    images.resize(env.frames().size());
+    times.resize(env.frames().size());
+    for (size_t i = 0; i < images.size(); ++i) {
+      CopyFrame(env.frames()[i], images[i]);
+      times[i] = env.frames()[i].time;
     }
   }
 
- private:
-  struct Stream {
-    CameraId video;
-    ColumnId extrinsics_column, time_column;
-  };
-
-  void Add(EpisodeSchema& schema, const Env& env, const EnvFrame& frame) {
-    const Ratio rate = RateOfRows(env.config());
-    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> k = frame.camera.intrinsics();
-    std::array<double, 9> intrinsics = {};
-    std::copy_n(k.data(), 9, intrinsics.begin());
-    Stream stream;
-    stream.video = schema.AddCamera({.name = frame.stream,
-                                     .width = frame.width,
-                                     .height = frame.height,
-                                     .fps_num = static_cast<int>(rate.num),
-                                     .fps_den = static_cast<int>(rate.den),
-                                     .intrinsics = intrinsics,
-                                     .depth = !frame.depth_mm.empty(),
-                                     .segmentation = !frame.segmentation.empty()});
-    const std::string path = "cameras/" + frame.stream + "/";
-    stream.extrinsics_column = schema.AddColumn({.name = path + "extrinsics",
-                                                 .shape = {4, 4},
-                                                 .units = "m, 1",
-                                                 .frame = "world -> camera, OpenCV axes"});
-    stream.time_column = schema.AddColumn({.name = path + "time",
-                                           .units = "s",
-                                           .description = "When the frame was taken, since the "
-                                                          "reset: streams with a rate of their own "
-                                                          "show one until the next."});
-    streams_.push_back(stream);
-  }
-
-  std::vector<Stream> streams_;
+  std::vector<CellImage> images;
+  std::vector<double> times;
 };
 
 // The constant description of all episodes of one scene; hashing models takes a while.
@@ -132,6 +68,33 @@ struct SceneDescription {
   std::string config;  // the environment's, as YAML with portable names
 };
 
+std::string MetadataOf(const Env& env, const EnvRecorderOptions& options,
+                       const SceneDescription& scene) {
+  const EnvConfig& config = env.config();
+  Json environment = {{"name", config.name}, {"config", scene.config}};
+  if (!config.variations.empty()) {
+    EnvConfig varied;
+    varied.variations = config.variations;
+    environment["variations"] = ToYaml(varied);
+  }
+  environment["code"] = CodeRecord(config);
+  environment["start"] = env.state().ticks == 0 ? "reset" : "state";
+  if (!config.saved_scene.empty()) environment["saved_scene"] = true;
+  const double step_ms = env.scene().timestep() * 1000;
+  internal::EpisodeRates rates{.control_ms = step_ms, .sim_ms = step_ms};
+  if (config.sim.async_control) rates.rows = RateOfRows(config);
+  Json meta = internal::EpisodeMetadata(env.scene(), scene.portable, env.instruction(), rates);
+  meta["environment"] = environment;
+  meta["user"] = Json::parse(options.metadata_json);
+  meta["task"] = config.task ? config.task->kind() : "";
+  return meta.dump();
+}
+
+std::vector<std::string> SubtasksOf(const Env& env) {
+  if (!env.task()) return {};
+  return internal::TaskCalls(*env.task()).Subtasks();
+}
+
 // An episode that is being recorded.
 class EnvEpisode {
  public:
@@ -139,47 +102,37 @@ class EnvEpisode {
              const EnvRecorderOptions& options, const SceneDescription& scene)
       : env_(env),
         nu_(static_cast<size_t>(env.scene().model()->nu)),
-        generation_(env.scene().generation()),
+        has_images_(options.images),
         features_(RecordedFeatures(env)),
-        state_columns_(schema_, features_.observed()),
-        command_columns_(schema_, features_.commanded()),
-        seen_columns_(schema_, env.layout().observed),
-        asked_columns_(schema_, env.layout().commanded),
-        outcome_(schema_, env.scene(), {},
-                 env.task() ? env.task()->subtasks() : std::vector<std::string>()) {
-    if (options.images) frames_.emplace(schema_, env);
-    AddColumns();
-    const std::vector<double> state = env.scene().state(), env_state = env.state().numbers();
-    schema_.AddConstant(
-        {.name = "initial_state",
-         .shape = {static_cast<int64_t>(state.size())},
-         .description = "The engine's full state before the first action (mjSTATE_INTEGRATION)."},
-        state);
-    schema_.AddConstant({.name = std::string(kEnvStateColumn),
-                         .shape = {static_cast<int64_t>(env_state.size())},
-                         .description = "The environment's state before the first action: the "
-                                        "numbers of an EnvState."},
-                        env_state);
-    writer_.emplace(dataset, id, schema_,
-                    EpisodeOptions{.metadata_json = Metadata(options, scene),
-                                   .versions_json = Json{{"mujoco", mj_versionString()}}.dump(),
-                                   .features = AllFeatures()});
-    for (const auto& [name, files] : scene.portable.models) writer_->AddModel(name, files);
+        recording_(env.scene().inner(),  // a second handle would keep the environment alive
+                   {.observed = features_.observed(),
+                    .commanded = features_.commanded(),
+                    .more = {&env.layout().observed, &env.layout().commanded},
+                    .subtasks = SubtasksOf(env)}) {
+    if (has_images_) {
+      begun_.shown.Take(env);
+      recording_.AddCameras(begun_.shown.images, RateOfRows(env.config()), true);
+    }
+    AddLabels();
+    const std::vector<double> state = env.state().numbers();
+    const ConstantSpec env_state = {
+        .column = {.name = std::string(kEnvStateColumn),
+                   .shape = {static_cast<int64_t>(state.size())},
+                   .description = "The environment's state before the first action: the numbers "
+                                  "of an EnvState."},
+        .values = state};
+    recording_.Begin(dataset, id, MetadataOf(env, options, scene), scene.portable, {env_state});
   }
 
   // Begins a step.
   void Begin(std::span<const double> action) {
-    if (env_.scene().generation() != generation_) {
-      throw Error(fmt::format(
-          "environment '{}': objects were added or removed while an episode is recorded, whose "
-          "rows have numbers for those it began with; save it, and reset, before the scene changes",
-          env_.config().name));
-    }
+    recording_.RequireSameScene("environment '" + env_.config().name + "'",
+                                "save it, and reset, before the scene changes");
     const std::span<const double> state = features_.ReadState();
     begun_.state.assign(state.begin(), state.end());
     begun_.seen.assign(env_.observation().begin(), env_.observation().end());
     begun_.action.assign(action.begin(), action.end());
-    if (frames_) frames_->Take(env_, begun_.frames);
+    if (has_images_) begun_.shown.Take(env_);
     ForgetTicks();
   }
   void ForgetTicks() { begun_.times.clear(), begun_.ctrl.clear(); }
@@ -192,7 +145,7 @@ class EnvEpisode {
     const std::span<const double> commands = features_.ReadActions();
     begun_.commands.assign(commands.begin(), commands.end());
     after_.assign(env_.observation().begin(), env_.observation().end());
-    warnings_ = outcome_.warnings();
+    warnings_ = recording_.warnings();
     begun_.outcome = {.reward = step.reward,
                       .progress = step.progress,
                       .subtask = step.subtask,
@@ -225,13 +178,15 @@ class EnvEpisode {
     if (diverged) summary.warnings.push_back(divergence_);
     if (warnings_.total() > 0) summary.warnings.push_back(warnings_.Text());
     if (!diverged) summary.results_json = FinalObservation();
-    writer_->Commit(summary);
+    recording_.Commit(summary);
   }
 
  private:
+  enum { kSeen, kAsked };  // the further columns of a row
+
   struct Row {
     std::vector<double> state, commands, seen, action, times, ctrl;
-    std::vector<ShownFrame> frames;
+    ShownFrames shown;
     internal::RowOutcome outcome;
     EndReason reason = EndReason::kTimeout;
   };
@@ -248,89 +203,45 @@ class EnvEpisode {
     return Json{{kFinalObservation, final}}.dump();
   }
 
-  void AddColumns() {
+  void AddLabels() {
     std::vector<std::string> reasons;
     for (const EndReason reason : kEndReasons) reasons.emplace_back(ToString(reason));
-    const auto add = [&](ColumnSpec column) {
-      labels_.Add({.column = column, .role = FeatureRole::kLabel, .source = "env recorder"});
-      return schema_.AddColumn(std::move(column));
-    };
-    reason_column_ = add({.name = "step_reason",
-                          .type = ColumnType::kInt32,
-                          .values = std::move(reasons),
-                          .description = "Why the step ended."});
-    tick_column_ = add({.name = std::string(kControlTickColumn),
-                        .type = ColumnType::kInt64,
-                        .description = "The first row of the table `control` that belongs to this "
-                                       "one."});
-  }
-
-  FeatureSchema AllFeatures() const {
-    FeatureSchema all = features_.schema();
-    for (const FeatureSchema* more :
-         {&env_.layout().observed, &env_.layout().commanded, &outcome_.labels(), &labels_}) {
-      for (const Feature& feature : more->features()) all.Add(feature);
-    }
-    return all;
-  }
-
-  std::string Metadata(const EnvRecorderOptions& options, const SceneDescription& scene) const {
-    const EnvConfig& config = env_.config();
-    Json environment = {{"name", config.name}, {"config", scene.config}};
-    if (!config.variations.empty()) {
-      EnvConfig varied;
-      varied.variations = config.variations;
-      environment["variations"] = ToYaml(varied);
-    }
-    environment["code"] = CodeRecord(config);
-    environment["start"] = env_.state().ticks == 0 ? "reset" : "state";
-    if (!config.saved_scene.empty()) environment["saved_scene"] = true;
-    const double step_ms = env_.scene().timestep() * 1000;
-    Json meta = {{"environment", environment},
-                 {"user", Json::parse(options.metadata_json)},
-                 {"instruction", env_.instruction()},
-                 {"task", config.task ? config.task->kind() : ""},
-                 {"scene_spec", ToYaml(scene.portable.spec)},
-                 {"engine", EngineRecord(env_.scene())},
-                 {"timestep", env_.scene().timestep()},
-                 {"rates", {{"control_ms", step_ms}, {"sim_ms", step_ms}}}};
-    if (config.sim.async_control) {
-      const Ratio rate = RateOfRows(config);
-      meta["rates"]["policy_ms"] = 1000 / rate.value();
-      meta["rates"]["policy_hz"] = {rate.num, rate.den};
-    }
-    return meta.dump();
+    constexpr const char* kSource = "env recorder";
+    reason_column_ = recording_.AddLabel({.name = "step_reason",
+                                          .type = ColumnType::kInt32,
+                                          .values = std::move(reasons),
+                                          .description = "Why the step ended."},
+                                         kSource);
+    tick_column_ = recording_.AddLabel({.name = std::string(kControlTickColumn),
+                                        .type = ColumnType::kInt64,
+                                        .description = "The first row of the table `control` that "
+                                                       "belongs to this one."},
+                                       kSource);
   }
 
   void Write(const Row& row) {
-    EpisodeWriter& writer = *writer_;
-    state_columns_.Put(writer, row.state);
-    command_columns_.Put(writer, row.commands);
-    seen_columns_.Put(writer, row.seen);
-    asked_columns_.Put(writer, row.action);
-    outcome_.PutPhase(writer, 0);
-    outcome_.PutOutcome(writer, row.outcome);
-    writer.Put(reason_column_, static_cast<int32_t>(std::ranges::find(kEndReasons, row.reason) -
-                                                    kEndReasons.begin()));
-    writer.Put(tick_column_, ticks_);
-    if (frames_) frames_->Put(writer, row.frames);
-    writer.EndRow();
+    recording_.PutState(row.state, 0);
+    recording_.PutCommands(row.commands);
+    recording_.PutMore(kSeen, row.seen);
+    recording_.PutMore(kAsked, row.action);
+    recording_.PutOutcome(row.outcome);
+    recording_.writer().Put(
+        reason_column_,
+        static_cast<int32_t>(std::ranges::find(kEndReasons, row.reason) - kEndReasons.begin()));
+    recording_.writer().Put(tick_column_, ticks_);
+    recording_.PutImages(row.shown.images, row.shown.times);
+    recording_.EndRow();
     for (size_t i = 0; i < row.times.size(); ++i)
-      outcome_.PutControl(writer, row.times[i], std::span(row.ctrl).subspan(i * nu_, nu_));
+      recording_.PutControl(row.times[i], std::span(row.ctrl).subspan(i * nu_, nu_));
     ticks_ += static_cast<int64_t>(row.times.size());
   }
 
   const Env& env_;
   size_t nu_;
-  uint64_t generation_;
-  EpisodeSchema schema_;
+  bool has_images_;
   CellFeatures features_;
-  internal::FeatureColumns state_columns_, command_columns_, seen_columns_, asked_columns_;
-  internal::OutcomeColumns outcome_;
-  FeatureSchema labels_;
+  internal::EpisodeRecording recording_;
   ColumnId reason_column_, tick_column_;
-  std::optional<FrameColumns> frames_;
-  std::optional<EpisodeWriter> writer_;
 
   // The row that has begun, and the last one that ended. A row is not written before the next one
   // has ended too: a step that an error ends is not a row.
@@ -355,15 +266,33 @@ int64_t NextNumber(const fs::path& dataset, const std::string& prefix) {
   return next;
 }
 
-// All episodes of a dataset belong to one environment.
+// Returns the name of the batch that "cell[3]" is a copy of, or the name itself.
+std::string_view NameOfBatch(std::string_view name) {
+  return name.ends_with(']') ? name.substr(0, name.rfind('[')) : name;
+}
+
+// All episodes of a dataset belong to one environment, or to the copies of one batch.
 void RequireSameEnv(const fs::path& dataset, const Env& env) {
   const Dataset all(dataset);
   if (all.size() == 0 || !IsOfEnv(all.At(0))) return;
-  const std::vector<std::string> differences = DifferencesFromEpisode(env.config(), all.At(0));
+  const Episode first = all.At(0);
+  EnvConfig config = env.config();
+  const std::string theirs =
+      internal::EpisodeJson::Metadata(first).At("environment").At("name").AsText();
+  if (NameOfBatch(theirs) == NameOfBatch(config.name)) config.name = theirs;
+  const std::vector<std::string> differences = DifferencesFromEpisode(config, first);
   if (differences.empty()) return;
   throw ArgumentError(fmt::format(
       "environment '{}' differs from the one whose episodes are in '{}': {}; choose another folder",
       env.config().name, dataset.string(), fmt::join(differences, "; ")));
+}
+
+void RequireNoRun(const fs::path& dataset) {
+  if (!ReadManifest(dataset)) return;
+  throw ArgumentError(
+      fmt::format("'{}' is the dataset of a run, whose episodes are those of its plan; record "
+                  "into another folder",
+                  dataset.string()));
 }
 
 void PrepareFolder(const fs::path& dataset, const Env& env) {
@@ -374,12 +303,7 @@ void PrepareFolder(const fs::path& dataset, const Env& env) {
   const bool is_new = std::ranges::all_of(
       names, [](const std::string& name) { return name.starts_with(kLockFile); });
   if (!is_new) RequireDataset(dataset);
-  if (ReadManifest(dataset)) {
-    throw ArgumentError(fmt::format(
-        "'{}' is the dataset of a run, whose episodes are those of its plan; record into a folder "
-        "of its own",
-        dataset.string()));
-  }
+  RequireNoRun(dataset);
   if (!is_new) RequireSameEnv(dataset, env);
 }
 
@@ -392,7 +316,7 @@ void RequireRecorderOptions(const EnvRecorderOptions& options) {
 }
 
 void RequireColour(const EnvConfig& config) {
-  for (const CameraConfig& stream : config.cameras.streams) {
+  for (const CameraConfig& stream : config.cameras.drawn()) {
     if (stream.rgb) continue;
     throw ArgumentError(fmt::format(
         "environment '{}': stream '{}' has no colour images, so it cannot be recorded; set its "
@@ -404,13 +328,17 @@ void RequireColour(const EnvConfig& config) {
 }  // namespace
 
 CellFeatures RecordedFeatures(const Env& env) {
-  return FeaturesOfCell(env.scene(), RobotsOf(env.scene()), env.task(),
-                        OwnAmong(env.config().features.names));
+  const Scene scene = env.scene().inner();  // the environment has the only handle
+  const std::shared_ptr<const Task> lent(std::shared_ptr<void>(), env.task().get());
+  return FeaturesOfCell(scene, RobotsOf(scene), lent, OwnAmong(env.config().features.names));
 }
 
 struct EnvRecorder::State : public EnvObserver {
   State(Env& its_env, fs::path its_dataset, EnvRecorderOptions its_options)
-      : env(&its_env), dataset(std::move(its_dataset)), options(std::move(its_options)) {
+      : env(&its_env),
+        recorded(its_env),
+        dataset(std::move(its_dataset)),
+        options(std::move(its_options)) {
     RequireRecorderOptions(options);
     if (options.images) RequireColour(env->config());
     PrepareFolder(dataset, *env);
@@ -456,7 +384,19 @@ struct EnvRecorder::State : public EnvObserver {
       throw;
     }
   }
+  // Others may have written into the folder since the recorder was made. Once it has episodes of
+  // this environment, a recorder of another one is refused: listing a large folder takes a while.
+  void RequireOwnFolder() {
+    RequireNoRun(dataset);
+    if (has_own_episodes) return;
+    const std::vector<std::string> names = FolderNames(dataset);
+    const auto is_hidden = [](const std::string& name) { return name.starts_with("."); };
+    if (std::ranges::all_of(names, is_hidden)) return;
+    RequireSameEnv(dataset, recorded);
+    has_own_episodes = true;
+  }
   void Start() {
+    RequireOwnFolder();
     if (!scene || scene->generation != env->scene().generation()) {
       scene = {.generation = env->scene().generation(),
                .portable = MakePortable(env->scene().spec()),
@@ -469,7 +409,9 @@ struct EnvRecorder::State : public EnvObserver {
     is_waiting = true;
     const std::unique_ptr<EnvEpisode> ended = std::move(episode);
     if (!ended || ended->rows() == 0) return std::nullopt;
+    RequireOwnFolder();
     ended->Commit(end);
+    has_own_episodes = true;
     episodes.push_back(fmt::format("{}-{:06}", options.prefix, next++));
     return episodes.back();
   }
@@ -479,13 +421,15 @@ struct EnvRecorder::State : public EnvObserver {
   }
 
   Env* env;  // null when it is closed
+  const Env& recorded;
   fs::path dataset;
   EnvRecorderOptions options;
   std::optional<DatasetLock> lock;
   int64_t next = 0;
   std::optional<SceneDescription> scene;
   std::unique_ptr<EnvEpisode> episode;
-  bool is_waiting = false;  // for a reset
+  bool is_waiting = false;        // true while it waits for a reset
+  bool has_own_episodes = false;  // true once the folder was seen to have this environment's
   std::vector<std::string> episodes;
 };
 
@@ -495,9 +439,10 @@ EnvRecorder::EnvRecorder(Env& env, const fs::path& dataset, EnvRecorderOptions o
 EnvRecorder::~EnvRecorder() {
   if (rows() == 0) return;
   LogWarn(
-      fmt::format("'{}': the recorder of environment '{}' was not closed; the {} steps that "
-                  "were not saved are gone",
-                  dataset().string(), state_->env->config().name, rows()));
+      fmt::format("'{}': the recorder of environment '{}' was not closed; {} not saved "
+                  "{} gone",
+                  dataset().string(), state_->env->config().name, Counted(rows(), "step"),
+                  rows() == 1 ? "is" : "are"));
 }
 
 std::optional<std::string> EnvRecorder::Save(const EnvEpisodeEnd& end) {

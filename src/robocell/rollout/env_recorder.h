@@ -22,8 +22,8 @@
 // Throws ArgumentError for a folder that is not a dataset, belongs to a run, or has episodes of
 // another configuration or of other code of the task and features, and for streams without colour
 // images. Throws IoError when the disk fails, also from Step or Reset: then the episode is lost,
-// and recording goes on with the next reset. Threads: those of the environment, which must outlive
-// it.
+// and recording continues with the next reset. Threads: those of the environment, which must
+// outlive it.
 #pragma once
 
 #include <filesystem>
@@ -43,13 +43,14 @@ struct EnvRecorderOptions {
   std::string metadata_json = "{}";  // your own JSON object, kept as `user` in the metadata
 };
 
-// How an episode ended, if the caller saves it.
+// End of an episode that the caller saves.
 struct EnvEpisodeEnd {
   std::optional<bool> success = {};  // unset: the task's verdict on the last step
   std::string reason = {};           // "": "success", "diverged" or "stopped"
 };
 
-// Returns the features of an environment's cell that its episodes record.
+// Returns the features of an environment's cell that its episodes record. They read the task of
+// the environment, which must outlive them.
 CellFeatures RecordedFeatures(const Env& env);
 
 class EnvRecorder {

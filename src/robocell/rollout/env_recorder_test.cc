@@ -90,7 +90,7 @@ TEST(EnvRecorders, SaveAnEpisodeAtEachReset) {
   EXPECT_EQ(dataset.At(0).Read<uint8_t>("truncated"), (std::vector<uint8_t>{0, 0, 1}));
 }
 
-TEST(EnvRecorders, RecordWhatWasShownAskedAndDone) {
+TEST(EnvRecorders, RecordObservationsActionsAndRewards) {
   const TempDir folder;
   Env env(Rc7WithCube());
   EnvRecorder recorder(env, folder.path(), {.metadata_json = R"({"operator": "ann"})"});
@@ -133,7 +133,7 @@ TEST(EnvRecorders, RecordWhatWasShownAskedAndDone) {
   EXPECT_EQ(metadata.at("instruction"), env.instruction());
 }
 
-TEST(EnvRecorders, AfterSavingOrDiscardingTheyWaitForAReset) {
+TEST(EnvRecorders, WaitForAResetAfterSaveOrDiscard) {
   const TempDir folder;
   Env env(Rc7WithCube());
   env.Reset({.seed = 5});
@@ -157,7 +157,7 @@ TEST(EnvRecorders, AfterSavingOrDiscardingTheyWaitForAReset) {
   EXPECT_EQ(episode.end_reason(), "the operator said so");
 }
 
-TEST(EnvRecorders, LeaveNothingOfAnEpisodeThatWasNotSaved) {
+TEST(EnvRecorders, LeaveNothingOfAnUnsavedEpisode) {
   const TempDir folder;
   Env env(Rc7WithCube());
   {
@@ -171,7 +171,7 @@ TEST(EnvRecorders, LeaveNothingOfAnEpisodeThatWasNotSaved) {
     EXPECT_THAT(entry.path().filename().string(), ::testing::StartsWith(".lock"));
 }
 
-TEST(EnvRecorders, StepsThatAnErrorEndedAreNoRows) {
+TEST(EnvRecorders, FailedStepsAreNotRecorded) {
   struct Enough {};
   const TempDir folder;
   Env env(Rc7WithCube());
@@ -187,7 +187,7 @@ TEST(EnvRecorders, StepsThatAnErrorEndedAreNoRows) {
   EXPECT_EQ(episode.Read<uint8_t>("truncated"), (std::vector<uint8_t>{0, 0, 1}));
 }
 
-TEST(EnvRecorders, TheLastRowKnowsOfSuccessAfterAStepThatAnErrorEnded) {
+TEST(EnvRecorders, TheLastRowKeepsTheSuccessBeforeAFailedStep) {
   struct Enough {};
   const TempDir folder;
   Env env(Rc7WithCube());
@@ -202,7 +202,7 @@ TEST(EnvRecorders, TheLastRowKnowsOfSuccessAfterAStepThatAnErrorEnded) {
   ExpectSound(folder.path(), 1);
 }
 
-TEST(EnvRecorders, StepsThatAGuardTakesBackAreReplayed) {
+TEST(EnvRecorders, ReplayStepsRevokedByAGuard) {
   const TempDir folder;
   EnvConfig config = Rc7BesideAWall();
   config.sim.on_collision = OnCollision::kGuard;
@@ -224,7 +224,7 @@ TEST(EnvRecorders, StepsThatAGuardTakesBackAreReplayed) {
   EXPECT_TRUE(ReplayActions(other, episode).ok());
 }
 
-TEST(EnvRecorders, KnowWhatWasDrawnForTheObjects) {
+TEST(EnvRecorders, RecordTheVariationsOfObjects) {
   const TempDir folder;
   EnvConfig config = Rc7WithCube();
   config.variations["cube"] = {.mass = {0.5, 2}, .friction = {0.5, 1.5}, .colour = 0.2};
@@ -266,7 +266,7 @@ TEST(EnvRecorders, ADivergenceIsTheLastRow) {
   EXPECT_THAT(Verify(folder.path()).problems, IsEmpty());
 }
 
-TEST(EnvRecorders, RecordTheFramesThatWereShown) {
+TEST(EnvRecorders, RecordTheObservedFrames) {
   const TempDir folder;
   EnvConfig config = Rc7WithCube();
   config.camera_adds["top"] = {.fovy = 30, .offset = Pose(Eigen::Vector3d(0.4, 0, 1.5))};
@@ -303,7 +303,7 @@ TEST(EnvRecorders, RecordTheFramesThatWereShown) {
                              "stream 'top' has no colour images, so it cannot be recorded; set");
 }
 
-TEST(EnvRecorders, EachCopyOfABatchHasOneOfItsOwn) {
+TEST(EnvRecorders, EachCopyOfABatchHasItsOwn) {
   const TempDir folder;
   EnvConfig config = Rc7WithCube();
   EnvBatch batch(config, 2, 2);
@@ -326,9 +326,10 @@ TEST(EnvRecorders, EachCopyOfABatchHasOneOfItsOwn) {
   Env alone(config);
   for (const Episode& episode : Dataset(folder.path()))
     EXPECT_TRUE(ReplayActions(alone, episode).ok());
+  EXPECT_NO_THROW(EnvRecorder(batch.env(1), folder.path(), {.prefix = "copy1"}));
 }
 
-TEST(EnvRecorders, CountOnAndKeepToTheirOwn) {
+TEST(EnvRecorders, ContinueTheNumberingOfTheirPrefix) {
   const TempDir folder;
   Env env(Rc7WithCube());
   for (int i = 0; i < 2; ++i) {
@@ -348,7 +349,7 @@ TEST(EnvRecorders, CountOnAndKeepToTheirOwn) {
 }
 
 // Kills a recorder in a process of its own in the middle of an episode.
-TEST(EnvRecorders, RemoveWhatAKilledOneOfTheirPrefixLeft) {
+TEST(EnvRecorders, RemoveLeftoversOfAKilledRecorder) {
   const TempDir folder;
   for (const char* prefix : {"episode", "episode-left"}) {
     const pid_t child = internal::hdf5::Fork();
@@ -383,7 +384,7 @@ TEST(EnvRecorders, RemoveWhatAKilledOneOfTheirPrefixLeft) {
   ExpectSound(folder.path(), 2);
 }
 
-TEST(EnvRecorders, RefuseFoldersOfAnotherConfiguration) {
+TEST(EnvRecorders, RejectFoldersOfAnotherConfiguration) {
   const TempDir folder;
   EnvConfig config = Rc7WithCube();
   {
@@ -400,7 +401,24 @@ TEST(EnvRecorders, RefuseFoldersOfAnotherConfiguration) {
                              "1.25 now; choose another folder");
 }
 
-TEST(EnvRecorders, EpisodesAreRepeatedWithTheirOwnCodeOnly) {
+TEST(EnvRecorders, OneFolderHasTheEpisodesOfOneConfigurationAlthoughBothRecordersWereMadeBefore) {
+  const TempDir folder;
+  EnvConfig config = Rc7WithCube();
+  Env env(config);
+  config.sim.max_convergence_time = 1.25;
+  Env other(config);
+  EnvRecorder recorder(env, folder.path(), {.prefix = "a"});
+  EnvRecorder late(other, folder.path(), {.prefix = "b"});
+  for (Env* each : {&env, &other}) {
+    each->Reset();
+    each->Step(GoingTo({0.45, 0, 0.3}));
+  }
+  recorder.Close();
+  ExpectThrow<ArgumentError>([&] { late.Close(); }, "1.25 now; choose another folder");
+  ExpectSound(folder.path(), 1);
+}
+
+TEST(EnvRecorders, EpisodesRequireTheirOriginalCode) {
   const TempDir folder;
   const std::string code = (folder / "mine.cc").string();
   AtomicWrite(code, "return 1;");
@@ -453,12 +471,12 @@ TEST(EnvRecorders, FeaturesKeepTheirShape) {
   }
 }
 
-TEST(EnvRecorders, TellWhichFoldersTheyDoNotTake) {
+TEST(EnvRecorders, RejectUnsuitableFolders) {
   const TempDir folder;
   Env env(Rc7WithCube());
   fs::create_directory(folder / "things");
   AtomicWrite(folder / "things" / "notes.txt", "mine");
-  ExpectThrow<ArgumentError>([&] { EnvRecorder(env, folder / "things"); }, "is no dataset");
+  ExpectThrow<ArgumentError>([&] { EnvRecorder(env, folder / "things"); }, "is not a dataset");
   fs::create_directory(folder / "run");
   WriteManifest(folder / "run", "{}");
   ExpectThrow<ArgumentError>([&] { EnvRecorder(env, folder / "run"); },

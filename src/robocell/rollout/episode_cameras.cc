@@ -2,11 +2,10 @@
 
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <array>
 
 namespace robocell::internal {
-
-static_assert(kNoBody == kNoSegment);
 
 std::vector<SegmentLabel> SegmentLabelsOf(const Scene& scene) {
   const mjModel* model = scene.model();
@@ -34,40 +33,51 @@ std::vector<SegmentLabel> SegmentLabelsOf(const Scene& scene) {
 }
 
 EpisodeCameras::EpisodeCameras(EpisodeSchema& schema, const Scene& scene,
-                               const CameraSystemConfig& config, Renderer* renderer,
-                               const Ratio& rate)
-    : images_(scene, config, renderer) {
-  for (const CellImage& image : images_.images()) {
-    const Eigen::Matrix3d k = image.camera.intrinsics();
+                               std::span<const CellImage> images, const Ratio& rate,
+                               bool with_times) {
+  bool has_segments = false;
+  for (const CellImage& image : images) {
+    const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> k = image.camera.intrinsics();
+    std::array<double, 9> intrinsics = {};
+    std::copy_n(k.data(), intrinsics.size(), intrinsics.begin());
     Stream stream;
-    stream.video = schema.AddCamera(
-        {.name = image.name,
-         .width = image.width,
-         .height = image.height,
-         .fps_num = static_cast<int>(rate.num),
-         .fps_den = static_cast<int>(rate.den),
-         .intrinsics = std::array<double, 9>{k(0, 0), k(0, 1), k(0, 2), k(1, 0), k(1, 1), k(1, 2),
-                                             k(2, 0), k(2, 1), k(2, 2)},
-         .depth = !image.depth_mm.empty(),
-         .segmentation = !image.bodies.empty()});
-    stream.extrinsics = schema.AddColumn({.name = "cameras/" + image.name + "/extrinsics",
+    stream.video = schema.AddCamera({.name = image.name,
+                                     .width = image.width,
+                                     .height = image.height,
+                                     .fps_num = static_cast<int>(rate.num),
+                                     .fps_den = static_cast<int>(rate.den),
+                                     .intrinsics = intrinsics,
+                                     .depth = !image.depth_mm.empty(),
+                                     .segmentation = !image.bodies.empty()});
+    const std::string path = "cameras/" + image.name + "/";
+    stream.extrinsics = schema.AddColumn({.name = path + "extrinsics",
                                           .shape = {4, 4},
                                           .units = "m, 1",
                                           .frame = "world -> camera, OpenCV axes"});
-    if (!image.bodies.empty()) schema.SetSegmentLabels(SegmentLabelsOf(scene));
+    if (with_times) {
+      stream.time = schema.AddColumn({.name = path + "time",
+                                      .units = "s",
+                                      .description = "When the frame was taken, since the reset: "
+                                                     "streams with a rate of their own show one "
+                                                     "until the next."});
+    }
+    has_segments = has_segments || !image.bodies.empty();
     streams_.push_back(stream);
   }
+  if (has_segments) schema.SetSegmentLabels(SegmentLabelsOf(scene));
 }
 
-void EpisodeCameras::PutFrames(EpisodeWriter& writer) {
-  images_.Draw();
+void EpisodeCameras::Put(EpisodeWriter& writer, std::span<const CellImage> images,
+                         std::span<const double> times) const {
   for (size_t i = 0; i < streams_.size(); ++i) {
-    const CellImage& image = images_.images()[i];
+    const Stream& stream = streams_[i];
+    const CellImage& image = images[i];
     const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> extrinsics = image.camera.extrinsics();
-    writer.Put(streams_[i].extrinsics, std::span<const double>(extrinsics.data(), 16));
-    writer.WriteFrame(streams_[i].video, image.rgb);
-    if (!image.depth_mm.empty()) writer.WriteDepth(streams_[i].video, image.depth_mm);
-    if (!image.bodies.empty()) writer.WriteSegmentation(streams_[i].video, image.bodies);
+    writer.Put(stream.extrinsics, std::span<const double>(extrinsics.data(), 16));
+    if (!times.empty()) writer.Put(stream.time, times[i]);
+    writer.WriteFrame(stream.video, image.rgb);
+    if (!image.depth_mm.empty()) writer.WriteDepth(stream.video, image.depth_mm);
+    if (!image.bodies.empty()) writer.WriteSegmentation(stream.video, image.bodies);
   }
 }
 

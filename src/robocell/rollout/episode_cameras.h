@@ -1,39 +1,36 @@
-// The image streams of a recorded episode: draws each camera once per row (features/cell_images.h) and
-// hands the frames to the writer.
+// The image streams of a recorded episode: hands the images that were shown to the writer, one of
+// each stream per row, whether a run drew them (features/cell_images.h) or an environment showed
+// them (env/env_cameras.h).
 #pragma once
 
-#include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "robocell/base/ratio.h"
 #include "robocell/data/episode_writer.h"
 #include "robocell/features/cell_images.h"
-#include "robocell/render/renderer.h"
-#include "robocell/robot/robot.h"
-#include "robocell/spec/camera_spec.h"
+#include "robocell/scene/scene.h"
 
 namespace robocell::internal {
 
 class EpisodeCameras {
  public:
-  // `renderer` is shared by all episodes of a process and must outlive this object. `rate`: rows
-  // per second.
-  EpisodeCameras(EpisodeSchema& schema, const Scene& scene, const CameraSystemConfig& config,
-                 Renderer* renderer, const Ratio& rate);
-  // Draws one frame per kind of image of the present state, and writes them with a row of
-  // extrinsics per stream.
-  void PutFrames(EpisodeWriter& writer);
-  // Returns the images that were written last.
-  const CellImages& images() const { return images_; }
+  // Declares a stream for each image. `rate`: rows per second. `with_times`: whether a frame has a
+  // time of its own, which may be earlier than its row.
+  EpisodeCameras(EpisodeSchema& schema, const Scene& scene, std::span<const CellImage> images,
+                 const Ratio& rate, bool with_times = false);
+  // Writes the images of a row, in the order of the declared ones, and a row of extrinsics per
+  // stream. `times`: s since the start of the episode, if frames have any.
+  void Put(EpisodeWriter& writer, std::span<const CellImage> images,
+           std::span<const double> times = {}) const;
 
  private:
   struct Stream {
     CameraId video;
-    ColumnId extrinsics;
+    ColumnId extrinsics, time;  // `time` only with times
   };
-  CellImages images_;
-  std::vector<Stream> streams_;  // of each image
+  std::vector<Stream> streams_;
 };
 
 // Labels of the body ids in the scene's segmentation: the name of each body, and its object or

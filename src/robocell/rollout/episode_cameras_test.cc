@@ -8,7 +8,7 @@
 #include "robocell/data/episode_reader.h"
 #include "robocell/render/stream_camera.h"
 #include "robocell/spec/run_config.h"
-#include "robocell/task/pick_sampler.h"
+#include "robocell/task/start_sampler.h"
 #include "robocell/testing/pick_scene.h"
 #include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
@@ -27,7 +27,7 @@ class EpisodeCamerasTest : public ::testing::Test {
     run.cameras.streams[0].depth = true;
     Rng rng = Rng::Stream(1, "start");
     for (int attempt = 0; !start; ++attempt)
-      start = std::move(PickTaskSampler(run).Sample({0, 0, attempt}, rng).start);
+      start = std::move(StartSampler(run).Sample({0, 0, attempt}, rng).start);
     renderer = MakeRenderer();
   }
 
@@ -35,11 +35,13 @@ class EpisodeCamerasTest : public ::testing::Test {
   Episode Record() {
     EpisodeSchema schema;
     const ColumnId time = schema.AddColumn({.name = "time", .units = "s"});
-    EpisodeCameras cameras(schema, start->scene, run.cameras, renderer.get(), {500, 33});
+    CellImages images(start->scene, run.cameras, renderer.get());
+    const EpisodeCameras cameras(schema, start->scene, images.images(), {500, 33});
     EpisodeWriter writer(folder.path(), "e", schema);
     for (int row = 0; row < 2; ++row) {
       writer.Put(time, start->scene.time());
-      cameras.PutFrames(writer);
+      images.Draw();
+      cameras.Put(writer, images.images());
       writer.EndRow();
       if (row == 0) MoveArm();
     }
@@ -61,7 +63,7 @@ class EpisodeCamerasTest : public ::testing::Test {
   std::unique_ptr<Renderer> renderer;
 };
 
-TEST_F(EpisodeCamerasTest, RecordedDepthIsTheRenderersToHalfAMillimetreAndDecodesExactly) {
+TEST_F(EpisodeCamerasTest, RecordedDepthMatchesTheRenderer) {
   const Episode episode = Record();
   VideoReader video = episode.DepthVideo("wrist");
   std::vector<uint16_t> recorded(64 * 48), rendered_mm(64 * 48);
@@ -99,7 +101,7 @@ TEST_F(EpisodeCamerasTest, ColourIsTheSameWithAndWithoutDepth) {
   Rng rng = Rng::Stream(1, "start");
   start.reset();
   for (int attempt = 0; !start; ++attempt)
-    start = std::move(PickTaskSampler(run).Sample({0, 0, attempt}, rng).start);
+    start = std::move(StartSampler(run).Sample({0, 0, attempt}, rng).start);
   run.cameras.streams[0].depth = false;
   Record();
   Episode(folder / "e").Video("wrist").Read(0, alone);

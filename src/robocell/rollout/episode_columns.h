@@ -37,7 +37,7 @@ struct RowOutcome {
   bool success = false;
   bool terminated = false, truncated = false;
   bool ik_failed = false;  // a pose command had no solution: its group kept its target
-  int warnings = 0;        // of the engine, since the start of the episode
+  int warnings = 0;        // engine warnings since the start of the episode
 };
 
 // Writes the labels of rows, and the control table.

@@ -15,7 +15,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-TEST(FeatureColumns, AreWhatTheFeaturesSay) {
+TEST(FeatureColumns, MatchTheFeatures) {
   const Robot robot = RobotAlone(Rc7());
   CellFeatures features(robot.scene(), {robot});
   EpisodeSchema schema;
@@ -50,7 +50,7 @@ struct Labels {
   EpisodeWriter writer;
 };
 
-TEST(OutcomeColumns, HoldWhatAnActionLedTo) {
+TEST(OutcomeColumns, ContainTheOutcomeOfAnAction) {
   Labels labels({"pick", "place"});
   labels.columns.PutPhase(labels.writer, 1);
   labels.columns.PutOutcome(labels.writer, {.reward = 0.5, .progress = 0.25, .subtask = 1});
@@ -64,7 +64,7 @@ TEST(OutcomeColumns, HoldWhatAnActionLedTo) {
                           "truncated", "ik_failed", "engine_warnings"));
 }
 
-TEST(OutcomeColumns, RefuseWhatIsNoPhase) {
+TEST(OutcomeColumns, RejectInvalidPhases) {
   Labels labels;
   ExpectThrow<ArgumentError>([&] { labels.columns.PutPhase(labels.writer, 2); },
                              "the expert's phase() is 2; it must be 0 to 1");

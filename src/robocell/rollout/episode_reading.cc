@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/paths.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/data/episode_files.h"
 
 namespace robocell::internal {
@@ -89,10 +90,10 @@ void RequireRowOfEachStep(const Episode& episode, const std::string& column) {
   const ColumnInfo& info = episode.column(column);
   if (info.table == "steps" && info.rows == episode.rows()) return;
   throw IoError(fmt::format(
-      "episode '{}': column '{}' has {} rows in '{}', where '{}' says {}; `robocell verify {}` "
+      "episode '{}': column '{}' has {} in '{}', where '{}' says {}; `robocell verify {}` "
       "names all that is damaged",
-      episode.folder().string(), column, info.rows, kStepsFile, kEpisodeFile, episode.rows(),
-      ShellWord(episode.folder().parent_path().string())));
+      episode.folder().string(), column, Counted(info.rows, "row"), kStepsFile, kEpisodeFile,
+      episode.rows(), ShellWord(episode.folder().parent_path().string())));
 }
 
 }  // namespace robocell::internal

@@ -51,7 +51,7 @@ std::string Attempts::WhyNotOurs(const Episode& episode) {
   if (!origin_) origin_.emplace(run_);
   const auto changes = origin_->ChangesSince(episode);
   if (!changes) return "an episode that no run made, in the place of one of this run";
-  std::vector<std::string> lines = *changes;
+  std::vector<std::string> lines = LinesOf(*changes);
   if (lines.empty())
     return !episode.success() && run_.keep == Keep::kSuccesses
                ? "a failed episode in a dataset of successes"

@@ -30,7 +30,7 @@ struct ItemOnDisk {
 };
 ItemOnDisk LookForItem(const RunConfig& run, const PlanItem& item);
 
-// The same for many items, by their ids.
+// The state of many items on the disk, by their ids.
 struct PlanOnDisk {
   std::vector<std::string> made;    // complete items with a success
   std::vector<std::string> broken;  // texts about what blocks the others
@@ -53,7 +53,7 @@ struct EarlierAttempt {
   bool refused = false;     // the start; else the rollout failed
   std::string reason;
 };
-using EarlierAttempts = std::vector<EarlierAttempt>;  // by attempt number
+using EarlierAttempts = std::vector<EarlierAttempt>;  // earlier attempts by number
 
 inline constexpr const char* kEarlierAttempts = "earlier_attempts";
 

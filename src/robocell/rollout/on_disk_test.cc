@@ -58,13 +58,13 @@ TEST_F(OnDiskTest, ASuccessIsComplete) {
   EXPECT_TRUE(IsComplete(run, item));
 }
 
-TEST_F(OnDiskTest, AnEmptyFolderIsNeitherCountedNorInTheWay) {
+TEST_F(OnDiskTest, IgnoresAnEmptyFolder) {
   fs::create_directory(folder / "e");
   EXPECT_FALSE(IsComplete(run, item));
   EXPECT_THAT(LookForItem(run, item).broken, IsEmpty());
 }
 
-TEST_F(OnDiskTest, HalfAnEpisodeIsRefusedWithTheNextStep) {
+TEST_F(OnDiskTest, RejectsAnIncompleteEpisodeWithTheNextStep) {
   Write("e", true);
   fs::remove(folder / "e/episode.json");
   EXPECT_FALSE(LookForItem(run, item).success);
@@ -80,7 +80,7 @@ TEST_F(OnDiskTest, AFailureAmongSuccessesIsNamed) {
               ElementsAre(HasSubstr("is a failed episode in a dataset of successes")));
 }
 
-TEST_F(OnDiskTest, KeptFailuresAreCompleteWithTheLastAttempt) {
+TEST_F(OnDiskTest, KeptFailuresAreCompleteWithTheLastRollout) {
   run.keep = Keep::kAll;
   Write("e_a00", false);
   EXPECT_TRUE(KeptAttempt(run, item, 0));
@@ -94,7 +94,7 @@ TEST_F(OnDiskTest, KeptFailuresAreCompleteWithTheLastAttempt) {
 }
 
 // For example one that repair moved away.
-TEST_F(OnDiskTest, AFailureThatIsMissingBeforeTheSuccessIsToBeMadeAgain) {
+TEST_F(OnDiskTest, AMissingFailureBeforeTheSuccessIsRepeated) {
   run.keep = Keep::kAll;
   Write("e_a02", true, {{"mug", false, "dropped"}, {"mug", true, "too far"}});
   EXPECT_TRUE(LookForItem(run, item).success);
@@ -105,7 +105,7 @@ TEST_F(OnDiskTest, AFailureThatIsMissingBeforeTheSuccessIsToBeMadeAgain) {
   EXPECT_THAT(LookForItems(run, {item}).made, ElementsAre("e"));
 }
 
-TEST_F(OnDiskTest, EpisodesOfAnotherRunAreNamedAndNotCounted) {
+TEST_F(OnDiskTest, ReportsAndIgnoresEpisodesOfAnotherRun) {
   RunConfig other = run;
   other.seed = 7;
   WriteOf(other, "e", true);
@@ -121,14 +121,14 @@ TEST_F(OnDiskTest, EpisodesOfAnotherRunAreNamedAndNotCounted) {
   }
 }
 
-TEST_F(OnDiskTest, ARenamedEpisodeIsNamedAndNotCounted) {
+TEST_F(OnDiskTest, ReportsAndIgnoresARenamedEpisode) {
   Write("f", true);
   fs::rename(folder / "f", folder / "e");
   EXPECT_FALSE(LookForItem(run, item).success);
   ExpectThrow<IoError>([&] { IsComplete(run, item); }, "holds episode 'f'");
 }
 
-TEST_F(OnDiskTest, EpisodesOfOtherVersionsOrMakersAreNeitherCounted) {
+TEST_F(OnDiskTest, IgnoresEpisodesOfOtherVersionsOrMakers) {
   WriteOf(run, "a", true, {}, "3.9.0");
   EXPECT_THAT(LookForItem(run, {.id = "a"}).broken,
               ElementsAre(HasSubstr("of another run (mujoco: 3.9.0 then, ")));
@@ -142,14 +142,14 @@ TEST_F(OnDiskTest, EpisodesOfOtherVersionsOrMakersAreNeitherCounted) {
               ElementsAre(HasSubstr("is an episode that no run made")));
 }
 
-TEST_F(OnDiskTest, StrangeMetadataIsNamed) {
+TEST_F(OnDiskTest, NamesInvalidMetadata) {
   run.keep = Keep::kAll;
   WriteOf(run, "e_a00", true, {{kEarlierAttempts, {1}}});
   EXPECT_THAT(LookForItem(run, item).broken,
               ElementsAre(HasSubstr("its earlier_attempts cannot be read")));
 }
 
-TEST_F(OnDiskTest, APlanIsToldByItsItems) {
+TEST_F(OnDiskTest, ReportsAPlanByItsItems) {
   Write("a", true);
   AtomicWrite(folder / "b", "in the way");
   const PlanOnDisk found = LookForItems(run, {{.id = "a"}, {.id = "b"}, {.id = "c"}});
@@ -157,7 +157,7 @@ TEST_F(OnDiskTest, APlanIsToldByItsItems) {
   EXPECT_THAT(found.broken, ElementsAre(HasSubstr("move it away yourself")));
 }
 
-TEST_F(OnDiskTest, WhatIsBrokenBeforeASuccessIsNamed) {
+TEST_F(OnDiskTest, NamesABrokenAttemptBeforeASuccess) {
   run.keep = Keep::kAll;
   Write("e_a01", true);
   fs::create_directory(folder / "e_a00");

@@ -76,6 +76,7 @@ Rng AttemptStream(const RunConfig& run, const PlanItem& item, int attempt,
 std::string RunIdentity(const RunConfig& run) {
   RunConfig identity = run;
   identity.workers = 1;
+  identity.render.reset();
   identity.output = "";
   identity.episodes.reset();
   identity.episodes_per_scene = 1;

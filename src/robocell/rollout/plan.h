@@ -13,12 +13,14 @@
 
 namespace robocell {
 
-// An episode to be made: the first success among its attempts 0, 1, 2, ...
+// An episode to be made: the first success among its attempts first_attempt, first_attempt + 1, ...
 struct PlanItem {
-  int index = 0;    // in the plan
+  int index = 0;    // index in the plan
   int scene = 0;    // number of the scene in the source
   int episode = 0;  // number of the episode in that scene
   std::string id;   // name of the episode's folder: "s0003_e0001"
+  // Above 0 to make a recorded episode again from its own start: earlier attempts are left out.
+  int first_attempt = 0;
 };
 
 // Returns `episodes` items, else `episodes_per_scene` for each scene. The scenes take turns, in the
@@ -40,9 +42,9 @@ ShardSpec ParseShard(const std::string& text);
 Rng AttemptStream(const RunConfig& run, const PlanItem& item, int attempt,
                   const std::string& purpose);
 
-// Returns the identity of a run: its fields without workers and output, as YAML with the robot's
-// file inserted. Two runs with the same identity make the same episodes; a dataset refuses runs
-// with another one.
+// Returns the identity of a run: its fields without workers, output and render, as YAML with the
+// robot's file inserted. Two runs with the same identity make the same episodes; a dataset refuses
+// runs with another one.
 std::string RunIdentity(const RunConfig& run);
 
 }  // namespace robocell

@@ -25,7 +25,7 @@ std::vector<std::string> Ids(const std::vector<PlanItem>& plan) {
   return ids;
 }
 
-TEST(Plan, TakesTheScenesInTurns) {
+TEST(Plan, AlternatesScenes) {
   EXPECT_THAT(Ids(MakePlan(RunOf({2, 5}, 2))),
               testing::ElementsAre("s0002_e0000", "s0005_e0000", "s0002_e0001", "s0005_e0001"));
 }
@@ -37,14 +37,14 @@ TEST(Plan, FewEpisodesStillVisitAllScenes) {
               testing::ElementsAre("s0000_e0000", "s0001_e0000", "s0002_e0000"));
 }
 
-TEST(Plan, EpisodesIsHowManyThereAreInAll) {
+TEST(Plan, EpisodesIsTheTotalNumber) {
   RunConfig run = RunOf({4, 7}, 1);
   run.episodes = 5;
   EXPECT_THAT(Ids(MakePlan(run)), testing::ElementsAre("s0004_e0000", "s0007_e0000", "s0004_e0001",
                                                        "s0007_e0001", "s0004_e0002"));
 }
 
-TEST(Plan, ASlipThatWouldFillTheMemoryIsRefused) {
+TEST(Plan, RejectsAnExcessiveNumberOfEpisodes) {
   ExpectThrow<SpecError>(
       [] {
         MakePlan(RunOf({0, 1}, 2'000'000'000));
@@ -53,7 +53,7 @@ TEST(Plan, ASlipThatWouldFillTheMemoryIsRefused) {
       "4000000000 episodes; 10000000 is the most in one dataset");
 }
 
-TEST(Plan, MoreScenesAndEpisodesKeepTheIdsAndStreamsOfTheOthers) {
+TEST(Plan, ExtendingAPlanKeepsIdsAndStreams) {
   const RunConfig small = RunOf({0, 1}, 2);
   const RunConfig large = RunOf({0, 1, 2, 3}, 5);
   const std::vector<PlanItem> more = MakePlan(large);
@@ -79,7 +79,7 @@ TEST(Plan, EveryAttemptAndPurposeHasItsOwnStream) {
   EXPECT_EQ(seen.size(), 18u);
 }
 
-TEST(Plan, WorkersAndOutputAreNoIdentityButTheSeedIs) {
+TEST(Plan, TheIdentityDependsOnTheSeedButNotOnWorkersOrOutput) {
   RunConfig a = RunOf({0}, 1), b = a;
   b.workers = 7;
   b.output = "elsewhere";
@@ -88,7 +88,7 @@ TEST(Plan, WorkersAndOutputAreNoIdentityButTheSeedIs) {
   EXPECT_NE(RunIdentity(a), RunIdentity(b));
 }
 
-TEST(Shards, TogetherAreThePlanAndNoItemIsInTwo) {
+TEST(Shards, PartitionThePlan) {
   const std::vector<PlanItem> plan = MakePlan(RunOf({0, 1, 2}, 5));
   for (int count = 1; count <= 17; ++count) {
     std::multiset<std::string> all;
@@ -100,7 +100,7 @@ TEST(Shards, TogetherAreThePlanAndNoItemIsInTwo) {
   }
 }
 
-TEST(Shards, AreReadFromText) {
+TEST(Shards, AreParsedFromText) {
   EXPECT_EQ(ParseShard("3/8").shard, 3);
   EXPECT_EQ(ParseShard("3/8").count, 8);
   for (const char* bad : {"", "3", "8/8", "-1/8", "1/0", "a/b", "1/8x", "1 /8"}) {

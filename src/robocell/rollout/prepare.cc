@@ -50,6 +50,7 @@ std::string Manifest(const RunConfig& run, const RunInputs& inputs) {
   if (const std::string backend = internal::BackendToBeginWith(run); !backend.empty()) {
     manifest["renderer"] = backend;
   }
+  if (run.render) manifest["render"] = ToString(*run.render);
   return manifest.dump(2) + "\n";
 }
 
@@ -88,13 +89,13 @@ std::string FirstEntry(const fs::path& folder) {
 }
 
 // Returns the differences from the manifest; empty for the same run.
-std::vector<std::string> Changes(const std::string& manifest, const RunInputs& inputs) {
+std::vector<InputDifference> Changes(const std::string& manifest, const RunInputs& inputs) {
   try {
     return Differences(InputsIn(manifest), inputs);
   } catch (const Json::exception& error) {
-    return {std::string("dataset.json has an unknown form; without it, the episodes "
-                        "themselves are compared: ") +
-            error.what()};
+    return {{std::string("dataset.json has an unknown form; without it, the episodes "
+                         "themselves are compared: ") +
+             error.what()}};
   }
 }
 
@@ -110,8 +111,9 @@ std::string PlaceOf(const RunConfig& run, const std::string& field) {
 
 // Adds the place to a difference of a field that stands in the file: "run.yaml:4:30:
 // task.base_distance: ...".
-std::string InFile(const RunConfig& run, const std::string& difference) {
-  return WithPlace(PlaceOf(run, difference.substr(0, difference.find(": "))), difference);
+std::string InFile(const RunConfig& run, const InputDifference& difference) {
+  const std::string place = difference.field.empty() ? "" : PlaceOf(run, difference.field);
+  return WithPlace(place, difference.text);
 }
 
 // Names the place in the file that sets the dataset's folder.
@@ -119,13 +121,14 @@ std::string InFile(const RunConfig& run, const std::string& difference) {
   throw SpecError(WithPlace(run.locations.At("output"), "run '" + run.run + "': " + problem));
 }
 
-[[noreturn]] void ThrowChanged(const RunConfig& run, std::vector<std::string> lines) {
-  if (lines.size() > kMostLines) {
-    const size_t more = lines.size() - kMostLines;
-    lines.resize(kMostLines);
-    lines.push_back(fmt::format("... and {} more", more));
+[[noreturn]] void ThrowChanged(const RunConfig& run,
+                               const std::vector<InputDifference>& differences) {
+  std::vector<std::string> lines;
+  for (const InputDifference& difference : differences) {
+    if (lines.size() < kMostLines) lines.push_back(InFile(run, difference));
   }
-  for (std::string& line : lines) line = InFile(run, line);
+  if (differences.size() > kMostLines)
+    lines.push_back(fmt::format("... and {} more", differences.size() - kMostLines));
   ThrowOfOutput(
       run,
       fmt::format(
@@ -147,7 +150,7 @@ void RequireOutput(const RunConfig& run) {
 bool MustBegin(const RunConfig& run, const RunInputs& inputs) {
   const std::string entry = FirstEntry(run.output);  // first: the manifest is older than episodes
   if (const std::optional<std::string> manifest = ReadManifest(run.output)) {
-    const std::vector<std::string> changes = Changes(*manifest, inputs);
+    const std::vector<InputDifference> changes = Changes(*manifest, inputs);
     if (!changes.empty() && !entry.empty()) ThrowChanged(run, changes);
     return !changes.empty();
   }
@@ -157,7 +160,7 @@ bool MustBegin(const RunConfig& run, const RunInputs& inputs) {
     return true;
   }
   ThrowOfOutput(
-      run, fmt::format("output: the folder '{}' holds '{}' and is no dataset; give a new folder",
+      run, fmt::format("output: the folder '{}' holds '{}' and is not a dataset; give a new folder",
                        run.output, entry));
 }
 
@@ -195,6 +198,23 @@ void WriteManifestIfDue(const RunConfig& run, const RunInputs& inputs) {
       return;
     }
     std::this_thread::sleep_for(kLockPause);
+  }
+}
+
+// Stores the run's choice of what is drawn, so that later commands that make none go on with it.
+// While another command is writing the dataset, its choice stays.
+void StoreRender(const RunConfig& run) {
+  const std::optional<std::string> manifest = ReadManifest(run.output);
+  if (!manifest || !run.render) return;
+  auto json = nlohmann::ordered_json::parse(*manifest);
+  const std::string render = ToString(*run.render);
+  if (json.value("render", "") == render) return;
+  try {
+    const DatasetLock lock = DatasetLock::Alone(run.output);
+    json["render"] = render;
+    WriteManifest(run.output, json.dump());
+  } catch (const IoError& error) {
+    LogInfo(fmt::format("render: {} is not stored for later commands: {}", render, error.what()));
   }
 }
 
@@ -243,6 +263,7 @@ void PrepareDataset(const RunConfig& run, const PrepareOptions& options) {
   const RunInputs inputs = InputsOf(run);
   CreateFolder(run.output);
   WriteManifestIfDue(run, inputs);
+  StoreRender(run);
   RestoreModels(run);
 }
 
@@ -267,8 +288,8 @@ RunInputs RequireSameRun(const RunConfig& run) {
   const std::optional<std::string> manifest = ReadManifest(run.output);
   if (!manifest) {
     throw SpecError(
-        fmt::format("run '{}': '{}' is no dataset: it has no dataset.json; first call {}", run.run,
-                    run.output, internal::CppAndPythonName("PrepareDataset")));
+        fmt::format("run '{}': '{}' is not a dataset: it has no dataset.json; first call {}",
+                    run.run, run.output, internal::CppAndPythonName("PrepareDataset")));
   }
   RunInputs inputs = InputsOf(run);
   if (const auto changes = Changes(*manifest, inputs); !changes.empty()) ThrowChanged(run, changes);

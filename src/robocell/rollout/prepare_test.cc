@@ -18,7 +18,9 @@
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/data/verify.h"
 #include "robocell/rollout/run_inputs.h"
+#include "robocell/rollout/run_renderer.h"
 #include "robocell/spec/yaml.h"
+#include "robocell/task/pick_task_config.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
@@ -52,7 +54,7 @@ TEST(PrepareDataset, CreatesTheFolderWithItsManifest) {
   EXPECT_EQ(Dataset(folder / "a/b").size(), 0u);
 }
 
-TEST(PrepareDataset, KeepsTheModelsOfEpisodesAndNoOthers) {
+TEST(PrepareDataset, KeepsOnlyModelsOfEpisodes) {
   TempDir folder;
   const RunConfig run = Demo(folder.path());
   PrepareDataset(run);
@@ -77,7 +79,7 @@ TEST(PrepareDataset, KeepsTheModelsOfEpisodesAndNoOthers) {
   EXPECT_TRUE(Verify(folder.path()).ok());
 }
 
-TEST(PrepareDataset, IsTheSameManifestWhoeverMakesIt) {
+TEST(PrepareDataset, WritesTheSameManifestConcurrently) {
   TempDir folder;
   RunConfig run = Demo(folder / "a");
   PrepareDataset(run);
@@ -88,7 +90,7 @@ TEST(PrepareDataset, IsTheSameManifestWhoeverMakesIt) {
 }
 
 // Several commands begin at once, and the quickest removes leftovers of dead processes.
-TEST(PrepareDataset, IsNotDisturbedByWhoeverTidiesUp) {
+TEST(PrepareDataset, IsNotDisturbedByCleanup) {
   TempDir folder;
   RunConfig run = Demo(folder / "out");
   std::filesystem::create_directory(folder / "out");
@@ -106,7 +108,7 @@ TEST(PrepareDataset, IsNotDisturbedByWhoeverTidiesUp) {
   EXPECT_NO_THROW(RequireSameRun(run));
 }
 
-TEST(PrepareDataset, GoesOnWithMoreEpisodesAndOtherWorkers) {
+TEST(PrepareDataset, AcceptsMoreEpisodesAndOtherWorkers) {
   TempDir folder;
   RunConfig run = Demo(folder / "out");
   PrepareDataset(run);
@@ -116,7 +118,7 @@ TEST(PrepareDataset, GoesOnWithMoreEpisodesAndOtherWorkers) {
   EXPECT_NO_THROW(PrepareDataset(run));
 }
 
-TEST(PrepareDataset, RefusesAnotherConfigurationAndShowsWhatDiffers) {
+TEST(PrepareDataset, RejectsAnotherConfigurationAndShowsTheDifferences) {
   TempDir folder;
   RunConfig run = Demo(folder / "out");
   PrepareDataset(run);
@@ -146,23 +148,23 @@ TEST(PrepareDataset, NamesTheOptionThatReplacedANumberOfAList) {
                          "\n  --set start.base_distance=[0.2, 0.5]: start.base_distance: [");
 }
 
-TEST(PrepareDataset, LeavesOtherFoldersAlone) {
+TEST(PrepareDataset, DoesNotTouchOtherFolders) {
   TempDir folder;
   AtomicWrite(folder / "thesis.txt", "years of work");
   EXPECT_THAT(ExpectThrow<SpecError>([&] { PrepareDataset(Demo(folder.path())); },
-                                     "holds 'thesis.txt' and is no dataset"),
+                                     "holds 'thesis.txt' and is not a dataset"),
               HasSubstr("/demo.yaml:15:9: run 'demo': output: the folder"));
   EXPECT_FALSE(ReadManifest(folder.path()));
 }
 
 // Leftovers of an interrupted process are no reason to stop.
-TEST(PrepareDataset, OverlooksUnfinishedWrites) {
+TEST(PrepareDataset, IgnoresUnfinishedWrites) {
   TempDir folder;
   MakeTempDirectory(folder.path(), "s0000_e0000");
   EXPECT_NO_THROW(PrepareDataset(Demo(folder.path())));
 }
 
-TEST(PrepareDataset, SaysWhichFolderCannotBeWritten) {
+TEST(PrepareDataset, NamesAFolderThatCannotBeWritten) {
   TempDir folder;
   AtomicWrite(folder / "file", "");
   const RunConfig run = Demo(folder / "file/out");
@@ -171,7 +173,7 @@ TEST(PrepareDataset, SaysWhichFolderCannotBeWritten) {
   EXPECT_THAT(text, HasSubstr(run.output));
 }
 
-TEST(PrepareDataset, AsksForAnOutput) {
+TEST(PrepareDataset, RequiresAnOutput) {
   EXPECT_THAT(ExpectThrow<SpecError>([] { PrepareDataset(Demo("")); },
                                      "output: where should the dataset go?"),
               HasSubstr("/demo.yaml:15:9: run 'demo': "));
@@ -185,7 +187,7 @@ TEST(PrepareDataset, NamesADamagedManifest) {
   ExpectThrow<IoError>([&] { PrepareDataset(run); }, "dataset.json' is damaged");
 }
 
-TEST(PrepareDataset, BeginsAnewWhatHasNoEpisodes) {
+TEST(PrepareDataset, RestartsADatasetWithoutEpisodes) {
   TempDir folder;
   RunConfig run = Demo(folder / "out");
   PrepareDataset(run);
@@ -199,7 +201,7 @@ TEST(PrepareDataset, BeginsAnewWhatHasNoEpisodes) {
   EXPECT_NO_THROW(RequireSameRun(run));
 }
 
-TEST(PrepareDataset, BeginsNothingAnewThatSomebodyWorksOn) {
+TEST(PrepareDataset, DoesNotRestartADatasetInUse) {
   TempDir folder;
   RunConfig run = Demo(folder / "out");
   PrepareDataset(run);
@@ -207,6 +209,25 @@ TEST(PrepareDataset, BeginsNothingAnewThatSomebodyWorksOn) {
   EXPECT_NO_THROW(PrepareDataset(run));
   run.seed = 7;
   ExpectThrow<IoError>([&] { PrepareDataset(run); }, "in use by process");
+}
+
+TEST(PrepareDataset, StoresTheLastChoiceOfWhatIsDrawn) {
+  TempDir folder;
+  RunConfig run = Demo(folder.path());
+  const auto prepare = [&](std::optional<RenderWhen> render) {
+    run.render = render;
+    PrepareDataset(run);
+    RequireSameRun(run);
+    run.render.reset();
+    return internal::RenderOf(run);
+  };
+  EXPECT_EQ(prepare(RenderWhen::kKept), RenderWhen::kKept);
+  Occupy(run);
+  EXPECT_EQ(prepare(std::nullopt), RenderWhen::kKept);
+  EXPECT_EQ(prepare(RenderWhen::kAlways), RenderWhen::kAlways);
+  EXPECT_EQ(prepare(std::nullopt), RenderWhen::kAlways);
+  const DatasetLock writing = DatasetLock::Writing(run.output);
+  EXPECT_EQ(prepare(RenderWhen::kKept), RenderWhen::kAlways) << "another command is writing";
 }
 
 TEST(PrepareDataset, NamesAChangedVersion) {
@@ -238,7 +259,7 @@ TEST(ValidateDataset, WritesNothing) {
   ValidateDataset(Demo(folder / "out"));
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
   AtomicWrite(folder / "thesis.txt", "years of work");
-  ExpectThrow<SpecError>([&] { ValidateDataset(Demo(folder.path())); }, "is no dataset");
+  ExpectThrow<SpecError>([&] { ValidateDataset(Demo(folder.path())); }, "is not a dataset");
 }
 
 }  // namespace

@@ -48,7 +48,7 @@ void RequireSelfContained(const std::string& episode, const fs::path& folder,
     if (!kept) kept = HashesIn(folder);
     if (kept->contains(HashOfFile(file))) continue;
     throw SpecError(fmt::format(
-        "{}: its model '{}' names '{}', which is outside of what the dataset keeps of it ('{}')",
+        "{}: its model '{}' names '{}', which is outside the files stored for this model ('{}')",
         episode, model.string(), file.string(), folder.string()));
   }
   for (const internal::MissingFile& missing : found.missing) {
@@ -56,7 +56,7 @@ void RequireSelfContained(const std::string& episode, const fs::path& folder,
       throw SpecError(fmt::format("{}: '{}' of its model cannot be read as XML: {}", episode,
                                   missing.document.string(), missing.reason));
     throw SpecError(fmt::format(
-        "{}: its model '{}' names '{}', which is not in what the dataset keeps of it "
+        "{}: its model '{}' names '{}', which is not among the files stored for this model "
         "('{}'): {}",
         episode, missing.document.string(), missing.name, folder.string(), missing.reason));
   }
@@ -81,8 +81,8 @@ class Models {
       RequireSelfContained(name_, dataset_ / internal::StoredModelFolder(it->second), model);
       return model.string();
     }
-    throw IoError(fmt::format("{}: '{}' is not what was stored; see `robocell verify {}`", name_,
-                              (dataset_ / it->second).string(),
+    throw IoError(fmt::format("{}: '{}' differs from the stored model; see `robocell verify {}`",
+                              name_, (dataset_ / it->second).string(),
                               internal::ShellWord(dataset_.string())));
   }
 

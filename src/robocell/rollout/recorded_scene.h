@@ -20,7 +20,7 @@ struct PortableScene {
   // Built-in models are named like "rc7", those of the Menagerie like
   // "menagerie:ufactory_xarm7/xarm7.xml", others by their path in the dataset.
   SceneSpec spec;
-  std::map<std::string, FileSet> models;  // by these names
+  std::map<std::string, FileSet> models;  // files by portable model name
 };
 
 // Throws NotFoundError for missing models.
@@ -37,7 +37,7 @@ SceneSpec RecordedScene(const Episode& episode);
 // restores it.
 nlohmann::json EngineRecord(const Scene& scene);
 
-// Makes the scene of an episode solve its contacts as recorded, whatever engine it is built with:
+// Makes the scene of an episode solve its contacts as recorded, with any engine version:
 // with a dense Jacobian if a guard or a user made it dense, a sparse one if a user made it sparse,
 // and without the guard if the episode is older than the guard. The scene's own options take
 // precedence. Throws SpecError, which begins with `place`, if the metadata's `engine` is malformed.

@@ -16,6 +16,7 @@
 #include "robocell/rollout/replay.h"
 #include "robocell/rollout/runner.h"
 #include "robocell/spec/yaml.h"
+#include "robocell/task/pick_task_config.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
@@ -58,7 +59,7 @@ class RecordedSceneTest : public ::testing::Test {
   fs::path other = temp / "other";
 };
 
-TEST_F(RecordedSceneTest, AnEpisodeIsReplayedWhereItsModelsNeverWere) {
+TEST_F(RecordedSceneTest, ReplaysAnEpisodeWithoutTheOriginalModels) {
   Record(OwnRun(machine));
   fs::rename(machine / "out", other);
   fs::remove_all(machine);
@@ -80,7 +81,7 @@ TEST_F(RecordedSceneTest, TheSceneNamesNoPathOfTheMachine) {
   EXPECT_NO_THROW(Scene::Build(spec));
 }
 
-TEST_F(RecordedSceneTest, ModelsThatEverybodyHasKeepTheirNames) {
+TEST_F(RecordedSceneTest, PortableModelsKeepTheirNames) {
   RunConfig run = OwnRun(machine);
   run.robot.config.source_dir = (kModels / "robots/rc7").string();
   run.scenes = {};
@@ -93,7 +94,7 @@ TEST_F(RecordedSceneTest, ModelsThatEverybodyHasKeepTheirNames) {
   EXPECT_NO_THROW(Scene::Build(ParseYaml<SceneSpec>(metadata["scene_spec"].get<std::string>())));
 }
 
-TEST_F(RecordedSceneTest, AnEpisodeAloneFindsModelsThatEverybodyHas) {
+TEST_F(RecordedSceneTest, ASingleEpisodeFindsPortableModels) {
   RunConfig run = OwnRun(machine);
   run.robot.config.source_dir = (kModels / "robots/rc7").string();
   run.scenes = {};
@@ -104,7 +105,7 @@ TEST_F(RecordedSceneTest, AnEpisodeAloneFindsModelsThatEverybodyHas) {
   EXPECT_TRUE(VerifyReplay(episode, {.tolerance = 0}).ok());
 }
 
-TEST_F(RecordedSceneTest, AnEpisodeWithoutItsOwnModelsSaysWhatIsMissing) {
+TEST_F(RecordedSceneTest, AnEpisodeWithoutItsModelsNamesTheMissingOnes) {
   Record(OwnRun(machine));
   fs::create_directory(other);
   fs::rename(machine / "out/s0000_e0000", other / "s0000_e0000");
@@ -114,15 +115,15 @@ TEST_F(RecordedSceneTest, AnEpisodeWithoutItsOwnModelsSaysWhatIsMissing) {
   EXPECT_THAT(text, HasSubstr("models/table-"));
 }
 
-TEST_F(RecordedSceneTest, AChangedModelIsNotBuilt) {
+TEST_F(RecordedSceneTest, RejectsAChangedModel) {
   const Episode episode = Record(OwnRun(machine));
   const fs::path stored = machine / "out" / episode.models().begin()->second;
   AtomicWrite(stored, ReadFile(stored) + " ");
   ExpectThrow<IoError>([&] { RecordedScene(episode); },
-                       "is not what was stored; see `robocell verify");
+                       "differs from the stored model; see `robocell verify");
 }
 
-TEST_F(RecordedSceneTest, ALostManifestIsWrittenAgainForTheSameRun) {
+TEST_F(RecordedSceneTest, RewritesALostManifestForTheSameRun) {
   RunConfig run = OwnRun(machine);
   Record(run);
   const std::string manifest = ReadManifest(run.output).value();
@@ -142,7 +143,7 @@ TEST_F(RecordedSceneTest, ALostManifestIsWrittenAgainForTheSameRun) {
   EXPECT_EQ(ReadManifest(run.output), manifest);
 }
 
-TEST_F(RecordedSceneTest, ADamagedManifestIsSetAsideAndWrittenAgain) {
+TEST_F(RecordedSceneTest, QuarantinesAndRewritesADamagedManifest) {
   const RunConfig run = OwnRun(machine);
   Record(run);
   const std::string manifest = ReadManifest(run.output).value();
@@ -163,8 +164,7 @@ TEST_F(RecordedSceneTest, VerifyNamesModelsThatAreDamagedOrMissing) {
   const RepairResult repaired = Repair(dataset);
   ASSERT_EQ(repaired.found.problems.size(), 1u) << repaired.found.Text();
   EXPECT_EQ(repaired.found.problems[0].Text(),
-            (folder / stored.filename()).string() +
-                ": its bytes are not what was stored: the hash does not fit");
+            (folder / stored.filename()).string() + ": its hash does not match its bytes");
   EXPECT_THAT(repaired.found.good, ElementsAre("s0000_e0000"));
   EXPECT_THAT(repaired.moved, ElementsAre(stored.parent_path().filename().string()));
   ASSERT_EQ(repaired.remaining.size(), 1u);
@@ -251,7 +251,7 @@ TEST(EngineRecord, IsRestoredWithAnyEngine) {
   EXPECT_EQ(Restored("{}", own), JacobianKind::kSparse);
 }
 
-TEST(EngineRecord, ThatIsDamagedIsNamed) {
+TEST(EngineRecord, NamesADamagedRecord) {
   for (const char* metadata :
        {R"({"engine": 5})", R"({"engine": null})", R"({"engine": "x"})", R"({"engine": []})",
         R"({"engine": {"guards": 5}})", R"({"engine": {"guards": "x"}})",

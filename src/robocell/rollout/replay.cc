@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/base/version.h"
 #include "robocell/env/env_state.h"
 #include "robocell/env/object_variations.h"
@@ -44,7 +45,7 @@ struct Quantity {
   std::function<void(std::span<double>)> read;
   std::function<std::string(size_t)> name;
   std::string units;
-  std::vector<double> now;  // of one row
+  std::vector<double> now;  // values of one row
 
   std::span<const double> Row(int64_t row) const {
     return std::span(recorded).subspan(now.size() * static_cast<size_t>(row), now.size());
@@ -161,7 +162,7 @@ class Replay {
     if (state != then)
       ThrowUnfit(fmt::format("its scene has a state of {} numbers, {} were recorded", state, then));
     if (ctrl_.size() != nu() * times_.size())
-      ThrowUnfit(fmt::format("its scene has {} controls, {} were recorded", nu(),
+      ThrowUnfit(fmt::format("its scene has {}, recorded: {}", Counted(nu(), "control"),
                              ctrl_.size() / std::max<size_t>(times_.size(), 1)));
     // A divergence may have ended the last row early.
     const int64_t per_row = rates_.control_ticks(), rows = episode_.rows();
@@ -169,11 +170,13 @@ class Replay {
         (Has(kTicks) || ticks() <= rows * per_row))
       return;
     if (Has(kTicks)) {
-      throw IoError(fmt::format("episode '{}': {} control ticks do not fit what column '{}' says",
-                                episode_.folder().string(), ticks(), kTicks));
+      throw IoError(fmt::format(
+          "episode '{}': its number of control ticks, {}, does not fit what column '{}' says",
+          episode_.folder().string(), ticks(), kTicks));
     }
-    throw IoError(fmt::format("episode '{}': {} control ticks do not fit {} rows of {}",
-                              episode_.folder().string(), ticks(), rows, per_row));
+    throw IoError(
+        fmt::format("episode '{}': its number of control ticks, {}, does not fit {} of {}",
+                    episode_.folder().string(), ticks(), Counted(rows, "row"), per_row));
   }
 
   // Returns the first tick of each row, and the end of the last row. Steps of environments take as
@@ -312,7 +315,7 @@ class Replay {
   Rates rates_;
   ReplayOptions options_;
   std::vector<double> times_, ctrl_;
-  std::vector<int64_t> first_ticks_;  // of each row, and the end of the last row
+  std::vector<int64_t> first_ticks_;  // first tick of each row, and the end of the last row
   std::vector<Quantity> quantities_;
   ReplayResult report_;
 };
@@ -320,7 +323,9 @@ class Replay {
 }  // namespace
 
 std::string ReplayResult::Text() const {
-  if (ok()) return fmt::format("{}: {} rows, {} control ticks: the same", episode, rows, ticks);
+  if (ok())
+    return fmt::format("{}: {}, {}: identical", episode, Counted(rows, "row"),
+                       Counted(ticks, "control tick"));
   const ReplayDifference& d = *first;
   std::string text = fmt::format(
       "{}: differs first in row {} (control tick {}, t = {:.3f} s): {}: {:.12g}{} recorded, "

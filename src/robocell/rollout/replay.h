@@ -24,11 +24,11 @@ struct ReplayOptions {
 
 // A value that differs from the recorded one.
 struct ReplayDifference {
-  int64_t row = 0;     // of `steps`
-  int64_t tick = 0;    // of `control`: the first one of the row unless `what` is the clock
+  int64_t row = 0;     // row of `steps`
+  int64_t tick = 0;    // row of `control`: the first one of `row`, unless `what` is the clock
   double time = 0;     // recorded, s
-  std::string what;    // "joint 'robot_0/joint3' of rc7/arm", "object 'target' z"
-  std::string column;  // where it is recorded
+  std::string what;    // "joint 'joint3' of rc7/arm", "object 'target' z"
+  std::string column;  // name of the recorded column
   double recorded = 0, replayed = 0;
   std::string units;
   int others = 0;  // further differing values in this row

@@ -10,22 +10,23 @@
 #include "robocell/base/rng.h"
 #include "robocell/base/stop.h"
 #include "robocell/data/episode_writer.h"
+#include "robocell/expert/expert.h"
 #include "robocell/render/renderer.h"
 #include "robocell/spec/run_config.h"
-#include "robocell/task/task.h"
+#include "robocell/task/task_sampler.h"
 
 namespace robocell::internal {
 
 // Seconds by stage; no second counts twice.
 struct RolloutTimes {
   double acting = 0;     // expert, simulation and task
-  double rendering = 0;  // with the time spent waiting for encoders
+  double rendering = 0;  // waiting for images and encoders, which work beside the rest
   double writing = 0;    // rows and control ticks, and committing
 };
 
 struct RolloutResult {
   bool success = false;
-  bool stopped = false;  // by the stop request; nothing was kept
+  bool stopped = false;  // true if the stop request ended it; nothing was stored
   bool committed = false;
   std::string failure;     // why it did not succeed; "" on success
   std::string divergence;  // if it diverged: at what time, and which joint showed it
@@ -42,15 +43,13 @@ struct RolloutOptions {
   std::string metadata_json;  // known before the rollout: seeds, attempt, identity
   bool keep_failures = false;
   Renderer* renderer = nullptr;  // required if the run has streams
+  RenderWhen render = RenderWhen::kAlways;
   StopRequest stop = {};
   std::function<void()> before_commit = {};  // an exception leaves nothing on the disk
-  // A HookError of the expert ends the rollout as a failure, whose reason is PolicyError's: for
-  // evaluations. Otherwise it is rethrown, and nothing is kept.
+  // A HookError of the expert ends the rollout as a failure, whose reason is PolicyError's
+  // (expert_calls.h): for evaluations. Otherwise it is rethrown, and nothing is kept.
   bool expert_errors_fail = false;
 };
-
-// Returns the reason of a rollout that an error of its policy or expert ended.
-std::string PolicyError(const HookError& error);
 
 // Commits the episode if it succeeded, or failed and failures are kept; else nothing stays on the
 // disk.

@@ -5,14 +5,13 @@
 #include <mujoco/mujoco.h>
 
 #include <memory>
+#include <string>
+#include <utility>
 #include <nlohmann/json.hpp>
 
 #include "robocell/data/episode_reader.h"
-#include "robocell/task/pick_sampler.h"
+#include "robocell/rollout/testing/rollout_test_base.h"
 #include "robocell/testing/expect_throw.h"
-#include "robocell/testing/pick_scene.h"
-#include "robocell/testing/source_dir.h"
-#include "robocell/testing/temp_dir.h"
 
 namespace robocell::internal {
 namespace {
@@ -25,49 +24,7 @@ using ::testing::IsEmpty;
 using ::testing::Pair;
 using ::testing::StartsWith;
 
-// Sends the arm to a new position every second action, and holds it still between.
-class Commanding : public Expert {
- public:
-  Commanding(Pose leaf_in_robot, int actions) : leaf_(leaf_in_robot), left_(actions) {}
-  void Begin(const Scene&, Rng&) override {}
-  Action Act(const Scene&, Rng&) override {
-    if (left_-- % 2) return {{"rc7", {{"arm", GroupCommand::LeafPose(leaf_)}}}};
-    return {};
-  }
-  bool done() const override { return left_ <= 0; }
-  std::string failure() const override { return ""; }
-  int phase() const override { return 0; }
-  std::vector<std::string> phase_names() const override { return {"all"}; }
-
- private:
-  Pose leaf_;
-  int left_;
-};
-
-class RolloutTest : public ::testing::Test {
- protected:
-  RolloutTest() {
-    run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
-    run.cameras.streams = {};
-    Rng rng = Rng::Stream(1, "start");
-    for (int attempt = 0; !start; ++attempt)
-      start = std::move(PickTaskSampler(run).Sample({0, 0, attempt}, rng).start);
-  }
-  RolloutResult Rollout(Expert& expert) {
-    Rng rng = Rng::Stream(2, "expert");
-    return RunRollout(run, *start, expert, rng,
-                      {.dataset = folder.path(),
-                       .episode_id = "e",
-                       .metadata_json = "{}",
-                       .keep_failures = true});
-  }
-
-  TempDir folder;
-  RunConfig run;
-  std::optional<EpisodeStart> start;
-};
-
-TEST_F(RolloutTest, CommandsWithoutIkSolutionAreCountedRecordedAndNamed) {
+TEST_F(RolloutTest, CountsAndNamesCommandsWithoutAnIkSolution) {
   Commanding expert(Pose(Eigen::Vector3d(50, 0, 0)), 5);
   const RolloutResult result = Rollout(expert);
   EXPECT_FALSE(result.success);
@@ -79,7 +36,7 @@ TEST_F(RolloutTest, CommandsWithoutIkSolutionAreCountedRecordedAndNamed) {
   EXPECT_EQ(episode.end_reason(), "no IK solution for rc7/arm");
 }
 
-TEST_F(RolloutTest, CommandsThatAreFollowedAreNoFailures) {
+TEST_F(RolloutTest, FollowedCommandsAreNotFailures) {
   Commanding expert(Robot::Of(start->scene, "rc7").FkFrame(), 4);
   const RolloutResult result = Rollout(expert);
   EXPECT_EQ(result.failure, "not lifted");
@@ -87,16 +44,7 @@ TEST_F(RolloutTest, CommandsThatAreFollowedAreNoFailures) {
   EXPECT_THAT(Episode(folder / "e").Read<uint8_t>("ik_failed"), Each(0));
 }
 
-// A task that accepts every state.
-class Content : public Task {
- public:
-  void Begin(const Scene&) override {}
-  TaskVerdict Judge(const Scene&) override { return {.reward = 1, .success = true}; }
-  std::string instruction() const override { return "do as you like"; }
-  std::vector<std::string> objects() const override { return {}; }
-};
-
-TEST_F(RolloutTest, WhatItsExpertCallsAFailureIsNoSuccess) {
+TEST_F(RolloutTest, AFailureReportedByTheExpertIsNotASuccess) {
   class GivingUp : public Commanding {
    public:
     GivingUp() : Commanding(Pose(), 4) {}
@@ -116,7 +64,7 @@ TEST_F(RolloutTest, WhatItsExpertCallsAFailureIsNoSuccess) {
   EXPECT_THAT(episode.Read<uint8_t>("success"), ElementsAre(1, 1, 1, 0));
 }
 
-TEST_F(RolloutTest, ATaskThatWasNotDoneIsAFailureWithoutAWordOfItsExpert) {
+TEST_F(RolloutTest, AnUnfinishedTaskIsAFailureEvenIfTheExpertReportsNone) {
   class Demanding : public Content {
    public:
     TaskVerdict Judge(const Scene&) override { return {.reward = 1}; }
@@ -144,14 +92,14 @@ class Adding : public Commanding {
   }
 };
 
-TEST_F(RolloutTest, ObjectsThatComeInTheMiddleEndItWithAnError) {
+TEST_F(RolloutTest, AddingObjectsDuringARolloutIsAnError) {
   Adding expert;
   ExpectThrow<Error>([&] { Rollout(expert); },
                      "objects were added or removed while an episode is recorded");
 }
 
 // Images of different renderers differ.
-TEST_F(RolloutTest, WhatDrewIsRecordedWithWhatWasDrawn) {
+TEST_F(RolloutTest, RecordsTheRendererWithTheImages) {
   const auto renderer_of = [&](const std::string& id) {
     return nlohmann::json::parse(Episode(folder / id).metadata_json()).value("renderer", "none");
   };
@@ -173,7 +121,7 @@ TEST_F(RolloutTest, WhatDrewIsRecordedWithWhatWasDrawn) {
   EXPECT_THAT(renderer_of("seen"), AllOf(StartsWith("gl: "), HasSubstr("OpenGL")));
 }
 
-TEST_F(RolloutTest, WarningsFromBeforeTheStartAreNotTheEpisodes) {
+TEST_F(RolloutTest, ExcludesWarningsBeforeTheStart) {
   start->scene.data()->warning[mjWARN_CONTACTFULL].number = 7;
   Commanding expert(Pose(), 0);
   Rollout(expert);

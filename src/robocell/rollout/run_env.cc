@@ -6,47 +6,33 @@
 #include <utility>
 
 #include "robocell/base/error.h"
-#include "robocell/env/stepper.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/render/renderer.h"
 #include "robocell/rollout/plan.h"
+#include "robocell/rollout/run_cell.h"
 #include "robocell/rollout/run_renderer.h"
 #include "robocell/rollout/validate_run.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/task/sampler_kind.h"
-#include "robocell/task/task_features.h"
-#include "robocell/task/task_judge.h"
+#include "robocell/task/task_calls.h"
 
 namespace robocell {
 namespace {
 
-std::string MostOften(const RefusalCounts& reasons) {
+std::string CountsText(const RefusalCounts& reasons) {
   std::string text;
   for (const auto& [reason, count] : reasons)
-    text += fmt::format("{}{} {} times", text.empty() ? "" : ", ", reason, count);
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", reason, Counted(count, "time"));
   return text;
 }
 
-// A pointer without ownership: the episode's own is the only one (RunEnv::task).
-std::shared_ptr<const Task> Lent(const std::shared_ptr<Task>& task) {
-  return {std::shared_ptr<void>(), task.get()};
-}
-
-// The scene of an episode and everything bound to it.
+// An episode: its start, and the cell in it.
 struct Running {
-  Running(const RunConfig& run, EpisodeStart from, internal::TaskJudge of_task, Renderer* renderer)
-      : start(std::move(from)),
-        judge(std::move(of_task)),
-        stepper(start.scene, RobotsOf(start.scene),
-                {run.rates.control_ticks(), run.rates.sim_steps()}),
-        features(
-            FeaturesOfCell(start.scene, stepper.robots(), Lent(start.task), run.features.names)),
-        images(start.scene, run.cameras, renderer) {}
+  Running(const RunConfig& run, EpisodeStart from, Renderer* renderer)
+      : start(std::move(from)), in(run, start, renderer, "run '" + run.run + "'") {}
 
-  EpisodeStart start;
-  internal::TaskJudge judge;
-  Stepper stepper;
-  CellFeatures features;
-  CellImages images;
+  EpisodeStart start;  // with the only reference to its task (RunEnv::task)
+  internal::RunCell in;
   bool seen = false;  // the row of the present state was read
   bool over = false;
   int rows = 0;
@@ -56,6 +42,7 @@ struct Running {
 
 struct RunEnv::State {
   RunConfig run;
+  DataFactory scene_data;
   std::shared_ptr<TaskSampler> sampler;
   std::unique_ptr<Renderer> renderer;
   std::optional<Running> running;
@@ -66,11 +53,12 @@ struct RunEnv::State {
   }
 };
 
-RunEnv::RunEnv(RunConfig run) : state_(std::make_unique<State>()) {
-  ValidateRunFields(run);
+RunEnv::RunEnv(RunConfig run, DataFactory scene_data) : state_(std::make_unique<State>()) {
+  ValidateRunFields(run, {.output = false});
   state_->run = std::move(run);
+  state_->scene_data = std::move(scene_data);
   state_->sampler = MakeSampler(state_->run);
-  if (!state_->run.cameras.streams.empty())
+  if (!state_->run.cameras.drawn().empty())
     state_->renderer = internal::MakeRendererOf(state_->run);
 }
 RunEnv::~RunEnv() = default;
@@ -92,32 +80,38 @@ void RunEnv::Reset(int index, int first_attempt, const StopRequest& stop) {
   const PlanItem item{
       .index = index, .scene = scenes[index % count], .episode = index / count, .id = {}};
   RefusalCounts reasons;
+  int made = 0;
   for (int attempt = first_attempt; attempt < run.max_attempts && !ShouldStop(stop); ++attempt) {
     Rng rng = AttemptStream(run, item, attempt, "start");
-    SampleResult sample = state_->sampler->Sample({item.scene, item.episode, attempt, stop}, rng);
+    SampleResult sample =
+        state_->sampler->Sample({item.scene, item.episode, attempt, stop, state_->scene_data}, rng);
     if (!sample.start) {
+      if (ShouldStop(stop)) break;  // its reason is arbitrary then
+      ++made;
       ++reasons[sample.refusal.counted_as()];
       continue;
     }
     BindStart(*sample.start, run);
-    internal::TaskJudge judge(*sample.start->task, sample.start->scene, "run '" + run.run + "'");
-    judge.Begin();
     state_->running.reset();
-    state_->running.emplace(run, std::move(*sample.start), std::move(judge),
-                            state_->renderer.get());
+    state_->running.emplace(run, std::move(*sample.start), state_->renderer.get());
     return;
   }
-  throw Error(fmt::format("run '{}': none of {} attempts at start {} was accepted: {}", run.run,
-                          run.max_attempts - first_attempt, index, MostOften(reasons)));
+  const std::string refused = reasons.empty() ? "" : ": " + CountsText(reasons);
+  if (made == run.max_attempts - first_attempt) {
+    throw Error(fmt::format("run '{}': none of {} at start {} was accepted{}", run.run,
+                            Counted(made, "attempt"), index, refused));
+  }
+  throw Error(fmt::format("run '{}': stopped after {} at start {}, before one was accepted{}",
+                          run.run, Counted(made, "attempt"), index, refused));
 }
 
 CellRow RunEnv::Row() {
   Running& episode = state_->Episode("a row");
   if (!std::exchange(episode.seen, true)) {
-    episode.features.ReadState();
-    episode.images.Draw();
+    episode.in.features.ReadState();
+    episode.in.images.Draw();
   }
-  return {episode.features.observed(), episode.features.state(), episode.images};
+  return episode.in.Row();
 }
 
 RunStep RunEnv::Act(const std::map<std::string, std::vector<double>>& actions) {
@@ -126,22 +120,25 @@ RunStep RunEnv::Act(const std::map<std::string, std::vector<double>>& actions) {
     throw Error(
         fmt::format("run '{}': the episode is over; call Reset for the next one", state_->run.run));
   }
-  const Action action = episode.features.ToAction(actions);
-  const StepOutcome outcome = episode.stepper.Advance(action);
-  episode.seen = false;
+  const Action action = episode.in.features.ToAction(actions);
+  const auto send = [&] {
+    const StepOutcome sent = episode.in.cell.Send(action);
+    episode.seen = false;
+    episode.over = true;  // until the step is complete: the task's verdict may be an error
+    return sent;
+  };
+  const internal::CellStep made = episode.in.cell.Step({.send = send});
   ++episode.rows;
-  episode.over = true;  // also if the task's verdict is an error
-  const TaskVerdict verdict = outcome.ok() ? episode.judge.Judge() : TaskVerdict();
-  RunStep step{.reward = verdict.reward,
-               .progress = verdict.progress,
-               .subtask = verdict.subtask,
-               .success = verdict.success,
-               .terminated = verdict.success || !outcome.ok(),
-               .ik_failed = !outcome.failed_robot.empty(),
+  RunStep step{.reward = made.verdict.reward,
+               .progress = made.verdict.progress,
+               .subtask = made.verdict.subtask,
+               .success = made.verdict.success,
+               .terminated = made.verdict.success || !made.ok(),
+               .ik_failed = !made.failed_robot.empty(),
                .reason = {}};
   step.truncated = !step.terminated && episode.rows >= state_->run.rates.max_steps;
-  if (!outcome.ok())
-    step.reason = outcome.step.message;
+  if (!made.ok())
+    step.reason = made.step.message;
   else if (step.success)
     step.reason = "success";
   else if (step.truncated)
@@ -151,12 +148,14 @@ RunStep RunEnv::Act(const std::map<std::string, std::vector<double>>& actions) {
 }
 
 const FeatureSchema& RunEnv::observed() const {
-  return state_->Episode("the schema").features.observed();
+  return state_->Episode("the schema").in.features.observed();
 }
 const FeatureSchema& RunEnv::commanded() const {
-  return state_->Episode("the schema").features.commanded();
+  return state_->Episode("the schema").in.features.commanded();
 }
 const EpisodeStart& RunEnv::start() const { return state_->Episode("the start").start; }
+
+std::string RunEnv::instruction() const { return internal::TaskCalls(*start().task).Instruction(); }
 
 const std::shared_ptr<Task>& RunEnv::task() const {
   static const std::shared_ptr<Task> none;

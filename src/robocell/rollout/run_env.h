@@ -22,8 +22,9 @@
 #include <vector>
 
 #include "robocell/base/stop.h"
+#include "robocell/features/cell_row.h"
 #include "robocell/spec/run_config.h"
-#include "robocell/task/task.h"
+#include "robocell/task/task_sampler.h"
 
 namespace robocell {
 
@@ -31,16 +32,17 @@ struct RunStep {
   double reward = 0, progress = 0;
   int subtask = 0;
   bool success = false;
-  bool terminated = false;  // by success, or because the simulation diverged
+  bool terminated = false;  // true after success or divergence
   bool truncated = false;   // the run's max_steps are used up
   bool ik_failed = false;   // a pose had no solution: its group kept its target
-  std::string reason;       // "success", "timeout", or how it diverged; "" while it goes on
+  std::string reason;       // "success", "timeout", or the divergence; "" during the episode
 };
 
 class RunEnv {
  public:
-  // Throws SpecError for an invalid run.
-  explicit RunEnv(RunConfig run);
+  // `scene_data` makes the data of the starts' scenes (SampleRequest::scene_data). Throws SpecError
+  // for an invalid run.
+  explicit RunEnv(RunConfig run, DataFactory scene_data = {});
   ~RunEnv();
   RunEnv(RunEnv&&) noexcept;
 
@@ -57,10 +59,11 @@ class RunEnv {
   const FeatureSchema& observed() const;
   const FeatureSchema& commanded() const;
   const EpisodeStart& start() const;
+  // Returns the task of the present episode in words.
+  std::string instruction() const;
 
-  // For an owner that keeps the task or the sampler as an object of another language: gives access
-  // to the only references from here (null without an episode), and drops them. After that, every
-  // call is an Error.
+  // Return and drop the only references to task and sampler (null without an episode), for owners
+  // in another language. After that, every call is an Error.
   const std::shared_ptr<Task>& task() const;
   const std::shared_ptr<TaskSampler>& sampler() const;
   void Drop();

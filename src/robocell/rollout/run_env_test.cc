@@ -1,6 +1,8 @@
 #include "robocell/rollout/run_env.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
 #include "robocell/data/dataset.h"
@@ -12,6 +14,10 @@
 namespace robocell {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
 RunConfig WithoutImages(const TempDir& folder) {
   RunConfig run = ExampleRun("demo.yaml");
   run.cameras.streams = {};
@@ -21,7 +27,7 @@ RunConfig WithoutImages(const TempDir& folder) {
 }
 
 // The oracle is an episode of the run: its actions reproduce its rows.
-TEST(RunEnv, TheActionsOfAnEpisodeGiveItsRows) {
+TEST(RunEnv, ReplayingActionsReproducesTheRows) {
   const TempDir folder;
   const RunConfig run = WithoutImages(folder);
   PrepareDataset(run);
@@ -55,7 +61,7 @@ TEST(RunEnv, TheActionsOfAnEpisodeGiveItsRows) {
   }
 }
 
-TEST(RunEnv, EndsInTimeAndThenWantsAReset) {
+TEST(RunEnv, EndsAtTheTimeLimitAndThenRequiresAReset) {
   const TempDir folder;
   RunConfig run = WithoutImages(folder);
   run.rates.max_steps = 2;
@@ -71,7 +77,7 @@ TEST(RunEnv, EndsInTimeAndThenWantsAReset) {
   EXPECT_FALSE(env.Act({}).truncated);
 }
 
-TEST(RunEnv, AStartThatCannotBeIsToldWithTheReasons) {
+TEST(RunEnv, ReportsTheReasonsForAnImpossibleStart) {
   const TempDir folder;
   RunConfig run = WithoutImages(folder);
   run.start.base_height_offset = -5;
@@ -82,6 +88,36 @@ TEST(RunEnv, AStartThatCannotBeIsToldWithTheReasons) {
   ExpectThrow<Error>([&] { env.Reset(7, 1); }, "none of 2 attempts at start 7 was accepted");
   ExpectThrow<ArgumentError>([&] { env.Reset(7, 3); }, "attempts are numbers from 0 to 2, got 3");
   ExpectThrow<ArgumentError>([&] { env.Reset(-1); }, "a number from 0, got -1");
+}
+
+TEST(RunEnv, AStoppedResetCountsTheAttemptsThatItMade) {
+  const TempDir folder;
+  RunConfig run = WithoutImages(folder);
+  run.start.base_height_offset = -5;
+  run.max_attempts = 30;
+  RunEnv env(run);
+  const auto text_of = [&](int most_calls) {
+    int calls = 0;
+    const StopRequest stop = [&] { return ++calls > most_calls; };
+    return ExpectThrow<Error>([&] { env.Reset(7, 0, stop); },
+                              "at start 7, before one was accepted");
+  };
+  EXPECT_EQ(text_of(0), "run 'demo': stopped after 0 attempts at start 7, before one was accepted");
+  EXPECT_THAT(text_of(12), AllOf(HasSubstr("stopped after "), HasSubstr("accepted: base: no base"),
+                                 Not(HasSubstr("30 attempts"))));
+}
+
+TEST(RunEnv, ScenesHaveTheDataThatItsOwnerMakes) {
+  const TempDir folder;
+  int made = 0;
+  const DataFactory count = [&](CompiledScene& compiled) -> DataHandle {
+    ++made;
+    const std::shared_ptr<mjData> data(mj_makeData(compiled.model()), &mj_deleteData);
+    return {data.get(), data};
+  };
+  RunEnv env(WithoutImages(folder), count);
+  env.Reset(0);
+  EXPECT_GT(made, 0);
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ internal::UserCode CodeOf(const RunConfig& run, bool with_expert) {
   internal::UserCode code;
   const std::shared_ptr<const TaskKind> task = FindTaskKind(run.task.kind());
   code.AddKind(*task);
-  const std::string expert = run.expert.empty() ? task->expert() : run.expert;
+  const std::string expert = NameOfExpert(run);
   if (with_expert && !expert.empty()) code.AddKind(*FindExpertKind(expert));
   code.Add(CodeOfFeatures(run.features.names));
   code.AddKind(*FindSceneSourceKind(run.scenes.kind()));
@@ -111,7 +111,7 @@ Texts Leaves(const std::string& identity) {
   try {
     Flatten(YAML::Load(identity), "", leaves);
   } catch (const YAML::Exception&) {
-    leaves["identity"] = identity;  // in another format: all of it differs
+    leaves["identity"] = identity;  // another format: all of it differs
   }
   return leaves;
 }
@@ -176,11 +176,17 @@ std::vector<std::string> CodeChanges(const RunInputs& then, const RunConfig& run
   return CodeOf(run, false).Unknown(known);
 }
 
-std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now) {
+std::vector<std::string> LinesOf(const std::vector<InputDifference>& differences) {
   std::vector<std::string> lines;
+  for (const InputDifference& difference : differences) lines.push_back(difference.text);
+  return lines;
+}
+
+std::vector<InputDifference> Differences(const RunInputs& then, const RunInputs& now) {
+  std::vector<InputDifference> found;
   const auto both = [&](const std::string& key, const std::string* a, const std::string* b) {
-    lines.push_back(
-        fmt::format("{}: {} then, {} now", key, a ? *a : "not set", b ? *b : "not set"));
+    found.push_back(
+        {fmt::format("{}: {} then, {} now", key, a ? *a : "not set", b ? *b : "not set"), key});
   };
   if (then.identity != now.identity)  // parsing takes milliseconds, for every episode
     ForEachDifference(Leaves(then.identity), Leaves(now.identity), both);
@@ -190,13 +196,13 @@ std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now
   ForEachDifference(files_then, files_now,
                     [&](const std::string& key, const std::string* a, const std::string* b) {
                       const bool is_code = key.starts_with("code/");
-                      lines.push_back(fmt::format("{} file {}: {}", is_code ? "code" : "model",
-                                                  is_code ? key.substr(5) : key,
-                                                  !a   ? "new since then"
-                                                  : !b ? "no longer used or gone"
-                                                       : "changed since then"));
+                      const char* how = !a   ? "new since then"
+                                        : !b ? "no longer used or gone"
+                                             : "changed since then";
+                      found.push_back({fmt::format("{} file {}: {}", is_code ? "code" : "model",
+                                                   is_code ? key.substr(5) : key, how)});
                     });
-  return lines;
+  return found;
 }
 
 void RunFilesWatch::RequireUnchanged(const RunConfig& run) const {
@@ -206,8 +212,8 @@ void RunFilesWatch::RequireUnchanged(const RunConfig& run) const {
   }
   if (changed.empty()) return;
   throw IoError(fmt::format(
-      "run '{}': {} changed while the dataset '{}' is being made: what was made with it is not "
-      "kept. Put it back and give the same command again, or give another `output` to start a new "
+      "run '{}': {} changed during the run into the dataset '{}': episodes made with it are "
+      "discarded. Restore it and repeat the command, or give another `output` to start a new "
       "dataset",
       run.run, ListNames(changed, kShownFiles), run.output));
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "robocell/spec/run_config.h"
@@ -29,10 +30,23 @@ std::map<std::string, std::string> VersionsNow();
 // Returns the inputs of a run, with the files of ModelsOf.
 RunInputs InputsOf(const RunConfig& run);
 
-// Returns the differences, one line each: "task.base_distance: [0.3, 0.55] then, [0.2, 0.5] now",
-// "mujoco: 3.9.0 then, 4.0.0 now", "model file rc7/rc7.xml: changed since then". Empty if there are
-// none. The folder of a model may have been renamed.
-std::vector<std::string> Differences(const RunInputs& then, const RunInputs& now);
+// A field, version or file that is another one than before.
+struct InputDifference {
+  // The whole in a line: "task.base_distance: [0.3, 0.55] then, [0.2, 0.5] now", "model file
+  // rc7/rc7.xml: changed since then".
+  std::string text;
+  std::string field = {};  // "task.base_distance" or "mujoco"; "" for a file
+
+  bool operator==(const InputDifference&) const = default;
+  bool operator<(const InputDifference& other) const {
+    return std::tie(text, field) < std::tie(other.text, other.field);
+  }
+};
+
+// Returns the differences; empty if there are none. The folder of a model may have been renamed.
+std::vector<InputDifference> Differences(const RunInputs& then, const RunInputs& now);
+// Returns their texts.
+std::vector<std::string> LinesOf(const std::vector<InputDifference>& differences);
 
 // Returns the local source files of the run's task and features whose content matches none of those
 // that a dataset was begun with.

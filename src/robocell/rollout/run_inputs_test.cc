@@ -15,6 +15,7 @@
 #include "robocell/rollout/on_disk.h"
 #include "robocell/rollout/prepare.h"
 #include "robocell/rollout/runner.h"
+#include "robocell/task/pick_task_config.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
 #include "robocell/testing/source_dir.h"
@@ -55,14 +56,14 @@ TEST(RunInputs, AreTheSameForOtherWorkersOutputsAndMoreEpisodes) {
   EXPECT_THAT(Differences(before, InputsOf(run)), IsEmpty());
 }
 
-TEST(RunInputs, ADifferentFieldIsToldByItsPathWithBothValues) {
+TEST(RunInputs, ReportsADifferentFieldWithItsPathAndBothValues) {
   RunConfig run = DemoRun();
   const RunInputs before = InputsOf(run);
   run.start.base_distance = {0.2, 0.5};
   run.seed = 7;
   run.cameras.streams[0].name = "hand";
   run.robot.config.stiffness = 20;
-  EXPECT_THAT(Differences(before, InputsOf(run)),
+  EXPECT_THAT(LinesOf(Differences(before, InputsOf(run))),
               ElementsAre("cameras.streams[0].name: wrist then, hand now",
                           "robot.stiffness: not set then, 20 now", "seed: 0 then, 7 now",
                           "start.base_distance: [0.3, 0.55] then, [0.2, 0.5] now"));
@@ -77,14 +78,14 @@ TEST(RunInputs, AChangedMeshAndANewVersionAreNamed) {
   RunInputs before = InputsOf(run);
   const fs::path model = temp / "rc7/rc7.xml";
   AtomicWrite(model, ReadFile(model) + "<!-- another -->\n");
-  EXPECT_THAT(Differences(before, InputsOf(run)),
+  EXPECT_THAT(LinesOf(Differences(before, InputsOf(run))),
               ElementsAre("model file rc7/rc7.xml: changed since then"));
   before = InputsOf(run);
   before.versions["mujoco"] = "3.9.0";
   before.files.erase("rc7/rc7.xml");
   before.files["rc7/old.stl"] = "0";
   EXPECT_THAT(
-      Differences(before, InputsOf(run)),
+      LinesOf(Differences(before, InputsOf(run))),
       ElementsAre("mujoco: 3.9.0 then, 4.0.0 now", "model file rc7/old.stl: no longer used or gone",
                   "model file rc7/rc7.xml: new since then"));
 }
@@ -102,7 +103,7 @@ TEST(RunInputs, AreTheSameInAFolderOfAnotherName) {
   EXPECT_THAT(InputsOf(run).files, Contains(Key("moved/rc7.xml")));
   EXPECT_THAT(Differences(before, InputsOf(run)), IsEmpty());
   AtomicWrite(temp / "moved/rc7.xml", ReadFile(temp / "moved/rc7.xml") + "<!-- another -->\n");
-  EXPECT_THAT(Differences(before, InputsOf(run)),
+  EXPECT_THAT(LinesOf(Differences(before, InputsOf(run))),
               ElementsAre("model file cell/rc7.xml: no longer used or gone",
                           "model file moved/rc7.xml: new since then"));
 }
@@ -116,10 +117,11 @@ TEST(RunInputs, SwappedFilesAreDifferent) {
   EXPECT_THAT(Differences(then, now), IsEmpty());
   then.files = {{"a/x.stl", "1"}, {"c/x.stl", "1"}};
   now.files = {{"b/x.stl", "1"}};
-  EXPECT_THAT(Differences(then, now), ElementsAre("model file a/x.stl: no longer used or gone"));
+  EXPECT_THAT(LinesOf(Differences(then, now)),
+              ElementsAre("model file a/x.stl: no longer used or gone"));
 }
 
-TEST(RunInputs, ModelsOfTheSameNameInFoldersOfTheSameNameAreTwo) {
+TEST(RunInputs, DistinguishModelsWithEqualNamesAndFolders) {
   TempDir temp;
   RunConfig run = DemoRun();
   const std::string table = ReadFile(fs::path(SourceDir()) / "models/scenes/tabletop.xml");
@@ -134,11 +136,11 @@ TEST(RunInputs, ModelsOfTheSameNameInFoldersOfTheSameNameAreTwo) {
   EXPECT_THAT(before.files, Contains(Key("room/table.xml")));
   EXPECT_THAT(before.files, Contains(Key("room/table.xml (2)")));
   AtomicWrite(temp / "a/room/table.xml", table + "<!-- another -->\n");
-  EXPECT_THAT(Differences(before, InputsOf(run)),
+  EXPECT_THAT(LinesOf(Differences(before, InputsOf(run))),
               ElementsAre("model file room/table.xml: changed since then"));
   AtomicWrite(temp / "a/room/table.xml", table);
   AtomicWrite(temp / "b/room/table.xml", table + "<!-- another -->\n");
-  EXPECT_THAT(Differences(before, InputsOf(run)),
+  EXPECT_THAT(LinesOf(Differences(before, InputsOf(run))),
               ElementsAre("model file room/table.xml (2): changed since then"));
 }
 
@@ -175,9 +177,10 @@ TEST_F(RunFilesWatchTest, AChangedOrRemovedFileIsNamedWithTheNextStep) {
   EXPECT_NO_THROW(watch.RequireUnchanged(run_));
   Edit();
   EXPECT_EQ(ExpectThrow<IoError>([&] { watch.RequireUnchanged(run_); }, "rc7.xml"),
-            "run 'demo': '" + model().string() + "' changed while the dataset '" + run_.output +
-                "' is being made: what was made with it is not kept. Put it back and give the same "
-                "command again, or give another `output` to start a new dataset");
+            "run 'demo': '" + model().string() + "' changed during the run into the dataset '" +
+                run_.output +
+                "': episodes made with it are discarded. Restore it and repeat the command, or "
+                "give another `output` to start a new dataset");
   fs::remove(model());
   ExpectThrow<IoError>([&] { watch.RequireUnchanged(run_); }, model().string());
   PutBack();
@@ -185,7 +188,7 @@ TEST_F(RunFilesWatchTest, AChangedOrRemovedFileIsNamedWithTheNextStep) {
 }
 
 // At any time: before an item, while its start is sampled and compiled, and while the expert acts.
-TEST_F(RunFilesWatchTest, ARunnerKeepsNothingOfAModelThatChanged) {
+TEST_F(RunFilesWatchTest, ARunnerDiscardsEpisodesOfAChangedModel) {
   const std::vector<PlanItem> plan = MakePlan(run_);
   bool edits = false;
   Runner runner(run_, {.sampler = {}, .expert = [&](const RunConfig& run, const EpisodeStart& at) {
@@ -194,10 +197,10 @@ TEST_F(RunFilesWatchTest, ARunnerKeepsNothingOfAModelThatChanged) {
                        }});
   EXPECT_TRUE(runner.Run(plan[0]).success);
   edits = true;
-  ExpectThrow<IoError>([&] { runner.Run(plan[1]); }, "changed while the dataset");
+  ExpectThrow<IoError>([&] { runner.Run(plan[1]); }, "changed during the run into the dataset");
   edits = false;
   EXPECT_THAT(LookForItems(run_, plan).made, ElementsAre(plan[0].id)) << "made before";
-  ExpectThrow<IoError>([&] { runner.Run(plan[1]); }, "changed while the dataset");
+  ExpectThrow<IoError>([&] { runner.Run(plan[1]); }, "changed during the run into the dataset");
   ExpectThrow<SpecError>([&] { Runner(run_).Run(plan[1]); },
                          "model file cell/rc7.xml: changed since then");
   EXPECT_THAT(Dataset(run_.output).ids(), ElementsAre(plan[0].id));
@@ -233,7 +236,7 @@ TEST_F(RunFilesWatchTest, VerifyNamesEpisodesOfAModelThatChanged) {
 }
 
 // With and without the dataset's copy of its model.
-TEST_F(RunFilesWatchTest, AnEpisodeThatWasCopiedFromARunOfAnotherModelDoesNotCount) {
+TEST_F(RunFilesWatchTest, IgnoresAnEpisodeCopiedFromARunWithAnotherModel) {
   const std::vector<PlanItem> plan = MakePlan(run_);
   Runner(run_).Run(plan[0]);
   fs::create_directory(temp_ / "other");
@@ -266,7 +269,7 @@ nlohmann::json WithoutRun(const fs::path& episode) {
   return description;
 }
 
-TEST_F(RunFilesWatchTest, AFolderThatWasMovedGoesOnWithTheSameBytes) {
+TEST_F(RunFilesWatchTest, AMovedFolderContinuesWithTheSameBytes) {
   const std::vector<PlanItem> plan = MakePlan(run_);
   Runner(run_).Run(plan[0]);
   fs::copy(temp_ / "cell", temp_ / "moved", fs::copy_options::recursive);

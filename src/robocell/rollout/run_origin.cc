@@ -8,6 +8,7 @@
 #include "robocell/base/error.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/model_store.h"
+#include "robocell/rollout/episode_reading.h"
 #include "robocell/rollout/plan.h"
 
 namespace robocell::internal {
@@ -35,7 +36,7 @@ std::set<std::string>& RunOrigin::StoredPathsOf(const std::string& name) {
   return it->second;
 }
 
-std::optional<std::vector<std::string>> RunOrigin::ChangesSince(const Episode& episode) {
+std::optional<std::vector<InputDifference>> RunOrigin::ChangesSince(const Episode& episode) {
   const Json metadata = Json::parse(episode.metadata_json());
   if (!metadata.is_object() || !metadata.contains("identity")) return std::nullopt;
   RunInputs then{.identity = metadata.at("identity"), .versions = {}, .files = {}};
@@ -70,20 +71,28 @@ std::optional<Dataset> DatasetIn(const std::string& folder) {
 
 }  // namespace
 
-std::optional<std::vector<std::string>> ChangesSinceEpisodes(const RunConfig& run) {
+std::vector<std::string> UnregisteredParts(const Episode& episode) {
+  std::vector<std::string> parts;
+  const std::optional<EpisodeJson> stored = EpisodeJson::Metadata(episode).Find(kUnregisteredParts);
+  if (!stored) return parts;
+  for (const EpisodeJson& part : stored->Items()) parts.push_back(part.AsText());
+  return parts;
+}
+
+std::optional<std::vector<InputDifference>> ChangesSinceEpisodes(const RunConfig& run) {
   const std::optional<Dataset> dataset = DatasetIn(run.output);
   if (!dataset) return std::nullopt;
   RunOrigin origin(run);
   bool found = false;
-  std::set<std::string> changes;
+  std::set<InputDifference> changes;
   for (const Episode& episode : *dataset) {
-    const auto lines = origin.ChangesSince(episode);
-    if (!lines) continue;
+    const auto since = origin.ChangesSince(episode);
+    if (!since) continue;
     found = true;
-    changes.insert(lines->begin(), lines->end());
+    changes.insert(since->begin(), since->end());
   }
   if (!found) return std::nullopt;
-  return std::vector<std::string>(changes.begin(), changes.end());
+  return std::vector<InputDifference>(changes.begin(), changes.end());
 }
 
 }  // namespace robocell::internal

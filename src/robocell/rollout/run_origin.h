@@ -1,5 +1,5 @@
 // Checks whether an episode was made from the present inputs of its run. This is the one place that
-// compares fields, versions and models. A model may be edited while the run goes on: the models
+// compares fields, versions and models. A model may be edited during the run: the models
 // that the dataset was begun with still belong to it.
 //
 //   RunOrigin origin(run);
@@ -28,20 +28,26 @@ class RunOrigin {
   // Returns the differences, as in Differences(); unset for an episode that no run made. A model is
   // identified by its file's name and content. Models that the run does not list are ignored, and
   // so are those of the user's own tasks, whose sampler may bring others of the same name.
-  std::optional<std::vector<std::string>> ChangesSince(const Episode& episode);
+  std::optional<std::vector<InputDifference>> ChangesSince(const Episode& episode);
 
  private:
   using PathsByName = std::map<std::string, std::set<std::string>>;  // names of the files
   std::set<std::string>& StoredPathsOf(const std::string& name);
   const RunConfig& run_;
   RunInputs now_;                           // no files
-  std::optional<PathsByName> models_ = {};  // on this machine
-  PathsByName stored_ = {};                 // where a dataset keeps them
+  std::optional<PathsByName> models_ = {};  // models on this machine
+  PathsByName stored_ = {};                 // models as stored by datasets
 };
 
-// For a dataset whose dataset.json was lost: returns how the inputs of its episodes differ from
-// those of the run, in the texts of RunOrigin; empty if the manifest can be written again. Unset if
-// there are no generated episodes.
-std::optional<std::vector<std::string>> ChangesSinceEpisodes(const RunConfig& run);
+// The key in an episode's metadata for the parts of its Runner that no name of the run stands for:
+// "sampler", "expert".
+inline constexpr const char* kUnregisteredParts = "unregistered";
+// Returns these parts of an episode; empty if all were registered.
+std::vector<std::string> UnregisteredParts(const Episode& episode);
+
+// Returns how the inputs of the episodes differ from those of the run, each difference once, for a
+// dataset that lost its dataset.json; empty if the manifest can be written again. Unset
+// without generated episodes.
+std::optional<std::vector<InputDifference>> ChangesSinceEpisodes(const RunConfig& run);
 
 }  // namespace robocell::internal

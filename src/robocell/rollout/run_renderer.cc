@@ -36,14 +36,14 @@ std::string BackendOfEpisodes(const std::filesystem::path& dataset) {
   return "";
 }
 
-// Returns the back end in the manifest; "" if it names none.
-std::string StoredBackend(const RunConfig& run) {
+// Returns a text in the manifest; "" if it has none of that name.
+std::string Stored(const RunConfig& run, const char* name) {
   if (run.output.empty()) return "";
   const std::optional<std::string> manifest = ReadManifest(run.output);
   if (!manifest) return "";
   const Json json = Json::parse(*manifest, nullptr, false);
-  if (!json.is_object() || !json.contains("renderer") || !json["renderer"].is_string()) return "";
-  return json["renderer"].get<std::string>();
+  if (!json.is_object() || !json.contains(name) || !json[name].is_string()) return "";
+  return json[name].get<std::string>();
 }
 
 }  // namespace
@@ -51,16 +51,22 @@ std::string StoredBackend(const RunConfig& run) {
 std::string BackendOf(const RunConfig& run) {
   const std::string& backend = run.cameras.renderer.backend;
   if (backend != kOpen) return backend;
-  const std::string stored = StoredBackend(run);
+  const std::string stored = Stored(run, "renderer");
   return stored.empty() ? backend : stored;
 }
 
 std::string BackendToBeginWith(const RunConfig& run) {
-  if (run.cameras.streams.empty()) return "";
+  if (run.cameras.drawn().empty()) return "";
   const std::string& backend = run.cameras.renderer.backend;
   if (backend != kOpen) return backend;
   const std::string drawn = BackendOfEpisodes(run.output);
   return drawn.empty() ? RendererBackendHere() : drawn;
+}
+
+RenderWhen RenderOf(const RunConfig& run) {
+  if (run.render) return *run.render;
+  return Stored(run, "render") == ToString(RenderWhen::kKept) ? RenderWhen::kKept
+                                                              : RenderWhen::kAlways;
 }
 
 std::unique_ptr<Renderer> MakeRendererOf(const RunConfig& run, const Visibility& visibility) {

@@ -1,5 +1,6 @@
-// The renderer of a run's images. A run with the back end "auto" uses the one that its dataset was
-// begun with, on every machine, so that all images of a dataset have one renderer.
+// The renderer of a run's images, and when it draws them. A run with the back end "auto" uses the
+// one that its dataset was begun with, on every machine, so that all images of a dataset have one
+// renderer. A run that does not say when it draws goes on like the last command that did.
 #pragma once
 
 #include <filesystem>
@@ -17,6 +18,10 @@ std::string BackendOf(const RunConfig& run);
 // Returns the back end to begin a dataset with. For a dataset with episodes it is the one that drew
 // their images. "" for runs without cameras.
 std::string BackendToBeginWith(const RunConfig& run);
+
+// Returns which rollouts have their images drawn: what the run says, else what its dataset
+// stores of the last command that said it, else all.
+RenderWhen RenderOf(const RunConfig& run);
 
 // Throws Error if the dataset's back end does not work here. Other errors are those of
 // MakeRenderer.

@@ -29,21 +29,32 @@ class RunRendererTest : public testing::Test {
   RunConfig run;
 };
 
-TEST_F(RunRendererTest, DrawsWithWhatTheDatasetWasBegunWith) {
+TEST_F(RunRendererTest, UsesTheBackEndOfTheDataset) {
   EXPECT_EQ(BackendOf(run), "auto");
   Store("soft");
   EXPECT_EQ(BackendOf(run), "soft");
   EXPECT_THAT(MakeRendererOf(run)->description(), testing::StartsWith("soft: "));
 }
 
-TEST_F(RunRendererTest, DrawsWithWhatTheRunNames) {
+TEST_F(RunRendererTest, UsesTheBackEndOfTheRun) {
   Store("gl");
   run.cameras.renderer.backend = "soft";
   EXPECT_EQ(BackendOf(run), "soft");
   EXPECT_EQ(BackendToBeginWith(run), "soft");
 }
 
-TEST_F(RunRendererTest, StopsWhereTheDatasetsBackEndDoesNotWork) {
+TEST_F(RunRendererTest, UsesTheRenderSettingOfTheRunOrTheDataset) {
+  EXPECT_EQ(RenderOf(run), RenderWhen::kAlways);
+  Store("soft");
+  EXPECT_EQ(RenderOf(run), RenderWhen::kAlways)
+      << "a dataset that was begun before there was a choice";
+  WriteManifest(folder.path(), R"({"render": "kept"})");
+  EXPECT_EQ(RenderOf(run), RenderWhen::kKept);
+  run.render = RenderWhen::kAlways;
+  EXPECT_EQ(RenderOf(run), RenderWhen::kAlways);
+}
+
+TEST_F(RunRendererTest, FailsIfTheBackEndOfTheDatasetDoesNotWork) {
   Store("crayons");
   ExpectThrow<Error>([&] { MakeRendererOf(run); },
                      "are drawn with 'crayons', which does not work here: ");
@@ -54,7 +65,7 @@ TEST_F(RunRendererTest, StoresNothingForARunWithoutCameras) {
   EXPECT_EQ(BackendToBeginWith(run), "");
 }
 
-TEST_F(RunRendererTest, BeginsWithWhatTheEnvironmentVariableNames) {
+TEST_F(RunRendererTest, StartsWithTheBackEndOfTheEnvironmentVariable) {
   ASSERT_EQ(setenv("ROBOCELL_RENDERER", "soft", 1), 0);
   EXPECT_EQ(BackendToBeginWith(run), "soft");
   ASSERT_EQ(unsetenv("ROBOCELL_RENDERER"), 0);

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/call_hook.h"
@@ -14,9 +15,11 @@
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/expert/expert_kind.h"
+#include "robocell/rollout/expert_calls.h"
 #include "robocell/rollout/on_disk.h"
 #include "robocell/rollout/rollout.h"
 #include "robocell/rollout/run_inputs.h"
+#include "robocell/rollout/run_origin.h"
 #include "robocell/rollout/run_renderer.h"
 #include "robocell/rollout/validate_run.h"
 #include "robocell/task/sampler_kind.h"
@@ -47,16 +50,18 @@ class UnmadeExpert final : public Expert {
 // Returns true if a run calls code that is not part of robocell.
 bool HasUsersCode(const RunConfig& run, const RunnerParts& parts) {
   return parts.sampler || parts.expert || !run.sampler.empty() || !run.features.names.empty() ||
-         !FindTaskKind(run.task.kind())->is_built_in() || !ExpertKindOf(run)->is_built_in();
+         !FindTaskKind(run.task.kind())->is_built_in() || !ExpertKindFor(run)->is_built_in();
 }
 
 }  // namespace
 
 struct Runner::State {
   RunConfig run;
+  std::string identity;  // of the run
   RunnerParts parts;
-  bool own_sampler = false;     // of the user: only it knows the task's object
+  bool own_sampler = false;     // true for the user's sampler: only it knows the task's object
   bool has_users_code = false;  // among task, sampler, expert and features
+  std::vector<std::string> unregistered;  // parts that no name in the run stands for
   std::shared_ptr<TaskSampler> sampler;
   std::unique_ptr<Renderer> renderer;
   std::optional<std::string> checked_manifest;
@@ -64,13 +69,19 @@ struct Runner::State {
   bool stale_sampler = false;  // may remember scenes of changed models
 
   Renderer* EnsureRenderer() {
-    if (!renderer && !run.cameras.streams.empty()) renderer = internal::MakeRendererOf(run);
+    if (!renderer && !run.cameras.drawn().empty()) renderer = internal::MakeRendererOf(run);
     return renderer.get();
+  }
+  std::optional<RenderWhen> render;
+  RenderWhen EnsureRender() {
+    if (!render) render = internal::RenderOf(run);
+    return *render;
   }
   std::optional<std::string> advice;
   // Advises from where the robot would reach; "" for a user's own task. Computed once.
   const std::string& Advice();
   DatasetLock Enter();
+  void RequireSameParts() const;
   void RequireUnchangedModels();
   internal::RolloutOptions Options(const PlanItem& item, int attempt,
                                    const EarlierAttempts& earlier, const StopRequest& stop);
@@ -79,16 +90,15 @@ struct Runner::State {
   std::shared_ptr<Expert> MakeExpert(const EpisodeStart& start) const;
   void Attempt(const PlanItem& item, int attempt, const StopRequest& stop, EarlierAttempts& earlier,
                ItemResult& result);
-  // Likewise, but an exception of a user's own code is a failure, unless it is the last of a row.
-  // With Keep::kFirst, in evaluations, an exception of an accepted start is rethrown: no other
-  // start takes its place.
+  // Likewise, but an exception of a user's own code is a failure, unless it is the last of a row
+  // or no other start may take the place of an accepted one.
   void TryAttempt(const PlanItem& item, int attempt, const StopRequest& stop,
                   EarlierAttempts& earlier, ItemResult& result);
   // Returns the text of the exception being handled; "" if it is not from a user's code.
   std::string WhatUsersCodeRaised() const;
   bool has_samplers_hooks() const { return own_sampler || !run.sampler.empty(); }
-  int raised = 0;               // in a row
-  bool start_accepted = false;  // in the present attempt
+  int raised = 0;               // errors in a row
+  bool start_accepted = false;  // true once the present attempt has a start
 };
 
 // Returns the lock for writing into the dataset, as long as it is the one that the run was checked
@@ -97,6 +107,7 @@ DatasetLock Runner::State::Enter() {
   if (!checked_manifest) {  // before anything is written, including a lock
     const std::optional<std::string> before = ReadManifest(run.output);
     models = RunFilesWatch(RequireSameRun(run));
+    RequireSameParts();
     checked_manifest = before;
   }
   DatasetLock lock = DatasetLock::Writing(run.output);
@@ -106,6 +117,23 @@ DatasetLock Runner::State::Enter() {
   RequireUnchangedModels();
   if (std::exchange(stale_sampler, false)) sampler = parts.sampler(run);
   return lock;
+}
+
+// Throws ArgumentError if episodes of the dataset were made with other unregistered parts, which
+// the identity of a run does not contain.
+void Runner::State::RequireSameParts() const {
+  const Dataset made(run.output);
+  if (made.size() == 0) return;
+  const std::vector<std::string> theirs = internal::UnregisteredParts(made.At(0));
+  if (theirs == unregistered) return;
+  const auto words = [](const std::vector<std::string>& parts) {
+    return parts.empty() ? std::string("the registered parts of its run")
+                         : fmt::format("an unregistered {}", fmt::join(parts, " and "));
+  };
+  throw ArgumentError(fmt::format(
+      "run '{}': the episodes in '{}' were made with {}, this Runner has {}; go on with the same "
+      "parts, or choose another `output`",
+      run.run, run.output, words(theirs), words(unregistered)));
 }
 
 void Runner::State::RequireUnchangedModels() {
@@ -132,19 +160,21 @@ const std::string& Runner::State::Advice() {
 internal::RolloutOptions Runner::State::Options(const PlanItem& item, int attempt,
                                                 const EarlierAttempts& earlier,
                                                 const StopRequest& stop) {
-  const nlohmann::json metadata = {{"run", run.run},
-                                   {"seed", run.seed},
-                                   {"scene", item.scene},
-                                   {"episode", item.episode},
-                                   {"attempt", attempt},
-                                   {kEarlierAttempts, nlohmann::json::parse(ToJson(earlier))},
-                                   {"task", own_sampler ? "custom" : run.task.kind()},
-                                   {"identity", RunIdentity(run)}};
+  nlohmann::json metadata = {{"run", run.run},
+                             {"seed", run.seed},
+                             {"scene", item.scene},
+                             {"episode", item.episode},
+                             {"attempt", attempt},
+                             {kEarlierAttempts, nlohmann::json::parse(ToJson(earlier))},
+                             {"task", own_sampler ? "custom" : run.task.kind()},
+                             {"identity", identity}};
+  if (!unregistered.empty()) metadata[internal::kUnregisteredParts] = unregistered;
   return {.dataset = run.output,
           .episode_id = EpisodeId(run, item, attempt),
           .metadata_json = metadata.dump(),
           .keep_failures = run.keep != Keep::kSuccesses,
           .renderer = EnsureRenderer(),
+          .render = EnsureRender(),
           .stop = stop,
           .before_commit = [this] { RequireUnchangedModels(); },
           .expert_errors_fail = do_expert_errors_fail()};
@@ -153,15 +183,18 @@ internal::RolloutOptions Runner::State::Options(const PlanItem& item, int attemp
 Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State>()) {
   ValidateRunFields(run);
   state_->run = std::move(run);
+  state_->identity = RunIdentity(state_->run);
   state_->parts = std::move(parts);
   state_->own_sampler = static_cast<bool>(state_->parts.sampler);
   state_->has_users_code = HasUsersCode(state_->run, state_->parts);
+  if (state_->parts.sampler) state_->unregistered.emplace_back("sampler");
+  if (state_->parts.expert) state_->unregistered.emplace_back("expert");
   if (!state_->own_sampler) {
     state_->parts.sampler = &MakeSampler;
   }
   if (!state_->parts.expert) {
-    state_->parts.expert = [kind = ExpertKindOf(state_->run)](const RunConfig& of,
-                                                              const EpisodeStart& start) {
+    state_->parts.expert = [kind = ExpertKindFor(state_->run)](const RunConfig& of,
+                                                               const EpisodeStart& start) {
       return kind->Make(of, start);
     };
   }
@@ -171,6 +204,8 @@ Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State
 Runner::~Runner() = default;
 
 const RunConfig& Runner::run() const { return state_->run; }
+const std::shared_ptr<TaskSampler>& Runner::sampler() const { return state_->sampler; }
+void Runner::DropSampler() { state_->sampler.reset(); }
 
 namespace {
 
@@ -232,7 +267,7 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
   const auto began = std::chrono::steady_clock::now();
   Rng start_rng = AttemptStream(run, item, attempt, "start");
   const auto draw = [&] {
-    return sampler->Sample({item.scene, item.episode, attempt, stop}, start_rng);
+    return sampler->Sample({item.scene, item.episode, attempt, stop, parts.scene_data}, start_rng);
   };
   SampleResult sample =
       has_samplers_hooks() ? internal::CallHook(*sampler, "sample", draw) : draw();
@@ -255,6 +290,7 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
     const std::string refused = sample.refusal.counted_as();
     earlier.push_back({sample.object_kind(), true, refused});
     const int count = ++result.refusals[refused];
+    if (sample.refusal.reason == Refusal::kNoReachableBasePose) ++result.out_of_reach;
     if (count >= MostFrequent(result.refusals)) result.advice = sample.refusal.detail;
     return;
   }
@@ -288,7 +324,7 @@ std::string Runner::State::WhatUsersCodeRaised() const {
   } catch (const HookError& error) {
     return error.has_place() || has_users_code ? error.what() : "";
   } catch (...) {
-    return parts.told_of_users ? parts.told_of_users() : "";
+    return "";
   }
 }
 
@@ -302,7 +338,13 @@ void Runner::State::TryAttempt(const PlanItem& item, int attempt, const StopRequ
   } catch (...) {
     const std::string told = WhatUsersCodeRaised();
     const bool must_keep_start = run.keep == Keep::kFirst && start_accepted;
-    if (told.empty() || must_keep_start || ++raised >= kMostRaised) throw;
+    if (!told.empty() && must_keep_start) {
+      std::throw_with_nested(
+          Error("something else than the policy raised in the rollout, and an evaluation takes no "
+                "other start in its place: " +
+                told));
+    }
+    if (told.empty() || ++raised >= kMostRaised) throw;
     LogWarn(fmt::format("episode '{}', attempt {}: {}", item.id, attempt, told));
     ++result.attempts;
     ++result.failures[told];
@@ -312,6 +354,7 @@ void Runner::State::TryAttempt(const PlanItem& item, int attempt, const StopRequ
 
 ItemResult Runner::Run(const PlanItem& item, const StopRequest& stop) {
   const RunConfig& run = state_->run;
+  if (!state_->sampler) throw Error(fmt::format("run '{}': its runner is gone", run.run));
   ItemResult result{.item = item, .robot = run.robot.config.name};
   const DatasetLock lock = state_->Enter();
   if (IsComplete(run, item)) {
@@ -325,7 +368,8 @@ ItemResult Runner::Run(const PlanItem& item, const StopRequest& stop) {
   const auto is_made = [&] {
     return result.success || (run.keep == Keep::kFirst && result.accepted > 0);
   };
-  for (int attempt = 0; attempt < run.max_attempts && !is_made(); ++attempt) {
+  const int attempts = std::max(run.max_attempts, item.first_attempt + 1);
+  for (int attempt = item.first_attempt; attempt < attempts && !is_made(); ++attempt) {
     if (ShouldStop(stop)) result.stopped = true;
     if (result.stopped) return result;
     const bool keeps_all = run.keep == Keep::kAll;
@@ -336,8 +380,7 @@ ItemResult Runner::Run(const PlanItem& item, const StopRequest& stop) {
   }
   result.complete = is_made();
   if (result.accepted > 0) result.advice.clear();
-  if (result.accepted > 0 || !HasReason(result.refusals, Refusal::kNoReachableBasePose))
-    return result;
+  if (result.accepted > 0 || result.out_of_reach == 0) return result;
   if (const std::string& where = state_->Advice(); !where.empty())
     result.advice += (result.advice.empty() ? "" : "; ") + where;
   return result;

@@ -5,6 +5,7 @@
 #include <mujoco/mujoco.h>
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <nlohmann/json.hpp>
 
@@ -15,6 +16,7 @@
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/episode_reader.h"
 #include "robocell/expert/pick_planner.h"
+#include "robocell/rollout/on_disk.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/pick_scene.h"
@@ -93,7 +95,7 @@ TEST(Runner, TheEpisodesOfARealArmSucceed) {
   ExpectGoodRun(Blind("xarm7_pick.yaml", folder / "out"), 5);
 }
 
-TEST(Runner, AnEpisodeDoesNotDependOnWhatWasMadeBefore) {
+TEST(Runner, AnEpisodeDoesNotDependOnEarlierOnes) {
   TempDir folder;
   const RunConfig one = Blind("demo.yaml", folder / "one"),
                   other = Blind("demo.yaml", folder / "other");
@@ -130,7 +132,7 @@ RunnerParts FailingParts(int& left, bool throws) {
           }};
 }
 
-TEST(Runner, WhatAHookDoesWronglyEndsTheAttempt) {
+TEST(Runner, AnInvalidHookResultEndsTheRollout) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");
   for (const bool throws : {true, false}) {
@@ -147,7 +149,7 @@ TEST(Runner, WhatAHookDoesWronglyEndsTheAttempt) {
 }
 
 // In evaluations another start may be easier.
-TEST(Runner, NoOtherStartTakesThePlaceOfTheFirst) {
+TEST(Runner, DoesNotReplaceTheFirstStart) {
   TempDir folder;
   RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
   run.cameras.streams = {};
@@ -166,7 +168,7 @@ TEST(Runner, NoOtherStartTakesThePlaceOfTheFirst) {
   }
 }
 
-TEST(Runner, AnExpertThatCannotBeMadeIsAFailureOfAnEvaluation) {
+TEST(Runner, AnExpertThatFailsToConstructFailsTheEvaluation) {
   TempDir folder;
   RunConfig run = Blind("demo.yaml", folder / "out");
   run.output = (folder / "first").string();
@@ -195,7 +197,7 @@ class BreaksTheEngine : public Idle {
   }
 };
 
-TEST(Runner, AnErrorOfTheEngineIsNoFailureOfTheExpert) {
+TEST(Runner, AnEngineErrorIsNotAFailureOfTheExpert) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");
   Runner runner(run, {.sampler = {}, .expert = [](const RunConfig&, const EpisodeStart&) {
@@ -207,7 +209,7 @@ TEST(Runner, AnErrorOfTheEngineIsNoFailureOfTheExpert) {
   EXPECT_EQ(Dataset(run.output).size(), 0u);
 }
 
-TEST(Runner, NeverMakesAMixture) {
+TEST(Runner, NeverMixesRuns) {
   TempDir folder;
   RunConfig run = Blind("demo.yaml", folder / "out");
   const PlanItem item = MakePlan(run)[0];
@@ -220,7 +222,7 @@ TEST(Runner, NeverMakesAMixture) {
 }
 
 // The dataset was begun anew for another run while this runner lived.
-TEST(Runner, NoticesThatItsDatasetBecameAnotherOne) {
+TEST(Runner, DetectsAReplacedDataset) {
   TempDir folder;
   RunConfig run = Blind("demo.yaml", folder / "out"), other = run;
   Runner runner(run);
@@ -232,7 +234,7 @@ TEST(Runner, NoticesThatItsDatasetBecameAnotherOne) {
   ExpectThrow<SpecError>([&] { runner.Run(item); }, "seed: 7 then, 0 now");
 }
 
-TEST(Runner, DoesNotWriteWhileSomebodyRepairs) {
+TEST(Runner, DoesNotWriteDuringARepair) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");
   Runner runner(run);
@@ -242,7 +244,7 @@ TEST(Runner, DoesNotWriteWhileSomebodyRepairs) {
   EXPECT_TRUE(runner.Run(MakePlan(run)[0]).success);
 }
 
-TEST(Runner, DoesNotMakeAgainWhatIsThere) {
+TEST(Runner, DoesNotRepeatAnExistingEpisode) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");
   const PlanItem item = MakePlan(run)[0];
@@ -256,7 +258,7 @@ TEST(Runner, DoesNotMakeAgainWhatIsThere) {
   EXPECT_EQ(std::filesystem::last_write_time(folder / "out" / item.id / "episode.json"), written);
 }
 
-TEST(Runner, DropsFailuresAndTriesAgain) {
+TEST(Runner, DropsFailuresAndRetries) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");
   const ItemResult result = Runner(run, IdleAtFirst(2)).Run(MakePlan(run)[0]);
@@ -266,7 +268,7 @@ TEST(Runner, DropsFailuresAndTriesAgain) {
   EXPECT_THAT(Dataset(run.output).ids(), ElementsAre("s0000_e0000"));
 }
 
-TEST(Runner, KeepsFailuresOnRequestAndMakesOnlyWhatIsMissing) {
+TEST(Runner, KeepsFailuresOnRequestAndAddsOnlyMissingEpisodes) {
   TempDir folder;
   RunConfig run = Blind("demo.yaml", folder / "out");
   run.output = (folder / "all").string();
@@ -283,7 +285,7 @@ TEST(Runner, KeepsFailuresOnRequestAndMakesOnlyWhatIsMissing) {
   const std::string steps = ReadFile(folder / "all/s0000_e0000_a02/steps.h5");
   std::filesystem::remove_all(folder / "all/s0000_e0000_a02");
   EXPECT_FALSE(IsComplete(run, item));
-  const ItemResult resumed = Runner(run).Run(item);
+  const ItemResult resumed = Runner(run, IdleAtFirst(0)).Run(item);
   EXPECT_EQ(resumed.attempts, 3) << "those that are there count";
   EXPECT_THAT(resumed.failures, ElementsAre(Pair("idle", 2)));
   EXPECT_EQ(resumed.kept, 1);
@@ -309,7 +311,71 @@ TEST(Runner, KeepsFailuresOnRequestAndMakesOnlyWhatIsMissing) {
   EXPECT_EQ(metadata("s0000_e0000_a00")["earlier_attempts"].size(), 0u);
 }
 
-TEST(Runner, CountsRefusalsAndGivesUpAfterTheLastAttempt) {
+TEST(Runner, GeneratesTheSameEpisodesForAnyRenderSetting) {
+  TempDir folder;
+  std::map<std::string, std::string> first;
+  std::string identity;
+  for (const auto render : {std::optional<RenderWhen>(), std::optional(RenderWhen::kKept)}) {
+    RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
+    run.cameras.resolution = {64, 48};
+    run.render = render;
+    run.output = (folder / (render ? "kept" : "always")).string();
+    PrepareDataset(run);
+    Runner runner(run, IdleAtFirst(2));
+    for (int i = 0; i < 2; ++i) EXPECT_TRUE(runner.Run(MakePlan(run)[i]).success);
+    std::map<std::string, std::string> made;
+    for (const Episode& episode : Dataset(run.output)) {
+      for (const std::string& file : episode.files())
+        made[episode.id() + "/" + file] = ReadFile(episode.folder() / file);
+    }
+    EXPECT_GE(made.size(), 6);
+    if (!render) first = made, identity = RunIdentity(run);
+    EXPECT_TRUE(made == first);
+    EXPECT_EQ(RunIdentity(run), identity) << "a run may go on either way";
+  }
+}
+
+// An expert that notes whether an episode is being written while it acts, and gives up.
+class Watching : public Idle {
+ public:
+  Watching(std::filesystem::path dataset, std::vector<bool>* written)
+      : dataset_(std::move(dataset)), written_(written) {}
+  Action Act(const Scene& scene, Rng& rng) override {
+    bool is_written = false;
+    for (const auto& entry : std::filesystem::directory_iterator(dataset_)) {
+      is_written |= IsTemporaryName(entry.path().filename().string());
+    }
+    written_->push_back(is_written);
+    return Idle::Act(scene, rng);
+  }
+
+ private:
+  std::filesystem::path dataset_;
+  std::vector<bool>* written_;
+};
+
+TEST(Runner, KeepsTheRenderSettingOfTheDatasetByDefault) {
+  TempDir folder;
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
+  run.cameras.resolution = {64, 48};
+  run.output = (folder / "out").string();
+  run.max_attempts = 1;
+  run.render = RenderWhen::kKept;
+  PrepareDataset(run);
+  std::vector<bool> written;
+  for (const auto told : {std::optional(RenderWhen::kKept), std::optional<RenderWhen>(),
+                          std::optional(RenderWhen::kAlways)}) {
+    run.render = told;
+    RunnerParts parts;
+    parts.expert = [&](const RunConfig&, const EpisodeStart&) {
+      return std::make_unique<Watching>(run.output, &written);
+    };
+    EXPECT_FALSE(Runner(run, parts).Run(MakePlan(run)[0]).success);
+  }
+  EXPECT_THAT(written, ElementsAre(false, false, true));
+}
+
+TEST(Runner, CountsRefusalsAndGivesUpAfterTheLastTrial) {
   TempDir folder;
   RunConfig run = Blind("demo.yaml", folder / "out");
   run.max_attempts = 4;
@@ -323,7 +389,7 @@ TEST(Runner, CountsRefusalsAndGivesUpAfterTheLastAttempt) {
   EXPECT_THAT(result.refusals, ElementsAre(Pair("no grasp", 4)));
 }
 
-TEST(Runner, AStopLeavesNothingHalfDone) {
+TEST(Runner, AStopLeavesNothingUnfinished) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");
   const ItemResult result = Runner(run).Run(MakePlan(run)[0], [] { return true; });
@@ -368,7 +434,7 @@ TEST(Runner, AStopWhileSamplingIsObeyed) {
   EXPECT_GT(asked, 2) << "the sampler asks too";
 }
 
-TEST(Runner, AnExceptionFromTheStopRequestComesOutAndLeavesNothingHalfDone) {
+TEST(Runner, AnExceptionOfTheStopRequestPropagatesCleanly) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");
   bool acting = false;
@@ -382,7 +448,7 @@ TEST(Runner, AnExceptionFromTheStopRequestComesOutAndLeavesNothingHalfDone) {
   EXPECT_EQ(Dataset(run.output).size(), 0u);
 }
 
-TEST(Runner, RefusesStreamsThatCannotBeRecordedAllAtOnce) {
+TEST(Runner, RejectsAllInvalidStreamsTogether) {
   TempDir folder;
   RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
   run.output = folder.path().string();

@@ -17,7 +17,7 @@ using Clock = BasicStageClock<HandClock>;
 
 void Pass(double seconds) { HandClock::seconds += seconds; }
 
-TEST(StageClock, AnOuterStageStandsStillWhileAnInnerOneRuns) {
+TEST(StageClock, AnOuterStagePausesDuringAnInnerOne) {
   Clock clock;
   double outer = 0, inner = 0;
   {
@@ -32,7 +32,7 @@ TEST(StageClock, AnOuterStageStandsStillWhileAnInnerOneRuns) {
   EXPECT_DOUBLE_EQ(outer, 5);
 }
 
-TEST(StageClock, WhatPassesBetweenStagesBelongsToNone) {
+TEST(StageClock, TimeBetweenStagesIsNotCounted) {
   Clock clock;
   double total = 0;
   Pass(3);

@@ -5,6 +5,7 @@
 
 #include "robocell/base/files.h"
 #include "robocell/base/hash.h"
+#include "robocell/task/pick_task_config.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell::internal {
@@ -20,7 +21,7 @@ TEST(UserCode, ListsEachFileOnceInItsOrder) {
   EXPECT_THAT(code.files(), ElementsAre("/b.py", "/a.py", "/c.py"));
 }
 
-TEST(UserCode, IsKnownByItsContentWhereverItLies) {
+TEST(UserCode, IsIdentifiedByItsContent) {
   TempDir folder;
   AtomicWrite(folder / "task.py", "a = 1\n");
   AtomicWrite(folder / "moved.py", "a = 1\n");
@@ -31,7 +32,7 @@ TEST(UserCode, IsKnownByItsContentWhereverItLies) {
   EXPECT_THAT(code.Unknown({Sha256("a = 1\n"), Sha256("a = 2\n")}), IsEmpty());
 }
 
-TEST(UserCode, OfBuiltInTasksIsNone) {
+TEST(UserCode, IsEmptyForBuiltInTasks) {
   EnvConfig config;
   EXPECT_THAT(CodeOf(config).files(), IsEmpty());
   config.task = PickTaskConfig{};

@@ -107,7 +107,7 @@ void ValidateStreams(const RunConfig& run, Problems& problems) {
 // and Error without OpenGL, each naming what needs it; a stream that cannot be drawn becomes a
 // problem. Does nothing without streams. `scene` must have the streams' cameras.
 void ValidateStreamsHere(const RunConfig& run, const Scene& scene, Problems& problems) {
-  if (run.cameras.streams.empty()) return;
+  if (run.cameras.drawn().empty()) return;
   const std::unique_ptr<Renderer> renderer = RendererFor(run);
   {
     Problems::Scope quality(problems, "cameras.renderer.quality");
@@ -151,14 +151,14 @@ void ValidateSampler(const RunConfig& run, Problems& problems) {
 }
 
 // Returns the problems of the fields alone.
-Problems FieldProblems(const RunConfig& run) {
+Problems FieldProblems(RunConfig run, const RunDemands& demands) {
+  if (!demands.output && run.output.empty()) run.output = ".";  // where nothing goes
   Problems problems(run.locations);
   ValidateFields(run, problems);
   ValidateStreams(run, problems);
-  FindTaskKind(run.task.kind())->ValidateRun(run, problems);
   try {
     ValidateHouses(run, problems);
-  } catch (const Error& error) {  // of a source that cannot be made
+  } catch (const Error& error) {  // the source cannot be made
     problems.AddAt("scenes", error.what());
   }
   ValidateOwnFeatures(run, problems);
@@ -231,9 +231,15 @@ class SceneValidator {
   }
 
   SceneSpec WithContents(SceneSpec spec, bool with_robot = true) const {
+    std::set<std::string> names;
+    for (const SceneObject& object : spec.objects) names.insert(object.name);
     double x = 10;
     for (SceneObject object : task_->Contents(run_)) {
       object.pos = Vec3{x++, 0, 1};
+      // A kind may be called like an object of the scene.
+      const std::string name = object.name;
+      for (int i = 2; !names.insert(object.name).second; ++i)
+        object.name = fmt::format("{}_{}", name, i);
       spec.objects.push_back(object);
     }
     if (!with_robot) return spec;
@@ -263,10 +269,10 @@ class SceneValidator {
     task_->ValidateScene(run_, scene, robot, problems_, warnings_);
     if (!demands_.scripted_expert) return;
     Try(run_.expert.empty() ? "task" : "expert",
-        [&] { ExpertKindOf(run_)->Validate(run_, scene, robot, problems_, warnings_); });
+        [&] { ExpertKindFor(run_)->Validate(run_, scene, robot, problems_, warnings_); });
   }
 
-  // In each of the scenes that differ.
+  // Validates the starts in each distinct scene.
   void ValidateStarts(const std::vector<SceneSpec>& bases) {
     std::vector<int> scenes;
     std::set<std::string> seen;
@@ -312,10 +318,12 @@ void RequireRecordable(const Robot& robot) {
 
 }  // namespace
 
-void ValidateRunFields(const RunConfig& run) { FieldProblems(run).Throw(Title(run)); }
+void ValidateRunFields(const RunConfig& run, const RunDemands& demands) {
+  FieldProblems(run, demands).Throw(Title(run));
+}
 
 std::vector<std::string> ValidateRun(const RunConfig& run, const RunDemands& demands) {
-  Problems problems = FieldProblems(run);
+  Problems problems = FieldProblems(run, demands);
   problems.Throw(Title(run));
   SceneValidator scene(run, demands, problems);
   scene.Run();

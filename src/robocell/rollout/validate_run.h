@@ -18,6 +18,7 @@ namespace robocell {
 struct RunDemands {
   bool scripted_expert = true;  // false: the caller brings an expert, which checks its own needs
   bool on_this_machine = true;  // false: the episodes are made elsewhere
+  bool output = true;           // false: nothing is recorded, so that `output` may be empty
 };
 
 // Throws SpecError with all problems, and IoError or Error if streams are recorded and this machine
@@ -26,7 +27,7 @@ struct RunDemands {
 std::vector<std::string> ValidateRun(const RunConfig& run, const RunDemands& demands = {});
 
 // Checks the part that needs no model.
-void ValidateRunFields(const RunConfig& run);
+void ValidateRunFields(const RunConfig& run, const RunDemands& demands = {});
 
 // The requirements on a robot and its file that everything shares: `robocell check`,
 // `validate_robot` in Python, and every run. A robot that one of them rejects is rejected by all.

@@ -11,6 +11,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/rollout/testing/demo.h"
+#include "robocell/task/pick_task_config.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/source_dir.h"
@@ -32,7 +33,7 @@ TEST(ValidateRun, TheExamplesPass) {
   EXPECT_NO_THROW(ValidateRun(RunConfig::Load(SourceDir() + "/examples/xarm7_pick.yaml")));
 }
 
-TEST(ValidateRun, StreamsThatCannotBeRecordedAreToldAllAtOnce) {
+TEST(ValidateRun, ReportsAllStreamsThatCannotBeRecorded) {
   RunConfig run = Demo();
   run.cameras.streams[0].rgb = false;
   run.cameras.streams[0].depth = true;
@@ -43,7 +44,7 @@ TEST(ValidateRun, StreamsThatCannotBeRecordedAreToldAllAtOnce) {
   EXPECT_THAT(text, HasSubstr("(cameras.streams[1]).rate"));
 }
 
-TEST(ValidateRun, AnUnknownKindIsToldWithTheNearest) {
+TEST(ValidateRun, SuggestsTheNearestKind) {
   RunConfig run = Demo();
   run.task.As<PickTaskConfig>().objects.names = {"box", "mgu"};
   const std::string text =
@@ -51,7 +52,7 @@ TEST(ValidateRun, AnUnknownKindIsToldWithTheNearest) {
   EXPECT_THAT(text, HasSubstr("Did you mean 'mug'?"));
 }
 
-// What is wrong with `places` in the demo's run.
+// Returns the problems of `places` in the demo's run.
 std::string PlacesError(const Map<ObjectPlace>& places) {
   RunConfig run = Demo();
   run.start.places = places;
@@ -59,7 +60,7 @@ std::string PlacesError(const Map<ObjectPlace>& places) {
                                 "run 'demo'");
 }
 
-TEST(ValidateRun, PlacesThatNoStartCanHaveAreFoundBeforeTheFirst) {
+TEST(ValidateRun, ReportsImpossiblePlacesBeforeTheFirstStart) {
   EXPECT_THAT(PlacesError({{"targt", {.next_to = "mug"}}}),
               AllOf(HasSubstr("start.places.targt: no object 'targt'"),
                     HasSubstr("Did you mean 'target'?")));
@@ -67,7 +68,7 @@ TEST(ValidateRun, PlacesThatNoStartCanHaveAreFoundBeforeTheFirst) {
               AllOf(HasSubstr("start.places.target: no object or body 'tabel'"),
                     HasSubstr("Did you mean 'table'?")));
   EXPECT_THAT(PlacesError({{"target", {.on_top_of = "target"}}}),
-              HasSubstr("start.places.target: it cannot have its place by itself"));
+              HasSubstr("start.places.target: it refers to itself"));
   EXPECT_THAT(PlacesError({{"sphere", {.inside = "box"}}}),
               HasSubstr("start.places.sphere: 'box' has no hollow with a level floor"));
   EXPECT_THAT(PlacesError({{"mug", {.next_to = "box"}}, {"box", {.next_to = "mug"}}}),
@@ -77,7 +78,7 @@ TEST(ValidateRun, PlacesThatNoStartCanHaveAreFoundBeforeTheFirst) {
   EXPECT_NO_THROW(ValidateRun(run, {.on_this_machine = false}));
 }
 
-TEST(ValidateRun, MistakesInPlacesAreNamedWithTheirLine) {
+TEST(ValidateRun, ReportsTheLineOfErrorsInPlaces) {
   TempDir folder;
   AtomicWrite(folder / "run.yaml", "run: mine\nrobot: " + assets::BuiltinRobotFile("rc7") +
                                        "\ntask: {kind: pick}\nstart:\n  places:\n"
@@ -89,7 +90,7 @@ TEST(ValidateRun, MistakesInPlacesAreNamedWithTheirLine) {
   EXPECT_THAT(text, HasSubstr("Did you mean 'object_1'"));
 }
 
-TEST(ValidateRun, AnUnknownCameraIsToldWithNamesAsTheyAreWritten) {
+TEST(ValidateRun, SuggestsCamerasByTheirNamesInTheFile) {
   RunConfig run = Demo();
   run.cameras.streams[0].camera = "wirst_camera";
   const std::string text =
@@ -99,13 +100,13 @@ TEST(ValidateRun, AnUnknownCameraIsToldWithNamesAsTheyAreWritten) {
   EXPECT_THAT(text, Not(HasSubstr("robot_0/")));
 }
 
-TEST(ValidateRun, NamesAnUnknownExpertAtItsOwnField) {
+TEST(ValidateRun, ReportsAnUnknownExpertAtItsField) {
   RunConfig run = Demo();
   run.expert = "pikc";
   ExpectThrow<SpecError>([&] { ValidateRun(run); }, "expert: no expert 'pikc'");
 }
 
-TEST(ValidateRun, TheFilesLinesAreNamed) {
+TEST(ValidateRun, ReportsTheLinesOfTheFile) {
   TempDir folder;
   AtomicWrite(folder / "run.yaml",
               "run: lines\n"
@@ -127,18 +128,18 @@ TEST(ValidateRun, TheFilesLinesAreNamed) {
   ExpectThrow<SpecError>([&] { ValidateRun(wrong); }, file + ":5:");
 }
 
-TEST(ValidateRun, ARobotThatDoesNotCompileIsTold) {
+TEST(ValidateRun, ReportsARobotThatDoesNotCompile) {
   RunConfig run = Demo();
   run.robot.config.model = "rc8.xml";
   ExpectThrow<SpecError>([&] { ValidateRun(run); }, "rc8.xml");
 }
 
-TEST(ValidateRun, ASceneWithoutATableIsTold) {
+TEST(ValidateRun, ReportsASceneWithoutATable) {
   RunConfig run = Demo();
   TempDir folder;
   AtomicWrite(folder / "bare.xml", "<mujoco><worldbody><site name='floor'/></worldbody></mujoco>");
   run.scenes = FilesScenes{.files = {(folder / "bare.xml").string()}};
-  ExpectThrow<SpecError>([&] { ValidateRun(run); }, "nowhere to put objects");
+  ExpectThrow<SpecError>([&] { ValidateRun(run); }, "no support for objects");
 }
 
 TEST(ValidateRun, EverySceneNeedsATable) {
@@ -159,7 +160,7 @@ TEST(ValidateRun, EverySceneNeedsATable) {
   ExpectThrow<SpecError>([&] { ValidateRun(run); }, "bare.xml': site 'table_top' needs a box geom");
 }
 
-TEST(ValidateRun, ATableThatFallsIsTold) {
+TEST(ValidateRun, ReportsATableThatFalls) {
   RunConfig run = Demo();
   TempDir folder;
   const auto table = [&](const std::string& name, double height) {
@@ -180,7 +181,7 @@ TEST(ValidateRun, ATableThatFallsIsTold) {
   EXPECT_THAT(text, HasSubstr("Take the joint out, or have the body stand on something"));
 }
 
-TEST(ValidateRun, StreamsThatNoFileCanHoldAreToldWithoutAModel) {
+TEST(ValidateRun, RejectsInvalidStreamsWithoutAModel) {
   RunConfig run = Demo();
   run.cameras.streams[0].name = "left/wrist";
   run.cameras.streams[1].width = 20000;
@@ -196,7 +197,7 @@ TEST(ValidateRun, StreamsThatNoFileCanHoldAreToldWithoutAModel) {
               Not(HasSubstr("16384")));
 }
 
-TEST(ValidateRun, ADistanceThatTheGripperDoesNotHaveIsRefused) {
+TEST(ValidateRun, RejectsAWrongFingerDistance) {
   RunConfig run = Demo();
   run.robot.config.move_groups.find("gripper")->distance->open = 0.9;
   ExpectThrow<SpecError>([&] { ValidateRun(run, {.scripted_expert = false}); },
@@ -204,7 +205,7 @@ TEST(ValidateRun, ADistanceThatTheGripperDoesNotHaveIsRefused) {
                          "closed and 0.090 m when open, not 0.002 and 0.900");
 }
 
-TEST(ValidateRun, DistancesOutOfReachAreToldWithTheReach) {
+TEST(ValidateRun, ReportsDistancesBeyondTheReach) {
   RunConfig run = Demo();
   run.start.base_distance = {0.3, 60};
   const std::string text = ExpectThrow<SpecError>([&] { ValidateRun(run); },
@@ -224,14 +225,13 @@ TEST(ValidateRun, DistancesOutOfReachAreToldWithTheReach) {
                          "start.base_height_offset: -25 m puts the base");
 }
 
-TEST(ValidateRun, ALiftThatNoArmHasIsRefused) {
+TEST(ValidateRun, RejectsAnImpossibleLift) {
   RunConfig run = Demo();
   run.task.As<PickTaskConfig>().lift_height = 10;
   const std::string text =
       ExpectThrow<SpecError>([&] { ValidateRun(run); },
                              "task.lift_height: 10 m is more than the arm can lift: it reaches ");
-  EXPECT_THAT(text,
-              HasSubstr(" m above the object, and lifts 0.05 m more than is asked for; give"));
+  EXPECT_THAT(text, HasSubstr(" m above the object, and lifts 0.05 m more than required; give"));
   run.task.As<PickTaskConfig>().lift_height = 0.1;
   EXPECT_THAT(ValidateRun(run), IsEmpty());
 }
@@ -262,18 +262,19 @@ class ValidateRobotFile : public ::testing::Test {
   TempDir folder_;
 };
 
-TEST_F(ValidateRobotFile, BasesThatCannotBePlacedAreToldWithTheirLine) {
+TEST_F(ValidateRobotFile, ReportsTheLineOfABaseThatCannotBePlaced) {
   for (const auto& [kind, why] : {std::pair{"fixed", "a fixed base cannot be moved"},
                                   {"planar", "a planar base moves in its plane only"},
                                   {"free", "a free base falls from there"}}) {
     const RunConfig run = WithRobot("kind: mocap", fmt::format("kind: {}", kind));
     const std::string text = ExpectThrow<SpecError>([&] { ValidateRun(run); }, why);
-    EXPECT_THAT(text, AllOf(HasSubstr(PlaceOf(kind) + "robot.base.kind: pick tasks put the robot"),
-                            HasSubstr("give it `base: {kind: mocap}`")));
+    EXPECT_THAT(text,
+                AllOf(HasSubstr(PlaceOf(kind) + "robot.base.kind: pick tasks must move the base"),
+                      HasSubstr("Set `base: {kind: mocap}`")));
   }
 }
 
-TEST_F(ValidateRobotFile, ControllersThatTakeNoJointPositionsAreToldWithThoseThatDo) {
+TEST_F(ValidateRobotFile, RejectsControllersThatTakeNoJointPositions) {
   for (const auto& [control, takes] : {std::pair{"joint_torque", "joint torques"},
                                        {"joint_velocity", "joint velocities"},
                                        {"cartesian_pose", "a pose"},
@@ -291,7 +292,7 @@ TEST_F(ValidateRobotFile, ControllersThatTakeNoJointPositionsAreToldWithThoseTha
     EXPECT_NO_THROW(ValidateRun(WithRobot("arm: joint_position", fmt::format("arm: {}", control))));
 }
 
-TEST(ValidateRun, AKindThatTheGripperCannotHoldIsTold) {
+TEST(ValidateRun, WarnsAboutAKindThatTheGripperCannotHold) {
   RunConfig run = Demo();
   run.robot.config.move_groups.find("gripper")->ctrl = GripperCtrl{.open = 10, .closed = 0};
   run.robot.config.move_groups.find("gripper")->distance.reset();
@@ -302,7 +303,7 @@ TEST(ValidateRun, AKindThatTheGripperCannotHoldIsTold) {
                              HasSubstr("Leave the kind out of task.objects"))));
 }
 
-TEST(ValidateRun, WhyAGripperThatIsWideEnoughCannotHoldAKindIsTold) {
+TEST(ValidateRun, ExplainsWhyAWideGripperCannotHoldAKind) {
   RunConfig run = Demo();
   run.task.As<PickTaskConfig>().objects.names = {"box"};
   // A spike between the fingers, long past the pads.
@@ -315,7 +316,7 @@ TEST(ValidateRun, WhyAGripperThatIsWideEnoughCannotHoldAKindIsTold) {
                                        "it stands on before the pads have 0.012 m of it)"))));
 }
 
-TEST(ValidateRun, AGripperThatCannotBeMeasuredIsToldOnce) {
+TEST(ValidateRun, ReportsAGripperThatCannotBeMeasuredOnce) {
   RunConfig run = Demo();
   MoveGroupConfig& gripper = *run.robot.config.move_groups.find("gripper");
   gripper.distance.reset();
@@ -345,7 +346,7 @@ TEST(ValidateRun, ARunWithStreamsNeedsAnEncoder) {
   unsetenv("ROBOCELL_FFMPEG");
 }
 
-TEST(ValidateRun, WhatTheScriptedExpertNeedsIsAskedOfItsRunsOnly) {
+TEST(ValidateRun, AppliesScriptedExpertRequirementsToItsRunsOnly) {
   RunConfig run = Demo();
   run.robot.config.base.kind = BaseKind::kFixed;
   ExpectThrow<SpecError>([&] { ValidateRun(run); }, "a fixed base cannot be moved");

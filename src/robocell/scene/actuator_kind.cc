@@ -40,6 +40,7 @@ bool HasGear(const mjsActuator* a) {
 }
 
 bool HasGear(const mjModel* m, int a) {
+  if (*Gears(m, a) != 0) return true;  // about the first axis, which all have
   const int target = m->actuator_trnid[2 * a];
   const int type = ActsOnJoint(m, a) ? m->jnt_type[target] : mjJNT_HINGE;
   return HasGear(Gears(m, a),

@@ -25,7 +25,7 @@ namespace robocell::internal {
 std::optional<CtrlMode> ActuatorKind(const mjModel* model, int actuator);
 std::optional<CtrlMode> ActuatorKind(const mjsActuator* actuator);
 
-// Returns the kind of an actuator whose activation is its control, whatever filter or integrator
+// Returns the kind of an actuator whose activation is its control, for any filter or integrator
 // precedes it.
 std::optional<CtrlMode> ActuatorForceKind(const mjModel* model, int actuator);
 

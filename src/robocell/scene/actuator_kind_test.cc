@@ -75,7 +75,7 @@ TEST_F(Kinds, AreTheSameInASpecAndInItsModel) {
   EXPECT_FALSE(ActsOnJoint(model.get(), Id("at_a_site")));
 }
 
-TEST_F(Kinds, AreWhatTheEnginePushesWith) {
+TEST_F(Kinds, MatchTheForcesOfTheEngine) {
   for (int a = 0; a < model->nactuator; ++a) {
     const auto kind = ActuatorKind(model.get(), a);
     if (!kind || model->actuator_dyntype[a] != mjDYN_NONE || !ActsOnJoint(model.get(), a)) continue;
@@ -92,7 +92,7 @@ TEST_F(Kinds, AreWhatTheEnginePushesWith) {
   }
 }
 
-TEST_F(Kinds, AreNoneForWhatHasNoGearAndPushesNothing) {
+TEST_F(Kinds, AreEmptyWithoutGear) {
   for (const char* name : {"without_gear", "beside_the_axis", "site_without_gear"}) {
     const int id = Id(name);
     EXPECT_EQ(ActuatorKind(model.get(), id), std::nullopt) << name;
@@ -106,7 +106,7 @@ TEST_F(Kinds, AreNoneForWhatHasNoGearAndPushesNothing) {
   EXPECT_EQ(data->qfrc_actuator[3], 1);
 }
 
-TEST_F(Kinds, AreNoneForWhatIsNoServoAndNoMotor) {
+TEST_F(Kinds, AreEmptyForOtherActuators) {
   for (const char* name : {"position", "filtered", "scaled", "reversed"})
     EXPECT_TRUE(IsPositionServo(model.get(), Id(name))) << name;
   EXPECT_EQ(ActuatorKind(model.get(), Id("velocity")), CtrlMode::kVelocity);
@@ -121,7 +121,7 @@ TEST_F(Kinds, AreNoneForWhatIsNoServoAndNoMotor) {
             "no position servo, velocity servo or motor");
 }
 
-TEST_F(Kinds, AreNoneForServosWhoseGainIsNotAboveZero) {
+TEST_F(Kinds, AreEmptyForServosWithoutAPositiveGain) {
   spec = ParseXmlFile(folder.Write("gains", R"(
     <worldbody><body><joint name="j"/><geom size="0.1"/></body></worldbody>
     <actuator>
@@ -161,7 +161,7 @@ TEST(ArmDrives, AreOfOneKindOnAllJoints) {
   EXPECT_FALSE(FindArmDrive({}, {servo_a}).complete());
 }
 
-TEST(ArmDrives, AreNotWhatWasAddedForOtherModes) {
+TEST(ArmDrives, ExcludeActuatorsAddedForOtherModes) {
   const JointActuator added{"a", "a_position", CtrlMode::kPosition},
       own{"a", "m", CtrlMode::kTorque};
   EXPECT_THAT(FindArmDrive({"a"}, {own, added}).names, ElementsAre("m"));

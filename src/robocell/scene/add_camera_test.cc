@@ -34,7 +34,7 @@ TEST_F(Cameras, LookAtAPointWithZUp) {
   EXPECT_EQ(scene.model()->cam_fovy[0], 45);
 }
 
-TEST_F(Cameras, WhoseAngleIsInRadiansAreToldByAWarning) {
+TEST_F(Cameras, WarnAboutAFieldOfViewInRadians) {
   spec.cameras.push_back({.name = "eye", .pos = Vec3{1, 0, 1}, .fovy = 1.05});
   config.cameras.push_back(
       {.name = "wrist", .pos = Vec3{}, .fovy = 1.1, .attach_to = Body("base")});
@@ -76,7 +76,7 @@ TEST_F(Cameras, OfTheSceneCanRideOnARobot) {
       scene.site_pose("r_flange") * Pose(Eigen::Vector3d(0, 0, 0.1)), 1e-9, 1e-9));
 }
 
-TEST_F(Cameras, SayWhereTheyCannotGo) {
+TEST_F(Cameras, RejectInvalidAttachments) {
   config.cameras.push_back({.name = "eye", .pos = Vec3{}, .fovy = 60});
   spec.robots.push_back({.config = config, .prefix = "r_"});
   ExpectThrow<SpecError>(
@@ -89,7 +89,7 @@ TEST_F(Cameras, SayWhereTheyCannotGo) {
                              "Known bodies: world, base, upper, fore. Did you mean 'fore'?");
 }
 
-TEST_F(Cameras, OfOneNameAreRefused) {
+TEST_F(Cameras, RejectDuplicateNames) {
   config.cameras.push_back({.name = "eye", .pos = Vec3{}, .fovy = 60, .attach_to = Body("fore")});
   spec.robots.push_back({.config = config, .prefix = ""});
   spec.cameras.push_back({.name = "eye", .pos = Vec3{}, .fovy = 60});
@@ -101,7 +101,7 @@ TEST_F(Cameras, OfOneNameAreRefused) {
 double Near(const mjModel* m) { return m->vis.map.znear * m->stat.extent; }
 double Far(const mjModel* m) { return m->vis.map.zfar * m->stat.extent; }
 
-TEST_F(Cameras, SeeFromOneCentimetreToAHundredMetresWhateverTheScene) {
+TEST_F(Cameras, SeeFromOneCentimetreToAHundredMetresInAnyScene) {
   for (const double distance : {0.1, 3.0, 40.0}) {
     spec.objects = {BoxObject("a", {0, 0, 1}), BoxObject("b", {distance, 0, 1})};
     const Scene scene = Scene::Build(spec);
@@ -116,7 +116,7 @@ TEST_F(Cameras, SeeFromOneCentimetreToAHundredMetresWhateverTheScene) {
   }
 }
 
-TEST_F(Cameras, HaveAFloorAndASkyOnRequestOnly) {
+TEST_F(Cameras, HaveAFloorAndASkyOnRequest) {
   const Scene full = Scene::Build(spec);
   EXPECT_EQ(full.model()->ngeom, 1);
   EXPECT_EQ(full.model()->nlight, 2);
@@ -138,7 +138,7 @@ TEST_F(Cameras, KeepTheLightsOfTheBase) {
       "scene 'test': add_floor: the base has a geom 'floor' already; set add_floor to false");
 }
 
-TEST_F(Cameras, ComeWithTheirHousing) {
+TEST_F(Cameras, IncludeTheirHousing) {
   const std::string housing = folder.Write("housing", R"(<worldbody><body name="shell">
       <geom name="case" size="0.02"/><camera pos="0 0 0.1" fovy="70"/></body></worldbody>)");
   spec.cameras.push_back({.name = "eye", .mjcf_path = housing, .pos = Vec3{1, 0, 0}});

@@ -56,7 +56,7 @@ mjsElement* OtherJointOf(mjsBody* root) {
   return nullptr;
 }
 
-// Why the root can be made neither free nor fixed.
+// Returns why the root can be made neither free nor fixed.
 std::string OwnJointText(mjsElement* joint) {
   const std::string name = SpecName(joint);
   return fmt::format(
@@ -65,7 +65,7 @@ std::string OwnJointText(mjsElement* joint) {
       name.empty() ? "a joint" : "the joint '" + name + "'");
 }
 
-// What is mounted on something else moves on its own joints, too: only a free joint has to go.
+// Returns true for a mounted object, which keeps its own joints; only a free joint is removed.
 bool MayKeepJoints(const SceneObject& object) {
   const AttachKind target = object.attach_to.kind;
   return object.fixed == true && target != AttachKind::kWorld && target != AttachKind::kRoot &&
@@ -110,7 +110,7 @@ std::optional<ObjectPart> LoadObject(const SceneObject& object, const SceneSpec&
   return out;
 }
 
-void AttachObject(const SceneObject& object, const ObjectPart& loaded, const Placement& placement,
+void AttachObject(const SceneObject& object, ObjectPart& loaded, const Placement& placement,
                   CompileLog& log) {
   Placement at = placement;
   if (object.parked && !loaded.record.free_joint) {
@@ -136,6 +136,7 @@ void AttachObject(const SceneObject& object, const ObjectPart& loaded, const Pla
   }
   const Pose authored = object.reset_root_pose ? Pose() : PoseInParent(loaded.root->element);
   AttachPart(at.parent, loaded.part, loaded.root, at.pose * authored, loaded.prefix, log);
+  loaded.part.keys.PlaceFree(at.pose, FreeKeys::kNone);
 }
 
 }  // namespace robocell::internal

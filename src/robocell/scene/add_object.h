@@ -1,4 +1,4 @@
-// Private to scene: objects, as primitives or models of their own.
+// Private to scene: objects, as primitives or separate models.
 #pragma once
 
 #include <optional>
@@ -15,13 +15,13 @@ namespace robocell::internal {
 struct ObjectPart {
   Part part;
   mjsBody* root = nullptr;
-  std::string prefix;  // of the model's names in the scene
+  std::string prefix;  // prefix of the model's names in the scene
   ObjectRecord record;
 };
 std::optional<ObjectPart> LoadObject(const SceneObject& object, const SceneSpec& scene,
                                      CompileLog& log);
 
-void AttachObject(const SceneObject& object, const ObjectPart& loaded, const Placement& placement,
+void AttachObject(const SceneObject& object, ObjectPart& loaded, const Placement& placement,
                   CompileLog& log);
 
 }  // namespace robocell::internal

@@ -47,7 +47,7 @@ TEST_F(Objects, APrimitiveFallsAndRests) {
   for (int i = 0; i < 6; ++i) EXPECT_NEAR(scene.data()->qvel[i], 0, 1e-3) << "it rests";
 }
 
-TEST_F(Objects, PrimitivesHaveTheShapeMassAndNamesTheyAreGiven) {
+TEST_F(Objects, PrimitivesHaveTheirShapeMassAndNames) {
   SceneObject can{.name = "can",
                   .shape = Shape::kCylinder,
                   .size = Vec3{0.03, 0.06, 0},
@@ -69,14 +69,14 @@ TEST_F(Objects, PrimitivesHaveTheShapeMassAndNamesTheyAreGiven) {
   EXPECT_FLOAT_EQ(m->geom_rgba[4 * geom + 2], 0.3f);
 }
 
-TEST_F(Objects, ModelsGetTheirNameInFrontOfEveryElement) {
+TEST_F(Objects, ModelsArePrefixedWithTheirName) {
   const Scene scene = BuildWith({.name = "red", .mjcf_path = cup, .pos = Vec3{1, 0, 0}});
   EXPECT_TRUE(scene.site_pose(SceneObjectElementName("red", "rim"))
                   .is_close(Pose(Eigen::Vector3d(1, 0, 0.1)), 1e-9, 1e-9));
   EXPECT_EQ(scene.compiled()->object("red").root_body, "red_cup");
 }
 
-TEST_F(Objects, AreFixedOrFreeAsAuthoredOrAsAsked) {
+TEST_F(Objects, AreFixedOrFreeAsAuthoredOrConfigured) {
   const auto free_joint = [&](const std::string& model, std::optional<bool> fixed) {
     return BuildWith({.name = "x", .mjcf_path = model, .fixed = fixed})
         .compiled()
@@ -95,7 +95,7 @@ TEST_F(Objects, AreFixedOrFreeAsAuthoredOrAsAsked) {
   EXPECT_EQ(BuildWith(cube).compiled()->object("cube").free_joint, std::nullopt);
 }
 
-TEST_F(Objects, WithAJointOfTheirOwnAtTheirRootAreNeitherFreeNorFixed) {
+TEST_F(Objects, WithARootJointAreNeitherFreeNorFixed) {
   for (const char* type : {"slide", "hinge", "ball"}) {
     const std::string model =
         folder.Write(type, fmt::format(R"(<worldbody><body name="lid"><joint name="turn" type="{}"/>
@@ -124,7 +124,7 @@ TEST_F(Objects, OfUnnamedPartsCanStillBeFound) {
   EXPECT_TRUE(scene.body_pose("ball_body").is_close(Pose(Eigen::Vector3d(1, 2, 3)), 1e-12, 1e-12));
 }
 
-TEST_F(Objects, StartWhereTheirOwnHomeKeySays) {
+TEST_F(Objects, StartAtTheirHomeKey) {
   const Scene scene = BuildWith({.name = "d", .mjcf_path = drawer});
   EXPECT_EQ(
       scene.data()
@@ -132,7 +132,7 @@ TEST_F(Objects, StartWhereTheirOwnHomeKeySays) {
       0.25);
 }
 
-TEST_F(Objects, ThatCanMoveFreelyHangOnTheWorldOnly) {
+TEST_F(Objects, FreeOnesAttachOnlyToTheWorld) {
   SceneSpec spec = EmptyScene();
   spec.objects.push_back({.name = "table", .mjcf_path = cup});
   SceneObject cube = BoxObject("cube", {});
@@ -143,7 +143,7 @@ TEST_F(Objects, ThatCanMoveFreelyHangOnTheWorldOnly) {
                          "to site 'table_rim'; attach it to the world, or set fixed: true");
 }
 
-TEST_F(Objects, NamedLikeAnElementOfARobotAreToldSo) {
+TEST_F(Objects, RejectANameOfARobotElement) {
   SceneSpec spec = EmptyScene();
   spec.robots.push_back({.name = "arm", .path = folder.Write("arm", kTwoJointArm)});
   spec.objects.push_back(BoxObject("upper", {0.5, 0, 0.02}));
@@ -152,7 +152,7 @@ TEST_F(Objects, NamedLikeAnElementOfARobotAreToldSo) {
                          "would bring another one; give the object another name");
 }
 
-TEST_F(Objects, SayWhatIsWrongWithTheirModels) {
+TEST_F(Objects, ReportErrorsOfTheirModels) {
   const std::string two = folder.Write(
       "two",
       R"(<worldbody><body name="a"><geom size="1"/></body><body name="b"><geom size="1"/></body></worldbody>)");
@@ -172,7 +172,7 @@ TEST_F(Objects, SayWhatIsWrongWithTheirModels) {
   EXPECT_THAT(message, ::testing::HasSubstr("Did you mean 'mug'?"));
 }
 
-TEST_F(Objects, OfASceneFileAreFoundBesideIt) {
+TEST_F(Objects, OfASceneFileAreFoundInItsFolder) {
   SceneSpec spec = EmptyScene();
   spec.objects = {{.name = "a", .mjcf_path = "cup.xml"}};
   spec.robots.push_back(
@@ -194,7 +194,7 @@ TEST_F(Objects, OfEveryBuiltInKindFallAndComeToRest) {
   }
 }
 
-TEST_F(Objects, TooLightForTheEngineAreToldByTheirField) {
+TEST_F(Objects, RejectAMassTooSmallForTheEngine) {
   SceneSpec spec = EmptyScene();
   spec.objects.push_back(BoxObject("c", {0, 0, 1}));
   spec.objects[0].mass = 1e-20;

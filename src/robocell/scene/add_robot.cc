@@ -97,9 +97,9 @@ std::optional<Part> LoadRobotModel(const std::string& name, const std::string& d
   const auto file = FindModel(name, directory, place, field, log);
   if (!file) return std::nullopt;
   const size_t before = log.problem_count();
-  ValidateIsMjcf(*file, place, field, log);
+  ValidateIsModel(*file, place, field, log);
   if (log.problem_count() > before) return std::nullopt;
-  return LoadPart(*file, directory, place, field, options, kRootLabel, log);
+  return LoadPart(*file, directory, place, field, options, kRootLabel, log, UrdfServos::kAll);
 }
 
 // Checks a model of several robots, where each robot's names have a prefix of their own.
@@ -176,11 +176,15 @@ void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSp
   if (!robot.model_prefix.empty()) record.top_body = record.base_body = record.root_body;
 }
 
+// Returns what the spec says of the root's pose in its file, or else the robot's own file.
+std::optional<bool> DropsRootPose(const RobotSpec& robot, const RobotRecord& record) {
+  return robot.reset_root_pose ? robot.reset_root_pose : record.config.reset_root_pose;
+}
+
 // Returns the pose of the root on its base: the one of the model's file, unless it is to be
 // dropped. A root off its own origin would stand beside its pedestal.
 Pose RootPose(const RobotSpec& robot, const RobotPart& loaded) {
-  const auto& reset =
-      robot.reset_root_pose ? robot.reset_root_pose : loaded.record.config.reset_root_pose;
+  const std::optional<bool> reset = DropsRootPose(robot, loaded.record);
   if (reset.value_or(false)) return {};
   const Pose authored = PoseInParent(loaded.top->element);
   if (reset || !loaded.record.base.size) return authored;
@@ -284,12 +288,14 @@ std::optional<RobotPart> LoadRobotIn(RobotPart& host, const RobotSpec& robot,
   return out;
 }
 
-void AttachRobot(const RobotSpec& robot, const RobotPart& loaded, const Placement& placement,
+void AttachRobot(const RobotSpec& robot, RobotPart& loaded, const Placement& placement,
                  CompileLog& log) {
   const auto mount = AddBase(robot, loaded, placement, log);
   if (!mount) return;
   AttachPart(mount->parent, loaded.part, loaded.top, mount->pose * RootPose(robot, loaded),
              robot.prefix, log);
+  const bool stands = DropsRootPose(robot, loaded.record).value_or(false);
+  loaded.part.keys.PlaceFree(mount->pose, stands ? FreeKeys::kHeightAndTilt : FreeKeys::kWhole);
 }
 
 }  // namespace robocell::internal

@@ -1,5 +1,5 @@
 // Private to scene: adds a robot with its edits, attachments, cameras and overrides. It is first
-// made as a model of its own (names without the robot's prefix), then put into the scene on its
+// made as a separate model (names without the robot's prefix), then put into the scene on its
 // base.
 #pragma once
 
@@ -16,7 +16,7 @@ struct RobotPart {
   Part part;
   mjsBody* top = nullptr;  // the body of the part's world that is attached
   RobotRecord record;
-  std::vector<Limb> limbs;  // with names of the part
+  std::vector<Limb> limbs;  // limbs, with names of the part
 };
 
 // Returns the heading of problems of the named robot.
@@ -36,7 +36,7 @@ std::optional<RobotPart> LoadRobotIn(RobotPart& host, const RobotSpec& robot,
                                      const std::string& name, const Locations& locations,
                                      const SceneSpec& scene, CompileLog& log);
 
-void AttachRobot(const RobotSpec& robot, const RobotPart& loaded, const Placement& placement,
+void AttachRobot(const RobotSpec& robot, RobotPart& loaded, const Placement& placement,
                  CompileLog& log);
 
 // Returns the robots' names: as given, else from the prefix, else robot, robot_1, ... Duplicates

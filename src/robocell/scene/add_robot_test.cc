@@ -40,7 +40,7 @@ TEST_F(Robots, GetTheirNamesFromThePrefix) {
                              "x, spare. Did you mean 'left'?");
 }
 
-TEST_F(Robots, OfTheSameNameAreRefused) {
+TEST_F(Robots, RejectDuplicateNames) {
   SceneSpec spec = EmptyScene();
   spec.robots.push_back({.config = config, .prefix = "a_"});
   spec.robots.push_back({.config = config, .prefix = "a/"});
@@ -63,7 +63,7 @@ TEST_F(Robots, TwoOfTheSameKindAreIndependent) {
               0.1);
 }
 
-TEST_F(Robots, TakeOnlyTheirRootAndSayWhatStaysBehind) {
+TEST_F(Robots, TakeOnlyTheirRootAndReportTheRest) {
   const std::string room = folder.Write(
       "room", R"(<worldbody><light name="lamp"/><geom name="ground" type="plane" size="1 1 1"/>
       <body name="base"><joint name="turn" axis="0 0 1"/><geom size="0.1"/></body><body name="chair"><joint name="roll"/><geom size="0.1"/></body></worldbody>
@@ -77,21 +77,21 @@ TEST_F(Robots, TakeOnlyTheirRootAndSayWhatStaysBehind) {
   const Scene scene = Scene::Build(spec);
   EXPECT_THAT(
       scene.compiled()->warnings(),
-      ElementsAre("robot 'robot': only body 'base' of " + room +
-                      " is attached; left out of its world: body 'chair'; what belongs to it goes "
-                      "into that body in the file",
-                  "robot 'robot': 1 actuator(s) of " + room +
-                      " refer to elements that are not attached and are left out: m2"));
+      ElementsAre(
+          "robot 'robot': only body 'base' of " + room +
+              " is attached; left out: body 'chair'; move the rest of the part into that body",
+          "robot 'robot': 1 actuator(s) of " + room +
+              " refer to elements that are not attached and are left out: m2"));
   EXPECT_THAT(scene.compiled()->notes(),
               ElementsAre(HasSubstr("light 'lamp'"),
-                          HasSubstr("left out of its world: geom 'ground'; floors are the scene's "
+                          HasSubstr("left out: geom 'ground'; floors are the scene's "
                                     "(add_floor), nothing meets this one")));
   spec.robots[0].config->root_body = "bse";
   ExpectThrow<SpecError>([&] { Scene::Build(spec); },
                          "root_body: no body 'bse'. Its bodies: base, chair. Did you mean 'base'?");
 }
 
-TEST_F(Robots, AConfigurationIsNoModel) {
+TEST_F(Robots, RejectAConfigurationAsAModel) {
   SceneSpec spec = EmptyScene();
   const std::string file = (folder.path() / "arm.yaml").string();
   std::ofstream(file) << "name: arm\nmodel: arm.xml\n";
@@ -99,12 +99,12 @@ TEST_F(Robots, AConfigurationIsNoModel) {
   ExpectThrow<SpecError>(
       [&] { Scene::Build(spec); },
       file +
-          " is YAML, and models are MJCF. If it is a robot's configuration, "
+          " is YAML, and models are MJCF or URDF. If it is a robot's configuration, "
           "it goes into the `config` of a RobotSpec, without a `path`: config: " +
           file + " in YAML, RobotConfig.load('" + file + "') in Python");
 }
 
-TEST_F(Robots, HaveTheirBaseFrameAtANestedRootBody) {
+TEST_F(Robots, CanHaveANestedRootBody) {
   config.root_body = "upper";
   config.move_groups["arm"].joints = {"elbow"};
   config.move_groups["arm"].actuators = {"servo2"};
@@ -113,7 +113,7 @@ TEST_F(Robots, HaveTheirBaseFrameAtANestedRootBody) {
   EXPECT_GE(FindId(scene.model(), mjOBJ_BODY, "l_base"), 0);
 }
 
-TEST_F(Robots, NameEverythingThatIsWrongAtOnce) {
+TEST_F(Robots, ReportAllProblemsTogether) {
   config.move_groups["arm"].joints = {"shoulder", "elbo"};
   config.move_groups["arm"].actuators = {"servo2", "servo3"};
   config.move_groups["arm"].leaf = ElementRef{.kind = ElementKind::kSite, .name = "flagne"};
@@ -130,7 +130,7 @@ TEST_F(Robots, NameEverythingThatIsWrongAtOnce) {
   EXPECT_THAT(message, HasSubstr("\n  robot 'left': move_groups.arm.leaf: no site 'flagne'. Its "
                                  "sites: flange. Did you mean 'flange'?"));
   EXPECT_THAT(message, HasSubstr("\n  robot 'left': move_groups.arm: actuator 'servo2' drives "
-                                 "joint 'elbow', but stands in the place of joint 'shoulder'"));
+                                 "joint 'elbow', but is listed for joint 'shoulder'"));
   EXPECT_THAT(message, HasSubstr("\n  robot 'left': collision_geoms: body 'fore' has 1 geom(s), so "
                                  "there is none with index 3 (they count from 0)"));
   EXPECT_THAT(
@@ -139,7 +139,7 @@ TEST_F(Robots, NameEverythingThatIsWrongAtOnce) {
           "\n  robot 'left': home.arm: 2.5 is outside the limits -2 to 2 of joint 'shoulder'"));
 }
 
-TEST_F(Robots, DegreesInHomeAreTold) {
+TEST_F(Robots, ReportDegreesInHome) {
   config.home["arm"] = {90, 0};
   ExpectThrow<SpecError>([&] { BuildArm(); },
                          "home.arm: 90 is outside the limits -2 to 2 of joint 'shoulder'; radians, "
@@ -168,13 +168,13 @@ TEST_F(Robots, CheckTheirGrippers) {
       HasSubstr("move_groups.gripper.ctrl: -1 is outside the range 0 to 255 of actuator 'g_grip'"));
 }
 
-TEST_F(Robots, SayWhichModelIsMissing) {
+TEST_F(Robots, NameAMissingModel) {
   config.model = "menagerie:unitree_z9/z9.xml";
   ExpectThrow<NotFoundError>(
       [&] { BuildArm(); }, "scene 'test' / robot 'left': menagerie robot 'unitree_z9' not found.");
 }
 
-TEST_F(Robots, SayWhatTheEngineDislikes) {
+TEST_F(Robots, ReportEngineErrors) {
   config.model = folder.Write(
       "broken", R"(<worldbody><body name="base"><geom type="ball"/></body></worldbody>)");
   ExpectThrow<SpecError>([&] { BuildArm(); },

@@ -18,9 +18,9 @@ namespace fs = std::filesystem;
 // A missing file.
 struct MissingPath {
   std::string element;  // "mesh 'link1'"
-  std::string written;  // as in the model
+  std::string written;  // text in the model
   std::string line;     // "line 12", may be empty
-  fs::path path;        // where it was searched
+  fs::path path;        // searched path
 };
 
 class AssetPaths {

@@ -90,8 +90,8 @@ void LeaveOutFreeJoint(const Part& tool, mjsBody* root, CompileLog& log) {
 void AddAttachment(const AttachmentSpec& attachment, const std::string& directory,
                    const std::string& place, Part& robot, const SceneSpec& scene, CompileLog& log) {
   const std::string root_label = std::filesystem::path(attachment.mjcf_path).stem().string();
-  const auto loaded =
-      LoadPart(attachment.mjcf_path, directory, place, "mjcf_path", scene.options, root_label, log);
+  const auto loaded = LoadPart(attachment.mjcf_path, directory, place, "mjcf_path", scene.options,
+                               root_label, log, UrdfServos::kAll);
   if (!loaded) return;
   const Part& tool = *loaded;
   mjsBody* root = ChooseRoot(tool, std::nullopt, log);

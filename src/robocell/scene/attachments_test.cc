@@ -20,7 +20,7 @@ using ::testing::IsEmpty;
 
 class Attachments : public ArmScenes {};
 
-TEST_F(Attachments, CarryToolsOnToolsWithAllTheirElements) {
+TEST_F(Attachments, MountToolsOnToolsWithAllElements) {
   config.attachments.push_back({.mjcf_path = gripper,
                                 .attach_to = Site("flange"),
                                 .prefix = "g_",
@@ -47,7 +47,7 @@ TEST_F(Attachments, CarryToolsOnToolsWithAllTheirElements) {
   EXPECT_THAT(scene.compiled()->warnings(), IsEmpty());
 }
 
-TEST_F(Attachments, SayWhatToDoAboutAToolWithNamesOfTheirs) {
+TEST_F(Attachments, SuggestAPrefixForNameCollisions) {
   const std::string twin = folder.Write(
       "twin", R"(<worldbody><body name="upper"><geom size="0.005"/></body></worldbody>)");
   SceneSpec spec = ArmScene();
@@ -69,7 +69,7 @@ constexpr const char* kRing = R"(
     <geom name="floor" size="0.1"/></worldbody>
   <actuator><motor name="{0}push" joint="turn"/></actuator>)";
 
-TEST_F(Attachments, TellAllNamesThatAToolHasInCommonWithThem) {
+TEST_F(Attachments, ReportAllNamesSharedWithATool) {
   config = {.name = "arm", .model = folder.Write("ringed", fmt::format(kRing, "a_"))};
   const std::string tool = folder.Write("tool", fmt::format(kRing, "t_"));
   config.attachments.push_back({.mjcf_path = tool, .attach_to = Body("a_tip")});
@@ -80,7 +80,7 @@ TEST_F(Attachments, TellAllNamesThatAToolHasInCommonWithThem) {
   EXPECT_EQ(BuildArm().model()->nmesh, 2);
 }
 
-TEST_F(Attachments, TellAPrefixThatMakesNamesOfTheirs) {
+TEST_F(Attachments, RejectAPrefixThatCausesNameCollisions) {
   const std::string tool = folder.Write(
       "tool", R"(<worldbody><body name="per"><geom size="0.005"/></body></worldbody>)");
   config.attachments.push_back({.mjcf_path = tool, .attach_to = Body("fore"), .prefix = "up"});
@@ -89,7 +89,7 @@ TEST_F(Attachments, TellAPrefixThatMakesNamesOfTheirs) {
                              " already; give the attachment another `prefix` than 'up'");
 }
 
-TEST_F(Attachments, CarryChainsOfTools) {
+TEST_F(Attachments, MountChainsOfTools) {
   const std::string link = folder.Write("link", R"(
   <worldbody><body name="bar" pos="0.01 0 0" euler="0 20 30">
     <geom type="capsule" fromto="0 0 0 0 0 0.03" size="0.005"/><site name="tip" pos="0 0 0.03"/>
@@ -113,7 +113,7 @@ TEST_F(Attachments, CarryChainsOfTools) {
   }
 }
 
-TEST_F(Attachments, SayWhereAToolCannotGo) {
+TEST_F(Attachments, RejectInvalidToolMounts) {
   config.attachments.push_back({.mjcf_path = gripper, .attach_to = Site("flang"), .prefix = "g_"});
   ExpectThrow<NotFoundError>(
       [&] { BuildArm(); },

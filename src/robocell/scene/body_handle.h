@@ -1,5 +1,5 @@
 // BodyHandle: a body of a scene whose name is looked up once, and again after the scene was
-// compiled anew; for code that needs poses at every step.
+// compiled again; for code that needs poses at every step.
 //
 //   BodyHandle cube(scene, "cube");
 //   Pose pose = cube.pose_in_world();
@@ -19,7 +19,7 @@ class BodyHandle {
   BodyHandle(const Scene& scene, std::string name);
 
   const std::string& name() const { return name_; }
-  int id() const;  // in the present model
+  int id() const;  // id in the present model
   Pose pose_in_world() const;
 
  private:

@@ -1,5 +1,5 @@
-// Private to scene: the state that a scene keeps when it is compiled anew after an object was added
-// or removed.
+// Private to scene: the state that a scene keeps when it is compiled again after an object was
+// added or removed.
 //
 // This includes all that mj_recompile would lose: applied forces, warm starts, switched equalities,
 // user data, buffers of delays, states of plugins, the engine's counts of warnings.
@@ -37,7 +37,7 @@ void CarryState(const ElementMatch& match, const mjData* from, mjData* to);
 // Copies the values that were written to the model while it was simulated: options, the actuators
 // that are switched off (control modes), and the real numbers and contact masks of everything that
 // is in both models: of bodies, joints, geoms, sites, cameras, lights, materials, contact pairs,
-// equalities, tendons, actuators and sensors. Masses of subtrees are summed anew. All other fields
+// equalities, tendons, actuators and sensors. Masses of subtrees are summed again. All other fields
 // are those of `to`: what the engine derives from the whole model, other integers and flags, user
 // numbers, numerics, keyframes, tendons' wraps, flexes, skins, meshes, height fields and textures.
 void CarryModel(const ElementMatch& match, mjModel* to);

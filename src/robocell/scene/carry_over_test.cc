@@ -96,7 +96,7 @@ TEST(CarryOver, InRandomScenesSurvivorsStayToTheBit) {
 
 // The reference is a scene without additions. Another body changes the rounding of the others'
 // motion.
-TEST(CarryOver, SurvivorsGoOnAsIfNothingHadHappened) {
+TEST(CarryOver, SurvivorsContinueUnchanged) {
   RandomScenes scenes;
   for (uint64_t seed = 0; seed < 10; ++seed) {
     Rng rng = Rng::Stream(seed, "go on");
@@ -118,7 +118,7 @@ TEST(CarryOver, SurvivorsGoOnAsIfNothingHadHappened) {
   }
 }
 
-TEST(CarryOver, WhatWasWrittenToTheModelStays) {
+TEST(CarryOver, KeepsEditsOfTheModel) {
   SceneSpec spec = EmptyScene();
   spec.robots.push_back(
       {.config = RobotConfig::Load(assets::BuiltinRobotFile("rc7")), .prefix = "r_"});
@@ -165,7 +165,7 @@ TEST(CarryOver, WhatWasWrittenToTheModelStays) {
   EXPECT_EQ(scene.model()->geom_contype[now], 2);
 }
 
-TEST(CarryOver, WhatWasWrittenToPairsAndSensorsStaysAndMassesAreSummedAnew) {
+TEST(CarryOver, KeepsEditsOfPairsAndSensorsAndSumsMassesAgain) {
   ModelFolder folder;
   const std::string rig = folder.Write("rig", R"(<worldbody><body name="rig">
       <geom name="plate" size="0.1"/><site name="here"/>

@@ -58,7 +58,7 @@ TEST_F(Located, AttachmentsAndRootAndCameras) {
 }
 
 // A robot's file does not contain the robot's pose in the scene.
-TEST_F(Located, WhereARobotStandsIsNotInItsFile) {
+TEST_F(Located, PlacementOfARobotIsNotInItsFile) {
   SceneSpec spec = EmptyScene();
   spec.robots.push_back({.name = "left", .config = RobotConfig::Load(RobotFile("home: {}\n"))});
   spec.robots[0].attach_to = {AttachKind::kSite, "table_top"};
@@ -67,7 +67,7 @@ TEST_F(Located, WhereARobotStandsIsNotInItsFile) {
       "scene 'test' / robot 'left': attach_to: the scene: no site 'table_top'");
 }
 
-TEST_F(Located, ACameraThatIsThereTwice) {
+TEST_F(Located, ADuplicateCamera) {
   const std::string eye = "  - {name: eye, pos: [0, 0, 0], fovy: 45, attach_to: {body: base}}\n";
   const std::string twice = RobotFile("cameras:\n" + eye + eye);
   ExpectThrow<SpecError>(
@@ -124,7 +124,7 @@ TEST_F(Located, InASceneFileEachPartAtItsEntry) {
                              HasSubstr(file + ":10:16: camera 'front': attach_to: the scene")));
 }
 
-TEST_F(Located, LightsThatStayBehindAreANoteAndNothingElseIs) {
+TEST_F(Located, OnlyOmittedLightsAreANote) {
   folder.Write("lit", R"(<worldbody><light name="lamp"/><geom name="plate" size="0.1"/>
       <body name="b"><geom size="0.1"/></body></worldbody>)");
   SceneSpec spec = EmptyScene();
@@ -133,7 +133,7 @@ TEST_F(Located, LightsThatStayBehindAreANoteAndNothingElseIs) {
   ASSERT_EQ(scene.compiled()->notes().size(), 1u);
   EXPECT_THAT(scene.compiled()->notes()[0],
               AllOf(StartsWith("object 'x': only body 'b' of "),
-                    HasSubstr("left out of its world: light 'lamp'; the scene has its own")));
+                    HasSubstr("left out: light 'lamp'; the scene has its own")));
   ASSERT_EQ(scene.compiled()->warnings().size(), 1u);
   EXPECT_THAT(scene.compiled()->warnings()[0],
               AllOf(HasSubstr("geom 'plate'"), Not(HasSubstr("lamp"))));

@@ -33,7 +33,7 @@ TEST_F(CompileProblems, ABodyWithoutMass) {
                   "edits: [{geom: {body: finger, index: 0}, mass: 0.05}]\n"));
 }
 
-TEST_F(CompileProblems, WhatTheEngineDislikesHasTheModelsLine) {
+TEST_F(CompileProblems, EngineErrorsHaveTheLineOfTheModel) {
   folder.Write("flat", R"(<worldbody><body name="base">
       <geom type="sphere" size="-1"/></body></worldbody>)");
   const std::string file = File("flat.yaml", "name: arm\nmodel: flat.xml\n");
@@ -51,7 +51,7 @@ TEST_F(CompileProblems, WhatTheEngineDislikesHasTheModelsLine) {
 }
 
 // The same words are used for a robot or an object.
-TEST_F(CompileProblems, WhatTheEngineDislikesInTheBaseOfAScene) {
+TEST_F(CompileProblems, EngineErrorsInTheBaseOfAScene) {
   const auto message = [&](const std::string& model) {
     SceneSpec spec = EmptyScene();
     spec.base = folder.Write("room", model);
@@ -69,7 +69,7 @@ TEST_F(CompileProblems, WhatTheEngineDislikesInTheBaseOfAScene) {
               HasSubstr(":1: body 'leaf': mass and inertia of moving bodies must be larger than"));
 }
 
-TEST_F(CompileProblems, ANameThatTheBaseHasAlready) {
+TEST_F(CompileProblems, ANameUsedByTheBase) {
   SceneSpec spec = EmptyScene();
   spec.base = folder.Write("room", R"(<worldbody><body name="cube"/></worldbody>)");
   spec.objects.push_back(BoxObject("cube", {0.5, 0, 0.1}));
@@ -78,7 +78,7 @@ TEST_F(CompileProblems, ANameThatTheBaseHasAlready) {
                          "object would bring another one; give the object another name");
 }
 
-TEST_F(CompileProblems, AnAssetThatTheModelLacks) {
+TEST_F(CompileProblems, AMissingAsset) {
   const auto message = [&](const std::string& model) {
     const std::string path = folder.Write("lacking", model);
     const std::string file = File("lacking.yaml", "name: arm\nmodel: lacking.xml\n");
@@ -110,7 +110,7 @@ TEST_F(CompileProblems, AnAssetThatTheModelLacks) {
               HasSubstr("geom 0 (unnamed, of body 'base'): no hfield 'hill', and the model"));
 }
 
-TEST_F(CompileProblems, AnAssetThatATwinOfTheRobotOrItsToolLacks) {
+TEST_F(CompileProblems, AMissingAssetWithTwinRobotsOrTools) {
   const std::string tool = folder.Write(
       "tool", R"(<worldbody><body name="t"><geom type="mesh" mesh="foo"/></body></worldbody>)");
   const std::string with_tool =
@@ -127,7 +127,7 @@ TEST_F(CompileProblems, AnAssetThatATwinOfTheRobotOrItsToolLacks) {
                              "'foo', and the model has none");
 }
 
-TEST_F(CompileProblems, AMissingMeshIsToldWithTheModelThatWantsIt) {
+TEST_F(CompileProblems, AMissingMeshNamesItsModel) {
   AtomicWrite(folder.path() / "link1.stl", "");
   const std::string model = folder.Write("meshes", R"(<asset>
   <mesh name="link" file="lnik1.stl"/>
@@ -144,7 +144,7 @@ TEST_F(CompileProblems, AMissingMeshIsToldWithTheModelThatWantsIt) {
           "`texturedir` in it");
 }
 
-TEST_F(CompileProblems, AMissingMeshWithNothingLikeItEndsInOneFullStop) {
+TEST_F(CompileProblems, AMissingMeshWithoutASuggestionEndsWithOneFullStop) {
   folder.Write("meshes", R"(<asset><mesh file="q.stl"/></asset>
   <worldbody><body name="b"><geom type="mesh" mesh="q"/></body></worldbody>)");
   const std::string in = folder.path().string();
@@ -166,6 +166,59 @@ TEST_F(CompileProblems, AMissingMeshOfAnObjectAndOfABase) {
                                  folder.path().string() + "/meshes. Get the model");
   const SceneSpec based{.name = "test", .base = model};
   ExpectThrow<NotFoundError>([&] { Scene::Build(based); }, "scene 'test' / base: " + model);
+}
+
+// A clone without `git lfs pull` has pointers in the place of its large files, of any kind.
+TEST_F(CompileProblems, ReportsAGitLfsPointerInsteadOfADecoderError) {
+  const std::string pointer =
+      "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a21\nsize 12345\n";
+  const auto body = [](const std::string& of, const std::string& assets = "") {
+    return assets + "<worldbody><body name='b'><geom size='.1'/>" + of + "</body></worldbody>";
+  };
+  const std::string mesh = "<geom type='mesh' mesh='a'/>";
+  const std::string image = "<geom size='.1' material='a'/>";
+  const struct {
+    std::string file, model;
+  } cases[] = {{"a.stl", body(mesh, "<asset><mesh name='a' file='a.stl'/></asset>")},
+               {"a.obj", body(mesh, "<asset><mesh name='a' file='a.obj'/></asset>")},
+               {"a.msh", body(mesh, "<asset><mesh name='a' file='a.msh'/></asset>")},
+               {"a.png", body(image,
+                              "<asset><texture name='t' type='2d' file='a.png'/>"
+                              "<material name='a' texture='t'/></asset>")},
+               {"b.png", body(image,
+                              "<asset><texture name='t' type='cube' fileright='b.png'/>"
+                              "<material name='a' texture='t'/></asset>")},
+               {"h.png", body("<geom type='hfield' hfield='h'/>",
+                              "<asset><hfield name='h' file='h.png' size='1 1 .1 .1'/></asset>")},
+               {"h.bin", body("<geom type='hfield' hfield='h'/>",
+                              "<asset><hfield name='h' file='h.bin' size='1 1 .1 .1'/></asset>")},
+               {"a.skn", body("", "<deformable><skin file='a.skn'/></deformable>")},
+               {"f.obj", body("<flexcomp type='mesh' file='f.obj' name='f' dim='2'/>")},
+               {"part.xml", "<include file='part.xml'/>"},
+               {"other.xml", body("<attach model='o' body='b' prefix='o'/>",
+                                  "<asset><model name='o' file='other.xml'/></asset>")}};
+  for (const auto& [file, model] : cases) {
+    AtomicWrite(folder.path() / file, pointer);
+    const std::string text = (folder.path() / file).string() +
+                             ": a pointer of Git LFS, not the file itself: run `git lfs pull` "
+                             "where the repository was cloned, or download the file";
+    SceneSpec spec = EmptyScene();
+    spec.base = folder.Write("room", model);
+    ExpectThrow<SpecError>([&] { Scene::Build(spec); }, text);
+    spec.base.reset();
+    spec.objects.push_back({.name = "thing", .mjcf_path = folder.Write("thing", model)});
+    ExpectThrow<SpecError>([&] { Scene::Build(spec); }, "object 'thing': " + text);
+  }
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back({.name = "thing", .mjcf_path = (folder.path() / "part.xml").string()});
+  ExpectThrow<SpecError>([&] { Scene::Build(spec); }, "part.xml: a pointer of Git LFS");
+  folder.Write("tool", cases[0].model);
+  ExpectThrow<SpecError>(
+      [&] {
+        BuildRobot(RobotFile(
+            "attachments: [{mjcf_path: tool.xml, prefix: t_, attach_to: {site: flange}}]\n"));
+      },
+      "a.stl: a pointer of Git LFS");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "robocell/assets/model_files.h"
+#include "robocell/assets/urdf.h"
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/compile.h"
@@ -13,17 +14,19 @@
 #include "robocell/scene/add_robot.h"
 #include "robocell/scene/compile_problem.h"
 #include "robocell/scene/compiled_scene.h"
+#include "robocell/scene/coupled_groups.h"
 #include "robocell/scene/decorations.h"
 #include "robocell/scene/entity_order.h"
+#include "robocell/scene/inspection/robot_inspection.h"
 #include "robocell/scene/label_unnamed.h"
 #include "robocell/scene/options.h"
 #include "robocell/scene/pool.h"
 #include "robocell/scene/robot_base.h"
-#include "robocell/scene/robot_inspection.h"
 #include "robocell/scene/saved_scene.h"
 #include "robocell/scene/scene_keys.h"
 #include "robocell/scene/spec_tree.h"
 #include "robocell/scene/validate_keyframes.h"
+#include "robocell/scene/validate_model_file.h"
 #include "robocell/scene/validate_robot.h"
 #include "robocell/spec/validate.h"
 
@@ -69,6 +72,7 @@ class SceneCompiler {
     StartSpec();
     LoadParts();
     AddEntities();
+    ValidateResistances(spec_.get(), log_);
     log_.Throw(spec().name);
     CompileModel();
     log_.Throw(spec().name);
@@ -120,17 +124,29 @@ class SceneCompiler {
     log.Throw(spec().name);
     Part base{kBase, kBase, *file, nullptr, {}};
     try {
+      if (IsUrdf(*file)) base.spec = ParseModel(*file, kBase, UrdfServos::kNone, log);
       RequireOnlyFiles(*file);
     } catch (const SpecError& error) {
       log.Thrown(kBase, error.what());
     }
     log.Throw(spec().name);
-    base.spec = ParseXmlFile(*file, context_ + " / base");
+    if (!base.spec) base.spec = ParseBase(*file);
     LabelUnnamed(base.spec.get(), "body");
     base.keys = ReadKeys(base.spec.get(), kBase, kBase, *file);
     DropKeys(base.spec.get());
     MakeAssetPathsAbsolute(base.spec.get(), *file, kBase, kBase, log);
     return base;
+  }
+
+  SpecPtr ParseBase(const std::string& file) const {
+    const std::string place = context_ + " / " + kBase;
+    try {
+      return ParseXmlFile(file, place);
+    } catch (const SpecError&) {
+      const std::string pointers = AdviceAboutPointers(file);
+      if (pointers.empty()) throw;
+      throw SpecError(place + ": " + pointers);
+    }
   }
 
   void ValidateDecorations() {
@@ -259,13 +275,13 @@ class SceneCompiler {
     return Place(target, pose, spec_.get(), spec(), frames_, place, log_);
   }
 
-  void AddObject(const SceneObject& object, const ObjectPart& loaded) {
+  void AddObject(const SceneObject& object, ObjectPart& loaded) {
     const auto at = PlaceIt(object.attach_to, object.pose(), loaded.part.place);
     if (!at) return;
     AttachObject(object, loaded, *at, log_);
   }
 
-  void AddRobot(const RobotSpec& robot, const RobotPart& loaded) {
+  void AddRobot(const RobotSpec& robot, RobotPart& loaded) {
     if (!robot.part_of.empty()) return;
     const auto at = PlaceIt(robot.attach_to, robot.pose(), loaded.part.place);
     if (!at) return;
@@ -318,7 +334,7 @@ class SceneCompiler {
           Compile(spec_.get(), nullptr, context_, &out_->warnings_, GuardOf(spec()));
     } catch (const SpecError& error) {
       log_.Throw(spec().name);  // reports wrong options
-      TellWhose(error.what());
+      AttributeToPart(error.what());
       throw;
     }
     std::erase_if(out_->warnings_, IsAboutEmptyPrefix);
@@ -327,6 +343,7 @@ class SceneCompiler {
     out_->jacobian_ = model->opt.jacobian;
     WarnWrongSolver(spec(), model, log_);
     for (const RobotRecord& robot : out_->robots_) ValidateRobot(model, robot, log_);
+    DropFollowers(model, out_->robots_, log_);
     const DataPtr reference = AtReference(model);
     ValidateGroups(model, reference.get(), out_->robots_, log_);
     ValidateKeyframes(model, keys_, out_->robots_, log_);
@@ -337,6 +354,7 @@ class SceneCompiler {
     out_->key_owners_ = {{}};
     for (const auto& [name, key] : keys_.presets)
       out_->key_owners_.push_back({key.part, key.own_name});
+    SwitchBesides(spec_.get(), model, reference.get(), limbs, log_);
     FillVelocityGains(model, out_->home_key_, limbs);
     for (size_t i = 0; i < robots_.size() && log_.ok(); ++i)
       InspectRobot({model, reference.get(), out_->home_key_, out_->robots_[i], PartOf(i)}, log_);
@@ -384,14 +402,34 @@ class SceneCompiler {
                  "name");
   }
 
+  // The engine reports what its decoders make of a pointer of Git LFS, if anything.
+  void TellPointers(const Part* base) {
+    const auto tell = [&](const Part& part) {
+      std::vector<std::string> files;
+      if (!part.file.empty()) files.push_back(part.file);
+      for (const Part::Tool& tool : part.tools) files.push_back(tool.file);
+      for (const std::string& file : files) {
+        const std::string pointers = AdviceAboutPointers(file);
+        if (!pointers.empty()) log_.Problem(part.place, pointers, part.field);
+      }
+    };
+    if (base) tell(*base);
+    for (const auto& robot : robots_) {
+      if (robot->part.spec) tell(robot->part);
+    }
+    for (const auto& object : objects_) tell(object->part);
+    log_.Throw(spec().name);
+  }
+
   // The engine's text about an element of a part becomes a problem of that part's file.
-  void TellWhose(const std::string& text) {
+  void AttributeToPart(const std::string& text) {
     // The base as its file describes it, without later attachments.
     std::optional<Part> base;
     if (spec().base) {
-      CompileLog told;  // from loading it
+      CompileLog told;  // log of loading it
       base = LoadBase(told);
     }
+    TellPointers(base ? &*base : nullptr);
     TellRepeatedName(text, base ? &*base : nullptr);
     const auto tell = [&](const Part& part, const std::string& prefix) {
       if (const auto problem = CompileProblem(text, part, prefix))

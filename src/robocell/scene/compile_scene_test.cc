@@ -64,7 +64,7 @@ TEST(SceneLaws, ASceneBuiltTwiceIsTheSameToTheBit) {
   EXPECT_EQ(first, end());
 }
 
-TEST(SceneLaws, OneSpecIsBuiltAgainWithOtherContents) {
+TEST(SceneLaws, ASpecCanBeBuiltAgainWithOtherContents) {
   SceneSpec spec = EmptyScene();
   const RobotSpec robot{.config = RobotConfig::Load(assets::BuiltinRobotFile("rc7"))};
   spec.robots.push_back(robot);

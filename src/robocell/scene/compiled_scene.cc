@@ -94,7 +94,7 @@ mjModel* CompiledScene::mutable_model() {
   if (frozen_) {
     throw Error("scene '" + scene_spec_.name +
                 "': its compiled scene is frozen because it is shared between scenes; "
-                "what writes to the model needs a scene of its own: " +
+                "a scene that writes to the model needs its own copy: " +
                 internal::CppAndPythonName("Scene::Build"));
   }
   return model_;
@@ -104,8 +104,8 @@ std::shared_ptr<void> CompiledScene::Claim() {
   RequireModel();
   if (!frozen_ && !claim_.expired()) {
     throw Error("scene '" + scene_spec_.name +
-                "': its compiled scene is used by another scene already, and what one of them "
-                "writes to the model would change the other. Freeze the compiled scene to share it "
+                "': its compiled scene is used by another scene already, and changes of the model "
+                "by one would affect the other. Freeze the compiled scene to share it "
                 "with " +
                 internal::CppAndPythonName("Freeze") + ", or compile the spec again");
   }

@@ -24,14 +24,14 @@ namespace robocell {
 
 // The result of compiling one RobotSpec. Names are full names in the model.
 struct RobotRecord {
-  std::string name;  // as resolved: RobotSpec.name, else the prefix, else robot, robot_1, ...
+  std::string name;  // resolved name: RobotSpec.name, else the prefix, else robot, robot_1, ...
   std::string prefix;
-  RobotConfig config;  // with the file's edits; a robot without configuration has an empty one
+  RobotConfig config;  // includes the file's edits; empty for a robot without configuration
   BaseConfig base;
   std::string top_body;                   // the highest body of the robot: its base, or its root
   std::string root_body;                  // its frame is the robot base frame
-  std::optional<std::string> mocap_body;  // at the pedestal's bottom; only with a mocap base
-  double pedestal_height = 0;             // from the mocap body to the root body's mount, metres
+  std::optional<std::string> mocap_body;  // body at the pedestal's bottom; only for a mocap base
+  double pedestal_height = 0;             // height from the mocap body to the root's mount, metres
   std::optional<std::string> attachment_site;
   std::optional<std::string>
       tcp_site;  // site made for attachment_site * tcp_offset, if both are configured
@@ -39,7 +39,7 @@ struct RobotRecord {
   // fixed or for a pedestal, else the topmost body of the robot's model. Its subtree is the robot.
   std::string base_body = {};
 
-  // For a driven base: the mocap body that base_body is welded to, and the weld.
+  // Return the mocap body to which a driven base_body is welded, and the weld.
   std::string base_target() const { return prefix + "base_target"; }
   std::string base_weld() const { return prefix + "base_weld"; }
 };
@@ -47,15 +47,15 @@ struct RobotRecord {
 // An active object of the pool; a parked one has none of these values.
 struct PoolRecord {
   bool parked = false;                         // after a reset
-  std::vector<int> contype, conaffinity = {};  // of its geoms
-  std::vector<double> gravcomp = {};           // of its bodies
+  std::vector<int> contype, conaffinity = {};  // masks of its geoms
+  std::vector<double> gravcomp = {};           // gravcomp of its bodies
 };
 
 struct ObjectRecord {
   std::string name;
   std::string root_body;
-  std::optional<std::string> free_joint;  // unless it is fixed
-  std::optional<PoolRecord> pool = {};    // unless adding and removing it compiles the scene
+  std::optional<std::string> free_joint;  // free joint; unset if fixed
+  std::optional<PoolRecord> pool = {};    // unset if adding and removing it compiles the scene
 };
 
 namespace internal {
@@ -71,7 +71,8 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   CompiledScene& operator=(const CompiledScene&) = delete;
 
   const mjModel* model() const { return model_; }
-  // For control modes, randomisation and the user's own changes. Throws Error if frozen.
+  // Returns the model for writing: control modes, randomisation, the user's changes. Throws Error
+  // if frozen.
   mjModel* mutable_model();
   // Returns the editable description that the model came from (for saving), which copies share. A
   // scene from the cache compiles it at the first call, with the errors of CompileScene; call it
@@ -92,9 +93,9 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   // went, control modes) are undone first. Throws Error while a scene lives whose model has such
   // changes.
   void Freeze();
-  // Returns the same scene with a model of its own, which is copied and not compiled: for scenes
-  // that write to theirs. It has a generation of its own and is not frozen. For saving it uses the
-  // original's spec.
+  // Returns the scene with a copy of the model, which is not compiled again: for scenes that write
+  // to their model. It has its own generation and is not frozen. For saving it uses the original's
+  // spec.
   std::shared_ptr<CompiledScene> Copy();
   bool frozen() const { return frozen_; }
   // Claims a scene's right to use the model, which is given up by destroying the result. Throws
@@ -159,7 +160,7 @@ class CompiledScene : public std::enable_shared_from_this<CompiledScene> {
   std::vector<KeyOwner> key_owners_;
   bool frozen_ = false;
   SourceFiles sources_;
-  std::shared_ptr<CompiledScene> origin_;  // of a copy
+  std::shared_ptr<CompiledScene> origin_;  // the copied scene, if this is a copy
   std::weak_ptr<void> claim_;
   int jacobian_ = 0;          // opt.jacobian as compiled
   std::optional<int> modes_;  // opt.disableactuator at the first claim

@@ -15,12 +15,12 @@
 namespace robocell {
 namespace {
 
-TEST(CompiledScene, ThatIsNotFrozenServesOneSceneAtATime) {
+TEST(CompiledScene, ServesOneSceneAtATimeUnlessFrozen) {
   const auto compiled = CompileScene(Workplace());
   std::optional<Scene> scene = Scene::FromCompiled(compiled);
   ExpectThrow<Error>([&] { Scene::FromCompiled(compiled); },
-                     "scene 'test': its compiled scene is used by another scene already, and what "
-                     "one of them writes to the model would change the other. Freeze the compiled "
+                     "scene 'test': its compiled scene is used by another scene already, and "
+                     "changes of the model by one would affect the other. Freeze the compiled "
                      "scene to share it with Freeze (in Python freeze), or compile the spec again");
   scene->Close();
   scene = Scene::FromCompiled(compiled);
@@ -75,7 +75,7 @@ TEST(CompiledScene, HandsItsModelOverOnce) {
 }
 
 // The model's keeper may free it at any time.
-TEST(CompiledScene, EndsItsModelForThoseWhoWatchItAlsoAfterItWasHandedOver) {
+TEST(CompiledScene, NotifiesWatchersOfItsEndAfterTheHandOver) {
   auto compiled = CompileScene(Workplace());
   const std::shared_ptr<void> kept(compiled->mutable_model(),
                                    [](void* m) { mj_deleteModel(static_cast<mjModel*>(m)); });
@@ -86,7 +86,7 @@ TEST(CompiledScene, EndsItsModelForThoseWhoWatchItAlsoAfterItWasHandedOver) {
   EXPECT_TRUE(watch.gone());
 }
 
-TEST(CompiledScene, TakesDataThatSomebodyElseMade) {
+TEST(CompiledScene, AcceptsDataMadeElsewhere) {
   int freed = 0;
   {
     Scene scene = Scene::Build(Workplace(), [&](CompiledScene& compiled) {
@@ -102,7 +102,7 @@ TEST(CompiledScene, TakesDataThatSomebodyElseMade) {
   EXPECT_EQ(freed, 1);
 }
 
-TEST(CompiledScene, SaysWhatTheEngineRefuses) {
+TEST(CompiledScene, ReportsEngineErrors) {
   ModelFolder folder;
   SceneSpec spec = EmptyScene();
   spec.objects.push_back(

@@ -14,6 +14,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/joint_followers.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
 #include "robocell/scene/actuator_kind.h"
@@ -263,6 +264,77 @@ class GroupNumbers {
   int next_ = 1;  // 0 is the default of all actuators
 };
 
+// --- Other actuators on the same joints ---------------------------------------------------------
+
+// The degrees of freedom of a limb and of the joints that follow its own, and the actuator group of
+// the native actuator of each one or its leader.
+struct LimbDofs {
+  std::vector<bool> own;     // nv
+  std::map<int, int> group;  // by degree of freedom
+};
+
+LimbDofs FindDofs(const mjModel* m, const RobotLimbs& robot, const Limb& limb) {
+  LimbDofs dofs{.own = std::vector<bool>(m->nv, false)};
+  std::vector<int> joints;
+  for (size_t i = 0; i < limb.joints.size(); ++i) {
+    const int joint = FindId(m, mjOBJ_JOINT, robot.prefix + limb.joints[i]);
+    const int actuator = FindId(m, mjOBJ_ACTUATOR, robot.prefix + limb.actuators[i]);
+    if (joint < 0 || actuator < 0) continue;
+    const int dof = m->jnt_dofadr[joint];
+    dofs.own[dof] = true;
+    dofs.group[dof] = m->actuator_group[actuator];
+    joints.push_back(joint);
+  }
+  for (const JointFollower& follower : FollowersOf(m, joints)) {
+    const int dof = m->jnt_dofadr[follower.joint];
+    dofs.own[dof] = true;
+    dofs.group[dof] = dofs.group.at(m->jnt_dofadr[joints[follower.leader]]);
+  }
+  return dofs;
+}
+
+// Returns the degrees of freedom that an actuator acts on.
+std::vector<int> DofsOf(const mjModel* m, const mjData* data, int actuator) {
+  std::vector<int> dofs;
+  const int first = m->actuator_outadr[actuator], end = first + m->actuator_outnum[actuator];
+  for (int output = first; output < end; ++output) {
+    const int row = data->moment_rowadr[output];
+    for (int i = row; i < row + data->moment_rownnz[output]; ++i) {
+      if (data->actuator_moment[i] != 0) dofs.push_back(data->moment_colind[i]);
+    }
+  }
+  return dofs;
+}
+
+std::string JointOf(const mjModel* m, int dof) {
+  return ElementName(m, mjOBJ_JOINT, m->dof_jntid[dof]);
+}
+
+void SwitchBesides(mjSpec* spec, mjModel* m, const mjData* data, const RobotLimbs& robot,
+                   const Limb& limb, const std::set<int>& assigned, CompileLog& log) {
+  const LimbDofs limb_dofs = FindDofs(m, robot, limb);
+  for (int a = 0; a < m->nactuator; ++a) {
+    if (assigned.contains(a) || ActuatorForceKind(m, a) == CtrlMode::kTorque) continue;
+    const std::vector<int> dofs = DofsOf(m, data, a);
+    const auto is_own = [&](int dof) { return bool(limb_dofs.own[dof]); };
+    const auto inside = std::find_if(dofs.begin(), dofs.end(), is_own);
+    if (inside == dofs.end()) continue;
+    const auto outside = std::find_if_not(dofs.begin(), dofs.end(), is_own);
+    if (outside != dofs.end()) {
+      log.Note(robot.place,
+               fmt::format("actuator '{}' acts on joint '{}' of arm '{}' and also on '{}', so that "
+                           "it stays on in all control modes of the arm",
+                           ElementName(m, mjOBJ_ACTUATOR, a), JointOf(m, *inside), limb.name,
+                           JointOf(m, *outside)));
+      continue;
+    }
+    m->actuator_group[a] = limb_dofs.group.at(*inside);
+    const std::string name = ElementName(m, mjOBJ_ACTUATOR, a);
+    if (mjsElement* element = FindSpecElement(spec, mjOBJ_ACTUATOR, name))
+      mjs_asActuator(element)->group = m->actuator_group[a];
+  }
+}
+
 // --- Gains ---------------------------------------------------------------------------------------
 
 class VelocityGains {
@@ -273,15 +345,32 @@ class VelocityGains {
   // joint is braked with the gear squared times this, N m s/rad or N s/m.
   double Beside(int authored) {
     const double stiffness = -m_->actuator_biasprm[mjNBIAS * authored + 1];
-    const double braking = -m_->actuator_biasprm[mjNBIAS * authored + 2];
+    const double gear = std::abs(Gear(m_, authored));
+    const double braking =
+        -m_->actuator_biasprm[mjNBIAS * authored + 2] + PairBraking(authored) / (gear * gear);
     if (braking > 0) return braking;
     const int dof = m_->jnt_dofadr[m_->actuator_trnid[2 * authored]];
-    const double gear = std::abs(Gear(m_, authored));
     if (stiffness > 0) return 2 * std::sqrt(stiffness / m_->dof_invweight0[dof]) / gear;
     return InertiaAtHome(dof) / (kVelocityTime * gear * gear);
   }
 
  private:
+  // Returns how the velocity servos on the joint of a position servo brake it (PD pairs), N m s/rad
+  // or N s/m.
+  double PairBraking(int authored) const {
+    if (ActuatorKind(m_, authored) != CtrlMode::kPosition) return 0;
+    const int joint = m_->actuator_trnid[2 * authored];
+    double braking = 0;
+    for (int a = 0; a < m_->nactuator; ++a) {
+      if (!ActsOnJoint(m_, a) || m_->actuator_trnid[2 * a] != joint) continue;
+      // Those that were added share their gains with this one and are not filled in yet.
+      if (m_->actuator_group[a] != m_->actuator_group[authored]) continue;
+      if (ActuatorKind(m_, a) != CtrlMode::kVelocity) continue;
+      braking += Gear(m_, a) * Gear(m_, a) * m_->actuator_gainprm[mjNGAIN * a];
+    }
+    return braking;
+  }
+
   double InertiaAtHome(int dof) {
     if (!data_) data_ = DataAtHome();
     return data_->M[m_->M_rowadr[dof] + m_->M_rownnz[dof] - 1];  // the diagonal is last in a row
@@ -324,7 +413,8 @@ std::optional<CtrlMode> NativeMode(const mjModel* m, const std::vector<std::stri
   std::vector<std::optional<CtrlMode>> kinds;
   for (const std::string& name : actuators) {
     const int id = FindId(m, mjOBJ_ACTUATOR, name);
-    kinds.push_back(id >= 0 && ActsOnJoint(m, id) ? ActuatorKind(m, id) : std::nullopt);
+    const bool acts = id >= 0 && (ActsOnJoint(m, id) || m->actuator_trntype[id] == mjTRN_TENDON);
+    kinds.push_back(acts ? ActuatorKind(m, id) : std::nullopt);
   }
   return KindOfAll(kinds);
 }
@@ -403,6 +493,24 @@ void AssignActuatorGroups(mjSpec* spec, const std::vector<RobotLimbs>& robots, C
         }
         groups.Assign(actuators, enabled);
       }
+    }
+  }
+}
+
+void SwitchBesides(mjSpec* spec, mjModel* m, const mjData* data,
+                   const std::vector<RobotLimbs>& robots, CompileLog& log) {
+  std::set<int> assigned;
+  for (const RobotLimbs& robot : robots) {
+    for (const Limb& limb : robot.limbs) {
+      for (const CtrlMode mode : limb.modes) {
+        for (const std::string& name : ActuatorsOf(robot, limb, mode))
+          assigned.insert(FindId(m, mjOBJ_ACTUATOR, name));
+      }
+    }
+  }
+  for (const RobotLimbs& robot : robots) {
+    for (const Limb& limb : robot.limbs) {
+      if (limb.modes.size() > 1) SwitchBesides(spec, m, data, robot, limb, assigned, log);
     }
   }
 }

@@ -3,7 +3,7 @@
 //
 // An arm whose joints have actuators of one kind gets motors `<joint>_torque` and velocity servos
 // `<joint>_velocity` for the modes that its robot declares, after all elements of its model. Each
-// mode of each arm is an actuator group of its own (two, if the arm's joints are only guessed:
+// mode of each arm is a separate actuator group (two, if the arm's joints are only guessed:
 // Limb::may_end_in_finger); the engine switches groups off by their numbers 0 ... 30. All other
 // actuators, also of grippers, stay in groups that are never switched off. An arm that declares
 // position only is left as authored.
@@ -24,7 +24,7 @@ namespace robocell::internal {
 
 // Joints that are switched together, with one actuator of the model for each.
 struct Limb {
-  std::string name = {};  // of the move group, for messages
+  std::string name = {};  // name of the move group, for messages
   std::vector<std::string> joints = {}, actuators = {};
   CtrlMode native = CtrlMode::kPosition;   // the kind of the model's actuators
   CtrlMode initial = CtrlMode::kPosition;  // the configured mode
@@ -40,7 +40,7 @@ inline constexpr int kLastActuatorGroup = 30;
 // Returns "joint1_torque".
 std::string ModeActuatorName(const std::string& joint, CtrlMode mode);
 
-// Returns the common kind of these actuators of a compiled model, which act on joints
+// Returns the common kind of these actuators of a compiled model, which act on joints or tendons
 // (actuator_kind.h); unset for no actuators, or if they are of several kinds or of another kind.
 std::optional<CtrlMode> NativeMode(const mjModel* model, const std::vector<std::string>& actuators);
 
@@ -71,14 +71,21 @@ struct RobotLimbs {
 
 // Gives every limb's modes their groups and switches on the initial ones. Reports a problem if the
 // groups do not suffice for declared modes, and a note if they do not for others. A possible finger
-// gets groups of its own while groups are left.
+// gets its own groups while groups are left.
 void AssignActuatorGroups(mjSpec* spec, const std::vector<RobotLimbs>& robots, CompileLog& log);
 
-// Velocity servos brake like the position servos of their joints; where these do not define it,
-// such that a position servo of the same stiffness would be critically damped. Those beside motors
-// brake the inertia that their joint has at the keyframe `home_key` (the diagonal of the mass
-// matrix, armature included; at the reference if < 0) within kVelocityTime. Written into the
-// compiled model.
+// Switches all other actuators that act on the joints of a limb with its own ones, such as a
+// velocity servo beside each position servo. Motors stay on, since they push only as commanded, and
+// so do actuators that also act on other joints, which are noted. Writes the groups into the spec
+// and the model that was compiled from it. `data` has moments (position stage).
+void SwitchBesides(mjSpec* spec, mjModel* model, const mjData* data,
+                   const std::vector<RobotLimbs>& robots, CompileLog& log);
+
+// Velocity servos brake like the position servos of their joints and the velocity servos beside
+// those; where these do not define it, such that a position servo of the same stiffness would be
+// critically damped. Those beside motors brake the inertia that their joint has at the keyframe
+// `home_key` (the diagonal of the mass matrix, armature included; at the reference if < 0) within
+// kVelocityTime. Written into the compiled model.
 void FillVelocityGains(mjModel* model, int home_key, const std::vector<RobotLimbs>& robots);
 
 // Seconds in which an error of the velocity of a joint with a motor falls to 1/e, with the others

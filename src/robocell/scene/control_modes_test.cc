@@ -21,6 +21,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using Modes = std::vector<CtrlMode>;
 
 constexpr CtrlMode kPosition = CtrlMode::kPosition, kVelocity = CtrlMode::kVelocity,
@@ -57,7 +58,7 @@ bool IsOn(const mjModel* m, const std::string& name) {
   return !(m->opt.disableactuator & (1 << GroupOf(m, name)));
 }
 
-TEST_F(ControlModes, MotorsComeAfterAllOtherActuatorsInAGroupOfTheirOwn) {
+TEST_F(ControlModes, MotorsComeLastInTheirOwnGroup) {
   SceneSpec spec = Arms(2, std::nullopt);
   spec.robots[0].attachments.push_back(
       {.mjcf_path = gripper, .attach_to = Site("flange"), .prefix = "g_"});
@@ -109,7 +110,7 @@ TEST_F(ControlModes, AddedActuatorsHaveGearAndForceLimitOfTheServo) {
   EXPECT_FALSE(m->actuator_forcelimited[Actuator(m, "a0_elbow_torque")]);
 }
 
-TEST_F(ControlModes, ActuatorsOfTheirNamesAreToldWithWhatToDo) {
+TEST_F(ControlModes, RejectActuatorsWithTheirNames) {
   std::string model = kTwoJointArm;
   model.replace(model.find("</actuator>"), 0,
                 R"(<motor name="elbow_torque" joint="elbow" gear="2"/>)");
@@ -135,7 +136,7 @@ std::string WithActuators(const std::string& shoulder, const std::string& elbow)
   return model;
 }
 
-TEST_F(ControlModes, VelocityServosBesideMotorsBrakeTheInertiaAtHomeAndPushNoHarder) {
+TEST_F(ControlModes, VelocityServosOfMotorArmsMatchInertiaAndForceLimits) {
   RobotConfig config = ArmConfig(
       folder.Write("motors", WithActuators(R"(<motor name="servo1" joint="shoulder" gear="-4"
                                   ctrlrange="-0.5 1" forcerange="-9 0.7"/>)",
@@ -167,7 +168,7 @@ TEST_F(ControlModes, VelocityServosBesideMotorsBrakeTheInertiaAtHomeAndPushNoHar
   }
 }
 
-TEST_F(ControlModes, AForceRangeTheWrongWayRoundIsTheEnginesToRefuse) {
+TEST_F(ControlModes, TheEngineRejectsAReversedForceRange) {
   arm = folder.Write("turned", R"(<compiler autolimits="true"/><worldbody><body name="base">
     <geom size="0.1"/><body><joint name="hinge"/><geom size="0.1"/></body></body></worldbody>
     <actuator><motor name="motor" joint="hinge" ctrlrange="-1 1" forcelimited="true"
@@ -177,7 +178,7 @@ TEST_F(ControlModes, AForceRangeTheWrongWayRoundIsTheEnginesToRefuse) {
                          "turned.xml:3: actuator 'motor': invalid force range for actuator");
 }
 
-TEST_F(ControlModes, VelocityServosBesideServosWithoutDampingAreCriticallyDamped) {
+TEST_F(ControlModes, VelocityServosOfUndampedServosAreCriticallyDamped) {
   SceneSpec spec = Arms(1, Modes{kPosition, kVelocity});
   spec.robots[0].path = folder.Write(
       "undamped",
@@ -189,7 +190,75 @@ TEST_F(ControlModes, VelocityServosBesideServosWithoutDampingAreCriticallyDamped
   EXPECT_NEAR(joint_gain, 2 * std::sqrt(100 * 25 / m->dof_invweight0[dof]), 1e-9 * joint_gain);
 }
 
-TEST_F(ControlModes, GroupsThatPartsUseAreLeftToThem) {
+// A PD pair on each joint, whose position servos do not brake.
+std::string PdPair(const std::string& more = "") {
+  std::string model = WithActuators(
+      R"(<position name="servo1" joint="shoulder" kp="100"/>
+         <velocity name="brake1" joint="shoulder" kv="8"/>)",
+      R"(<position name="servo2" joint="elbow" kp="50" gear="2"/>
+         <velocity name="brake2" joint="elbow" kv="6"/><motor name="push" joint="elbow"/>)" +
+          more);
+  model.replace(model.find("ctrl=\"0.31 -0.41\""), 17, "");
+  return model;
+}
+
+TEST_F(ControlModes, SwitchTheVelocityServosBesidePositionServos) {
+  SceneSpec spec = Arms(1, Modes{kPosition, kVelocity, kTorque});
+  spec.robots[0].path = folder.Write("pair", PdPair());
+  const Scene scene = Scene::Build(spec);
+  const mjModel* m = scene.model();
+  for (const std::string name : {"brake1", "brake2", "servo2"})
+    EXPECT_EQ(GroupOf(m, "a0_" + name), GroupOf(m, "a0_servo1")) << name;
+  EXPECT_EQ(GroupOf(m, "a0_push"), 0) << "pushes only as commanded";
+  EXPECT_THAT(scene.compiled()->notes(), IsEmpty());
+  const auto gain = [&](const std::string& joint) {
+    return m->actuator_gainprm[mjNGAIN * Actuator(m, "a0_" + joint + "_velocity")];
+  };
+  EXPECT_DOUBLE_EQ(gain("shoulder"), 8);
+  EXPECT_DOUBLE_EQ(gain("elbow"), 6.0 / 4) << "with the gear of the position servo";
+}
+
+// The oracle is the model with motors alone.
+TEST_F(ControlModes, OfAPairPushLikeSingleMotors) {
+  RobotConfig config = ArmConfig(folder.Write("pair", PdPair()));
+  config.control["arm"] = ControlKind::kJointTorque;
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back({.name = "a", .config = config, .prefix = "a_"});
+  Scene pair = Scene::Build(spec);
+  std::string alone = WithActuators(R"(<motor name="servo1" joint="shoulder"/>)",
+                                    R"(<motor name="servo2" joint="elbow" gear="2"/>)");
+  alone.replace(alone.find("ctrl=\"0.31 -0.41\""), 17, "");
+  spec.robots[0].config->model = folder.Write("motors", alone);
+  Scene motors = Scene::Build(spec);
+  pair.SetActuatorCtrl("a_shoulder_torque", 3);
+  motors.SetActuatorCtrl("a_servo1", 3);
+  for (Scene* scene : {&pair, &motors}) {
+    for (int i = 0; i < 100; ++i) scene->Step();
+  }
+  EXPECT_DOUBLE_EQ(pair.joint_pos("a_shoulder"), motors.joint_pos("a_shoulder"));
+  EXPECT_GT(std::abs(pair.data()->qvel[0]), 0.5);
+}
+
+TEST_F(ControlModes, KeepActuatorsOfOtherJointsOnWithAWarning) {
+  std::string model = PdPair(R"(<position name="cable" tendon="both" kp="1"/>)");
+  model.insert(model.find("<sensor>"), R"(<tendon><fixed name="both"><joint joint="elbow" coef="1"/>
+    <joint joint="tail" coef="1"/></fixed></tendon>)");
+  model.insert(
+      model.find("<site name=\"flange\""),
+      R"(<body name="tail"><joint name="tail"/><geom size="0.01" fromto="0 0 0 0 0 0.1"/></body>)");
+  model.replace(model.find("0.3 -0.4"), 8, "0.3 -0.4 0");
+  RobotConfig config = ArmConfig(folder.Write("cable", model));
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back({.name = "a", .config = config, .prefix = "a_"});
+  const Scene scene = Scene::Build(spec);
+  EXPECT_EQ(GroupOf(scene.model(), "a_cable"), 0);
+  EXPECT_THAT(scene.compiled()->notes(),
+              ::testing::Contains(HasSubstr(
+                  "robot 'a': actuator 'a_cable' acts on joint 'a_elbow' of arm 'arm' and also on "
+                  "'a_tail', so that it stays on in all control modes of the arm")));
+}
+
+TEST_F(ControlModes, GroupsUsedByPartsAreNotReused) {
   std::string model = kTwoFingerGripper;
   model.replace(model.find("name=\"grip\""), 11, "name=\"grip\" group=\"1\"");
   SceneSpec spec = Arms(1, std::nullopt);
@@ -202,7 +271,7 @@ TEST_F(ControlModes, GroupsThatPartsUseAreLeftToThem) {
   EXPECT_TRUE(IsOn(scene.model(), "a0_g_grip"));
 }
 
-TEST_F(ControlModes, MoreGroupsThanTheEngineHasAreRefusedWhenDeclared) {
+TEST_F(ControlModes, RejectMoreGroupsThanTheEngineHas) {
   ExpectThrow<SpecError>(
       [&] {
         Scene::Build(Arms(11, Modes{kPosition, kVelocity, kTorque}));
@@ -269,7 +338,7 @@ TEST_F(ControlModes, AreThoseOfTheArmGroupsOfAConfiguration) {
   EXPECT_THAT(config.used_modes(), ElementsAre(kPosition, kTorque));
 }
 
-TEST_F(ControlModes, AreInTheFilesOfAScene) {
+TEST_F(ControlModes, ArePartOfSavedFiles) {
   Scene scene = Scene::Build(Arms(1, std::nullopt));
   const std::string file = (folder.path() / "saved.xml").string();
   scene.SaveXml(file);

@@ -14,7 +14,7 @@ namespace {
 class EditValues : public EditedArm {};
 
 // The gains of force = gain * ctrl + a + b * length + c * velocity.
-TEST_F(EditValues, ChangeTheGainsOfServosAsTheOverridesDo) {
+TEST_F(EditValues, ChangeServoGainsLikeOverrides) {
   model = folder.Write("scaled", std::string(kHinge) + R"(<actuator>
     <general name="scaled" joint="hinge" gainprm="0.5" biastype="affine" biasprm="-2 -4 -1"/>
     <velocity name="velocity" joint="hinge" kv="3"/>
@@ -35,7 +35,7 @@ TEST_F(EditValues, ChangeTheGainsOfServosAsTheOverridesDo) {
   EXPECT_EQ(bias(2, 1), -9);
 }
 
-TEST_F(EditValues, RefuseGainsThatAnActuatorDoesNotHave) {
+TEST_F(EditValues, RejectGainsThatAnActuatorDoesNotHave) {
   model = folder.Write("motor", std::string(kHinge) + R"(<actuator>
     <motor name="motor" joint="hinge"/><velocity name="velocity" joint="hinge" kv="3"/></actuator>)");
   ExpectThrow<SpecError>(
@@ -74,7 +74,7 @@ class EditedMass : public EditedArm {
   static constexpr const char* kHeavy = "{body: link, mass: 7}";
 };
 
-TEST_F(EditedMass, OfABodyIsThatOfTheCompiledBodyAndItsInertiaGoesWithIt) {
+TEST_F(EditedMass, OfABodySetsTheCompiledMassAndScalesInertia) {
   for (const char* inside : {kInertial, kGeom, kGeoms}) {
     const Weight before = Of(inside, kNoEdit), after = Of(inside, kHeavy);
     EXPECT_NEAR(after.mass, 7, 1e-12) << inside;
@@ -90,7 +90,7 @@ TEST_F(EditedMass, OfABodyWithAFullInertiaScalesIt) {
   EXPECT_NEAR(after.inertia / before.inertia, 3.5, 1e-9);
 }
 
-TEST_F(EditedMass, GoesWhereTheFileSaysThatMassesComeFrom) {
+TEST_F(EditedMass, RespectsInertiaFromGeom) {
   EXPECT_NEAR(Of(kInertial, kHeavy, "inertiafromgeom='true'").mass, 7, 1e-12);
   EXPECT_NEAR(
       Of(kInertial, "{geom: {body: link, index: 0}, mass: 6}", "inertiafromgeom='true'").mass, 6,
@@ -101,7 +101,7 @@ TEST_F(EditedMass, GoesWhereTheFileSaysThatMassesComeFrom) {
               7, 1e-12);
 }
 
-TEST_F(EditedMass, ThatTheEngineWouldNotTakeIsAProblem) {
+TEST_F(EditedMass, RejectsValuesThatTheEngineRejects) {
   ExpectThrow<SpecError>([&] { Of(kInertial, "{geom: {body: link, index: 0}, mass: 7}"); },
                          "edits[0]: the mass of geom 0 (unnamed, of body 'link') does not count, "
                          "that of its body is written as <inertial>; write {body: 'link', mass: "
@@ -143,7 +143,7 @@ class EditedShape : public EditedArm {
 };
 
 // The oracle is the engine's own result for an element stretched between two points.
-TEST_F(EditedShape, MovesWhatIsStretchedBetweenTwoPoints) {
+TEST_F(EditedShape, MovesFromtoGeomsAndSites) {
   model = folder.Write("stretched", kStretched);
   const Scene as_written = Build("{geom: rod, rgba: [1, 0, 0, 1]}");
   const Scene scene = Build(
@@ -163,7 +163,7 @@ TEST_F(EditedShape, MovesWhatIsStretchedBetweenTwoPoints) {
   for (int i = 0; i < 2; ++i) EXPECT_NEAR(m->site_size[i], before->site_size[i], 1e-12);
 }
 
-TEST_F(EditedShape, GivesWhatIsStretchedBetweenTwoPointsItsWholeSize) {
+TEST_F(EditedShape, SetsTheWholeSizeOfFromtoGeoms) {
   model = folder.Write("stretched", kStretched);
   const Scene scene = Build("{geom: rod, size: [0.2, 0.3, 0]}");
   const int rod = Id(scene, mjOBJ_GEOM, "r_rod");
@@ -172,7 +172,7 @@ TEST_F(EditedShape, GivesWhatIsStretchedBetweenTwoPointsItsWholeSize) {
   EXPECT_NEAR(scene.model()->geom_pos[3 * rod + 1], 0.2, 1e-12) << "its middle stays";
 }
 
-TEST_F(EditedShape, IsInTheParentBodyWhateverFramesTheFileHas) {
+TEST_F(EditedShape, IsInTheParentBodyDespiteFrames) {
   model = folder.Write("framed", kFramed);
   const Scene scene = Build(
       "{body: link, pos: [3, 0, 0]}, {geom: ball, euler: [0, 0, 10]}, {camera: view, pos: [0, 4, "

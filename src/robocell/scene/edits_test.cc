@@ -23,13 +23,13 @@ TEST_F(Edits, MoveBodiesAndSites) {
   EXPECT_NEAR(std::abs(scene.model()->body_quat[4 * fore + 3]), 1, 1e-12);
 }
 
-TEST_F(Edits, TakeAxesForAnOrientation) {
+TEST_F(Edits, AcceptAxesForAnOrientation) {
   const Scene scene = Build("{site: flange, xyaxes: [-1, 0, 0, 0, -1, 0]}");
   const Pose turned = scene.body_pose("r_fore") * Pose::FromRpy({0, 0, 0.2}, {0, 0, M_PI});
   EXPECT_TRUE(scene.site_pose("r_flange").is_close(turned, 1e-9, 1e-9));
 }
 
-TEST_F(Edits, ChangeJointsInRadiansWhateverTheModelIsWrittenIn) {
+TEST_F(Edits, ChangeJointsInRadiansEvenInModelsInDegrees) {
   model = folder.Write("degrees",
                        R"(<compiler angle="degree"/><worldbody><body name="base"><geom size="0.1"/>
       <body><joint name="elbow" range="-90 90"/><geom size="0.1"/></body></body></worldbody>)");
@@ -55,7 +55,7 @@ TEST_F(Edits, ChangeActuators) {
   EXPECT_EQ(m->actuator_biasprm[2], -6);
 }
 
-TEST_F(Edits, WithoutEffectInTheCompiledModelAreProblems) {
+TEST_F(Edits, WithoutEffectAreReported) {
   model =
       folder.Write("odd", R"(<asset><mesh name="wedge" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>
     <worldbody><body name="base"><freejoint name="free"/><geom name="mesh" type="mesh" mesh="wedge"/>
@@ -123,14 +123,14 @@ TEST_F(Edits, DeleteElementsOfAModelWithAKeyframe) {
       << "the key's value still belongs to the joint that is left";
 }
 
-TEST_F(Edits, ComeOneAfterTheOther) {
+TEST_F(Edits, AreAppliedInOrder) {
   const Scene scene = Build(
       "{add_site: tool, body: fore}, {site: tool, pos: [0, 0, 0.5]}, {site: tool, name: tip}");
   EXPECT_TRUE(scene.site_pose("r_tip").is_close(
       scene.body_pose("r_fore") * Pose(Eigen::Vector3d(0, 0, 0.5)), 1e-9, 1e-9));
 }
 
-TEST_F(Edits, SayWhatTheyDoNotFind) {
+TEST_F(Edits, NameMissingElements) {
   ExpectThrow<NotFoundError>([&] { Build("{body: bse, pos: [0, 0, 0]}"); },
                              "yaml:1:63: robot 'r' / edits[0]: the model: no body 'bse'. Its "
                              "bodies: world, base, upper, fore. Did you mean 'base'?");

@@ -34,7 +34,7 @@ class ElementLookup : public ::testing::Test {
   const mjModel* model = nullptr;
 };
 
-TEST_F(ElementLookup, ListsARobotsOwnNamesWithoutItsPrefix) {
+TEST_F(ElementLookup, ListsNamesWithoutThePrefix) {
   EXPECT_THAT(RobotElementNames(model, compiled->robot("one"), mjOBJ_JOINT),
               ElementsAre("base_x", "base_y", "base_yaw", "shoulder", "elbow"));
   EXPECT_THAT(RobotElementNames(model, compiled->robot("two"), mjOBJ_JOINT),
@@ -80,7 +80,7 @@ TEST_F(ElementLookup, CountsUnnamedElementsOfABody) {
       "robot 'two': body 'base' has 0 site(s), so there is none with index 0 (they count from 0)");
 }
 
-TEST_F(ElementLookup, SaysHowToReferToWhatHasNoName) {
+TEST_F(ElementLookup, ExplainsReferencesToUnnamedElements) {
   const RobotRecord& robot = compiled->robot("two");
   ExpectThrow<NotFoundError>([&] { FindElement(model, robot, mjOBJ_GEOM, "foo"); },
                              "robot 'two': no geom 'foo'. Its geoms: (none). 3 have no name; write "
@@ -101,7 +101,7 @@ TEST_F(ElementLookup, CountsTheChildrenOfABody) {
       "robot 'two': body 'fore' has 0 body(s), so there is none with index 0");
 }
 
-TEST_F(ElementLookup, RefusesKindsThatAreNotWanted) {
+TEST_F(ElementLookup, RejectsUnexpectedKinds) {
   const RobotRecord& robot = compiled->robot("two");
   ExpectThrow<NotFoundError>(
       [&] {

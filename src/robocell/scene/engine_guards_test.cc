@@ -104,7 +104,7 @@ Disagreement Compare(const mjModel* a, const mjModel* b, int states) {
 
 constexpr int kStates = 300;
 
-TEST(EngineGuards, TheSparseSolverIsWrongOnHandsAsLongAsItIsGuarded) {
+TEST(EngineGuards, TheGuardedSparseSolverIsStillWrongOnHands) {
   SceneSpec spec = Hands(6);
   spec.options.jacobian = JacobianKind::kDense;
   const auto dense = CompileScene(spec);
@@ -120,7 +120,7 @@ TEST(EngineGuards, TheSparseSolverIsWrongOnHandsAsLongAsItIsGuarded) {
                              << ": the guard may go, see IsSparseNewtonWrong in engine_defects.cc";
 }
 
-TEST(EngineGuards, AGuardedSceneOfHandsIsRight) {
+TEST(EngineGuards, AGuardedSceneOfHandsIsCorrect) {
   const auto guarded = CompileScene(Hands(6));
   EXPECT_GE(guarded->model()->nv, 60);
   SceneSpec spec = Hands(6);
@@ -135,7 +135,7 @@ class Guards : public ::testing::Test {
   }
 };
 
-TEST_F(Guards, HoldFromSixtyDegreesOfFreedomOn) {
+TEST_F(Guards, ApplyFromSixtyDegreesOfFreedom) {
   const Scene few = Scene::Build(Boxes(9)), many = Scene::Build(Boxes(10));
   EXPECT_EQ(few.model()->nv, 54);
   EXPECT_FALSE(mj_isSparse(few.model()));
@@ -144,7 +144,7 @@ TEST_F(Guards, HoldFromSixtyDegreesOfFreedomOn) {
   EXPECT_THAT(many.compiled()->engine_guards(), ElementsAre("sparse_newton"));
 }
 
-TEST_F(Guards, HoldForASmallBaseThatAsksForASparseJacobian) {
+TEST_F(Guards, HoldForASmallBaseWithASparseJacobian) {
   ModelFolder folder;
   SceneSpec spec = EmptyScene();
   spec.base = folder.Write("base", R"(<option jacobian="sparse"/>
@@ -208,7 +208,7 @@ TEST_F(Guards, HoldWhenAnObjectIsAdded) {
   EXPECT_THAT(scene.compiled()->engine_guards(), IsEmpty());
 }
 
-TEST_F(Guards, AreNotNamedWhereTheModelWasMadeSparseSince) {
+TEST_F(Guards, AreNotReportedAfterSwitchingToSparse) {
   Scene scene = Scene::Build(Boxes(10));
   scene.mutable_model()->opt.jacobian = mjJAC_SPARSE;
   EXPECT_THAT(scene.compiled()->engine_guards(), IsEmpty());
@@ -219,14 +219,14 @@ TEST_F(Guards, AreNotNamedWhereTheModelWasMadeSparseSince) {
   EXPECT_THAT(scene.compiled()->engine_guards(), ElementsAre("sparse_newton"));
 }
 
-TEST_F(Guards, YieldToWhatIsWrittenToTheModelAlsoWhenAnObjectIsAdded) {
+TEST_F(Guards, YieldToModelEditsWhenAnObjectIsAdded) {
   Scene scene = Scene::Build(Boxes(10));
   scene.mutable_model()->opt.jacobian = mjJAC_SPARSE;
   scene.AddObject(BoxObject("late", {0, 1, 0.03}));
   EXPECT_EQ(JacobianOf(scene), mjJAC_SPARSE);
 }
 
-TEST_F(Guards, AreOverruledInARebuiltSceneToo) {
+TEST_F(Guards, AreOverruledInARebuiltScene) {
   SceneSpec spec = Boxes(10);
   spec.options.jacobian = JacobianKind::kSparse;
   Scene scene = Scene::Build(spec);
@@ -248,7 +248,7 @@ TEST_F(Guards, AreSavedInXmlAndInBinary) {
   EXPECT_EQ(internal::CompileSavedScene(Boxes(10), xml)->model()->opt.jacobian, mjJAC_DENSE);
 }
 
-TEST_F(Guards, AreOverruledInSavedFilesToo) {
+TEST_F(Guards, AreOverruledInSavedFiles) {
   const TempDir folder;
   SceneSpec spec = Boxes(10);
   spec.options.jacobian = JacobianKind::kSparse;

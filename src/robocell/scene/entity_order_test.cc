@@ -40,7 +40,7 @@ TEST(EntityOrder, IndependentEntitiesKeepTheirOrder) {
   EXPECT_THAT(BuildOrder({Object("a"), Object("b"), Arm("r")}, {}, log), ElementsAre(0, 1, 2));
 }
 
-TEST(EntityOrder, EachComesAfterWhatItIsAttachedTo) {
+TEST(EntityOrder, EachFollowsItsParent) {
   CompileLog log;
   const std::vector<Entity> entities = {Object("badge", Site("right_flange")), Object("table"),
                                         Arm("left", Body("table")),
@@ -53,7 +53,7 @@ TEST(EntityOrder, TheBaseComesFirst) {
   EXPECT_EQ(ProblemsOf({Object("cup", Site("table_top"))}), "");
 }
 
-TEST(EntityOrder, AMissingElementListsTheNearest) {
+TEST(EntityOrder, AMissingElementSuggestsTheNearest) {
   EXPECT_EQ(ProblemsOf({Object("table"), Object("cup", Body("tabel"))}),
             "scene 'test' / object 'cup': attach_to: the scene: no body 'tabel'. Its bodies: "
             "table. Did you mean 'table'?");
@@ -65,14 +65,14 @@ TEST(EntityOrder, AMissingElementListsTheNearest) {
             "table_top. Did you mean 'table_top'?");
 }
 
-TEST(EntityOrder, ALaterEntityOfTheSameListNamesBoth) {
+TEST(EntityOrder, AReferenceToALaterEntityNamesBoth) {
   EXPECT_EQ(ProblemsOf({Object("cup", Body("table")), Object("table")}),
             "scene 'test' / object 'cup': is attached to body 'table' of object 'table', which is "
             "declared later; move "
             "object 'table' before it");
 }
 
-TEST(EntityOrder, ACircleNamesItsMembers) {
+TEST(EntityOrder, ACycleNamesItsMembers) {
   EXPECT_EQ(ProblemsOf({Object("cup", Site("r_flange")), Arm("r", Body("cup"))}),
             "scene 'test': entities are attached to each other in a circle: object 'cup' -> robot "
             "'r' -> object 'cup'");
@@ -81,7 +81,7 @@ TEST(EntityOrder, ACircleNamesItsMembers) {
       "scene 'test': entities are attached to each other in a circle: robot 'r' -> robot 'r'");
 }
 
-TEST(EntityOrder, WhatDependsOnAProblemIsLeftOutWithoutAnother) {
+TEST(EntityOrder, DependentsOfAProblemAreOmittedSilently) {
   CompileLog log;
   const auto order =
       BuildOrder({Object("a", Body("nowhere")), Object("b", Body("a")), Object("c")}, {}, log);

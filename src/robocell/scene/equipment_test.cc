@@ -41,7 +41,7 @@ double Speed(const Scene& scene, const std::string& name) {
   return scene.data()->qvel[scene.model()->jnt_dofadr[joint]];
 }
 
-TEST(Equipment, StandsStillOnAFloorAndWeighsWhatItShould) {
+TEST(Equipment, RestsOnAFloorWithItsSpecifiedMass) {
   std::vector<std::string> names;
   for (const auto& [name, expected] : kEquipment) names.push_back(name);
   EXPECT_EQ(names, assets::BuiltinEquipment());
@@ -77,7 +77,7 @@ TEST(Equipment, ATablesSiteIsTheMiddleOfItsTop) {
   EXPECT_NEAR(scene.body_pose("cube").translation().z(), 0.72, 1e-3) << "it lies on the table";
 }
 
-TEST(Equipment, ARobotStandsOnATable) {
+TEST(Equipment, ARobotCanBeMountedOnATable) {
   SceneSpec spec = EmptyScene();
   const SceneObject table{
       .name = "table", .mjcf_path = "table", .pos = Vec3{0.3, 0.1, 0.7}, .fixed = true};
@@ -125,7 +125,7 @@ TEST(Equipment, DoorAndDrawerStopAtTheirRange) {
   EXPECT_NEAR(Joint(scene, "c_drawer_slide"), 0.28, 0.005);
 }
 
-TEST(Equipment, ADrawerHoldsWhatIsPutIn) {
+TEST(Equipment, ADrawerHoldsItsContents) {
   SceneSpec spec = EmptyScene();
   spec.objects.push_back({.name = "c", .mjcf_path = "cabinet", .fixed = true});
   spec.objects.push_back(BoxObject("cube", {0.03, 0, 0.055}));
@@ -138,7 +138,7 @@ TEST(Equipment, ADrawerHoldsWhatIsPutIn) {
 }
 
 // Upside down over the receiver, as at the end of pouring.
-TEST(Equipment, WhatFallsOutOfTheBottleStaysInTheReceiver) {
+TEST(Equipment, ContentsOfTheBottleStayInTheReceiver) {
   SceneSpec spec = EmptyScene();
   spec.objects.push_back({.name = "receiver", .mjcf_path = "receiver", .pos = Vec3{0, 0, 0.04}});
   spec.objects.push_back({.name = "bottle",

@@ -22,7 +22,7 @@ class FingerBodiesTest : public ArmWithHand {
   int Id(const std::string& name) { return FindId(Build().model(), mjOBJ_BODY, "a/" + name); }
 };
 
-TEST_F(FingerBodiesTest, AreThoseThatAreNamedElseThoseOfTheJoints) {
+TEST_F(FingerBodiesTest, AreTheNamedOnesOrThoseOfTheJoints) {
   Model();
   const std::array<int, 2> both = {Id("left"), Id("right")};
   EXPECT_EQ(Of(""), both);
@@ -30,7 +30,7 @@ TEST_F(FingerBodiesTest, AreThoseThatAreNamedElseThoseOfTheJoints) {
   EXPECT_EQ(Of("fore"), (std::array<int, 2>{Id("fore"), Id("right")}));
 }
 
-TEST_F(FingerBodiesTest, AreUnknownWhenOneIsMissing) {
+TEST_F(FingerBodiesTest, AreUnknownIfOneIsMissing) {
   Model();
   EXPECT_EQ(Of("lfet"), std::nullopt);
 }

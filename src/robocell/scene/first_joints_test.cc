@@ -53,18 +53,18 @@ class FirstJoints : public testing::Test {
   ModelFolder folder_;
 };
 
-TEST_F(FirstJoints, TurnAlikeOnABaseThatIsFixedAndOnOneThatMoves) {
+TEST_F(FirstJoints, TurnAlikeOnFixedAndMovingBases) {
   const double fixed = Pushed(Build(BaseKind::kFixed));
   EXPECT_GT(fixed, 0.01);
   EXPECT_NEAR(fixed, Pushed(Build(BaseKind::kMocap)), 1e-12);
 }
 
-TEST_F(FirstJoints, LeaveTheOtherContactsAlone) {
+TEST_F(FirstJoints, KeepOtherContacts) {
   const Scene scene = Build(BaseKind::kFixed);
   EXPECT_EQ(scene.model()->nexclude, 1);  // not the post
 }
 
-TEST_F(FirstJoints, AreTheEnginesBusinessOnABaseThatMoves) {
+TEST_F(FirstJoints, AreFilteredByTheEngineOnAMovingBase) {
   EXPECT_EQ(Build(BaseKind::kMocap).model()->nexclude, 0);
 }
 
@@ -74,7 +74,7 @@ TEST_F(FirstJoints, AreNotExcludedTwice) {
   EXPECT_EQ(scene.model()->nexclude, 1);
 }
 
-TEST_F(FirstJoints, TouchWhereContactsOfNeighboursAreAskedFor) {
+TEST_F(FirstJoints, CollideWithoutTheParentFilter) {
   EXPECT_EQ(Build(BaseKind::kFixed, "", {.disable = {"filterparent"}}).model()->nexclude, 0);
 }
 
@@ -85,7 +85,7 @@ TEST_F(FirstJoints, TurnAlikeWithAndWithoutAConfiguration) {
   EXPECT_EQ(Pushed(Scene::Build(spec)), Pushed(Build(BaseKind::kFixed)));
 }
 
-TEST_F(FirstJoints, AreInSavedFilesAsTheyAreInTheScene) {
+TEST_F(FirstJoints, AreExcludedInSavedFilesToo) {
   Scene scene = Build(BaseKind::kFixed);
   const ModelPtr loaded = Compile(ParseXmlString(scene.ToXml()).get());
   ASSERT_EQ(loaded->nexclude, 1);

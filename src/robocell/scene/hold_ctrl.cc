@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/joint_followers.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/actuator_kind.h"
 
@@ -115,12 +116,17 @@ void Hold(const mjModel* model, mjData* data, int actuator) {
 
 void MarkDofs(const mjModel* model, const RobotRecord& robot, const MoveGroupConfig& group,
               std::vector<bool>& dofs) {
+  std::vector<int> joints;
   for (const std::string& name : group.joints) {
     const int joint = FindId(model, mjOBJ_JOINT, robot.prefix + name);
     if (joint < 0) continue;
     const int end = joint + 1 < model->njnt ? model->jnt_dofadr[joint + 1] : int(model->nv);
     for (int dof = model->jnt_dofadr[joint]; dof < end; ++dof) dofs[dof] = true;
+    joints.push_back(joint);
   }
+  if (model->neq == 0 || group.kind != MoveGroupKind::kArm) return;
+  for (const JointFollower& follower : FollowersOf(model, joints))
+    dofs[model->jnt_dofadr[follower.joint]] = true;
 }
 
 bool ActsOn(const mjModel* model, const mjData* data, int actuator, const std::vector<bool>& dofs) {

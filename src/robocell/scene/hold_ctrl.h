@@ -16,15 +16,15 @@ inline constexpr double kServoSlack = 0.02;
 // Returns true if an actuator's activation follows its control with a delay.
 bool IsFiltered(const mjModel* model, int actuator);
 
-// Returns the control with which a position servo would rest at `length`, whatever its control
-// range is. Unset for other actuators.
+// Returns the control with which a position servo would rest at `length`, independent of its
+// control range. Unset for other actuators.
 std::optional<double> FreeRestingCtrl(const mjModel* model, int actuator, double length);
 
 // Returns the control with which a position servo rests at `length`, clamped to the control range.
 // Unset for other actuators.
 std::optional<double> RestingCtrl(const mjModel* model, int actuator, double length);
 
-// The same for the state of `data`: its length must be up to date (position stage).
+// Returns RestingCtrl at the length in `data`, which must be up to date (position stage).
 std::optional<double> HoldingCtrl(const mjModel* model, const mjData* data, int actuator);
 
 // Sets what lags behind the control of a position servo, its filter or its delay, to the value that
@@ -39,7 +39,7 @@ void ForgetPastCtrl(const mjModel* model, mjData* data);
 // (intvelocity) holds by its activation, at control 0; a filtered one has the same number in both.
 struct HoldingInputs {
   double ctrl = 0;
-  std::optional<double> act = {};  // of actuators with an activation
+  std::optional<double> act = {};  // activation of actuators that have one
 };
 
 // Unset for actuators that hold no position: motors, velocity servos, muscles, those with several
@@ -54,7 +54,8 @@ double RestingLength(const mjModel* model, int actuator, const HoldingInputs& in
 // Sets the inputs. Leaves other actuators alone.
 void Hold(const mjModel* model, mjData* data, int actuator);
 
-// Marks the degrees of freedom (nv) of a group's joints.
+// Marks the degrees of freedom (nv) of a group's joints, and of the joints that follow those of an
+// arm.
 void MarkDofs(const mjModel* model, const RobotRecord& robot, const MoveGroupConfig& group,
               std::vector<bool>& dofs);
 

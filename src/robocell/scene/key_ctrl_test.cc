@@ -29,7 +29,7 @@ class HomeKey : public ::testing::Test {
                          .prefix = "g_"};
 };
 
-TEST_F(HomeKey, IsTheOnlyOneAndHoldsEveryRobotAtItsOwnHome) {
+TEST_F(HomeKey, IsUniqueAndHoldsEveryRobotAtItsHome) {
   spec.robots.push_back({.config = config, .prefix = ""});  // brings a key `home` of its own
   config.home["arm"] = {0.5, 0.6};
   spec.robots.push_back({.config = config, .prefix = "b_", .pos = {0, 2, 0}});
@@ -44,7 +44,7 @@ TEST_F(HomeKey, IsTheOnlyOneAndHoldsEveryRobotAtItsOwnHome) {
   EXPECT_DOUBLE_EQ(scene.actuator_ctrl("b_servo2"), 0.6) << "a servo holds the configured home";
 }
 
-TEST_F(HomeKey, HoldsAConfiguredHomeWithServosThatNoGroupLists) {
+TEST_F(HomeKey, HoldsAConfiguredHomeWithUnlistedServos) {
   config.move_groups.at("arm").actuators = {};
   config.home["arm"] = {0.5, 0.6};
   spec.robots.push_back({.config = config});
@@ -53,7 +53,7 @@ TEST_F(HomeKey, HoldsAConfiguredHomeWithServosThatNoGroupLists) {
   EXPECT_DOUBLE_EQ(scene.actuator_ctrl("servo2"), 0.6);
 }
 
-TEST_F(HomeKey, HoldsAGripperWhereItsHomeIs) {
+TEST_F(HomeKey, HoldsAGripperAtItsHome) {
   config.attachments.push_back(gripper);
   config.move_groups["gripper"] = {.kind = MoveGroupKind::kGripper,
                                    .joints = {"g_left_slide", "g_right_slide"},
@@ -67,7 +67,7 @@ TEST_F(HomeKey, HoldsAGripperWhereItsHomeIs) {
   EXPECT_NEAR(Joint(scene, "g_left_slide"), 0.03, 1e-3);
 }
 
-TEST_F(HomeKey, OpensAGripperThatSaysNothingAboutHome) {
+TEST_F(HomeKey, OpensAGripperWithoutAHome) {
   config.attachments.push_back(gripper);
   config.move_groups["gripper"] = {.kind = MoveGroupKind::kGripper,
                                    .joints = {"g_left_slide", "g_right_slide"},
@@ -77,7 +77,7 @@ TEST_F(HomeKey, OpensAGripperThatSaysNothingAboutHome) {
   EXPECT_EQ(Scene::Build(spec).actuator_ctrl("g_grip"), 255);
 }
 
-TEST_F(HomeKey, KeepsTheOwnHomeOfWhatTheConfigurationLeavesOut) {
+TEST_F(HomeKey, KeepsTheModelHomeOfUnconfiguredJoints) {
   config.move_groups.clear();
   config.move_groups["upper"] = {
       .kind = MoveGroupKind::kGeneric, .joints = {"shoulder"}, .actuators = {"servo1"}};
@@ -96,7 +96,7 @@ std::string InDegrees() {
   return arm.replace(arm.find("0.3 -0.4"), 8, "90 -0.4");
 }
 
-TEST_F(HomeKey, AKeyframeInDegreesIsToldWithItsFile) {
+TEST_F(HomeKey, ReportsTheFileOfAKeyframeInDegrees) {
   config.model = folder.Write("degrees", InDegrees());
   spec.robots.push_back({.name = "bob", .config = config});
   try {
@@ -114,7 +114,7 @@ TEST_F(HomeKey, AKeyframeInDegreesIsToldWithItsFile) {
   EXPECT_EQ(Joint(Scene::Build(spec), "shoulder"), 0.5);
 }
 
-TEST_F(HomeKey, CarriesTheBaseScenesOwnHome) {
+TEST_F(HomeKey, IncludesTheHomeOfTheBaseScene) {
   spec.base = folder.Write(
       "lab",
       R"(<worldbody><body name="door"><joint name="hinge"/><geom size="0.1"/></body></worldbody>

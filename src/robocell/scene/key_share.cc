@@ -14,7 +14,7 @@ class KeyOwners {
       : m_(compiled.model()), robots_(std::move(robots)), host_(host) {
     mark_.assign(static_cast<size_t>(m_->nbody), -1);
     listed_.assign(static_cast<size_t>(m_->nactuator), -1);
-    for (size_t i = robots_.size(); i-- > 0;) {  // of several with one root, the first has it
+    for (size_t i = robots_.size(); i-- > 0;) {  // the first of several robots with one root has it
       const int root = FindId(m_, mjOBJ_BODY, robots_[i]->root_body);
       if (root >= 0) mark_[root] = static_cast<int>(i);
     }

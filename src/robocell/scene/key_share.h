@@ -1,5 +1,5 @@
-// Private to scene. What of a keyframe belongs to one robot, where several robots stand in one model
-// (RobotSpec::part_of) and share its keyframes.
+// Private to scene. What of a keyframe belongs to one robot, where several robots stand in one
+// model (RobotSpec::part_of) and share its keyframes.
 #pragma once
 
 #include <string>
@@ -18,8 +18,8 @@ struct KeyShare {
 std::string HostOfPart(const CompiledScene& compiled, const std::string& part);
 
 // A joint belongs to the robot that lists it in a move group; others to the robot of the next joint
-// or root body above them, or to the host. Actuators go with what they move. Everything belongs to a
-// part that shares its model with none.
+// or root body above them, or to the host. Actuators go with what they move. Everything belongs to
+// a part that shares its model with none.
 KeyShare ShareOfKeys(const CompiledScene& compiled, const std::string& part);
 
 }  // namespace robocell::internal

@@ -57,7 +57,7 @@ class SharedKeys : public ::testing::Test {
   std::string model_ = folder_.Write("twins", kTwins);
 };
 
-TEST_F(SharedKeys, OfOneRobotLeaveTheOthersAtHome) {
+TEST_F(SharedKeys, OfOneRobotKeepTheOthersAtHome) {
   Scene scene = Twins("l_base", "r_base");
   EXPECT_EQ(QposAfter(scene, {{"l", "A"}}), (Joints{0.1, 0.01, 0, 0}));
   EXPECT_EQ(QposAfter(scene, {{"r", "A"}}), (Joints{0, 0, 0.2, 0.02}));
@@ -66,12 +66,12 @@ TEST_F(SharedKeys, OfOneRobotLeaveTheOthersAtHome) {
   EXPECT_EQ(QposAfter(scene, {{"l", "B"}, {"r", "home"}}), (Joints{0.3, 0.03, 0, 0}));
 }
 
-TEST_F(SharedKeys, OfRobotsWithOneRootGoByTheirGroups) {
+TEST_F(SharedKeys, OfRobotsWithOneRootAreSplitByGroups) {
   Scene scene = Twins("stand", "stand");
   EXPECT_EQ(QposAfter(scene, {{"l", "A"}, {"r", "B"}}), (Joints{0.1, 0.01, 0.4, 0.04}));
 }
 
-TEST_F(SharedKeys, OfAModelOfItsOwnAreAllTheRobots) {
+TEST_F(SharedKeys, OfASeparateModelBelongToItsRobot) {
   SceneSpec spec = EmptyScene();
   spec.robots.push_back(Arm("l", "stand"));
   Scene scene = Scene::Build(spec);

@@ -41,7 +41,7 @@ void LabelRoots(mjSpec* spec, const std::string& root) {
 }
 
 void LabelActuators(mjSpec* spec) {
-  std::map<std::string, int> seen;  // by their target
+  std::map<std::string, int> seen;  // counts by target
   for (mjsElement* element : SpecElements(spec, mjOBJ_ACTUATOR)) {
     const std::string target = mjs_getString(mjs_asActuator(element)->target);
     const int index = seen[target]++;

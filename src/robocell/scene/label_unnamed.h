@@ -1,5 +1,5 @@
 // Private to scene: gives unnamed elements of a model a label as name, so that everything can be
-// found by name, in a robot's file and in a scene that was built anew.
+// found by name, in a robot's file and in a rebuilt scene.
 //
 // A label gives the element's place: `elbow:joint0` is the first joint of body `elbow`,
 // `hand:body1` its second child, `flange:site0` a site; `joint2:actuator0` the first actuator that
@@ -20,9 +20,8 @@ namespace robocell::internal {
 // of a body in the model's world; further ones get a number.
 void LabelUnnamed(mjSpec* spec, const std::string& root);
 
-// For messages about names that may be labels: returns " ('elbow:joint0' has no name in the model;
-// to give it one: edits: [{joint: {body: elbow, index: 0}, name: NAME}])"; "" for other names of
-// joints.
+// Returns " ('elbow:joint0' has no name in the model; to give it one: edits: [{joint: {body: elbow,
+// index: 0}, name: NAME}])" for a label; "" for other names of joints. For messages.
 std::string HowToNameJoint(const std::string& label);
 
 }  // namespace robocell::internal

@@ -63,7 +63,7 @@ class LabelUnnamed : public ::testing::Test {
   std::string model = folder.Write("bot", kUnnamed);
 };
 
-TEST_F(LabelUnnamed, SayWhereTheElementIs) {
+TEST_F(LabelUnnamed, DescribeThePlaceOfTheElement) {
   const Scene scene = Build();
   EXPECT_THAT(scene.body_names(), ElementsAre("world", "root_body", "turn", "elbow", "elbow:body0",
                                               "elbow:body1", "elbow:body3", "elbow:body3_"));
@@ -99,7 +99,7 @@ TEST_F(LabelUnnamed, AreNamesInARobotFile) {
   EXPECT_EQ(Home(scene, "elbow:body1:joint0"), 0.02) << "the keyframe's, for unnamed joints too";
 }
 
-TEST_F(LabelUnnamed, GiveWayToNamesInEditsAndTheKeyframeGoesAlong) {
+TEST_F(LabelUnnamed, YieldToNamesInEditsAndKeepTheKeyframe) {
   const Scene scene = Build(
       "edits:\n"
       "  - {joint: {body: elbow, index: 0}, name: j2}\n"
@@ -114,7 +114,7 @@ TEST_F(LabelUnnamed, GiveWayToNamesInEditsAndTheKeyframeGoesAlong) {
   EXPECT_GE(FindId(scene.model(), mjOBJ_BODY, "right"), 0);
 }
 
-TEST_F(LabelUnnamed, WhatAnEditHasNamedIsToldByItsNewName) {
+TEST_F(LabelUnnamed, SuggestsTheNameGivenByAnEdit) {
   const Scene scene = Build(
       "edits:\n  - {joint: {body: elbow, index: 0}, name: j2}\n"
       "  - {body: {body: elbow, index: 1}, name: left}\n"
@@ -134,7 +134,7 @@ TEST_F(LabelUnnamed, WhatAnEditHasNamedIsToldByItsNewName) {
       "It is called 'left' now: edits[1]");
 }
 
-TEST_F(LabelUnnamed, AJointThatTheArmLeavesOutIsToldWithTheEditThatNamesIt) {
+TEST_F(LabelUnnamed, SuggestsTheEditThatNamesAMissingJoint) {
   ExpectThrow<SpecError>(
       [&] {
         Build(
@@ -147,7 +147,7 @@ TEST_F(LabelUnnamed, AJointThatTheArmLeavesOutIsToldWithTheEditThatNamesIt) {
       "index: 0}, name: NAME}])");
 }
 
-TEST_F(LabelUnnamed, ActuatorsOfEditsAreToldApart) {
+TEST_F(LabelUnnamed, DistinguishesActuatorsOfOneJoint) {
   ExpectThrow<NotFoundError>([&] { Build("edits: [{actuator: {joint: j1}, name: x}]\n"); },
                              "bot.yaml:3:9: robot 'bot' / edits[0]: 3 actuators act on joint 'j1'; "
                              "write which: j1:actuator0, servo1, j1:actuator2");
@@ -162,7 +162,7 @@ TEST_F(LabelUnnamed, ActuatorsOfEditsAreToldApart) {
       "{joint: name}, the joint that it acts on (likewise tendon, site, body)");
 }
 
-TEST_F(LabelUnnamed, OfToolsAreApartFromThoseOfTheRobot) {
+TEST_F(LabelUnnamed, OfToolsAreDistinctFromThoseOfTheRobot) {
   folder.Write("tool", R"(<worldbody><body><geom size="0.01"/><body><joint/><geom size="0.01"/>
       </body></body></worldbody>)");
   const Scene scene = Build("attachments: [{mjcf_path: tool.xml, attach_to: {body: elbow}}]\n");
@@ -176,14 +176,14 @@ TEST_F(LabelUnnamed, OfABaseScene) {
   EXPECT_EQ(Home(scene, "elbow:joint0"), 0.2);
 }
 
-TEST_F(LabelUnnamed, WhatStaysBehindIsToldWithItsNumber) {
+TEST_F(LabelUnnamed, ReportsOmittedElementsByNumber) {
   folder.Write("bot", R"(<worldbody><light/><light name="lamp"/><geom size="0.1"/><body name="b">
       <geom size="0.1"/></body></worldbody>)");
   const Scene scene = Build();
   ASSERT_EQ(scene.compiled()->notes().size(), 1u);
   EXPECT_THAT(scene.compiled()->notes()[0],
-              HasSubstr("left out of its world: light 0 (unnamed), light 'lamp'; the scene"));
-  EXPECT_THAT(scene.compiled()->warnings(), ElementsAre(HasSubstr("world: geom 0 (unnamed)")));
+              HasSubstr("left out: light 0 (unnamed), light 'lamp'; the scene"));
+  EXPECT_THAT(scene.compiled()->warnings(), ElementsAre(HasSubstr("left out: geom 0 (unnamed)")));
 }
 
 }  // namespace

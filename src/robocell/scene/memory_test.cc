@@ -56,25 +56,25 @@ SceneSpec Meshes() {
 }
 
 // The measurement detects a loop that leaks.
-TEST(Memory, TheMeasurementSeesALeakOfAKilobyte) {
+TEST(Memory, TheMeasurementDetectsALeakOfAKilobyte) {
   if (BytesInUse() == 0) return;  // the leak detector would see it too, and fail
   std::vector<std::unique_ptr<char[]>> kept;
   kept.reserve(2000);
   EXPECT_GT(BytesLeft(1000, [&] { kept.push_back(std::make_unique<char[]>(1024)); }), kMostBytes);
 }
 
-TEST(Memory, AThousandBuildsOfPrimitivesLeaveNothingBehind) {
+TEST(Memory, AThousandBuildsOfPrimitivesLeakNothing) {
   const SceneSpec spec = Primitives();
   EXPECT_LT(BytesLeft(1000, [&] { EXPECT_TRUE(Scene::Build(spec).Step().ok()); }), kMostBytes);
 }
 
-TEST(Memory, AHundredBuildsWithMeshesLeaveNothingBehind) {
+TEST(Memory, AHundredBuildsWithMeshesLeakNothing) {
   REQUIRE_MENAGERIE("ufactory_xarm7");
   const SceneSpec spec = Meshes();
   EXPECT_LT(BytesLeft(100, [&] { EXPECT_TRUE(Scene::Build(spec).Step().ok()); }), kMostBytes);
 }
 
-TEST(Memory, TenThousandResetsLeaveNothingBehind) {
+TEST(Memory, TenThousandResetsLeakNothing) {
   Scene scene = Scene::Build(Primitives());
   uint64_t seed = 0;
   EXPECT_LT(BytesLeft(10'000,
@@ -85,7 +85,7 @@ TEST(Memory, TenThousandResetsLeaveNothingBehind) {
             kMostBytes);
 }
 
-TEST(Memory, AHundredObjectsThatComeAndGoLeaveNothingBehind) {
+TEST(Memory, AHundredAddedAndRemovedObjectsLeakNothing) {
   Scene scene = Scene::Build(Primitives());
   const SceneObject mug{
       .name = "mug", .mjcf_path = "mug", .pos = Vec3{0.5, 0.5, 0}, .fixed = false};
@@ -98,7 +98,7 @@ TEST(Memory, AHundredObjectsThatComeAndGoLeaveNothingBehind) {
             kMostBytes);
 }
 
-TEST(Memory, AThousandSwapsOfThePoolLeaveNothingBehind) {
+TEST(Memory, AThousandPoolSwapsLeakNothing) {
   SceneSpec spec = Primitives();
   spec.objects[0].parked = true;
   Scene scene = Scene::Build(spec);

@@ -39,7 +39,7 @@ int FirstJointsThatTouch(const mjModel* m) {
 
 class Menagerie : public ::testing::TestWithParam<std::string> {};
 
-TEST_P(Menagerie, RobotComesWithAllItHas) {
+TEST_P(Menagerie, RobotKeepsAllItsElements) {
   REQUIRE_MENAGERIE(GetParam());
   const std::string file = menagerie::ModelPath(GetParam());
   const ModelPtr alone(mj_loadXML(file.c_str(), nullptr, nullptr, 0));
@@ -73,7 +73,7 @@ TEST_P(Menagerie, RobotComesWithAllItHas) {
             0);
 }
 
-TEST_P(Menagerie, SceneFileIsABase) {
+TEST_P(Menagerie, SceneFileCanBeABase) {
   REQUIRE_MENAGERIE(GetParam());
   SceneSpec spec;
   spec.base = "menagerie:" + GetParam() + "/scene.xml";

@@ -113,7 +113,7 @@ class OptionComparison {
   void Compare(const char* name, T mjOption::*option, const Show& show) {
     const T asked = part_.*option, used = scene_.*option;
     if (asked == defaults_.*option || asked == used) return;
-    log_.Warn(place_, fmt::format("asks for {} {}, the scene uses {}; set it in the scene's "
+    log_.Warn(place_, fmt::format("sets {} {}, but the scene uses {}; set it in the scene's "
                                   "options if it matters",
                                   name, show(asked), show(used)));
   }
@@ -202,7 +202,7 @@ void WarnReplacedOptions(const mjOption& base, const SceneSpec& scene, CompileLo
   OptionComparison(base, WithSceneOptions(base, scene.options), "base", log).CompareAll();
   const auto same = [&](const mjtNum* other) { return std::equal(other, other + 3, base.gravity); };
   if (same(defaults.gravity) || same(scene.gravity.data())) return;
-  log.Warn("base", fmt::format("asks for gravity {}, the scene uses {}; set it in the scene if it "
+  log.Warn("base", fmt::format("sets gravity {}, but the scene uses {}; set it in the scene if it "
                                "matters",
                                fmt::join(base.gravity, " "), fmt::join(scene.gravity, " ")));
 }

@@ -28,7 +28,7 @@ void WarnWrongSolver(const SceneSpec& scene, const mjModel* model, CompileLog& l
 void WarnOtherOptions(const mjOption& part, const SimOptions& scene, const std::string& place,
                       CompileLog& log);
 
-// The same for the base of a scene, whose options stay unless the scene sets them.
+// Warns about options of the base of a scene that the scene replaces; the others stay.
 void WarnReplacedOptions(const mjOption& base, const SceneSpec& scene, CompileLog& log);
 
 // Resets options, visual settings and statistics of a part to the engine's defaults, so that

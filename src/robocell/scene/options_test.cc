@@ -76,7 +76,7 @@ TEST_F(Options, AllReachTheModel) {
   EXPECT_EQ(o.enableflags, mjENBL_ENERGY);
 }
 
-TEST_F(Options, OfTheBaseCountWhereTheSceneSaysNothing) {
+TEST_F(Options, OfTheBaseApplyUnlessTheSceneSetsThem) {
   spec.base = folder.Write("lab", R"(<option timestep="0.004" iterations="33"/>)");
   spec.timestep.reset();
   const mjOption option = Compiled();
@@ -85,7 +85,7 @@ TEST_F(Options, OfTheBaseCountWhereTheSceneSaysNothing) {
   EXPECT_EQ(option.cone, mjCONE_ELLIPTIC);
 }
 
-TEST_F(Options, WithATimestepOfTheBaseThatNeverEndsAreRefused) {
+TEST_F(Options, RejectAnInvalidTimestepOfTheBase) {
   spec.base = folder.Write("lab", R"(<option timestep="1e-9"/>)");
   spec.timestep.reset();
   ExpectThrow<SpecError>([&] { Compiled(); },
@@ -93,7 +93,7 @@ TEST_F(Options, WithATimestepOfTheBaseThatNeverEndsAreRefused) {
                          "at least 1e-05 s");
 }
 
-TEST_F(Options, OfPartsAreReportedNotTaken) {
+TEST_F(Options, OfPartsAreReportedAndIgnored) {
   const std::string rubber = folder.Write(
       "rubber",
       R"(<option integrator="RK4" impratio="4" noslip_iterations="5"><flag contact="disable" energy="enable"/></option>
@@ -104,13 +104,13 @@ TEST_F(Options, OfPartsAreReportedNotTaken) {
   EXPECT_EQ(option.disableflags, mjDSBL_AUTORESET);
   EXPECT_THAT(
       scene->warnings(),
-      ElementsAre(HasSubstr("object 'duck': asks for integrator rk4, the scene uses implicitfast"),
-                  HasSubstr("asks for impratio 4, the scene uses 10"),
-                  HasSubstr("asks for noslip_iterations 5, the scene uses 0"),
+      ElementsAre(HasSubstr("object 'duck': sets integrator rk4, but the scene uses implicitfast"),
+                  HasSubstr("sets impratio 4, but the scene uses 10"),
+                  HasSubstr("sets noslip_iterations 5, but the scene uses 0"),
                   HasSubstr("disables 'contact'"), HasSubstr("enables 'energy'")));
 }
 
-TEST_F(Options, ThatTheSceneHasTooAreNotReported) {
+TEST_F(Options, EqualToThoseOfTheSceneAreNotReported) {
   spec.options.disable = {"contact"};
   spec.options.enable = {"energy"};
   spec.options.iterations = 7;
@@ -128,11 +128,11 @@ TEST_F(Options, OfTheBaseThatTheSceneReplacesAreReported) {
       "lab", R"(<option cone="elliptic" integrator="RK4" iterations="33" gravity="0 0 -1.6"/>)");
   Compiled();
   EXPECT_THAT(scene->warnings(),
-              ElementsAre(HasSubstr("base: asks for integrator rk4, the scene uses implicitfast"),
-                          HasSubstr("base: asks for gravity")));
+              ElementsAre(HasSubstr("base: sets integrator rk4, but the scene uses implicitfast"),
+                          HasSubstr("base: sets gravity")));
 }
 
-TEST_F(Options, OfRealRobotsSurviveBecauseTheSceneHasThem) {
+TEST_F(Options, OfRealRobotsMatchTheDefaults) {
   REQUIRE_MENAGERIE("kinova_gen3", "robotiq_2f85");
   spec.robots.push_back(Gen3With2F85());
   const mjOption option = Compiled();
@@ -145,7 +145,7 @@ TEST_F(Options, OfRealRobotsSurviveBecauseTheSceneHasThem) {
   EXPECT_THAT(
       scene->warnings(),
       ElementsAre(HasSubstr(
-          "robot 'robot' / attachment 'g_': asks for cone elliptic, the scene uses pyramidal")));
+          "robot 'robot' / attachment 'g_': sets cone elliptic, but the scene uses pyramidal")));
 }
 
 TEST_F(Options, WithUnknownFlagsSuggestTheRightOnes) {

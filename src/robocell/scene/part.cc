@@ -12,6 +12,7 @@
 
 #include "robocell/assets/model_files.h"
 #include "robocell/assets/resolve.h"
+#include "robocell/assets/urdf.h"
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/compile.h"
@@ -20,6 +21,7 @@
 #include "robocell/scene/label_unnamed.h"
 #include "robocell/scene/options.h"
 #include "robocell/scene/spec_tree.h"
+#include "robocell/scene/urdf_model.h"
 #include "robocell/scene/validate_model_file.h"
 
 namespace robocell::internal {
@@ -60,7 +62,7 @@ WorldGeoms GeomsInWorld(const Part& part) {
 // The scene has its own floors and lights: leaving out those of a model is no loss.
 void WarnLeftBehind(const Part& part, mjsBody* root, CompileLog& log) {
   const auto text = [&](const std::vector<std::string>& names) {
-    return fmt::format("only {} of {} is attached; left out of its world: {}",
+    return fmt::format("only {} of {} is attached; left out: {}",
                        DescribeSpecElement(root->element), part.file, ListNames(names));
   };
   const WorldGeoms geoms = GeomsInWorld(part);
@@ -70,7 +72,7 @@ void WarnLeftBehind(const Part& part, mjsBody* root, CompileLog& log) {
     for (std::string& element : InWorld(part, kind)) left.push_back(std::move(element));
   }
   if (!left.empty())
-    log.Warn(part.place, text(left) + "; what belongs to it goes into that body in the file");
+    log.Warn(part.place, text(left) + "; move the rest of the part into that body");
   const std::vector<std::string> lights = InWorld(part, mjOBJ_LIGHT);
   if (!lights.empty()) log.Note(part.place, text(lights) + "; the scene has its own");
   if (!geoms.floors.empty())
@@ -80,7 +82,7 @@ void WarnLeftBehind(const Part& part, mjsBody* root, CompileLog& log) {
 
 // A plane is infinite: below a robot it would be a second floor that moves with the robot.
 void WarnPlanes(const Part& part, CompileLog& log) {
-  if (part.field != "model" && part.field != "path") return;  // of a robot
+  if (part.field != "model" && part.field != "path") return;  // robots only
   for (mjsElement* element : SpecElements(part.spec.get(), mjOBJ_GEOM)) {
     const mjsGeom* geom = mjs_asGeom(element);
     const mjsBody* body = mjs_getParent(element);
@@ -134,19 +136,34 @@ std::optional<std::string> FindModel(const std::string& name, const std::string&
   return std::nullopt;
 }
 
+SpecPtr ParseModel(const std::string& file, const std::string& place, UrdfServos servos,
+                   CompileLog& log) {
+  if (!IsUrdf(file)) {
+    RequireOnlyFiles(file);
+    return ParseXmlFile(file);
+  }
+  const Urdf urdf = ReadUrdf(file);
+  SpecPtr spec = MakeUrdfSpec(urdf);
+  for (const std::string& note : urdf.notes) log.Warn(place, note);
+  if (servos == UrdfServos::kAll) {
+    for (const std::string& note : AddUrdfServos(urdf, spec.get())) log.Note(place, note);
+  }
+  return spec;
+}
+
 std::optional<Part> LoadPart(const std::string& name, const std::string& directory,
                              const std::string& place, const std::string& field,
                              const SimOptions& options, const std::string& root_label,
-                             CompileLog& log) {
+                             CompileLog& log, UrdfServos servos) {
   const auto file = FindModel(name, directory, place, field, log);
   if (!file) return std::nullopt;
   const size_t before = log.problem_count();
   Part part{place, field, *file, nullptr, {}};
   try {
-    RequireOnlyFiles(*file);
-    part.spec = ParseXmlFile(*file);
+    part.spec = ParseModel(*file, place, servos, log);
   } catch (const SpecError& error) {
-    log.Problem(place, error.what(), field);
+    const std::string pointers = AdviceAboutPointers(*file);
+    log.Problem(place, pointers.empty() ? error.what() : pointers, field);
     return std::nullopt;
   }
   if (!root_label.empty()) LabelUnnamed(part.spec.get(), root_label);

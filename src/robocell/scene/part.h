@@ -25,13 +25,22 @@ struct Part {
     std::string prefix, file;
   };
   std::string place;  // "robot 'left'", for messages
-  std::string field;  // of its spec: the one that names the file
+  std::string field;  // field of the spec that names the file
   std::string file;
   SpecPtr spec;
   PartKeys keys;
   std::string other_keys = {};  // remark about keyframes with other names; may be empty
   std::vector<Tool> tools = {};
 };
+
+// Whether the joints of a URDF, which has no actuators, get position servos: those of robots and
+// tools do.
+enum class UrdfServos { kNone, kAll };
+
+// Returns the spec of a model file, MJCF or URDF. Remarks about a URDF go to the log. Throws the
+// errors of ParseXmlFile and ReadUrdf.
+SpecPtr ParseModel(const std::string& file, const std::string& place, UrdfServos servos,
+                   CompileLog& log);
 
 // Returns the absolute path of a model file that `field` names. Unset, with an entry in the log, if
 // it is not found.
@@ -46,7 +55,7 @@ std::optional<std::string> FindModel(const std::string& name, const std::string&
 std::optional<Part> LoadPart(const std::string& name, const std::string& directory,
                              const std::string& place, const std::string& field,
                              const SimOptions& options, const std::string& root_label,
-                             CompileLog& log);
+                             CompileLog& log, UrdfServos servos = UrdfServos::kNone);
 
 // Returns the body of the part that is attached: the only child of its world, or the one that
 // contains the given `root_body` (null for parts without such a field). Null, with a problem in the
@@ -64,10 +73,10 @@ bool MakeAssetPathsAbsolute(mjSpec* spec, const std::string& file, const std::st
 void AttachPart(mjsBody* parent, const Part& part, mjsBody* root, const class Pose& pose,
                 const std::string& prefix, CompileLog& log);
 
-// For parts that are attached without a prefix: renames the part's default classes where `parent`
-// has classes of the same name. An attachment with an empty prefix would leave two classes of one
-// name, which the engine saves to an XML file that it cannot read. Classes matter only for saving;
-// elements keep their values.
+// Renames default classes of a part that is attached without a prefix, if `parent` has classes of
+// the same name. An attachment with an empty prefix would leave two classes of one name, which the
+// engine saves to an XML file that it cannot read. Classes matter only for saving; elements keep
+// their values.
 void MakeClassNamesUnique(const Part& part, const mjSpec* parent);
 
 }  // namespace robocell::internal

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
 
@@ -96,9 +97,7 @@ void NameUnnamed(mjSpec* spec, const std::string& place) {
   };
   std::vector<mjsElement*> joints;
   CollectJoints(WorldBody(spec), joints);
-  for (size_t i = 0; i < joints.size(); ++i) {
-    if (mjs_asJoint(joints[i])->type != mjJNT_FREE) name(joints[i], i);
-  }
+  for (size_t i = 0; i < joints.size(); ++i) name(joints[i], i);
   const std::vector<mjsElement*> actuators = SpecElements(spec, mjOBJ_ACTUATOR);
   for (size_t i = 0; i < actuators.size(); ++i) name(actuators[i], i);
 }
@@ -163,6 +162,18 @@ PartKey ReadKey(mjSpec* spec, const mjsKey* key, const ActuatorSizes& sizes,
   return out;
 }
 
+constexpr size_t kFreePositions = 7;
+
+// Returns a rotation without its heading, which is its twist about z.
+Pose WithoutHeading(const Pose& pose) {
+  const Quaternion& q = pose.quaternion();
+  const double norm = std::hypot(q[2], q[3]);
+  // Upside down there is no heading.
+  const Quaternion heading =
+      norm < 1e-9 ? Quaternion{0, 0, 0, 1} : Quaternion{0, 0, q[2] / norm, q[3] / norm};
+  return Pose(Eigen::Vector3d::Zero(), heading).inverse() * Pose(Eigen::Vector3d::Zero(), q);
+}
+
 template <class Map>
 void RenameKey(Map& map, const std::string& from, const std::string& to) {
   auto entry = map.extract(from);
@@ -206,6 +217,39 @@ void PartKey::Rename(mjtObj kind, const std::string& from, const std::string& to
   } else if (kind == mjOBJ_BODY) {
     RenameKey(mocap, from, to);
   }
+}
+
+void PartKey::PlaceFree(const Pose& world, FreeKeys kept) {
+  for (auto joint = qpos.begin(); joint != qpos.end();) {
+    std::vector<double>& values = joint->second;
+    if (values.size() != kFreePositions) {
+      ++joint;
+      continue;
+    }
+    const auto velocity = qvel.find(joint->first);
+    if (kept == FreeKeys::kNone) {
+      if (velocity != qvel.end()) qvel.erase(velocity);
+      joint = qpos.erase(joint);
+      continue;
+    }
+    const Pose key = Pose::FromWxyz(values.data(), values.data() + 3);
+    Pose placed = key;
+    if (kept == FreeKeys::kHeightAndTilt)
+      placed = Pose({0, 0, key.translation().z()}, WithoutHeading(key).quaternion());
+    placed = world * placed;
+    placed.ToWxyz(values.data(), values.data() + 3);
+    if (velocity != qvel.end()) {  // the engine gives the linear velocity in the world's frame
+      const Eigen::Map<const Eigen::Vector3d> linear(velocity->second.data());
+      const Eigen::Vector3d turned = placed.rotation() * key.rotation().transpose() * linear;
+      std::copy_n(turned.data(), 3, velocity->second.begin());
+    }
+    ++joint;
+  }
+}
+
+void PartKeys::PlaceFree(const Pose& world, FreeKeys kept) {
+  home.PlaceFree(world, kept);
+  for (auto& [name, key] : presets) key.PlaceFree(world, kept);
 }
 
 PartKey* PartKeys::Find(const std::string& name) {

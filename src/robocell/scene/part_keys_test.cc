@@ -6,6 +6,7 @@
 
 #include "robocell/scene/scene.h"
 #include "robocell/scene/testing/keyed_arms.h"
+#include "robocell/spec/yaml.h"
 
 namespace robocell::internal {
 namespace {
@@ -19,7 +20,7 @@ using ::testing::Not;
 
 class PartKeysTest : public KeyedArms {};
 
-TEST_F(PartKeysTest, OfRobotAndToolThatAreCalledAlikeAreOne) {
+TEST_F(PartKeysTest, OfRobotAndToolWithEqualNamesAreMerged) {
   AddArm(kHomeAndRetract);
   const std::string tool = folder.Write(
       "tool",
@@ -33,7 +34,7 @@ TEST_F(PartKeysTest, OfRobotAndToolThatAreCalledAlikeAreOne) {
   EXPECT_EQ(scene.joint_pos("t"), 0.7);
 }
 
-TEST_F(PartKeysTest, WithoutANameAreCalledByTheirNumberInTheFile) {
+TEST_F(PartKeysTest, WithoutANameAreNumbered) {
   AddArm(R"(<key name="home" qpos="0 0"/><key qpos="0.5 0.5"/>)");
   Scene scene = Scene::Build(spec);
   EXPECT_THAT(scene.keyframes(), ElementsAre("home", "key1"));
@@ -87,7 +88,7 @@ constexpr const char* kRich = R"(
          mpos="1 2 3" mquat="0 1 0 0"/>
   </keyframe>)";
 
-TEST_F(PartKeysTest, CarryAllThatTheEnginesKeysHold) {
+TEST_F(PartKeysTest, KeepAllFieldsOfEngineKeys) {
   const std::string file = folder.Write("rich", kRich);
   spec.base = file;
   const Scene scene = Scene::Build(spec);

@@ -16,7 +16,7 @@ namespace robocell::internal {
 
 struct Placement {
   mjsBody* parent = nullptr;
-  Pose pose;  // in the parent body
+  Pose pose;  // pose in the parent body
 };
 
 // The meaning of robots' names while a scene is put together.

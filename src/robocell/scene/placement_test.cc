@@ -89,7 +89,7 @@ struct RandomRig {
 const std::vector<AttachTarget> kTargets = {
     World(), Root(), SharedBase(), Body("shelf_board"), Site("shelf_spot"), Frame("shelf_inner")};
 
-TEST(Placement, RobotsStandAtParentTimesPoseTimesAuthoredPoseOnEveryBase) {
+TEST(Placement, RobotPosesAreParentTimesPoseTimesAuthoredPose) {
   for (uint64_t seed = 0; seed < 60; ++seed) {
     RandomRig rig(seed);
     const AttachTarget target = kTargets[seed % kTargets.size()];
@@ -122,7 +122,7 @@ TEST(Placement, RobotsStandAtParentTimesPoseTimesAuthoredPoseOnEveryBase) {
   }
 }
 
-TEST(Placement, ARobotOffItsOriginStandsInTheMiddleOfItsPedestal) {
+TEST(Placement, ARobotOffItsOriginIsCentredOnItsPedestal) {
   ModelFolder folder;
   RobotSpec robot = AsideOnAPedestal(folder, 0);
   const Pose turned = Pose::FromRpy({0, 0, 0}, {0, 0, std::numbers::pi / 2});
@@ -144,7 +144,7 @@ TEST(Placement, ARobotOffItsOriginStandsInTheMiddleOfItsPedestal) {
       << "without a pedestal it is where its file has it";
 }
 
-TEST(Placement, ObjectsAndCamerasStandAtParentTimesPose) {
+TEST(Placement, ObjectAndCameraPosesAreParentTimesPose) {
   for (uint64_t seed = 0; seed < 24; ++seed) {
     RandomRig rig(seed);
     const AttachTarget target = kTargets[seed % kTargets.size()];
@@ -185,7 +185,7 @@ TEST(Placement, TargetsCanBeRobotsBasesAndAttachmentSites) {
                    scene.site_pose("l_flange") * Pose(Eigen::Vector3d(0, 0.1, 0)));
 }
 
-TEST(Placement, ToolsStandAtFramesWithAnglesInDegreesAboutFixedAxes) {
+TEST(Placement, ToolPosesUseDegreesAboutFixedAxes) {
   RandomRig rig(11);
   const std::string arm =
       rig.folder.Write("hand", fmt::format(R"(<worldbody><body name="hand"><geom size="0.1"/>
@@ -239,7 +239,7 @@ TEST(Placement, EditsInPlaceMoveTheTool) {
                    Pose::FromRpy({0, 0, 0.005}, {0, 0, 15 * std::numbers::pi / 180}));
 }
 
-TEST(Placement, TheRigIsWhatTheSceneSays) {
+TEST(Placement, TheRigMatchesTheSpec) {
   RandomRig rig(3);
   const Scene scene = Scene::Build(rig.spec);
   EXPECT_SAME_POSE(scene.root_frame_to_world(), rig.spec.root_frame_to_world);
@@ -248,7 +248,7 @@ TEST(Placement, TheRigIsWhatTheSceneSays) {
   EXPECT_SAME_POSE(SharedBaseFrameToWorld(rig.spec), scene.shared_base_frame_to_world());
 }
 
-TEST(Placement, AModelsOwnEulerSequenceIsUnderstood) {
+TEST(Placement, RespectsTheEulerSequenceOfAModel) {
   ModelFolder folder;
   SceneSpec spec = EmptyScene();
   const std::string arm = folder.Write("arm", R"(<compiler angle="degree" eulerseq="zyx"/>
@@ -260,7 +260,7 @@ TEST(Placement, AModelsOwnEulerSequenceIsUnderstood) {
                    Pose::FromWxyz(alone->body_pos + 3, alone->body_quat + 4));
 }
 
-TEST(Placement, AMocapBaseOnSomethingThatMovesIsRefused) {
+TEST(Placement, RejectsAMocapBaseOnAMovingParent) {
   ModelFolder folder;
   SceneSpec spec = EmptyScene();
   spec.robots.push_back({.path = folder.Write("arm", kTwoJointArm), .prefix = "a_"});
@@ -285,8 +285,8 @@ TEST(Placement, AMocapBaseMovesItsRobot) {
                    Pose::FromRpy({1, 2, 0}, {0, 0, 1}) * Pose(Eigen::Vector3d(0, 0, 0.8)));
 }
 
-TEST(Placement, APedestalTouchesNothingThatIsStatic) {  // the engine's rule: base placement must
-                                                        // check statics itself
+TEST(Placement, APedestalDoesNotCollideWithStaticGeoms) {  // the engine's rule: base placement must
+                                                           // check statics itself
   ModelFolder folder;
   SceneSpec spec = EmptyScene();
   SceneObject block = BoxObject("block", {0, 0, 0.25});

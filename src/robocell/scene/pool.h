@@ -39,7 +39,7 @@ class PooledObject {
 
   // Removes contacts and weight, or restores those of its file.
   void Switch(mjModel* m, bool parked) const;
-  // Returns true if the model has the contacts and weight of a reset, whatever `parked` is.
+  // Returns true if the model has the contacts and weight of a reset, for any `parked`.
   bool IsAsAfterReset(const mjModel* m) const;
   // Puts it at rest, with the joints and controls of key `home`, and the free joint at `pos`.
   void Put(const mjModel* m, mjData* d, int home_key, const mjtNum* pos) const;

@@ -79,7 +79,7 @@ std::vector<double> Masks(const Scene& scene, const std::string& body) {
           m->body_gravcomp[b]};
 }
 
-TEST_F(Pool, StartsAsTheSpecSaysAndComesAndGoesByName) {
+TEST_F(Pool, StartsFromTheSpecAndChangesByName) {
   Scene scene = Scene::Build(spec);
   EXPECT_THAT(scene.object_names(), ElementsAre("table", "b", "cube"));
   EXPECT_THAT(scene.parked_objects(), ElementsAre("a", "jar", "mug"));
@@ -107,7 +107,7 @@ TEST_F(Pool, StartsAsTheSpecSaysAndComesAndGoesByName) {
 }
 
 // Measured at one each; compiling anew takes dozens.
-TEST_F(Pool, ComingOrGoingTakesNoLongerThanAFewForwards) {
+TEST_F(Pool, AddingOrRemovingTakesAFewForwards) {
   Scene scene = Scene::Build(spec);
   const auto comes_and_goes = [&] {
     for (int i = 0; i < 10; ++i) {
@@ -122,7 +122,7 @@ TEST_F(Pool, ComingOrGoingTakesNoLongerThanAFewForwards) {
 }
 
 // The same object with another pose: the result equals a scene that was built so.
-TEST_F(Pool, ASpecWithAnotherPoseIsPlacedThere) {
+TEST_F(Pool, ASpecWithAnotherPoseMovesTheObject) {
   Scene scene = Scene::Build(spec);
   SceneObject jar = spec.objects[3];
   scene.AddObject(jar);
@@ -140,7 +140,7 @@ TEST_F(Pool, ASpecWithAnotherPoseIsPlacedThere) {
   EXPECT_FALSE(scene.body_pose("jar_jar").is_close(declared, 0.1, 0.1));
 }
 
-TEST_F(Pool, RemovingAndAddingGivesBackStateAndModelToTheBit) {
+TEST_F(Pool, RemovingAndAddingRestoresStateAndModelBitwise) {
   Scene scene = Scene::Build(spec);
   for (int round = 0; round < 5; ++round) {
     EXPECT_TRUE(scene.StepN(30).ok());
@@ -159,7 +159,7 @@ TEST_F(Pool, RemovingAndAddingGivesBackStateAndModelToTheBit) {
   }
 }
 
-TEST_F(Pool, WhatIsParkedRestsAndMovesNothing) {
+TEST_F(Pool, ParkedObjectsRestAndMoveNothing) {
   SceneSpec without = spec;
   std::erase_if(without.objects.boxes(), [](const auto& o) { return o->parked == true; });
   Scene scene = Scene::Build(spec), bare = Scene::Build(without);
@@ -175,7 +175,7 @@ TEST_F(Pool, WhatIsParkedRestsAndMovesNothing) {
 }
 
 // The history of an object in the scene has no effect when it returns, or on the other objects.
-TEST_F(Pool, ATrajectoryAfterAResetDependsOnNothingBefore) {
+TEST_F(Pool, ATrajectoryAfterAResetIsIndependentOfThePast) {
   Scene lived = Scene::Build(spec), fresh = Scene::Build(spec);
   lived.AddObject("a");
   lived.AddObject("jar");
@@ -199,7 +199,7 @@ TEST_F(Pool, ATrajectoryAfterAResetDependsOnNothingBefore) {
   EXPECT_TRUE(run(lived, {.use_keyframe = false}) == run(fresh, {.use_keyframe = false}));
 }
 
-TEST_F(Pool, AHookChoosesWhatIsThere) {
+TEST_F(Pool, AHookChoosesTheObjectsInTheScene) {
   Scene scene = Scene::Build(spec);
   scene.AddResetHook([](ResetContext& reset) {
     reset.scene.AddObject("mug", Pose(Eigen::Vector3d(0.4, 0.3, 0.05)));
@@ -213,7 +213,7 @@ TEST_F(Pool, AHookChoosesWhatIsThere) {
 }
 
 // A state contains the set of active objects.
-TEST_F(Pool, StatesBringTheirObjectsBack) {
+TEST_F(Pool, StatesRestoreTheirObjects) {
   Scene scene = Scene::Build(spec);
   const std::vector<double> before = scene.state();
   scene.AddObject("a");
@@ -231,7 +231,7 @@ TEST_F(Pool, StatesBringTheirObjectsBack) {
   EXPECT_TRUE(scene.state() == later);
 }
 
-TEST_F(Pool, StaysWhenTheSceneIsCompiledAnew) {
+TEST_F(Pool, StaysWhenTheSceneIsRecompiled) {
   Scene scene = Scene::Build(spec);
   scene.AddObject("jar");
   scene.RemoveObject("b");
@@ -249,7 +249,7 @@ TEST_F(Pool, StaysWhenTheSceneIsCompiledAnew) {
   EXPECT_THAT(scene.parked_objects(), ElementsAre("a", "jar", "mug"));
 }
 
-TEST_F(Pool, SavedXmlHasWhatIsThereAndBinaryAll) {
+TEST_F(Pool, SavedXmlOmitsParkedObjectsAndBinaryKeepsThem) {
   Scene scene = Scene::Build(spec);
   scene.AddObject("jar");
   scene.mutable_model()->geom_friction[0] = 0.125;
@@ -269,7 +269,7 @@ TEST_F(Pool, SavedXmlHasWhatIsThereAndBinaryAll) {
   EXPECT_EQ(LoadBinary(file)->nbody, scene.model()->nbody);
 }
 
-TEST_F(Pool, ComesFromTheCacheToo) {
+TEST_F(Pool, IsRestoredFromTheCache) {
   const auto first = CompileSceneCached(spec, folder.path());
   Scene scene = Scene::FromCompiled(CompileSceneCached(spec, folder.path()));
   EXPECT_THAT(scene.parked_objects(), ElementsAre("a", "jar", "mug"));
@@ -280,7 +280,7 @@ TEST_F(Pool, ComesFromTheCacheToo) {
   EXPECT_TRUE(other.state() == scene.state());
 }
 
-TEST_F(Pool, WhatAResetParksStartsNowhereAlsoWhileItIsInTheScene) {
+TEST_F(Pool, RejectsStartPosesOfObjectsThatAResetParks) {
   Scene scene = Scene::Build(spec);
   const auto start = [&] { scene.Reset({.body_poses = {{"a", Pose()}}}); };
   const char* refused =
@@ -293,7 +293,7 @@ TEST_F(Pool, WhatAResetParksStartsNowhereAlsoWhileItIsInTheScene) {
   EXPECT_TRUE(scene.state() == state);
 }
 
-TEST_F(Pool, WhatIsRefusedIsToldAndChangesNothing) {
+TEST_F(Pool, RejectedChangesLeaveTheSceneAlone) {
   Scene scene = Scene::Build(spec);
   const std::vector<double> state = scene.state();
   ExpectThrow<ArgumentError>([&] { scene.AddObject("b"); },
@@ -328,7 +328,7 @@ TEST_F(Pool, WhatIsRefusedIsToldAndChangesNothing) {
                          "compiling; set fixed: false, or leave parked unset");
 }
 
-TEST_F(Pool, OfAFrozenModelStaysAsItIs) {
+TEST_F(Pool, OfAFrozenModelCannotChange) {
   const auto compiled = CompileScene(spec);
   compiled->Freeze();
   Scene scene = Scene::FromCompiled(compiled), other = Scene::FromCompiled(compiled);
@@ -361,7 +361,7 @@ std::vector<double> PoolAndFall(Scene& scene) {
   return out;
 }
 
-TEST_F(Pool, IsForEachSceneOnAModelAsForTheFirst) {
+TEST_F(Pool, IsFreshForEachSceneOnAModel) {
   Scene fresh = Scene::Build(spec);
   const std::vector<double> as_new = PoolAndFall(fresh);
   const auto compiled = CompileScene(spec);
@@ -379,7 +379,7 @@ TEST_F(Pool, IsForEachSceneOnAModelAsForTheFirst) {
   EXPECT_EQ(PoolAndFall(frozen), as_new);
 }
 
-TEST_F(Pool, IsNotFrozenAsALivingSceneChangedIt) {
+TEST_F(Pool, RejectsFreezingAChangedPool) {
   const auto compiled = CompileScene(spec);
   Scene scene = Scene::FromCompiled(compiled);
   scene.AddObject("a");
@@ -397,7 +397,7 @@ TEST_F(Pool, IsNotFrozenAsALivingSceneChangedIt) {
   EXPECT_THAT(scene.object_names(), ElementsAre("table", "b", "cube"));
 }
 
-TEST_F(Pool, LeavesTheUsersOwnWritesToTheModel) {
+TEST_F(Pool, KeepsUserEditsOfTheModel) {
   const auto compiled = CompileScene(spec);
   Scene first = Scene::FromCompiled(compiled);
   const int b = RequireId(first.model(), mjOBJ_BODY, "b", "");
@@ -409,7 +409,7 @@ TEST_F(Pool, LeavesTheUsersOwnWritesToTheModel) {
   EXPECT_EQ(next.model()->geom_contype[next.model()->body_geomadr[b]], 2);
 }
 
-TEST_F(Pool, PutsTheControlsOfAllItsActuatorsBack) {
+TEST_F(Pool, RestoresTheControlsOfItsActuators) {
   spec.objects = {Pooled({.name = "o", .mjcf_path = folder.Write("o", R"(
     <worldbody><body><freejoint/><geom size="0.05" mass="1"/><site name="hook" pos="0 0 0.1"/>
       <site name="crank" pos="0.1 0 0" euler="0 90 0"/>

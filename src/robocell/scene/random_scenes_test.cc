@@ -100,7 +100,7 @@ TEST_P(RandomCells, TheOrderOfIndependentEntitiesChangesNothing) {
   EXPECT_LT(difference, 10 * GrownRounding(in_order, before, 50)) << "more than rounding";
 }
 
-TEST_P(RandomCells, SavedAndLoadedTheyAreTheSame) {
+TEST_P(RandomCells, SaveAndLoadRoundTrips) {
   const TempDir folder;
   const Scene scene = Scene::Build(spec_);
   scene.SaveBinary((folder / "scene.mjb").string());
@@ -108,7 +108,7 @@ TEST_P(RandomCells, SavedAndLoadedTheyAreTheSame) {
   EXPECT_EQ(DifferencesAfterXml(scene, folder / "scene.xml"), "");
 }
 
-TEST_P(RandomCells, AddingThenRemovingGivesBackTheState) {
+TEST_P(RandomCells, AddingThenRemovingRestoresTheState) {
   Scene scene = Scene::Build(spec_);
   EXPECT_TRUE(scene.StepN(10).ok());
   const std::vector<double> state = scene.state();

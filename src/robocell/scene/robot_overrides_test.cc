@@ -12,7 +12,7 @@ namespace {
 
 class RobotOverrides : public ArmScenes {};
 
-TEST_F(RobotOverrides, OverrideGainsLimitsAndGravityOfTheirOwnBodiesOnly) {
+TEST_F(RobotOverrides, ApplyOnlyToTheirRobot) {
   config.gravcomp = true;
   config.stiffness = 321;
   config.damping = 12;
@@ -32,7 +32,7 @@ TEST_F(RobotOverrides, OverrideGainsLimitsAndGravityOfTheirOwnBodiesOnly) {
   EXPECT_EQ(m->body_gravcomp[RequireId(m, mjOBJ_BODY, "other_fore", "")], 0);
 }
 
-TEST_F(RobotOverrides, RefuseGainsForWhatIsNoServo) {
+TEST_F(RobotOverrides, RejectGainsForOtherActuators) {
   config.model = folder.Write(
       "motors",
       R"(<worldbody><body name="base"><geom size="0.1"/><body><joint name="shoulder" axis="0 0 1"/><geom size="0.1"/></body></body></worldbody>
@@ -46,7 +46,7 @@ TEST_F(RobotOverrides, RefuseGainsForWhatIsNoServo) {
 }
 
 // The gains of force = gain * ctrl + a + b * length.
-TEST_F(RobotOverrides, StiffenServosWithScaledControlsWhichRestWhereTheyDid) {
+TEST_F(RobotOverrides, StiffenScaledServosWithoutMovingThem) {
   config.model = folder.Write(
       "scaled",
       R"(<worldbody><body name="base"><geom size="0.1"/><body><joint name="shoulder" axis="0 0 1"/><geom size="0.1"/></body></body></worldbody>
@@ -62,7 +62,7 @@ TEST_F(RobotOverrides, StiffenServosWithScaledControlsWhichRestWhereTheyDid) {
   EXPECT_EQ(m->actuator_biasprm[mjNBIAS * servo + 2], -1);
 }
 
-TEST_F(RobotOverrides, GetATcpSiteFromTheOffset) {
+TEST_F(RobotOverrides, AddATcpSiteAtTheOffset) {
   config.move_groups["arm"].leaf.reset();
   config.attachment_site = "flange";
   config.tcp_offset = Pose::FromRpy({0, 0, 0.1}, {0, 0, 1});

@@ -17,7 +17,7 @@ namespace robocell::internal {
 // kind.
 std::shared_ptr<CompiledScene> CompileSavedScene(const SceneSpec& spec, const std::string& path);
 
-// For CompileSavedScene: checks that `saved` has the named bodies, joints, sites, cameras and
+// Checks for CompileSavedScene that `saved` has the named bodies, joints, sites, cameras and
 // actuators of `built`, with joints of the same kinds, and its home key.
 void RequireSavedNames(const mjModel* built, const mjModel* saved, const std::string& place);
 

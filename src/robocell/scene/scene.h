@@ -46,7 +46,7 @@ using BodyPoses = std::vector<std::pair<std::string, Pose>>;
 // A keyframe of a part's own model: its name, or its number, where 0 is home and the others follow
 // in the order of the file.
 using PartKeyframe = std::variant<int, std::string>;
-using PartKeyframes = std::map<std::string, PartKeyframe>;  // by the name of the robot or object
+using PartKeyframes = std::map<std::string, PartKeyframe>;  // keys: names of robots and objects
 
 // A keyframe of the scene: its number, its full name ("left_retract", with the prefix of its part),
 // the keyframe of one part's own model ("left: retract"), or those of robots and objects by their
@@ -56,15 +56,15 @@ using KeyframeChoice = std::variant<int, std::string, PartKeyframes>;
 struct ResetOptions {
   std::optional<KeyframeChoice> keyframe = {};  // unset: the scene's home key
   bool use_keyframe = true;                     // false: the model's default configuration
-  std::optional<uint64_t> seed = {};            // for home_noise; unset: no noise
-  // Free and mocap bodies that start elsewhere, at rest, whatever hooks do to them. Moving them one
+  std::optional<uint64_t> seed = {};            // seed of home_noise; unset: no noise
+  // Free and mocap bodies that start elsewhere, at rest; they override hooks. Moving them one
   // by one after the reset would cost a Forward() each.
   BodyPoses body_poses = {};
 };
 
 struct ResetInfo {
   bool used_keyframe = false;
-  int keyframe = -1;  // its number; that of home if robots have keyframes of their own
+  int keyframe = -1;  // its number; that of home if robots have their own keyframes
 };
 
 // The argument of a reset hook. A hook may write the state; ports are re-seeded from the result.
@@ -113,8 +113,8 @@ struct Contact {
   std::string geom1, geom2;  // full names, or "body/geom#i" when unnamed
   std::string body1, body2;
   double distance;           // negative when penetrating, metres
-  Eigen::Vector3d position;  // in the world
-  Eigen::Vector3d force;     // on body2, in the world, N
+  Eigen::Vector3d position;  // contact point in the world
+  Eigen::Vector3d force;     // force on body2 in the world, N
 };
 
 class Scene {
@@ -216,7 +216,7 @@ class Scene {
 
   // Returns active contacts, with `of` those of that body's subtree, as computed by the last step
   // or Forward: places and forces belong to the state before that step. Only Forward computes
-  // contacts anew, SyncPoses does not.
+  // contacts too, SyncPoses does not.
   std::vector<Contact> contacts(const std::string& of = "") const;
 
   // Returns everything the engine needs to continue bit-equally (mjSTATE_INTEGRATION).
@@ -243,13 +243,14 @@ class Scene {
   }
   const std::shared_ptr<void>& data_keeper() const;
 
-  // For claims by its users, also after it was closed; handles to one simulation share it.
+  // Returns the claim of the simulation, also after it was closed; handles to one simulation share
+  // it.
   SceneUse& use() const;
 
   void Close();
   bool closed() const { return now_->data == nullptr; }
-  // For garbage collectors of other languages: the number of handles, the foreign objects that the
-  // scene holds, and an id that handles to the same simulation share.
+  // Access for garbage collectors of other languages: the number of handles (Weak), the foreign
+  // objects that the scene holds, and an id that handles to one simulation share.
   class Weak;
   const std::map<int, ResetHook>& reset_hooks() const;
   const std::vector<std::shared_ptr<SceneObserver>>& kept_observers() const;
@@ -278,7 +279,7 @@ class Scene {
 // Refers to a simulation without keeping it alive. No other scene gets its id while this lives.
 class Scene::Weak {
  public:
-  explicit Weak(const Scene& scene);  // also of an inner handle
+  explicit Weak(const Scene& scene);  // accepts an inner handle too
 
   // Returns the number of handles, without inner() ones; 0 for a destroyed scene.
   size_t handles() const { return static_cast<size_t>(kept_.use_count()); }

@@ -242,7 +242,7 @@ fs::path SceneCacheFolder() {
 }
 
 std::string SceneKey(const SceneSpec& spec) {
-  SceneSpec content = spec;  // with hashes instead of file names
+  SceneSpec content = spec;  // spec with hashes instead of file names
   internal::ForEachModel(content, [](std::string& name, const std::string& directory) {
     const FileSet files = internal::ModelFileSet(assets::Resolve(name, directory), kFingerprints);
     name = files.hash + ":" + files.main;

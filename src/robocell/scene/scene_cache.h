@@ -6,7 +6,7 @@
 //
 // A scene is found if the spec, the content of every file of its models, and the versions of MuJoCo
 // and robocell are the same; the folders of the files do not matter. Entries are complete or absent
-// and checked against their fingerprint when they are read; a damaged one is made anew. Any number
+// and checked against their fingerprint when they are read; a damaged one is replaced. Any number
 // of threads and processes may use one folder.
 #pragma once
 

@@ -51,7 +51,7 @@ ino_t Inode(const fs::path& file) {
   return status.st_ino;
 }
 
-TEST(SceneCache, ASceneFromTheDiskIsTheCompiledOneToTheBit) {
+TEST(SceneCache, ACachedSceneEqualsTheCompiledOneBitwise) {
   const TempDir folder;
   const SceneSpec spec = RichScene();
   const auto compiled = CompileScene(spec);
@@ -69,7 +69,7 @@ TEST(SceneCache, ASceneFromTheDiskIsTheCompiledOneToTheBit) {
   EXPECT_NE(read->generation(), compiled->generation());
 }
 
-TEST(SceneCache, RecordsComeBackWhole) {
+TEST(SceneCache, RecordsRoundTrip) {
   const TempDir folder;
   SceneSpec spec = RichScene();
   spec.robots[1].config->base.kind = BaseKind::kMocap;
@@ -97,7 +97,7 @@ TEST(SceneCache, RecordsComeBackWhole) {
   EXPECT_EQ(read->object("mug").free_joint, compiled->object("mug").free_joint);
 }
 
-TEST(SceneCache, TheHousingsOfCamerasAreAmongItsFiles) {
+TEST(SceneCache, CameraHousingsArePartOfTheKey) {
   ModelFolder here, there;
   const auto housing = [](double size) {
     return "<worldbody><body><geom size=\"" + std::to_string(size) +
@@ -116,7 +116,7 @@ TEST(SceneCache, TheHousingsOfCamerasAreAmongItsFiles) {
   }
 }
 
-TEST(SceneCache, ASceneFromTheDiskLivesLikeAnyOther) {
+TEST(SceneCache, ACachedSceneBehavesLikeACompiledOne) {
   const TempDir folder;
   const SceneSpec spec = RichScene();
   Scene compiled = Scene::Build(spec);
@@ -130,7 +130,7 @@ TEST(SceneCache, ASceneFromTheDiskLivesLikeAnyOther) {
   EXPECT_EQ(read.ToXml(), compiled.ToXml());
 }
 
-TEST(SceneCache, WhatAFileHoldsCountsNotWhereItLies) {
+TEST(SceneCache, TheKeyDependsOnContentsAndNotOnPaths) {
   ModelFolder here, there;
   const auto scene = [](const std::string& file) {
     SceneSpec spec = EmptyScene();
@@ -147,7 +147,7 @@ TEST(SceneCache, WhatAFileHoldsCountsNotWhereItLies) {
   EXPECT_NE(key, SceneKey(other));
 }
 
-TEST(SceneCache, WarningsAreAboutTheFilesThatAreThere) {
+TEST(SceneCache, WarningsNameTheCurrentFiles) {
   const TempDir cache;
   ModelFolder here, there;
   const auto compile = [&](ModelFolder& folder, const std::string& above) {
@@ -168,7 +168,7 @@ TEST(SceneCache, WarningsAreAboutTheFilesThatAreThere) {
   EXPECT_THAT(compile(there, "")[0], HasSubstr(there.path().string() + "/arm.yaml:5:"));
 }
 
-TEST(SceneCache, WhatIsWrongIsToldAsWithoutIt) {
+TEST(SceneCache, ErrorsMatchThoseOfTheCompiler) {
   const TempDir cache;
   for (const char* name : {"menagerie:../x.xml", "no_such_model", "/no/such/file.xml"}) {
     SceneSpec spec = EmptyScene();
@@ -189,7 +189,7 @@ TEST(SceneCache, WhatIsWrongIsToldAsWithoutIt) {
   }
 }
 
-TEST(SceneCache, NoFileOfAModelChangesUnnoticed) {
+TEST(SceneCache, DetectsChangesOfEveryModelFile) {
   ModelFolder folder;
   const std::string thing = folder.Write(
       "thing", "<include file='more.xml'/><asset><texture file='skin.png' type='2d'/></asset>");
@@ -211,7 +211,7 @@ TEST(SceneCache, NoFileOfAModelChangesUnnoticed) {
   }
 }
 
-TEST(SceneCache, ADamagedEntryIsToldAndMadeAnew) {
+TEST(SceneCache, ReportsAndReplacesADamagedEntry) {
   const TempDir folder;
   const SceneSpec spec = RichScene();
   const std::string good = SaveBinaryString(CompileSceneCached(spec, folder.path())->model());
@@ -233,7 +233,7 @@ TEST(SceneCache, ADamagedEntryIsToldAndMadeAnew) {
   }
 }
 
-TEST(SceneCache, AFolderThatCannotBeWrittenCostsAWarningOnly) {
+TEST(SceneCache, AnUnwritableFolderOnlyGivesAWarning) {
   const TempDir folder;
   AtomicWrite(folder / "file", "not a folder");
   std::vector<std::string> said;
@@ -242,7 +242,7 @@ TEST(SceneCache, AFolderThatCannotBeWrittenCostsAWarningOnly) {
   EXPECT_THAT(said, ElementsAre(HasSubstr("scene 'test' is not kept for later processes: cannot")));
 }
 
-TEST(SceneCache, AnEntryThatCannotBeReadIsAsGoodAsNone) {
+TEST(SceneCache, TreatsAnUnreadableEntryAsMissing) {
   const TempDir folder;
   CompileSceneCached(EmptyScene(), folder.path());
   fs::permissions(folder.path(), fs::perms::all);
@@ -251,7 +251,7 @@ TEST(SceneCache, AnEntryThatCannotBeReadIsAsGoodAsNone) {
             "nothing was thrown");
 }
 
-TEST(SceneCache, WhatIsWrongWithASpecIsSaidAsByTheCompiler) {
+TEST(SceneCache, AnInvalidSpecGivesTheErrorOfTheCompiler) {
   const TempDir folder;
   SceneSpec spec = EmptyScene();
   spec.objects.push_back({.name = "thing", .mjcf_path = "no_such_thing.xml", .fixed = true});
@@ -269,7 +269,7 @@ TEST(SceneCache, WhatIsWrongWithASpecIsSaidAsByTheCompiler) {
   EXPECT_THAT(Entries(folder.path()), IsEmpty());
 }
 
-TEST(SceneCache, PruningKeepsWhatWasUsedLast) {
+TEST(SceneCache, PruningKeepsTheMostRecentEntries) {
   const TempDir folder;
   const auto now = fs::file_time_type::clock::now();
   for (const int age : {3, 1, 2}) {

@@ -14,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 using ::testing::SizeIs;
 
-TEST(SceneContacts, SayWhoTouchesWhomAndHowHard) {
+TEST(SceneContacts, ReportBodiesAndForces) {
   Scene scene = Scene::Build(Workplace());
   EXPECT_TRUE(scene.StepN(200).ok());
   const std::vector<Contact> contacts = scene.contacts("cube");

@@ -35,7 +35,7 @@ TEST(SavedScene, LoadsFromXmlToSixDigits) {
   EXPECT_EQ(DifferencesAfterXml(Scene::Build(Kitchen()), folder / "scene.xml"), "");
 }
 
-TEST(SavedScene, LoadsFromBinaryToTheBit) {
+TEST(SavedScene, LoadsFromBinaryBitwise) {
   const TempDir folder;
   const Scene scene = Scene::Build(Kitchen());
   scene.SaveBinary((folder / "scene.mjb").string());
@@ -52,7 +52,7 @@ TEST(SavedScene, KeepsAssetsOfSeveralFoldersAndAnEmptyPrefix) {
   EXPECT_EQ(DifferencesAfterXml(Scene::Build(spec), folder / "scene.xml"), "");
 }
 
-TEST(SavedScene, IsItsOwnWhateverWasCompiledInBetween) {
+TEST(SavedScene, IsIndependentOfLaterCompilations) {
   const TempDir folder;
   const Scene scene = Scene::Build(Kitchen());
   SceneSpec other_spec = EmptyScene();
@@ -84,7 +84,7 @@ std::string ModelWithClasses(const std::string& name, double size, int group) {
                      name, size, group);
 }
 
-TEST(SavedScene, KeepsDefaultClassesOfTheSameNameApart) {
+TEST(SavedScene, DistinguishesDefaultClassesWithEqualNames) {
   const TempDir folder;
   const auto write = [&](const std::string& name, double size, int group) {
     std::ofstream(folder / (name + ".xml")) << ModelWithClasses(name, size, group);
@@ -130,7 +130,7 @@ TEST(SavedScene, RefersToMeshesAndTexturesByAbsolutePaths) {
                                  "file=\"" + (folder / "model/pictures/grey.png").string() + "\""));
 }
 
-TEST(SavedScene, HasWhatWasChangedInTheModelSince) {
+TEST(SavedScene, HasLaterEditsOfTheModel) {
   const Scene built = Scene::Build(Kitchen());
   Scene scene = built;
   const int cube = mj_name2id(scene.model(), mjOBJ_GEOM, "cube_geom");
@@ -150,7 +150,7 @@ TEST(SavedScene, HasTheHomeKeyWithItsNumbers) {
   EXPECT_TRUE(found);
 }
 
-TEST(SavedScene, SaysWhichFileCouldNotBeWritten) {
+TEST(SavedScene, NamesAFileThatCannotBeWritten) {
   const Scene scene = Scene::Build(Kitchen());
   ExpectThrow<IoError>([&] { scene.SaveXml("/nowhere/scene.xml"); },
                        "scene 'test': cannot write '/nowhere/scene.xml'");

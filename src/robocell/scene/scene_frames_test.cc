@@ -62,7 +62,7 @@ TEST(SceneFrames, JointsAreReadByName) {
                              "than one number; ask for the pose of its body, body_pose(\"cube\")");
 }
 
-TEST(SceneFrames, RefusesNumbersThatAreNotFinite) {
+TEST(SceneFrames, RejectsNonFiniteNumbers) {
   Scene scene = Scene::Build(Workplace());
   const double nan = std::numeric_limits<double>::quiet_NaN();
   ExpectThrow<ArgumentError>(
@@ -75,7 +75,7 @@ TEST(SceneFrames, RefusesNumbersThatAreNotFinite) {
       "force on body 'cube' must be a finite number");
 }
 
-TEST(SceneFrames, TheWorldCannotBePushed) {
+TEST(SceneFrames, RejectsAWrenchOnTheWorld) {
   Scene scene = Scene::Build(Workplace());
   ExpectThrow<ArgumentError>(
       [&] {
@@ -84,7 +84,7 @@ TEST(SceneFrames, TheWorldCannotBePushed) {
       "scene 'test': body 'world' cannot be pushed, because it cannot move. Name another body: ");
 }
 
-TEST(SceneFrames, GoesOnToTheBitFromASavedState) {
+TEST(SceneFrames, ContinuesBitwiseFromASavedState) {
   Scene scene = Scene::Build(Workplace());
   scene.SetActuatorCtrl("servo1", 0.5);
   EXPECT_TRUE(scene.StepN(123).ok());
@@ -100,7 +100,7 @@ TEST(SceneFrames, GoesOnToTheBitFromASavedState) {
                              "numbers, got 3; states fit only the model they were taken from");
 }
 
-TEST(SceneFrames, StatesThatAreNotFiniteAreRefusedByTheirNumbers) {
+TEST(SceneFrames, RejectsNonFiniteStates) {
   Scene scene = Scene::Build(Workplace());
   const mjModel* m = scene.model();
   const std::vector<double> before = scene.state();
@@ -129,7 +129,7 @@ TEST(SceneFrames, StatesThatAreNotFiniteAreRefusedByTheirNumbers) {
   refuses(mjSTATE_XFRC_APPLIED, 8, "the wrench on " + Describe(m, mjOBJ_BODY, 1));
 }
 
-TEST(SceneFrames, TellsWhereTheControlsOfAnActuatorOfSeveralInputsStand) {
+TEST(SceneFrames, ExplainsTheControlsOfAMultiInputActuator) {
   ModelFolder folder;
   SceneSpec spec = EmptyScene();
   spec.robots.push_back({.path = folder.Write("arm", TwoJointArmWithABall())});

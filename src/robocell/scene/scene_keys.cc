@@ -9,6 +9,7 @@
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
+#include "robocell/scene/coupled_groups.h"
 #include "robocell/scene/key_ctrl.h"
 #include "robocell/scene/spec_tree.h"
 
@@ -152,6 +153,7 @@ class KeyFiller {
     KeyRow(m_, 0).TakePositions(part);
     ForEachHome(robots_, [&](const auto& robot, const auto& group, const auto& values) {
       SetGroup(m_, row.qpos(), robot, group, values);
+      PlaceFollowers(m_, robot, group, row.qpos());
     });
     for (int dof = 0; dof < m_->nv; ++dof) {
       if (configured_[static_cast<size_t>(dof)]) row.qvel()[dof] = 0;

@@ -29,7 +29,7 @@ using ::testing::Not;
 
 class SceneKeys : public KeyedArms {};
 
-TEST_F(SceneKeys, OfAModelAreTakenByNumberAndByName) {
+TEST_F(SceneKeys, OfAModelAreSelectedByNumberAndName) {
   AddArm(kHomeAndRetract);
   Scene scene = Scene::Build(spec);
   EXPECT_THAT(scene.keyframes(), ElementsAre("home", "retract"));
@@ -43,8 +43,84 @@ TEST_F(SceneKeys, OfAModelAreTakenByNumberAndByName) {
   EXPECT_EQ(scene.joint_pos("elbow"), -1.5);
 }
 
+// A body with a free joint, whose key `home` lifts, turns and throws it.
+std::string Dog(const std::string& joint) {
+  return R"(<worldbody><body name="trunk" pos="0 0 0.5"><freejoint )" + joint +
+         R"(/><geom type="box" size="0.2 0.1 0.05" mass="5"/>
+    <body name="leg" pos="0.15 0 0"><joint name="hip" axis="0 1 0"/><geom size="0.02" mass="1"/>
+    </body></body></worldbody><actuator><position name="hip" joint="hip" kp="100" kv="5"/></actuator>
+    <keyframe><key name="home" qpos="0.1 0 0.27 0.9238795 0 0 0.3826834 0.9" ctrl="0.9"/>
+    <key name="jump" qpos="0 0.2 1 0.7071068 0.7071068 0 0 0.3" qvel="1 0 2 0 0 3 0"/></keyframe>)";
+}
+
+Pose RootIn(const Scene& scene, const std::string& body) { return scene.body_pose(body); }
+
+TEST_F(SceneKeys, OfAFreeRootCountFromWhereTheSpecPutsTheRobot) {
+  const Pose home({0.1, 0, 0.27}, Pose::FromRpy({0, 0, 0}, {0, 0, M_PI / 4}).quaternion());
+  for (const std::string joint : {"name='root'", ""}) {
+    spec = EmptyScene();
+    const std::string dog = folder.Write("dog", Dog(joint));
+    for (const auto& [name, y] : {std::pair{"l", 0.8}, {"r", -0.8}}) {
+      spec.robots.push_back({.path = dog,
+                             .prefix = std::string(name) + "_",
+                             .pos = {2 * y, y, 0.1},
+                             .euler = {0, 0, 100 * y}});
+    }
+    Scene scene = Scene::Build(spec);
+    for (const RobotSpec& robot : spec.robots) {
+      EXPECT_TRUE(RootIn(scene, robot.prefix + "trunk").is_close(robot.pose() * home, 1e-7, 1e-9))
+          << robot.prefix << joint;
+      EXPECT_EQ(scene.joint_pos(robot.prefix + "hip"), 0.9);
+    }
+    scene.Reset({.keyframe = "l_jump"});
+    const Pose jump = spec.robots[0].pose() *
+                      Pose({0, 0.2, 1}, Pose::FromRpy({0, 0, 0}, {M_PI / 2, 0, 0}).quaternion());
+    EXPECT_TRUE(RootIn(scene, "l_trunk").is_close(jump, 1e-7, 1e-9));
+    EXPECT_TRUE(RootIn(scene, "r_trunk").is_close(spec.robots[1].pose() * home, 1e-7, 1e-9));
+  }
+}
+
+TEST_F(SceneKeys, OfAFreeRootGiveHeightAndTiltWhereTheFilesRootPoseIsDropped) {
+  spec.robots.push_back({.path = folder.Write("dog", Dog("")),
+                         .prefix = "d_",
+                         .reset_root_pose = true,
+                         .pos = {1, 2, 0},
+                         .euler = {0, 0, 30}});
+  Scene scene = Scene::Build(spec);
+  EXPECT_TRUE(
+      RootIn(scene, "d_trunk").is_close(Pose::FromRpy({1, 2, 0.27}, {0, 0, M_PI / 6}), 1e-7, 1e-9));
+  scene.Reset({.keyframe = "d_jump"});
+  EXPECT_TRUE(RootIn(scene, "d_trunk")
+                  .is_close(Pose::FromRpy({1, 2, 1}, {M_PI / 2, 0, M_PI / 6}), 1e-7, 1e-9));
+}
+
+TEST_F(SceneKeys, OfAFreeRootTurnItsVelocityWithIt) {
+  spec.robots.push_back(
+      {.path = folder.Write("dog", Dog("")), .prefix = "d_", .euler = {0, 0, 90}});
+  Scene scene = Scene::Build(spec);
+  scene.Reset({.keyframe = "d_jump"});
+  const std::vector<double> velocity(scene.data()->qvel, scene.data()->qvel + 6);
+  EXPECT_THAT(velocity, ::testing::Pointwise(::testing::DoubleNear(1e-7),
+                                             std::vector<double>{0, 1, 2, 0, 0, 3}));
+}
+
+TEST_F(SceneKeys, OfObjectsDoNotMoveTheirRoot) {
+  for (const std::string joint : {"name='root'", ""}) {
+    SceneObject object{.name = "dog", .pos = Vec3{0.5, 0, 0.4}};
+    object.mjcf_path = folder.Write("dog", Dog(joint));
+    spec.objects = {object};
+    Scene scene = Scene::Build(spec);
+    EXPECT_TRUE(RootIn(scene, "dog_trunk").is_close(Pose({0.5, 0, 0.9}), 1e-12, 1e-12));
+    EXPECT_EQ(scene.joint_pos("dog_hip"), 0.9);
+    scene.Reset({.keyframe = "dog_jump"});
+    EXPECT_TRUE(RootIn(scene, "dog_trunk").is_close(Pose({0.5, 0, 0.9}), 1e-12, 1e-12));
+    EXPECT_EQ(scene.joint_pos("dog_hip"), 0.3);
+    EXPECT_EQ(scene.data()->qvel[0], 0);
+  }
+}
+
 // Two objects, one of whose names begins with the other's.
-TEST_F(SceneKeys, OfOneFullNameStayTwoAndAreTakenByTheirParts) {
+TEST_F(SceneKeys, OfEqualNamesAreSelectedByPart) {
   const auto add = [&](const std::string& name, const std::string& keys, double x) {
     SceneObject object{.name = name, .pos = Vec3{x, 0, 1}};
     object.mjcf_path = folder.Write(name, R"(<worldbody><body name="b">
@@ -76,7 +152,7 @@ TEST_F(SceneKeys, OfOneFullNameStayTwoAndAreTakenByTheirParts) {
   EXPECT_EQ(cached.joint_pos("left_j"), 0);
 }
 
-TEST_F(SceneKeys, OfRobotsKeepTheirNumbersWhenObjectsAreAdded) {
+TEST_F(SceneKeys, OfRobotsKeepTheirNumbersAfterAddedObjects) {
   AddArm(kHomeAndRetract, "left_");
   AddArm(kHomeAndRetract, "right_", 1);
   Scene scene = Scene::Build(spec);
@@ -94,7 +170,7 @@ TEST_F(SceneKeys, OfRobotsKeepTheirNumbersWhenObjectsAreAdded) {
   EXPECT_EQ(scene.joint_pos("door_j"), 0.6);
 }
 
-TEST_F(SceneKeys, OfOnePartAreChosenByNumberToo) {
+TEST_F(SceneKeys, OfOnePartAreSelectedByNumber) {
   AddArm(kHomeAndRetract, "left_");
   AddArm(kHomeAndRetract, "right_", 1);
   Scene scene = Scene::Build(spec);
@@ -111,7 +187,7 @@ TEST_F(SceneKeys, OfOnePartAreChosenByNumberToo) {
   }
 }
 
-TEST_F(SceneKeys, SayWhereJointsWithoutANameAre) {
+TEST_F(SceneKeys, DescribeUnnamedJoints) {
   SceneObject object{.name = "o", .pos = Vec3{0, 0, 1}};
   object.mjcf_path = folder.Write("o", R"(<worldbody><body name="b">
       <joint name="j0" axis="0 1 0"/><geom size="0.1" mass="1"/>
@@ -133,7 +209,7 @@ TEST_F(SceneKeys, SayWhereJointsWithoutANameAre) {
   EXPECT_THAT(numbers(), ElementsAre(0.6, 0.7, 0.8, 1, 2, 3, 3, 4));
 }
 
-TEST_F(SceneKeys, OfOneRobotLeaveTheOthersAtHome) {
+TEST_F(SceneKeys, OfOneRobotKeepTheOthersAtHome) {
   AddArm(kHomeAndRetract, "left_");
   AddArm(kHomeAndRetract, "right_", 1);
   Scene scene = Scene::Build(spec);
@@ -163,7 +239,7 @@ TEST_F(SceneKeys, OfSeveralRobotsAreComposed) {
   EXPECT_EQ(scene.joint_pos("left_shoulder"), 1) << "the same as one text";
 }
 
-TEST_F(SceneKeys, AsOneTextAreOfThePartWithTheLongestName) {
+TEST_F(SceneKeys, AsOneStringBelongToTheLongestPartName) {
   for (const bool longer_first : {true, false}) {
     spec.robots.clear();
     for (const bool longer : {longer_first, !longer_first}) {
@@ -180,7 +256,7 @@ TEST_F(SceneKeys, AsOneTextAreOfThePartWithTheLongestName) {
   }
 }
 
-TEST_F(SceneKeys, ThatAreNotThereAreRefusedWithTheNamesThereAre) {
+TEST_F(SceneKeys, RejectUnknownNamesAndListTheKeyframes) {
   AddArm(kHomeAndRetract, "left_");
   Scene scene = Scene::Build(spec);
   ExpectThrow<ArgumentError>(
@@ -237,7 +313,7 @@ TEST_F(SceneKeys, StayWhenObjectsComeAndGo) {
   EXPECT_NEAR(scene.body_pose("cube").translation().z(), 1, 1e-12);
 }
 
-TEST_F(SceneKeys, OfActuatorsWithSeveralInputsGoToTheRightOnes) {
+TEST_F(SceneKeys, OfMultiInputActuatorsAreMappedCorrectly) {
   const std::string file = folder.Write("ball_arm", TwoJointArmWithABall());
   spec.robots.push_back({.path = file});
   const Scene scene = Scene::Build(spec);
@@ -245,7 +321,7 @@ TEST_F(SceneKeys, OfActuatorsWithSeveralInputsGoToTheRightOnes) {
   EXPECT_THAT(scene.compiled()->warnings(), Not(Contains(HasSubstr("keyframe"))));
 }
 
-TEST_F(SceneKeys, OfRealModelsAreAllThere) {
+TEST_F(SceneKeys, OfRealModelsAreComplete) {
   REQUIRE_MENAGERIE("kinova_gen3");
   const std::string file = MenagerieModel("kinova_gen3", "gen3.xml");
   spec.robots.push_back({.path = file, .control_modes = std::vector<CtrlMode>{}});
@@ -270,7 +346,7 @@ double Swing(const Scene& built, const ResetOptions& options = {}, bool with_wei
 
 class KeyControls : public KeyedArms {};
 
-TEST_F(KeyControls, ThatDoNotHoldAreReplacedAndTold) {
+TEST_F(KeyControls, ThatDoNotHoldAreReplacedWithAWarning) {
   AddArm(R"(<key name="home" qpos="0.3 -0.4" ctrl="1.2 -0.4"/>
             <key name="up" qpos="1 1" ctrl="1 0"/>)");
   const Scene scene = Scene::Build(spec);
@@ -290,7 +366,7 @@ TEST_F(KeyControls, ThatDoNotHoldAreReplacedAndTold) {
                                               "write them into the keyframe"}));
 }
 
-TEST_F(KeyControls, ThatHoldAreNotToldOf) {
+TEST_F(KeyControls, ThatHoldGiveNoWarning) {
   AddArm(kHomeAndRetract);
   EXPECT_THAT(Scene::Build(spec).compiled()->warnings(), Not(Contains(HasSubstr("keyframe"))));
 }
@@ -376,7 +452,7 @@ TEST_F(KeyControls, OfAServoWithAScaleAndAnOffsetHold) {
   EXPECT_LT(Swing(scene), 1e-6);
 }
 
-TEST_F(KeyControls, ThatCannotReachAreTold) {
+TEST_F(KeyControls, ThatCannotReachGiveAWarning) {
   std::string arm = ArmWithKeys(R"(<key name="up" qpos="1.5 0"/>)");
   arm.replace(arm.find("name=\"servo1\""), 13, "name=\"servo1\" ctrlrange=\"-1 1\"");
   spec.robots = {{.path = folder.Write("short", arm)}};

@@ -62,7 +62,7 @@ void Scene::State::RequireOwnModel(const char* what, const std::string& object) 
   if (!compiled->frozen()) return;
   throw Error(fmt::format(
       "{}: object '{}' cannot be {}: the compiled scene is frozen because it is shared between "
-      "scenes. Build a scene of its own with {}, or change the spec and compile it again",
+      "scenes. Build a separate scene with {}, or change the spec and compile it again",
       context, object, what, internal::CppAndPythonName("Scene::Build")));
 }
 

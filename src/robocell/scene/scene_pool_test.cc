@@ -31,7 +31,7 @@ std::vector<double> FreePose(const Scene& scene, const std::string& body) {
   return {pos, pos + 7};
 }
 
-TEST(PoolRest, IsToTheBitWithoutAnyOtherCompensatedBody) {
+TEST(PoolRest, IsExactWithoutOtherCompensatedBodies) {
   ModelFolder folder;
   const std::string arm = folder.Write("arm", kTwoJointArm);
   for (const bool with_robot : {false, true}) {
@@ -66,7 +66,7 @@ TEST(PoolRest, DoesNotSwitchOnCompensationThatWasOff) {
   EXPECT_NEAR(before, 0.5 * 0.1 * 9.81, 1e-12);
 }
 
-TEST(PoolRest, IsDisturbedByNoWrench) {
+TEST(PoolRest, ResistsWrenches) {
   Scene scene = Scene::Build(OneParked());
   ExpectThrow<ArgumentError>(
       [&] {
@@ -78,7 +78,7 @@ TEST(PoolRest, IsDisturbedByNoWrench) {
   scene.SetBodyWrench("a", {1, 0, 0});
 }
 
-TEST(PoolRest, IsNotTakenForAHighPlaceInTheScene) {
+TEST(PoolRest, IsDistinguishedFromAHighPlace) {
   Scene scene = Scene::Build(OneParked());
   scene.AddObject("a", Pose(Eigen::Vector3d(0, 0, 700)));
   EXPECT_TRUE(scene.StepN(10).ok());
@@ -87,7 +87,7 @@ TEST(PoolRest, IsNotTakenForAHighPlaceInTheScene) {
 }
 
 // The engine looks at these flags before the numbers: flags set by hand outlive an edit.
-TEST(EngineFlags, OutliveAnEdit) {
+TEST(EngineFlags, SurviveAnEdit) {
   SceneSpec spec = EmptyScene();
   spec.objects = {BoxObject("a", {0.5, 0.2, 0.02})};
   Scene scene = Scene::Build(spec);

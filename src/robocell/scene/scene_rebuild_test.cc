@@ -22,7 +22,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-TEST(AddRemove, AnObjectComesAndGoesWhileASceneRuns) {
+TEST(AddRemove, AnObjectIsAddedAndRemovedInARunningScene) {
   Scene scene = Scene::Build(EmptyScene());
   EXPECT_TRUE(scene.StepN(10).ok());
   const uint64_t generation = scene.generation();
@@ -41,7 +41,7 @@ TEST(AddRemove, AnObjectComesAndGoesWhileASceneRuns) {
   EXPECT_TRUE(scene.Step().ok());
 }
 
-TEST(AddRemove, AddingThenRemovingGivesBackStateAndModel) {
+TEST(AddRemove, AddingThenRemovingRestoresStateAndModel) {
   RandomScenes scenes;
   for (uint64_t seed = 100; seed < 120; ++seed) {
     Rng rng = Rng::Stream(seed, "there and back");
@@ -87,7 +87,7 @@ TEST(AddRemove, LaterResetsAndSavedFilesHaveTheObject) {
   EXPECT_TRUE(scene.state() == fresh.state());
 }
 
-TEST(AddRemove, AHookMayAddObjects) {
+TEST(AddRemove, AHookCanAddObjects) {
   Scene scene = Scene::Build(EmptyScene());
   scene.AddResetHook([](ResetContext& reset) {
     if (reset.scene.object_names().empty())
@@ -123,7 +123,7 @@ std::string MessageOfRefused(Scene& scene, const Change& change) {
   return message;
 }
 
-TEST(AddRemove, WhatIsRefusedChangesNothing) {
+TEST(AddRemove, RejectedChangesLeaveTheSceneAlone) {
   ModelFolder folder;
   SceneSpec spec = EmptyScene();
   const std::string table = folder.Write("table", R"(<worldbody><body name="table">
@@ -164,7 +164,7 @@ TEST(AddRemove, WhatIsRefusedChangesNothing) {
 }
 
 // Names do not show the owner of a frame: `cup_big_handle` could belong to `cup` as well.
-TEST(AddRemove, WhatIsAttachedToAFrameOfAnotherObjectDoesNotHoldIt) {
+TEST(AddRemove, AnObjectOnAFrameOfAnotherDoesNotBlockRemoval) {
   ModelFolder folder;
   const std::string cup = folder.Write("cup", R"(<worldbody><body name="cup">
       <geom size="0.05"/><frame name="big_lid" pos="0 0 0.1"><site/></frame></body></worldbody>)");
@@ -195,7 +195,7 @@ TEST(AddRemove, WhatIsAttachedToAFrameOfAnotherObjectDoesNotHoldIt) {
 }
 
 // Objects are added by compiling the spec again, and its files may have changed by then.
-TEST(AddRemove, AFileThatChangedIsToldAndTheSceneStays) {
+TEST(AddRemove, ReportsAChangedFileAndKeepsTheScene) {
   ModelFolder folder;
   const auto cup = [](const char* mass) {
     return fmt::format(R"(<worldbody><body name="b"><freejoint/><geom size="0.1" mass="{}"/></body>
@@ -237,7 +237,7 @@ TEST(AddRemove, AFrozenModelKeepsItsObjects) {
   });
   EXPECT_EQ(message,
             "scene 'test': object 'other' cannot be added: the compiled scene is frozen because it "
-            "is shared between scenes. Build a scene of its own with Scene::Build (in Python "
+            "is shared between scenes. Build a separate scene with Scene::Build (in Python "
             "Scene.build), or change the spec and compile it again");
   EXPECT_THAT(MessageOfRefused<Error>(scene, [&] { scene.RemoveObject("cube"); }),
               HasSubstr("object 'cube' cannot be removed: the compiled scene is frozen"));
@@ -278,7 +278,7 @@ TEST(AddRemove, AnObserverThatCannotFollowUndoesTheChange) {
   EXPECT_EQ(second->seen.back(), scene.generation());
 }
 
-TEST(AddRemove, OfAChangeThatIsUndoneEveryObserverIsTold) {
+TEST(AddRemove, NotifiesEveryObserverOfAnUndoneChange) {
   Scene scene = Scene::Build(EmptyScene());
   const auto first = std::make_shared<Follower>(scene), second = std::make_shared<Follower>(scene),
              third = std::make_shared<Follower>(scene);

@@ -17,6 +17,7 @@
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/step.h"
+#include "robocell/scene/coupled_groups.h"
 #include "robocell/scene/hold_ctrl.h"
 #include "robocell/scene/key_share.h"
 #include "robocell/scene/scene.h"
@@ -30,7 +31,7 @@ struct StartKeys {
   int start = -1;  // -1: the model's default configuration
   struct Part {
     int key;
-    internal::KeyShare share;  // what of it is the part's
+    internal::KeyShare share;  // the part's share of it
   };
   std::vector<Part> over = {};
 };
@@ -196,6 +197,7 @@ void AddGroupNoise(const mjModel* model, mjData* data, const RobotRecord& robot,
     const int joint = FindId(model, mjOBJ_JOINT, robot.prefix + joints[i]);
     if (joint >= 0) AddNoise(model, data, joint, amount, rng);
   }
+  internal::PlaceFollowers(model, robot, robot.config.move_groups.at(group), data->qpos);
 }
 
 bool IsZero(const std::vector<double>& values) {

@@ -53,7 +53,7 @@ std::vector<std::vector<double>> Trajectory(Scene& scene, uint64_t seed) {
   return states;
 }
 
-TEST(Reset, ForgetsEverything) {
+TEST(Reset, RestoresTheInitialState) {
   Scene fresh = Scene::Build(Busy()), lived = Scene::Build(Busy());
   const auto expected = Trajectory(fresh, 3);
   for (uint64_t seed = 0; seed < 10; ++seed) {
@@ -63,7 +63,7 @@ TEST(Reset, ForgetsEverything) {
   }
 }
 
-TEST(Reset, AfterADivergenceIsAsGoodAsNew) {
+TEST(Reset, RecoversFromADivergence) {
   Scene fresh = Scene::Build(Busy()), broken = Scene::Build(Busy());
   broken.data()->qvel[0] = 1e12;
   EXPECT_FALSE(broken.StepN(5).ok());
@@ -105,7 +105,7 @@ TEST(Reset, KeepsServosHoldingTheNoisyPose) {
 }
 
 // Servos that no group lists, one of them behind a tendon and a filter, hold the noisy positions.
-TEST(Reset, ServosThatNoGroupListsHoldTheNoisyPoseToo) {
+TEST(Reset, UnlistedServosHoldTheNoisyPose) {
   ModelFolder folder;
   std::string model = kTwoJointArm;
   const std::string servo = R"(<position name="servo2" joint="elbow" kp="50" kv="5"/>)";
@@ -137,7 +137,7 @@ struct Onlooker : SceneObserver {
   double height = 0;
 };
 
-TEST(Reset, HooksAndObserversFindPosesThatAgreeWithTheState) {
+TEST(Reset, HooksAndObserversSeeConsistentPoses) {
   Scene scene = Scene::Build(Busy());
   const auto onlooker = std::make_shared<Onlooker>(scene);
   scene.AddObserver(onlooker);
@@ -170,7 +170,7 @@ TEST(Reset, KeepsNoiseInsideTheLimits) {
   EXPECT_TRUE(at_limit);
 }
 
-TEST(Reset, NoiseOfARobotDoesNotDependOnItsNeighbours) {
+TEST(Reset, NoiseOfARobotIsIndependentOfOtherRobots) {
   SceneSpec spec = Busy();
   Scene alone = Scene::Build(spec);
   RobotSpec other = spec.robots[0];
@@ -184,7 +184,7 @@ TEST(Reset, NoiseOfARobotDoesNotDependOnItsNeighbours) {
   EXPECT_NE(both.actuator_ctrl("a_servo3"), both.actuator_ctrl("r_servo3"));
 }
 
-TEST(Reset, TakesTheDefaultConfigurationWhenAsked) {
+TEST(Reset, CanUseTheDefaultConfiguration) {
   Scene scene = Scene::Build(Busy());
   const ResetInfo info = scene.Reset({.use_keyframe = false});
   EXPECT_FALSE(info.used_keyframe);
@@ -212,14 +212,14 @@ TEST(Reset, PartsWithoutKeyframesStartWhereTheirModelsDo) {
   EXPECT_EQ(both.joint_pos("a_shoulder"), 0);
 }
 
-TEST(Reset, RefusesAKeyframeThatIsNotThereAlsoWhereItIsNotUsed) {
+TEST(Reset, RejectsAMissingKeyframeEvenIfUnused) {
   Scene scene = Scene::Build(EmptyScene());
   EXPECT_FALSE(scene.Reset({.keyframe = 0, .use_keyframe = false}).used_keyframe);
   ExpectThrow<NotFoundError>(
       [&] { scene.Reset({.keyframe = std::string("nope"), .use_keyframe = false}); }, "'nope'");
 }
 
-TEST(Reset, RefusesAKeyframeThatIsNotThere) {
+TEST(Reset, RejectsAMissingKeyframe) {
   Scene scene = Scene::Build(Busy());
   ExpectThrow<ArgumentError>([&] { scene.Reset({.keyframe = 3}); },
                              "scene 'test': there is no keyframe 3; the scene has 1");
@@ -234,7 +234,7 @@ struct Diary : SceneObserver {
   std::vector<std::string>& entries;
 };
 
-TEST(Reset, CallsHooksThenObserversThenForgetsForcesThenComputesPoses) {
+TEST(Reset, CallsHooksAndObserversBeforeComputingPoses) {
   Scene scene = Scene::Build(Busy());
   std::vector<std::string> entries;
   const auto diary = std::make_shared<Diary>(entries);
@@ -260,7 +260,7 @@ TEST(Reset, CallsHooksThenObserversThenForgetsForcesThenComputesPoses) {
   EXPECT_THAT(entries, ElementsAre("hook", "observer", "done"));
 }
 
-TEST(Reset, PutsBodiesWhereItIsTold) {
+TEST(Reset, PlacesBodiesAtTheGivenPoses) {
   const Pose there = Pose::FromRpy({0.5, 0.3, 0.4}, {0.1, 0.2, 0.3});
   const Pose aside(Eigen::Vector3d(0.1, 0.5, 0.1));
   Scene moved = Scene::Build(Busy()), told = Scene::Build(Busy());
@@ -288,7 +288,7 @@ TEST(Reset, PutsBodiesWhereItIsTold) {
   EXPECT_EQ(told.body_pose("cube0").translation().x(), 0.1) << "it holds for one reset";
 }
 
-TEST(Reset, RefusesBodiesThatItCannotPutAnywhereBeforeAnythingChanges) {
+TEST(Reset, RejectsImmovableBodiesWithoutAChange) {
   Scene scene = Scene::Build(Busy());
   EXPECT_TRUE(scene.StepN(10).ok());
   const std::vector<double> before = scene.state();
@@ -312,7 +312,7 @@ TEST(Reset, AHookThatClosesTheSceneEndsTheReset) {
   EXPECT_TRUE(scene.closed());
 }
 
-TEST(Reset, AHookThatThrowsLeavesAResetWithoutHooks) {
+TEST(Reset, AThrowingHookLeavesAPlainReset) {
   Scene fresh = Scene::Build(Busy()), scene = Scene::Build(Busy());
   std::vector<std::string> entries;
   const auto diary = std::make_shared<Diary>(entries);
@@ -342,7 +342,7 @@ struct Sulky : SceneObserver {
   bool at_once = true;
 };
 
-TEST(Reset, AnObserverThatThrowsStopsNothing) {
+TEST(Reset, AThrowingObserverDoesNotStopAReset) {
   Scene fresh = Scene::Build(Busy()), scene = Scene::Build(Busy());
   std::vector<std::string> entries;
   const auto before = std::make_shared<Diary>(entries), after = std::make_shared<Diary>(entries);
@@ -366,7 +366,7 @@ TEST(Reset, AnObserverThatThrowsStopsNothing) {
   scene.RemoveResetHook(id);
 }
 
-TEST(Reset, IsRefusedInAHook) {
+TEST(Reset, IsRejectedInsideAHook) {
   Scene scene = Scene::Build(Busy());
   int calls = 0;
   const int id = scene.AddResetHook([&](ResetContext& reset) {
@@ -380,7 +380,7 @@ TEST(Reset, IsRefusedInAHook) {
   EXPECT_TRUE(scene.Reset().used_keyframe) << "the next one is none in a hook";
 }
 
-TEST(Reset, RefusesHooksThatAreNone) {
+TEST(Reset, RejectsInvalidHooks) {
   Scene scene = Scene::Build(Busy());
   ExpectThrow<ArgumentError>([&] { scene.AddResetHook(nullptr); },
                              "scene 'test': a reset hook cannot be empty; to take one away: "
@@ -394,7 +394,7 @@ TEST(Reset, RefusesHooksThatAreNone) {
   scene.RemoveResetHook(id);
 }
 
-TEST(Reset, AHookMayRemoveItself) {
+TEST(Reset, AHookCanRemoveItself) {
   Scene scene = Scene::Build(Busy());
   int calls = 0, id = -1;
   id = scene.AddResetHook([&](ResetContext& reset) {

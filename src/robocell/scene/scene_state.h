@@ -16,8 +16,8 @@ struct Scene::State {
 
   // Read in every tick, so kept together.
   SceneNow now;
-  // Time of the data when poses last agreed with qpos. Every step changes the time, whatever made
-  // it.
+  // Time of the data when poses last agreed with qpos. Every step changes the time, no matter what
+  // made it.
   double poses_at = -1;
   const std::string context;  // "scene 'pick'", for messages
 
@@ -26,7 +26,7 @@ struct Scene::State {
   std::shared_ptr<CompiledScene> compiled;
   DataHandle data;
   DataFactory factory;
-  std::map<int, ResetHook> hooks;  // by id, called in order of adding
+  std::map<int, ResetHook> hooks;  // hooks by id, called in order of adding
   int next_hook = 0;
   bool in_hooks = false;  // a reset is calling them
   struct Watch {
@@ -34,13 +34,13 @@ struct Scene::State {
     std::weak_ptr<SceneObserver> observer;
   };
   std::vector<Watch> observers;
-  std::weak_ptr<Kept> kept;     // of the handles that are not inner
-  std::shared_ptr<void> claim;  // on the compiled scene
+  std::weak_ptr<Kept> kept;     // shared by all handles but inner ones
+  std::shared_ptr<void> claim;  // claim on the compiled scene
   int solver = 0;               // the model's, when it was last looked at
   bool closed = false;
   std::vector<internal::PooledObject> pool;
   uint64_t states_set = 0;
-  std::map<std::string, uint64_t> mocap_puts;  // by body
+  std::map<std::string, uint64_t> mocap_puts;  // puts by body
   std::vector<mjtNum> warm_start;              // scratch
 
   // Call it after the compiled scene and the data were set.

@@ -44,7 +44,7 @@ TEST(Scene, StepsWithoutAllocating) {
   EXPECT_EQ(count.allocations(), 0);
 }
 
-TEST(Scene, PosesAreThoseOfTheStateAfterTheStep) {
+TEST(Scene, PosesMatchTheStateAfterAStep) {
   Scene scene = Scene::Build(Workplace());
   scene.SetActuatorCtrl("servo1", 1);
   EXPECT_TRUE(scene.StepN(20).ok());
@@ -55,7 +55,7 @@ TEST(Scene, PosesAreThoseOfTheStateAfterTheStep) {
   EXPECT_EQ(camera, scene.camera_pose("wrist_camera"));
 }
 
-TEST(Scene, TimeOnlyGoesForward) {
+TEST(Scene, RejectsNegativeSteps) {
   Scene scene = Scene::Build(EmptyScene());
   ExpectThrow<ArgumentError>([&] { (void)scene.StepN(-1); }, "cannot step -1 times");
   EXPECT_EQ(scene.time(), 0);
@@ -68,7 +68,7 @@ TEST(Scene, TimeOnlyGoesForward) {
   EXPECT_NEAR(scene.time(), 11 * 0.002, 1e-15);
 }
 
-TEST(Scene, IsMadeOfTheListsThatWereAssigned) {
+TEST(Scene, UsesAssignedLists) {
   ModelFolder folder;
   const RobotSpec arm{.path = folder.Write("arm", kTwoJointArm)};
   RobotSpec left = arm, right = arm;
@@ -86,7 +86,7 @@ TEST(Scene, IsMadeOfTheListsThatWereAssigned) {
   EXPECT_THAT(Scene::Build(spec).body_names(), ::testing::UnorderedElementsAre("world", "c"));
 }
 
-TEST(Scene, AskingForPosesDoesNotChangePhysics) {
+TEST(Scene, ReadingPosesDoesNotChangePhysics) {
   Scene quiet = Scene::Build(Workplace()), asked = Scene::Build(Workplace());
   for (int i = 0; i < 200; ++i) {
     quiet.data()->ctrl[0] = asked.data()->ctrl[0] = 0.01 * i;
@@ -129,7 +129,7 @@ TEST(Scene, DivergenceIsAValue) {
   EXPECT_EQ(result.steps, 1);
 }
 
-TEST(Scene, IsAHandleToOneSimulation) {
+TEST(Scene, CopiesShareOneSimulation) {
   Scene scene = Scene::Build(Workplace());
   Scene same = scene;
   EXPECT_TRUE(same.StepN(5).ok());
@@ -143,7 +143,7 @@ struct CloseWatch : SceneObserver {
   int closed = 0;
 };
 
-TEST(Scene, SaysThatItIsClosed) {
+TEST(Scene, ReportsThatItIsClosed) {
   Scene scene = Scene::Build(Workplace());
   const Scene other = scene;
   const auto watch = std::make_shared<CloseWatch>();
@@ -207,7 +207,7 @@ TEST(Scene, KeepsObserversWhileAnyHandleLives) {
   EXPECT_EQ(inner.time(), 0) << "the simulation lives";
 }
 
-TEST(Scene, TellsKeptObserversThatItIsClosedAndLetsThemGo) {
+TEST(Scene, NotifiesKeptObserversOfCloseAndReleasesThem) {
   Scene scene = Scene::Build(Workplace());
   auto watch = std::make_shared<CloseWatch>();
   scene.KeepObserver(watch, "robot left");

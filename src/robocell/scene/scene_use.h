@@ -63,7 +63,7 @@ class SceneUse {
 
   std::atomic<std::thread::id> thread_;  // the default: no thread
   std::atomic<const char*> call_ = nullptr;
-  int depth_ = 0;  // of that thread
+  int depth_ = 0;  // depth on that thread
   std::string scene_;
 };
 

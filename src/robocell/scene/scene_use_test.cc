@@ -26,7 +26,7 @@ std::string Elsewhere(Work&& work) {
   return text;
 }
 
-TEST(SceneUse, AnotherThreadIsToldWhoHasItAndWhatToDo) {
+TEST(SceneUse, TheErrorNamesTheUserAndTheRemedy) {
   SceneUse use("scene 'pick'");
   const auto claim = [&] { const SceneUse::Claim other(use, "other"); };
   {
@@ -45,7 +45,7 @@ TEST(SceneUse, AnotherThreadIsToldWhoHasItAndWhatToDo) {
   EXPECT_FALSE(use.by_another_thread());
 }
 
-TEST(SceneUse, OneThreadClaimsItAgainAndHasItToTheEndOfTheFirst) {
+TEST(SceneUse, NestedClaimsLastUntilTheOutermostEnds) {
   SceneUse use("scene 'pick'");
   const auto other = [&] { const SceneUse::Claim claim(use, "other"); };
   use.Begin("Scene.reset");
@@ -55,7 +55,7 @@ TEST(SceneUse, OneThreadClaimsItAgainAndHasItToTheEndOfTheFirst) {
   EXPECT_EQ(Elsewhere(other), "");
 }
 
-TEST(SceneUse, ThreadsThatTryAllTheTimeAreInNeverTogether) {
+TEST(SceneUse, CompetingThreadsNeverOverlap) {
   SceneUse use("scene 'pick'");
   std::atomic<int> inside = 0, together = 0, refused = 0;
   int done = 0;  // guarded by the use

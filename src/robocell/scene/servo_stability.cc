@@ -53,7 +53,7 @@ class StabilityAnalysis {
     std::string what, unit;  // "joint 'hip'", "kg m2"
     std::string joint;       // whose armature would help; "" for several
     double moved = 0;        // kg m2 or kg
-    double damping = 0;      // of joints and tendon
+    double damping = 0;      // damping of joints and tendon
   };
 
   std::string Own(mjtObj kind, int id) const {
@@ -94,7 +94,7 @@ class StabilityAnalysis {
       if (!IsInSubtree(m_, m_->jnt_bodyid[joint], base)) return std::nullopt;
       if (type >= 0 && m_->jnt_type[joint] != type) return std::nullopt;
       type = m_->jnt_type[joint];
-      const int dof = m_->jnt_dofadr[joint];  // how fast it turns while the tendon moves by 1
+      const int dof = m_->jnt_dofadr[joint];  // degree of freedom that the tendon turns
       const double speed = m_->wrap_prm[w] * moved / m_->dof_M0[dof];
       damping += m_->dof_damping[dof] * speed * speed;
     }

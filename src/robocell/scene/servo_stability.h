@@ -28,8 +28,8 @@ struct UnstableServo {
 std::vector<UnstableServo> UnstableServos(const mjModel* model, int base_body,
                                           std::string_view prefix);
 
-// Springs of joints and tendons in that subtree that are too stiff in the same way, as sentences with
-// the remedy: they diverge whatever the servos do.
+// Springs of joints and tendons in that subtree that are too stiff in the same way, as sentences
+// with the remedy: they diverge with any servos.
 std::vector<std::string> UnstableSprings(const mjModel* model, int base_body,
                                          std::string_view prefix);
 

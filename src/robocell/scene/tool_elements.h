@@ -1,4 +1,4 @@
-// Which elements of a robot came with an attached tool, and what that means for advice: the edits of
+// Finds the elements of a robot that came with an attached tool. Advice depends on it: the edits of
 // a robot's file change the robot's own model, before tools are attached.
 #pragma once
 
@@ -13,8 +13,8 @@ namespace robocell::internal {
 // null for the robot's own elements. Tools without a prefix are not found.
 const AttachmentSpec* ToolOf(const List<AttachmentSpec>& tools, const std::string& name);
 
-// How a site is added to a body of a robot: "edits: [{add_site: tip, body: jaw, pos: [0, 0, 0.1]}]
-// adds one", or where a tool's file needs it.
+// The edit that adds a site to a body of a robot: "edits: [{add_site: tip, body: jaw, pos: [0, 0,
+// 0.1]}] adds one", or where a tool's file needs it.
 struct SiteAdvice {
   std::string text;
   std::string edit;  // the edit in it; "" for a tool

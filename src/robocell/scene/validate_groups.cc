@@ -8,6 +8,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/mujoco/joint_followers.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/element_lookup.h"
@@ -89,15 +90,17 @@ class GroupValidator {
     }
     const std::optional<int> leaf = LeafBody(group);
     if (!leaf) return;
-    const auto joints = JointsTo(*leaf);
-    if (!joints || *joints == group.joints.names) return;
+    auto joints = JointsTo(*leaf);
+    if (!joints) return;
+    const std::string coupled = DropFollowers(&*joints);
+    if (*joints == group.joints.names) return;
     if (const std::string carrier = JointOfTheRoot(group); !carrier.empty()) {
       return Problem(
           field + ".joints",
           fmt::format(
               "'{0}' moves the root body '{1}' itself, and an arm begins behind the root. Put "
-              "a body without joints around '{1}' in the model, or give '{0}' a group of "
-              "its own: {{kind: generic, joints: [{0}], actuators: [NAME]}}",
+              "a body without joints around '{1}' in the model, or give '{0}' a separate group: "
+              "{{kind: generic, joints: [{0}], actuators: [NAME]}}",
               carrier, WithoutPrefix(robot_.root_body)));
     }
     if (joints->empty()) {
@@ -108,11 +111,12 @@ class GroupValidator {
                       WithoutPrefix(robot_.root_body), HowToNameALeaf(group.joints.names.back())));
     }
     if (const std::string ball = BallAmong(*joints); !ball.empty()) {
-      return Problem(field + (group.leaf ? ".leaf" : ".joints"),
-                     fmt::format("'{}' between '{}' and the arm's leaf is no hinge and no slide, "
-                                 "and an arm has only those: name a `leaf` before it, or put "
-                                 "hinges in its place in the model",
-                                 ball, WithoutPrefix(robot_.root_body)));
+      return Problem(
+          field + (group.leaf ? ".leaf" : ".joints"),
+          fmt::format("'{}' between '{}' and the arm's leaf is neither a hinge nor a slide, "
+                      "and an arm has only those: name a `leaf` before it, or put "
+                      "hinges in its place in the model",
+                      ball, WithoutPrefix(robot_.root_body)));
     }
     if (const std::string finger = JointOfAnotherGroup(*joints, group); !finger.empty()) {
       return Problem(
@@ -124,10 +128,28 @@ class GroupValidator {
     }
     Problem(field + ".joints",
             fmt::format("lists {}, but the joints from '{}' to the arm's leaf are {}; list "
-                        "those, in this order{}{}{}",
+                        "those, in this order{}{}{}{}",
                         ListNames(group.joints.names), WithoutPrefix(robot_.root_body),
                         ListNames(*joints), group.leaf ? "" : ", or name its `leaf`",
-                        HowToNameFirst(*joints), HowToBeginBehind(*joints, group.joints.names)));
+                        HowToNameFirst(*joints), HowToBeginBehind(*joints, group.joints.names),
+                        coupled));
+  }
+
+  // Leaves out the joints that follow others of the list, and returns a sentence about them.
+  std::string DropFollowers(std::vector<std::string>* joints) const {
+    std::vector<int> ids;
+    for (const std::string& joint : *joints)
+      ids.push_back(FindId(m_, mjOBJ_JOINT, robot_.prefix + joint));
+    if (std::find(ids.begin(), ids.end(), -1) != ids.end()) return "";
+    std::vector<std::string> said;
+    const std::vector<ListedFollower> followers = FollowersAmong(m_, ids);
+    for (const ListedFollower& f : followers)
+      said.push_back(fmt::format("'{}' follows '{}'", (*joints)[f.index], (*joints)[f.leader]));
+    for (auto f = followers.rbegin(); f != followers.rend(); ++f)
+      joints->erase(joints->begin() + static_cast<std::ptrdiff_t>(f->index));
+    if (said.empty()) return "";
+    return fmt::format(". By equality constraints {}, without a place of its own in the list",
+                       ListNames(said));
   }
 
   // Returns the group that lists a joint; "" if there is none.
@@ -139,8 +161,8 @@ class GroupValidator {
     return "";
   }
 
-  // For an arm whose leaf is farther out than its joints, on a finger: returns the first joint
-  // inwards from there that belongs to another group.
+  // Returns the first joint inwards from the leaf that belongs to another group, for an arm whose
+  // leaf is farther out than its joints, on a finger.
   std::string JointOfAnotherGroup(const std::vector<std::string>& joints,
                                   const MoveGroupConfig& group) const {
     const std::vector<std::string>& listed = group.joints.names;
@@ -165,7 +187,7 @@ class GroupValidator {
     const std::string name = WithoutPrefix(ElementName(m_, mjOBJ_BODY, *body));
     if (name.empty()) return "";
     return fmt::format(
-        ". Or, where '{}' has a group of its own (a waist that two arms hang on, a lift): "
+        ". Or, if '{}' has a separate group (a waist that two arms hang on, a lift): "
         "`root_body: {}` at the top level of the robot file; the arms begin behind it",
         last, name);
   }

@@ -11,7 +11,7 @@ namespace {
 
 using Groups = RobotFiles;
 
-TEST_F(Groups, AnActuatorThatTwoGroupsName) {
+TEST_F(Groups, AnActuatorOfTwoGroups) {
   const std::string file = RobotFile(
       "move_groups:\n"
       "  arm: {kind: arm, joints: [shoulder, elbow], actuators: [servo1, servo2]}\n"
@@ -22,7 +22,7 @@ TEST_F(Groups, AnActuatorThatTwoGroupsName) {
                              "by move_groups.arm and move_groups.tip; leave it out of one");
 }
 
-TEST_F(Groups, AnActuatorThatOneGroupNamesAndAnArmFinds) {
+TEST_F(Groups, AnActuatorOfAGroupAndAnArm) {
   const std::string file = RobotFile(
       "move_groups:\n"
       "  tip: {actuators: [servo2]}\n"
@@ -34,7 +34,7 @@ TEST_F(Groups, AnActuatorThatOneGroupNamesAndAnArmFinds) {
                              "joints); leave it out of one");
 }
 
-TEST_F(Groups, AJointThatTwoDrivenArmsList) {
+TEST_F(Groups, AJointOfTwoDrivenArms) {
   const std::string file = RobotFile(
       "move_groups:\n"
       "  one: {kind: arm, joints: [shoulder, elbow]}\n"
@@ -46,7 +46,7 @@ TEST_F(Groups, AJointThatTwoDrivenArmsList) {
                              "actuators; leave it out of one");
 }
 
-TEST_F(Groups, ALeafOnAFinger) {
+TEST_F(Groups, ALeafFrameOnAFinger) {
   folder.Write("gripper", kTwoFingerGripper);
   const std::string file = RobotFile(
       "attachments: [{mjcf_path: gripper.xml, attach_to: {site: flange}}]\n"
@@ -62,7 +62,7 @@ TEST_F(Groups, ALeafOnAFinger) {
           "Bodies there: fore, palm");
 }
 
-TEST_F(Groups, JointsThatAreNotThoseToTheLeaf) {
+TEST_F(Groups, JointsThatDoNotLeadToTheLeafFrame) {
   const std::string swapped = RobotFile(
       "move_groups:\n"
       "  arm: {kind: arm, joints: [elbow, shoulder], leaf: {site: flange}}\n");
@@ -85,8 +85,8 @@ TEST_F(Groups, JointsThatAreNotThoseToTheLeaf) {
                          one_missing +
                              ":3:40: robot 'left': move_groups.arm.joints: lists elbow, "
                              "but the joints from 'base' to the arm's leaf are shoulder, "
-                             "elbow; list those, in this order, or name its `leaf`. Or, where "
-                             "'shoulder' has a group of its own (a waist that two arms hang on, a "
+                             "elbow; list those, in this order, or name its `leaf`. Or, if "
+                             "'shoulder' has a separate group (a waist that two arms hang on, a "
                              "lift): `root_body: upper` at the top level of the robot file; the "
                              "arms begin behind it");
   BuildRobot(
@@ -106,11 +106,11 @@ TEST_F(Groups, AJointOfTheRootItself) {
       file +
           ":3:40: robot 'left': move_groups.arm.joints: 'rail' moves the root body 'sled' itself, "
           "and an arm begins behind the root. Put a body without joints around 'sled' in the "
-          "model, or give 'rail' a group of its own: {kind: generic, joints: [rail], actuators: "
+          "model, or give 'rail' a separate group: {kind: generic, joints: [rail], actuators: "
           "[NAME]}");
 }
 
-TEST_F(Groups, OneFingerTwice) {
+TEST_F(Groups, ADuplicateFinger) {
   folder.Write("gripper", kTwoFingerGripper);
   const std::string file = RobotFile(
       "attachments: [{mjcf_path: gripper.xml, prefix: g_, attach_to: {site: flange}}]\n"
@@ -137,7 +137,7 @@ TEST_F(Groups, AnActuatorThatMovesTheWholeHand) {
                              "fingers: g_grip");
 }
 
-TEST_F(Groups, ABallInTheArmIsNotOfferedForItsList) {
+TEST_F(Groups, ABallJointIsNotSuggested) {
   folder.Write("ball", R"(<worldbody><body name="base"><geom size="0.1"/>
       <body name="upper"><joint name="hip" axis="0 1 0"/><geom size="0.1"/>
       <body name="fore"><joint name="elbow" type="ball"/><geom size="0.1"/><site name="tip"/>
@@ -149,7 +149,7 @@ TEST_F(Groups, ABallInTheArmIsNotOfferedForItsList) {
   ExpectThrow<SpecError>([&] { BuildRobot(file); },
                          file +
                              ":3:53: robot 'left': move_groups.arm.leaf: 'elbow' between "
-                             "'base' and the arm's leaf is no hinge and no slide, and an arm "
+                             "'base' and the arm's leaf is neither a hinge nor a slide, and an arm "
                              "has only those: name a `leaf` before it, or put hinges in its "
                              "place in the model");
 }

@@ -14,7 +14,7 @@
 
 namespace robocell::internal {
 
-// How far outside its limits a number from a file may be, because files round.
+// Tolerance for values from files beyond their limits, because files round.
 inline constexpr double kLimitSlack = 1e-4;
 
 // Returns "2 is outside the limits -1 to 1 of joint 'elbow'", with a hint at degrees that were
@@ -24,8 +24,8 @@ std::optional<std::string> OutsideLimits(const mjModel* model, int joint, double
                                          const std::string& shown);
 
 // Reports the keyframe values that are outside the limits: as a problem where a reset would use
-// them (of `home`, unless a robot's file replaces them), as a warning in other keyframes. A group of
-// a robot without any home begins at the model's reference positions; a warning names those that
+// them (of `home`, unless a robot's file replaces them), as a warning in other keyframes. A group
+// of a robot without any home begins at the model's reference positions; a warning names those that
 // are outside the limits, with a home to write.
 void ValidateKeyframes(const mjModel* model, const PartKeys& parts,
                        const std::vector<RobotRecord>& robots, CompileLog& log);

@@ -15,7 +15,7 @@ using ::testing::Optional;
 
 using Keyframes = ArmWithHand;
 
-TEST_F(Keyframes, ValuesOutsideTheLimitsAreToldWithWhatTheyMayBe) {
+TEST_F(Keyframes, ReportsValuesOutsideTheLimitsWithASuggestion) {
   Model({.angle = "degree", .hip = "-115 115", .knee = "-2 2"});
   const Scene scene = Build();
   const mjModel* m = scene.model();
@@ -29,7 +29,7 @@ TEST_F(Keyframes, ValuesOutsideTheLimitsAreToldWithWhatTheyMayBe) {
   EXPECT_THAT(OutsideLimits(m, hip, 3, "hip"), Optional(Not(HasSubstr("degrees"))));
 }
 
-TEST_F(Keyframes, OfTheModelOutsideTheLimitsAreWarningsUnlessTheyAreHome) {
+TEST_F(Keyframes, OfTheModelOutsideTheLimitsGiveWarningsExceptHome) {
   Model({.rest = "<keyframe><key name=\"home\" qpos=\"0 0 0 0\"/><key name=\"far\" qpos=\"9 0 "
                  "0 0\"/></keyframe>"});
   EXPECT_THAT(Build().compiled()->warnings(),
@@ -37,7 +37,7 @@ TEST_F(Keyframes, OfTheModelOutsideTheLimitsAreWarningsUnlessTheyAreHome) {
                                             "joint 'hip'")));
 }
 
-TEST_F(Keyframes, AReferenceOutsideTheLimitsIsAWarningWithAHomeUnlessOneIsGiven) {
+TEST_F(Keyframes, WarnAboutAReferenceOutsideTheLimits) {
   const auto warning = HasSubstr(
       "'arm' has no home, so it begins at the model's reference position: 0 is outside the limits "
       "0.5 to 2 of joint 'hip'. Give it one: home: {arm: [1.25, 0]}");

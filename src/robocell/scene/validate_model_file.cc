@@ -3,10 +3,7 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
-#include <array>
 #include <filesystem>
-#include <fstream>
-#include <string_view>
 #include <vector>
 
 #include "robocell/base/suggestions.h"
@@ -15,54 +12,18 @@
 #include "robocell/scene/spec_tree.h"
 
 namespace robocell::internal {
-namespace {
-
-constexpr size_t kHead = 1 << 16;  // bytes that contain the first element
-
-std::string HeadOf(const std::string& file) {
-  std::string head(kHead, '\0');
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<size_t>(stream.gcount()));
-  return head;
-}
-
-// Returns the name of the first element: "mujoco", "robot"; "" if there is none.
-std::string RootElement(std::string_view xml) {
-  for (size_t at = 0; (at = xml.find('<', at)) != std::string_view::npos; ++at) {
-    const std::string_view rest = xml.substr(at + 1);
-    if (rest.starts_with("!--")) {
-      at = xml.find("-->", at);
-      if (at == std::string_view::npos) return "";
-    } else if (!rest.starts_with("?") && !rest.starts_with("!")) {
-      return std::string(rest.substr(0, rest.find_first_of(" \t\r\n/>")));
-    }
-  }
-  return "";
-}
-
-}  // namespace
-
-void ValidateIsMjcf(const std::string& file, const std::string& place, const std::string& field,
-                    CompileLog& log) {
+void ValidateIsModel(const std::string& file, const std::string& place, const std::string& field,
+                     CompileLog& log) {
   const std::string extension = std::filesystem::path(file).extension().string();
   if (extension == ".yaml" || extension == ".yml") {
-    log.Problem(place,
-                fmt::format("{0} is YAML, and models are MJCF. If it is a robot's configuration, "
-                            "it goes into the `config` of a RobotSpec, without a `path`: "
-                            "config: {0} in YAML, RobotConfig.load('{0}') in Python",
-                            file),
-                field);
-    return;
+    log.Problem(
+        place,
+        fmt::format("{0} is YAML, and models are MJCF or URDF. If it is a robot's configuration, "
+                    "it goes into the `config` of a RobotSpec, without a `path`: "
+                    "config: {0} in YAML, RobotConfig.load('{0}') in Python",
+                    file),
+        field);
   }
-  if (RootElement(HeadOf(file)) != "robot") return;
-  log.Problem(
-      place,
-      fmt::format("{0} is a URDF, and robots are read from MJCF: a URDF has no actuators, sites or "
-                  "cameras. `robocell init {0} -o NEW.yaml` writes an MJCF with servos and a robot "
-                  "file that names it; to choose the servos yourself, see docs/howto/from_urdf.md",
-                  file),
-      field);
 }
 
 void ValidateActuatorTargets(const Part& part, CompileLog& log) {
@@ -98,9 +59,8 @@ void ValidateHomeKeyLength(const Part& part, CompileLog& log) {
   }
   if (given == 0 || given == wanted) return;  // none: all joints at their reference
   const std::string message = fmt::format(
-      "the keyframe 'home' has {} numbers in qpos, and the model's joints need {}, in "
-      "this order: {}",
-      given, wanted, ListNames(names, 40));
+      "the keyframe 'home' has {} in qpos, and the model's joints need {}, in this order: {}",
+      Counted(given, "number"), wanted, ListNames(names, 40));
   if (given > wanted) return log.Thrown(part.place, part.file + ": " + message, part.field);
   log.WarnAt(part.file, part.place,
              fmt::format("{}. Without a number, and at their reference: {}", message,
@@ -119,9 +79,10 @@ void ValidateHomeKeyControls(const Part& part, CompileLog& log) {
   if (given == 0 || given >= static_cast<int>(actuators.size())) return;
   const std::vector<std::string> left_out(actuators.begin() + given, actuators.end());
   log.WarnAt(part.file, part.place,
-             fmt::format("the keyframe 'home' has {} numbers in ctrl for {} actuators. Without "
-                         "a number, and at the control that holds home: {}",
-                         given, actuators.size(), ListNames(left_out, 40)));
+             fmt::format("the keyframe 'home' has {} in ctrl for {}. Without a number, and at "
+                         "the control that holds home: {}",
+                         Counted(given, "number"), Counted(std::ssize(actuators), "actuator"),
+                         ListNames(left_out, 40)));
 }
 
 void ValidatePresetSizes(Part& part, CompileLog& log) {
@@ -133,11 +94,29 @@ void ValidatePresetSizes(Part& part, CompileLog& log) {
     mjs_getDouble(mjs_asKey(element)->qpos, &given);
     if (name.empty() || name == "home" || given == 0 || given == wanted) continue;
     log.WarnAt(part.file, part.place,
-               fmt::format("the keyframe '{}' has {} numbers in qpos, and the model's joints "
-                           "need {}: it is left out",
-                           name, given, wanted));
+               fmt::format("the keyframe '{}' has {} in qpos, and the model's joints need {}: it "
+                           "is left out",
+                           name, Counted(given, "number"), wanted));
     part.keys.Remove(name);
   }
+}
+
+void ValidateResistances(mjSpec* scene, CompileLog& log) {
+  const auto require = [&](mjsElement* element, const char* what, double value) {
+    if (!(value < 0)) return;
+    log.Problem("", fmt::format("the {} of {} is {:g}, and a negative one adds energy; correct its "
+                                "model, or give another value in `edits`",
+                                what, DescribeSpecElement(element), value));
+  };
+  const auto require_all = [&](mjsElement* element, const auto& resisting) {
+    require(element, "damping", resisting.damping[0]);
+    require(element, "armature", resisting.armature);
+    require(element, "frictionloss", resisting.frictionloss);
+  };
+  for (mjsElement* joint : SpecElements(scene, mjOBJ_JOINT))
+    require_all(joint, *mjs_asJoint(joint));
+  for (mjsElement* tendon : SpecElements(scene, mjOBJ_TENDON))
+    require_all(tendon, *mjs_asTendon(tendon));
 }
 
 std::string OtherKeys(const Part& part) {

@@ -8,10 +8,9 @@
 
 namespace robocell::internal {
 
-// Reports a file that is not MJCF but a URDF, which has no actuators, sites or cameras: for robots;
-// a passive tool and an object need none.
-void ValidateIsMjcf(const std::string& file, const std::string& place, const std::string& field,
-                    CompileLog& log);
+// Reports a robot's configuration that is given in place of its model.
+void ValidateIsModel(const std::string& file, const std::string& place, const std::string& field,
+                     CompileLog& log);
 
 // Reports each actuator whose joint, tendon, site or body is not in the model.
 void ValidateActuatorTargets(const Part& part, CompileLog& log);
@@ -25,6 +24,10 @@ void ValidateHomeKeyControls(const Part& part, CompileLog& log);
 
 // Warns of each other keyframe with the wrong count of numbers in qpos, and leaves it out.
 void ValidatePresetSizes(Part& part, CompileLog& log);
+
+// Reports joints and tendons of a whole scene with a negative damping, armature or friction loss,
+// which the engine accepts and which adds energy until the state diverges.
+void ValidateResistances(mjSpec* scene, CompileLog& log);
 
 // Returns a remark about a robot whose keyframes all have other names; "" if there is a `home` or
 // no keyframe at all.

@@ -11,6 +11,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/arm_with_hand.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell::internal {
 namespace {
@@ -24,7 +25,7 @@ using ::testing::Not;
 
 using ModelFile = ArmWithHand;
 
-TEST_F(ModelFile, AnActuatorOfAJointThatIsNotThere) {
+TEST_F(ModelFile, AnActuatorOfAMissingJoint) {
   Model({.servo = "kne"});
   ExpectThrow<SpecError>([&] { Build(); },
                          "arm.yaml:2:8: robot 'arm': " + model_ +
@@ -43,7 +44,7 @@ TEST_F(ModelFile, AKeyframeOfAnotherModel) {
 
 // The oracle is the engine, which completes the keyframe, here of a model that another one is
 // attached to.
-TEST_F(ModelFile, AKeyframeOfTheOwnJointsOnly) {
+TEST_F(ModelFile, AKeyframeWithoutToolJoints) {
   AtomicWrite(folder_.path() / "tool.xml",
               "<mujoco model=\"tool\"><worldbody><body name=\"t\"><joint name=\"spin\"/>"
               "<geom size=\"0.02\" mass=\"0.1\"/></body></worldbody></mujoco>");
@@ -72,12 +73,12 @@ TEST_F(ModelFile, AKeyframeOfTheOwnJointsOnly) {
 TEST_F(ModelFile, AKeyframeWithTooFewControls) {
   Model({.rest = "<keyframe><key name=\"home\" qpos=\"0 0.5 0 0\" ctrl=\"0\"/></keyframe>"});
   EXPECT_THAT(Build().compiled()->warnings(),
-              ElementsAre(model_ + ": robot 'arm': the keyframe 'home' has 1 numbers in ctrl for 3 "
+              ElementsAre(model_ + ": robot 'arm': the keyframe 'home' has 1 number in ctrl for 3 "
                                    "actuators. Without a number, and at the control that holds "
                                    "home: actuator 's2', actuator 'grip'"));
 }
 
-TEST_F(ModelFile, KeyframesThatAreCalledOtherwiseAreNamedWithTheirNumbers) {
+TEST_F(ModelFile, KeyframesWithOtherNamesAreListed) {
   Model({.rest = "<keyframe><key name=\"ready\" qpos=\"0.1 0.5 0 0\"/><key qpos=\"0 0 0 0\"/>"
                  "</keyframe>"});
   EXPECT_THAT(Build().compiled()->notes(),
@@ -89,7 +90,7 @@ TEST_F(ModelFile, KeyframesThatAreCalledOtherwiseAreNamedWithTheirNumbers) {
   EXPECT_THAT(Build("home: {arm: [0.1, 0.5]}\n").compiled()->notes(), IsEmpty());
 }
 
-TEST_F(ModelFile, AHomeThatDegreesPutOutsideTheLimits) {
+TEST_F(ModelFile, AHomeInDegreesOutsideTheLimits) {
   Model(
       {.angle = "degree", .rest = "<keyframe><key name=\"home\" qpos=\"1.5 0 0 0\"/></keyframe>"});
   ExpectThrow<SpecError>([&] { Build(); },
@@ -100,12 +101,12 @@ TEST_F(ModelFile, AHomeThatDegreesPutOutsideTheLimits) {
 
 // A model that is made for viewing alone brings a floor. In its world the floor is left out; in a
 // body it would come along.
-TEST_F(ModelFile, AFloorThatTheModelBrings) {
+TEST_F(ModelFile, AFloorInTheModel) {
   const std::string plane = "geom name=\"ground\" type=\"plane\" size=\"0 0 1\"/>";
   Model({.first = "<worldbody><" + plane + "</worldbody>"});
   const Scene outside = Build();
   EXPECT_THAT(outside.compiled()->warnings(), IsEmpty());
-  EXPECT_THAT(outside.compiled()->notes(), ElementsAre(HasSubstr("left out of its world: geom")));
+  EXPECT_THAT(outside.compiled()->notes(), ElementsAre(HasSubstr("left out: geom")));
   EXPECT_LT(FindId(outside.model(), mjOBJ_GEOM, "a/ground"), 0);
 
   SceneSpec spec = EmptyScene();
@@ -120,7 +121,7 @@ TEST_F(ModelFile, AFloorThatTheModelBrings) {
                "robot alone: edits: [{delete: {geom: ground}}]"));
 }
 
-TEST_F(ModelFile, AUrdfMayBeAPassiveTool) {
+TEST_F(ModelFile, AUrdfCanBeAPassiveTool) {
   AtomicWrite(
       folder_.path() / "pen.urdf",
       "<robot name=\"pen\"><link name=\"pen\"><inertial><mass value=\"0.1\"/><inertia "
@@ -132,16 +133,35 @@ TEST_F(ModelFile, AUrdfMayBeAPassiveTool) {
   EXPECT_GE(FindId(scene.model(), mjOBJ_BODY, "a/pen_pen"), 0);
 }
 
-TEST_F(ModelFile, AUrdfIsNoRobotsModel) {
-  AtomicWrite(folder_.path() / "arm.xml",
-              "<?xml version=\"1.0\"?>\n<!-- <mujoco/> -->\n<robot name=\"r\"><link name=\"a\"/>"
-              "</robot>");
-  const std::string text = ExpectThrow<SpecError>([&] { Build(); },
-                                                  "arm.xml is a URDF, and robots "
-                                                  "are read from MJCF");
-  EXPECT_THAT(text, AllOf(HasSubstr("arm.yaml:2:8: robot 'arm': "), HasSubstr("`robocell init "),
-                          HasSubstr("arm.xml -o NEW.yaml` writes an MJCF with servos"),
-                          HasSubstr("docs/howto/from_urdf.md"), Not(HasSubstr("site "))));
+// The engine takes them, and the state diverges.
+TEST(ModelFileOfAScene, NegativeDampingArmatureAndFrictionAreNamed) {
+  const TempDir folder;
+  const std::string file = folder / "cell.xml";
+  const auto problem = [&](const std::string& joint, const std::string& more = "") {
+    AtomicWrite(file,
+                "<mujoco><default><default class='bad'><joint damping='-3'/></default>"
+                "</default><worldbody><body name='b'><joint name='j' " +
+                    joint + "/><geom size='.1'/></body></worldbody>" + more + "</mujoco>");
+    EXPECT_NO_THROW(Compile(ParseXmlFile(file).get())) << "the engine's own check would do";
+    SceneSpec spec{.name = "s", .base = file, .timestep = 0.002, .add_floor = false};
+    try {
+      CompileScene(spec);
+    } catch (const SpecError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(problem("damping='1' armature='0' frictionloss='0.1'"), "");
+  EXPECT_EQ(problem("damping='-1'"),
+            "scene 's': the damping of joint 'j' is -1, and a negative one adds energy; correct "
+            "its model, or give another value in `edits`");
+  EXPECT_THAT(problem("armature='-0.5'"), HasSubstr("the armature of joint 'j' is -0.5"));
+  EXPECT_THAT(problem("frictionloss='-2'"), HasSubstr("the frictionloss of joint 'j' is -2"));
+  EXPECT_THAT(problem("class='bad'"), HasSubstr("the damping of joint 'j' is -3"));
+  EXPECT_THAT(problem("",
+                      "<tendon><fixed name='t' damping='-4'><joint joint='j' coef='1'/>"
+                      "</fixed></tendon>"),
+              HasSubstr("the damping of tendon 't' is -4"));
 }
 
 }  // namespace

@@ -1,11 +1,16 @@
 #include "robocell/scene/validate_robot.h"
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/guard.h"
+#include "robocell/mujoco/joint_followers.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/drive_matrix.h"
 #include "robocell/scene/element_lookup.h"
 #include "robocell/scene/ft_sensor.h"
 #include "robocell/scene/validate_keyframes.h"
@@ -92,6 +97,7 @@ class RobotValidator {
 
   void ValidateArm(const std::string& field, const MoveGroupConfig& group,
                    const std::vector<int>& joints, const std::vector<int>& actuators) {
+    const bool in_matrix = ValidateMatrix(field, joints, actuators);
     for (size_t i = 0; i < joints.size(); ++i) {
       if (joints[i] < 0) continue;
       if (model_->jnt_type[joints[i]] != mjJNT_HINGE &&
@@ -100,9 +106,29 @@ class RobotValidator {
                                    "of one degree of freedom",
                                    group.joints[i]));
       }
-      if (i < actuators.size() && actuators[i] >= 0)
+      if (i < actuators.size() && actuators[i] >= 0 && !in_matrix)
         ValidateDrives(field, group, i, joints[i], actuators[i]);
     }
+  }
+
+  // Returns true if the actuators move the arm through tendons or followers of its joints. Reports
+  // those that leave some of it unmoved.
+  bool ValidateMatrix(const std::string& field, const std::vector<int>& joints,
+                      const std::vector<int>& actuators) {
+    for (const std::vector<int>* ids : {&joints, &actuators}) {
+      if (ids->empty() || std::find(ids->begin(), ids->end(), -1) != ids->end()) return false;
+    }
+    std::vector<int> free = joints;
+    const std::vector<ListedFollower> followers = FollowersAmong(model_, joints);
+    for (auto f = followers.rbegin(); f != followers.rend(); ++f)
+      free.erase(free.begin() + static_cast<std::ptrdiff_t>(f->index));
+    const bool on_tendons = std::any_of(actuators.begin(), actuators.end(), [&](int a) {
+      return model_->actuator_trntype[a] == mjTRN_TENDON;
+    });
+    if (!on_tendons) return false;
+    const std::string why = WhyNoMatrixDrive(model_, free, actuators);
+    if (!why.empty()) Problem(field + ".actuators", ": " + why);
+    return true;
   }
 
   void ValidateDrives(const std::string& field, const MoveGroupConfig& group, size_t i, int joint,
@@ -114,8 +140,8 @@ class RobotValidator {
         on_joint ? "joint '" +
                        ElementName(model_, mjOBJ_JOINT, driven).substr(robot_.prefix.size()) + "'"
                  : "no single joint";
-    Problem(field, fmt::format(": actuator '{}' drives {}, but stands in the place of joint '{}'; "
-                               "list the actuators in the order of the joints",
+    Problem(field, fmt::format(": actuator '{}' drives {}, but is listed for joint '{}'; list the "
+                               "actuators in the order of the joints",
                                group.actuators[i], what, group.joints[i]));
   }
 

@@ -9,7 +9,7 @@
 namespace robocell {
 namespace {
 
-TEST(ToolPoints, GivenTwiceAreRefusedUnlessTheyAreTheSame) {
+TEST(ToolPoints, RejectContradictoryValues) {
   ModelFolder folder;
   RobotConfig config = ArmConfig(folder.Write("arm", kTwoJointArm));
   const auto build = [&] {

@@ -1,5 +1,6 @@
 #include "robocell/scenes/catalogue.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -121,6 +122,22 @@ ObjectSize ObjectSizes::Of(const SceneObject& object) {
       break;
   }
   return {s[0], s[0], s[0]};
+}
+
+std::string WhyTooLarge(const SceneObject& object, const ObjectSize& size) {
+  const double extent = std::max(2 * size.radius, size.height + size.top);
+  if (object.fixed == true || extent <= kLargestObject) return "";
+  return TooLargeText(object.name, extent, !object.shape);
+}
+
+std::string TooLargeText(const std::string& object, double size, bool is_model) {
+  return fmt::format(
+      "object '{}' is {:.3g} m large, and lengths are in metres. Is it in millimetres? Then {} (in "
+      "millimetres it would be {:.3g} m)",
+      object, size,
+      is_model ? "give its <mesh> scale=\"0.001 0.001 0.001\""
+               : "write its size and its position a thousandth as large",
+      size / 1000);
 }
 
 }  // namespace robocell

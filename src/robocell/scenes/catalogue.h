@@ -21,8 +21,8 @@ SceneObject MakeCatalogueObject(const std::string& kind, const std::string& name
 // The space that an object takes up, standing upright. Metres.
 struct ObjectSize {
   double radius = 0;  // around its origin in the plane, for placing without overlap
-  double height = 0;  // of its origin above the support
-  double top = 0;     // of its upper end above its origin
+  double height = 0;  // height of its origin above the support
+  double top = 0;     // height of its top above its origin
 };
 
 // Sizes of objects. A model is measured once per process, which compiles it; each ObjectSizes
@@ -32,7 +32,16 @@ class ObjectSizes {
   ObjectSize Of(const SceneObject& object);
 
  private:
-  std::map<std::string, ObjectSize> models_;  // by path
+  std::map<std::string, ObjectSize> models_;  // sizes by path
 };
+
+// Objects that are handled have to fit into a room, metres.
+inline constexpr double kLargestObject = 10;
+
+// Returns why an object is too large to be handled, and the next step: its lengths may be in
+// millimetres. "" if it is not, and for a fixed object.
+std::string WhyTooLarge(const SceneObject& object, const ObjectSize& size);
+// Returns the same for a size in metres, of a model or of a shape.
+std::string TooLargeText(const std::string& object, double size, bool is_model);
 
 }  // namespace robocell

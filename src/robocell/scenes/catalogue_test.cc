@@ -46,7 +46,7 @@ TEST(Catalogue, ASizeFollowsTheModelsFile) {
   }
 }
 
-TEST(Catalogue, FilesAreLookedAtOncePerObjectSizes) {
+TEST(Catalogue, ReadsEachFileOnce) {
   ObjectSizes sizes;
   std::optional<ObjectSize> first;
   {
@@ -67,7 +67,7 @@ TEST(Catalogue, SameStreamSameObject) {
   EXPECT_TRUE(MakeCatalogueObject("box", "x", a) == MakeCatalogueObject("box", "x", b));
 }
 
-TEST(Catalogue, AnUnknownKindNamesTheNearest) {
+TEST(Catalogue, SuggestsTheNearestKind) {
   Rng rng = Rng::Stream(1, "x");
   try {
     MakeCatalogueObject("mugg", "x", rng);
@@ -76,6 +76,19 @@ TEST(Catalogue, AnUnknownKindNamesTheNearest) {
     EXPECT_THAT(e.what(), testing::HasSubstr("no kind 'mugg'"));
     EXPECT_THAT(e.what(), testing::HasSubstr("Did you mean 'mug'?"));
   }
+}
+
+TEST(Catalogue, ObjectsInMillimetresAreTooLargeUnlessTheyAreFixed) {
+  SceneObject box{.name = "box", .shape = Shape::kBox, .size = Vec3{20, 20, 30}};
+  EXPECT_THAT(WhyTooLarge(box, ObjectSizes().Of(box)),
+              testing::AllOf(testing::HasSubstr("object 'box' is 60 m large"),
+                             testing::HasSubstr("a thousandth as large (in millimetres it would "
+                                                "be 0.06 m)")));
+  box.fixed = true;
+  EXPECT_EQ(WhyTooLarge(box, ObjectSizes().Of(box)), "") << "a floor may be that large";
+  SceneObject model{.name = "mug", .mjcf_path = "mug"};
+  EXPECT_EQ(WhyTooLarge(model, ObjectSizes().Of(model)), "");
+  EXPECT_THAT(WhyTooLarge(model, {.radius = 40}), testing::HasSubstr("give its <mesh> scale"));
 }
 
 }  // namespace

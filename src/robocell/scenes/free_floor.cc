@@ -13,6 +13,7 @@
 
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
 
 namespace robocell::internal {
 namespace {
@@ -23,7 +24,7 @@ constexpr double kSameFloor = 0.05;     // metres between heights of one floor
 constexpr double kThreshold = 0.02;     // lower objects are no obstacles, metres
 constexpr double kMostHalf = 25;        // half size of the examined floor, metres
 constexpr double kRounding = 1e-9;      // metres
-constexpr int kMostAreas = 12;          // of a floor
+constexpr int kMostAreas = 12;          // areas of one floor
 
 // Returns the corners of the box around a geom, in the world.
 std::vector<Eigen::Vector3d> CornersOf(const mjModel* m, const mjData* d, int g) {
@@ -84,7 +85,7 @@ bool IsUnder(const Floor& floor, const Floor& other) {
   return std::abs(at.x()) <= floor.half_x && std::abs(at.y()) <= floor.half_y;
 }
 
-// Without tables: faces as high as furniture above the next floor under their middle, else above
+// Removes tables: faces as high as furniture above the next floor under their middle, else above
 // the lowest floor.
 std::vector<Floor> WithoutTables(std::vector<Floor> faces) {
   std::ranges::stable_sort(faces, std::less<>(), HeightOf);
@@ -233,14 +234,17 @@ class Grid {
 };
 
 // An endless floor ends a little beyond the objects on it.
-void Bound(Floor& floor, const std::vector<std::vector<Eigen::Vector3d>>& boxes) {
+void Bound(Floor& floor, const std::vector<std::vector<Eigen::Vector3d>>& boxes,
+           std::span<const Eigen::Vector3d> points) {
   Eigen::AlignedBox2d content;
-  for (const auto& corners : boxes) {
-    for (const Eigen::Vector3d& corner : corners) {
-      const Eigen::Vector3d at = floor.frame_to_world.inverse() * corner;
+  const auto extend = [&](std::span<const Eigen::Vector3d> by) {
+    for (const Eigen::Vector3d& point : by) {
+      const Eigen::Vector3d at = floor.frame_to_world.inverse() * point;
       content.extend(Eigen::Vector2d(at.x(), at.y()));
     }
-  }
+  };
+  for (const auto& corners : boxes) extend(corners);
+  extend(points);
   if (content.isEmpty()) content.extend(Eigen::Vector2d(0, 0));
   Eigen::Vector2d low, high;
   for (int axis = 0; axis < 2; ++axis) {
@@ -257,7 +261,24 @@ void Bound(Floor& floor, const std::vector<std::vector<Eigen::Vector3d>>& boxes)
 
 }  // namespace
 
-std::vector<FloorArea> FindFreeFloor(const Scene& scene, const std::vector<bool>& ignored) {
+std::vector<bool> MovedBodies(const Scene& scene, std::span<const std::string> more) {
+  const mjModel* m = scene.model();
+  std::vector<bool> moved(static_cast<size_t>(m->nbody), false);
+  const auto mark = [&](const std::string& root) {
+    const int id = FindId(m, mjOBJ_BODY, root);
+    for (int body = 1; id > 0 && body < m->nbody; ++body) {
+      if (IsInSubtree(m, body, id)) moved[static_cast<size_t>(body)] = true;
+    }
+  };
+  for (const RobotRecord& robot : scene.compiled()->robots()) mark(robot.base_body);
+  for (const std::string& object : scene.parked_objects())
+    mark(scene.compiled()->object(object).root_body);
+  for (const std::string& body : more) mark(body);
+  return moved;
+}
+
+std::vector<FloorArea> FindFreeFloor(const Scene& scene, const std::vector<bool>& ignored,
+                                     std::span<const Eigen::Vector3d> points) {
   const mjModel* m = scene.model();
   const mjData* d = scene.data();
   std::vector<Floor> faces;
@@ -276,7 +297,7 @@ std::vector<FloorArea> FindFreeFloor(const Scene& scene, const std::vector<bool>
                             !ignored[static_cast<size_t>(m->geom_bodyid[g])];
       if (is_thing && g != floor.geom) boxes.push_back(CornersOf(m, d, g));
     }
-    Bound(floor, boxes);
+    Bound(floor, boxes, points);
     Grid grid(floor);
     for (const auto& corners : boxes) grid.Take(corners);
     for (const FloorArea& area : areas) {

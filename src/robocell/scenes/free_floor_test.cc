@@ -44,7 +44,7 @@ bool IsCovered(const Scene& scene, const Eigen::Vector3d& at) {
          kHeadroom - 0.02;
 }
 
-TEST(FreeFloor, NothingStandsOnIt) {
+TEST(FreeFloor, ContainsNoObjects) {
   for (int k = 0; k < 20; ++k) {
     Rng rng = Rng::Stream(7, "free floor", k);
     SceneSpec spec{.name = "room", .timestep = 0.002, .add_floor = true, .add_skybox = true};
@@ -69,7 +69,7 @@ TEST(FreeFloor, NothingStandsOnIt) {
   }
 }
 
-TEST(FreeFloor, ARoomWithWallsIsFreeUpToThem) {
+TEST(FreeFloor, ExtendsToTheWallsOfARoom) {
   SceneSpec spec{.name = "room", .timestep = 0.002, .add_floor = true, .add_skybox = true};
   spec.objects.push_back(FixedBox("north", {0, 2, 1}, {2, 0.05, 1}));
   spec.objects.push_back(FixedBox("south", {0, -2, 1}, {2, 0.05, 1}));
@@ -83,7 +83,7 @@ TEST(FreeFloor, ARoomWithWallsIsFreeUpToThem) {
   EXPECT_NEAR(inner.half_y, 1.95, 0.08);
 }
 
-TEST(FreeFloor, UnderATableIsNotFree) {
+TEST(FreeFloor, ExcludesTheAreaUnderATable) {
   SceneSpec spec{.name = "table", .timestep = 0.002, .add_floor = true, .add_skybox = true};
   spec.objects.push_back(FixedBox("top", {0, 0, 0.7}, {0.5, 0.5, 0.02}));
   for (const FloorArea& area : FreeFloorOf(Scene::Build(spec))) {
@@ -92,7 +92,7 @@ TEST(FreeFloor, UnderATableIsNotFree) {
   }
 }
 
-TEST(FreeFloor, AFloorThatIsABoxEndsAtItsEdges) {
+TEST(FreeFloor, EndsAtTheEdgesOfABoxFloor) {
   SceneSpec spec{.name = "slab", .timestep = 0.002, .add_floor = false, .add_skybox = true};
   spec.objects.push_back(FixedBox("slab", {1, 0, -0.05}, {1.5, 1, 0.05}, 0.4));
   const std::vector<FloorArea> areas = FreeFloorOf(Scene::Build(spec));
@@ -102,7 +102,7 @@ TEST(FreeFloor, AFloorThatIsABoxEndsAtItsEdges) {
   EXPECT_NEAR(areas[0].half_y, 1, 0.05);
 }
 
-TEST(FreeFloor, FloorsOfOneHeightAreListedOnce) {
+TEST(FreeFloor, ListsFloorsOfOneHeightOnce) {
   SceneSpec spec{.name = "house", .timestep = 0.002, .add_floor = true, .add_skybox = true};
   spec.objects.push_back(FixedBox("kitchen", {-1, 0, -0.04}, {1, 1, 0.05}));
   spec.objects.push_back(FixedBox("hall", {1, 0, -0.04}, {1, 1, 0.05}));
@@ -113,7 +113,7 @@ TEST(FreeFloor, FloorsOfOneHeightAreListedOnce) {
 }
 
 // A gallery over a room, with a table on each of the two levels.
-TEST(FreeFloor, AllLevelsCountAndTablesOfNoLevel) {
+TEST(FreeFloor, IncludesAllLevelsWithoutTables) {
   SceneSpec spec{.name = "house", .timestep = 0.002, .add_floor = true, .add_skybox = true};
   spec.objects.push_back(FixedBox("gallery", {0, 0, 2.95}, {2, 1.5, 0.05}));
   spec.objects.push_back(FixedBox("low_table", {-1, 0, 0.35}, {0.5, 0.8, 0.35}));
@@ -153,7 +153,7 @@ TEST(FreeFloor, AllLevelsCountAndTablesOfNoLevel) {
   EXPECT_FALSE(is_free({-1, 0, 0})) << "under the low table";
 }
 
-TEST(FreeFloor, AFloorIsChosenByItsNameOrByItsRoom) {
+TEST(FreeFloor, SelectsAFloorByNameOrRoom) {
   const SceneAnnotations known{.free_floor = {{.half_x = 1, .half_y = 1, .floor = "ground"},
                                               {.half_x = 2, .half_y = 1, .room = "attic"},
                                               {.half_x = 1, .half_y = 3, .room = "attic"}}};
@@ -166,10 +166,28 @@ TEST(FreeFloor, AFloorIsChosenByItsNameOrByItsRoom) {
       HasSubstr("Did you mean 'attic'?"));
 }
 
-TEST(FreeFloor, ASceneWithoutAFloorHasNone) {
+TEST(FreeFloor, IsEmptyWithoutAFloor) {
   SceneSpec spec{.name = "air", .timestep = 0.002, .add_floor = false, .add_skybox = true};
   spec.objects.push_back(FixedBox("shelf", {1, 0, 1}, {0.3, 0.2, 0.05}));
   EXPECT_THAT(FreeFloorOf(Scene::Build(spec)), IsEmpty());
+}
+
+TEST(FreeFloor, AnEndlessFloorReachesToTheGivenPoints) {
+  SceneSpec spec{.name = "plain", .timestep = 0.002, .add_floor = true, .add_skybox = false};
+  spec.objects.push_back(BoxObject("aside", {30, 0, 0.5}));
+  const Scene scene = Scene::Build(spec);
+  const std::vector<std::string> moved = {scene.compiled()->object("aside").root_body};
+  const std::vector<bool> ignored = MovedBodies(scene, moved);
+  const std::vector<Eigen::Vector3d> points = {{4, 3, 0}, {5, 5, 0}};
+  const auto reaches = [&](const std::vector<FloorArea>& areas, const Eigen::Vector3d& point) {
+    return std::ranges::any_of(areas, [&](const FloorArea& area) {
+      const Eigen::Vector3d at = area.frame_to_world.inverse() * point;
+      return std::abs(at.x()) <= area.half_x && std::abs(at.y()) <= area.half_y;
+    });
+  };
+  EXPECT_FALSE(reaches(FindFreeFloor(scene, ignored), points[1]));
+  for (const Eigen::Vector3d& point : points)
+    EXPECT_TRUE(reaches(FindFreeFloor(scene, ignored, points), point));
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kGrid = 9;                                  // rays along each side of the opening
 constexpr double kLeastDepth = 0.01, kLeastWidth = 0.03;  // metres
-constexpr double kOutside = 0.01;                         // where rays start, before the body
+constexpr double kOutside = 0.01;  // distance of the rays' start from the body
 constexpr int kLeastCells = 4;
 
 // The collision geoms of one body, in the body's frame.

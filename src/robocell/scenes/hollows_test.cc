@@ -31,7 +31,7 @@ std::optional<Hollow> HollowOf(const Scene& scene) {
   return FindHollow(scene, FindId(scene.model(), mjOBJ_BODY, "box"));
 }
 
-TEST(Hollow, OfAnOpenBoxIsTheRoomBetweenItsBoards) {
+TEST(Hollow, OfAnOpenBoxIsTheSpaceBetweenItsBoards) {
   const auto hollow = HollowOf(BoxOfBoards(true, false));
   ASSERT_TRUE(hollow);
   EXPECT_NEAR(hollow->opening.z(), 1, 1e-9);
@@ -47,9 +47,9 @@ TEST(Hollow, OfAShelfOpensToItsFront) {
   EXPECT_NEAR(hollow->opening.x(), 1, 1e-9);
 }
 
-TEST(Hollow, AClosedBoxHasNone) { EXPECT_FALSE(HollowOf(BoxOfBoards(true, true))); }
+TEST(Hollow, ClosedBoxesHaveNone) { EXPECT_FALSE(HollowOf(BoxOfBoards(true, true))); }
 
-TEST(Hollow, WhatLacksAWallHasNone) { EXPECT_FALSE(HollowOf(BoxOfBoards(false, false))); }
+TEST(Hollow, BoxesWithoutAWallHaveNone) { EXPECT_FALSE(HollowOf(BoxOfBoards(false, false))); }
 
 }  // namespace
 }  // namespace robocell::internal

@@ -24,18 +24,14 @@ constexpr double kGroundGap = 0.02;     // metres by which an object may be abov
 constexpr double kFloorHalf = 2;        // metres; half size of an endless floor around an object
 constexpr int kTopGrid = 5;
 
-double Area(const LevelSpot& spot) { return spot.half_x * spot.half_y; }
+double Area(const LevelArea& spot) { return spot.half_x * spot.half_y; }
 
-void LargestFirst(std::vector<LevelSpot>& spots) {
+void LargestFirst(std::vector<LevelArea>& spots) {
   std::ranges::stable_sort(spots, std::greater<>(), Area);
 }
 
-LevelSpot SpotOf(const Support& support) {
-  return {support.frame_to_world, support.half_x, support.half_y};
-}
-
 // Sets the lowest face of a hollow; returns false if none is level.
-bool FloorOf(const Container& container, LevelSpot& spot) {
+bool FloorOf(const Container& container, LevelArea& spot) {
   const Eigen::Matrix3d axes = container.frame_to_world.rotation();
   Eigen::Index up;
   if (axes.row(2).cwiseAbs().maxCoeff(&up) < kNearlyLevel) return false;
@@ -49,7 +45,7 @@ bool FloorOf(const Container& container, LevelSpot& spot) {
   return true;
 }
 
-bool IsOver(const LevelSpot& spot, const Eigen::Vector3d& at) {
+bool IsOver(const LevelArea& spot, const Eigen::Vector3d& at) {
   const Eigen::Vector3d in_spot = spot.frame_to_world.inverse() * at;
   return std::abs(in_spot.x()) <= spot.half_x && std::abs(in_spot.y()) <= spot.half_y;
 }
@@ -89,22 +85,22 @@ bool Landmarks::IsPartOf(const std::string& part, int body) const {
   return id >= 0 && IsInSubtree(scene_.model(), id, body);
 }
 
-std::vector<LevelSpot> Landmarks::Tops(const std::string& name) const {
+std::vector<LevelArea> Landmarks::Tops(const std::string& name) const {
   const int body = RequireBody(name);
-  std::vector<LevelSpot> tops;
+  std::vector<LevelArea> tops;
   for (const SupportFace& support : annotations_.supports) {
-    if (IsPartOf(support.body, body)) tops.push_back(SpotOf(support.face));
+    if (IsPartOf(support.body, body)) tops.push_back(support.face.area());
   }
   if (tops.empty()) return MiddleOfTop(body);
   LargestFirst(tops);
   return tops;
 }
 
-std::vector<LevelSpot> Landmarks::Floors(const std::string& name) const {
+std::vector<LevelArea> Landmarks::Floors(const std::string& name) const {
   const int body = RequireBody(name);
-  std::vector<LevelSpot> floors;
+  std::vector<LevelArea> floors;
   for (const Container& container : annotations_.containers) {
-    LevelSpot spot;
+    LevelArea spot;
     if (IsPartOf(container.body, body) && FloorOf(container, spot)) floors.push_back(spot);
   }
   LargestFirst(floors);
@@ -113,7 +109,7 @@ std::vector<LevelSpot> Landmarks::Floors(const std::string& name) const {
 
 // Measures by rays from above, because a tray's floor is below its rims. Returns the largest part
 // of its bounding rectangle around the origin that is as high as its middle.
-std::vector<LevelSpot> Landmarks::MiddleOfTop(int body) const {
+std::vector<LevelArea> Landmarks::MiddleOfTop(int body) const {
   const mjModel* m = scene_.model();
   const mjData* d = scene_.data();
   const std::vector<int> geoms = CollisionGeomsOf(m, body);
@@ -168,7 +164,7 @@ double Landmarks::LowestOf(int body) const {
   return lowest;
 }
 
-LevelSpot Landmarks::Ground(const std::string& name) const {
+LevelArea Landmarks::Ground(const std::string& name) const {
   const int body = RequireBody(name);
   const double lowest = LowestOf(body);
   Eigen::Vector3d at = Origin(name);
@@ -177,25 +173,25 @@ LevelSpot Landmarks::Ground(const std::string& name) const {
   return NextUnder(at, body);
 }
 
-LevelSpot Landmarks::NextUnder(const Eigen::Vector3d& at, int without) const {
+LevelArea Landmarks::NextUnder(const Eigen::Vector3d& at, int without) const {
   const mjModel* m = scene_.model();
   const mjData* d = scene_.data();
   const auto counts = [&](const std::string& part) {
     return without < 0 || !IsPartOf(part, without);
   };
-  LevelSpot ground{Pose(at), 0, 0};
+  LevelArea ground{Pose(at), 0, 0};
   double highest = -std::numeric_limits<double>::infinity();
-  const auto take = [&](const LevelSpot& spot) {
+  const auto take = [&](const LevelArea& spot) {
     const double height = spot.frame_to_world.translation().z();
     if (height < highest || height > at.z() + kGroundGap || !IsOver(spot, at)) return;
     highest = height;
     ground = spot;
   };
   for (const SupportFace& support : annotations_.supports) {
-    if (counts(support.body)) take(SpotOf(support.face));
+    if (counts(support.body)) take(support.face.area());
   }
   for (const Container& container : annotations_.containers) {
-    LevelSpot spot;
+    LevelArea spot;
     if (counts(container.body) && FloorOf(container, spot)) take(spot);
   }
   for (int g = 0; g < m->ngeom; ++g) {

@@ -2,7 +2,7 @@
 // scene, the floors of its hollows, its extent, and its support.
 //
 //   const Landmarks landmarks(scene, DeriveAnnotations(spec));
-//   for (const LevelSpot& spot : landmarks.Tops("shelf")) ...   // spot.frame_to_world * (x, y, 0)
+//   for (const LevelArea& spot : landmarks.Tops("shelf")) ...   // spot.frame_to_world * (x, y, 0)
 //
 // Names are those of objects and of bodies of the compiled scene; NotFoundError suggests the
 // nearest. Poses are those at the construction of a Landmarks. Metres.
@@ -11,17 +11,11 @@
 #include <string>
 #include <vector>
 
-#include "robocell/math/pose.h"
+#include "robocell/math/level_area.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scenes/scene_annotations.h"
 
 namespace robocell::internal {
-
-// A level rectangle: its centre with z up, and half extents along its x and y.
-struct LevelSpot {
-  Pose frame_to_world;
-  double half_x = 0, half_y = 0;
-};
 
 // Returns the root body of an object, else the body of this name; -1 if there is none.
 int FindObjectOrBody(const Scene& scene, const std::string& name);
@@ -38,14 +32,14 @@ class Landmarks {
   // Returns its surfaces for other objects: the level faces of it and its subtree in the
   // annotations, largest first; else the level part around the middle of its top, which may have no
   // extent. Empty for an object without a shape that collides.
-  std::vector<LevelSpot> Tops(const std::string& name) const;
+  std::vector<LevelArea> Tops(const std::string& name) const;
   // Returns the level floors of its hollows, largest first.
-  std::vector<LevelSpot> Floors(const std::string& name) const;
+  std::vector<LevelArea> Floors(const std::string& name) const;
   // Returns its support: the annotated face or the floor that is next under its lowest point;
   // without one, a spot of no extent under it.
-  LevelSpot Ground(const std::string& name) const;
+  LevelArea Ground(const std::string& name) const;
   // The face or floor that is next under a point, as Ground; a spot of no extent without one.
-  LevelSpot GroundUnder(const Eigen::Vector3d& point) const { return NextUnder(point, -1); }
+  LevelArea GroundUnder(const Eigen::Vector3d& point) const { return NextUnder(point, -1); }
   // Returns its root body's origin, in the world.
   Eigen::Vector3d Origin(const std::string& name) const;
   // Returns its extent from there along a unit vector of the world.
@@ -54,9 +48,9 @@ class Landmarks {
  private:
   int RequireBody(const std::string& name) const { return RequireObjectOrBody(scene_, name); }
   bool IsPartOf(const std::string& part, int body) const;
-  std::vector<LevelSpot> MiddleOfTop(int body) const;
+  std::vector<LevelArea> MiddleOfTop(int body) const;
   double LowestOf(int body) const;
-  LevelSpot NextUnder(const Eigen::Vector3d& point, int without) const;  // faces of that body
+  LevelArea NextUnder(const Eigen::Vector3d& point, int without) const;  // faces of that body
 
   Scene scene_;
   SceneAnnotations annotations_;

@@ -49,26 +49,26 @@ class LandmarksTest : public ::testing::Test {
 };
 
 TEST_F(LandmarksTest, TheTopOfABoardIsItsFace) {
-  const LevelSpot top = marks->Tops("board").front();
+  const LevelArea top = marks->Tops("board").front();
   EXPECT_NEAR((top.frame_to_world.translation() - Eigen::Vector3d(1, 0, 0.51)).norm(), 0, 1e-9);
   EXPECT_NEAR(std::max(top.half_x, top.half_y), 0.3, 1e-9);
   EXPECT_NEAR(std::min(top.half_x, top.half_y), 0.2, 1e-9);
 }
 
 TEST_F(LandmarksTest, ASmallTopIsMeasuredByRays) {
-  const LevelSpot block = marks->Tops("block").front();
+  const LevelArea block = marks->Tops("block").front();
   EXPECT_NEAR((block.frame_to_world.translation() - Eigen::Vector3d(1.1, 0.05, 0.59)).norm(), 0,
               1e-6);
   EXPECT_NEAR(block.half_x, 0.03, 0.001);
   EXPECT_NEAR(block.half_y, 0.02, 0.001);
-  const LevelSpot ball = marks->Tops("ball").front();
+  const LevelArea ball = marks->Tops("ball").front();
   EXPECT_NEAR(ball.frame_to_world.translation().z(), 0.1, 1e-6);
   EXPECT_LT(ball.half_x, 0.02);
 }
 
 TEST_F(LandmarksTest, ATraysFloorIsBelowItsRim) {
   ASSERT_THAT(marks->Floors("dish"), ::testing::SizeIs(1));
-  const LevelSpot floor = marks->Floors("dish").front();
+  const LevelArea floor = marks->Floors("dish").front();
   EXPECT_GT(floor.half_x, 0.03);
   EXPECT_LT(floor.frame_to_world.translation().z(),
             0.51 + marks->ReachAlong("dish", Eigen::Vector3d::UnitZ()));
@@ -77,7 +77,7 @@ TEST_F(LandmarksTest, ATraysFloorIsBelowItsRim) {
   EXPECT_THAT(marks->Floors("block"), IsEmpty());
 }
 
-TEST_F(LandmarksTest, TheGroundIsWhatIsNextBelow) {
+TEST_F(LandmarksTest, TheGroundIsTheNearestSurfaceBelow) {
   EXPECT_NEAR(marks->Ground("block").frame_to_world.translation().z(), 0.51, 1e-9);
   EXPECT_NEAR(marks->Ground("ball").frame_to_world.translation().z(), 0, 1e-9);
   EXPECT_GT(marks->Ground("ball").half_x, 1);
@@ -101,7 +101,7 @@ TEST(Landmarks, TerrainHasATop) {
   EXPECT_NEAR(marks->Tops("terrain").front().frame_to_world.translation().z(), 0.2, 1e-6);
 }
 
-TEST_F(LandmarksTest, AMisspelledNameIsSuggested) {
+TEST_F(LandmarksTest, SuggestsTheNearestName) {
   EXPECT_FALSE(marks->Has("bord"));
   const std::string said = ExpectThrow<NotFoundError>([&] { (void)marks->Tops("bord"); }, "");
   EXPECT_THAT(said, HasSubstr("Did you mean 'board'?"));

@@ -12,20 +12,20 @@
 namespace robocell::internal {
 
 inline constexpr double kObjectGap = 0.03;   // metres between objects
-inline constexpr double kEdgeMargin = 0.03;  // from the support's edge
+inline constexpr double kEdgeMargin = 0.03;  // distance from the support's edge
 
 inline bool IsFixed(const SceneObject& object) { return object.fixed == true; }
-// Returns true if an object stays where its spec puts it: it is fixed, or has a pose of its own.
+// Returns true if an object stays where its spec puts it: it is fixed, or has a pose.
 inline bool KeepsPose(const SceneObject& object) { return IsFixed(object) || object.has_pose(); }
 
-// Afterwards the object has no pose of its own.
+// Removes the object's pose.
 inline void ForgetPose(SceneObject& object) {
   object.pos.reset();
   object.euler = {};
   object.quat = kIdentityQuat;
 }
 
-// Sets the poses of objects; `sizes` are theirs, in the same order. Those with a pose of their own
+// Sets the poses of objects; `sizes` are theirs, in the same order. Those with a pose
 // keep it, and the others keep clear of them. False when no place was found for one of them; the
 // objects before it have been moved.
 bool PlaceOn(const Support& support, std::span<const ObjectSize> sizes,

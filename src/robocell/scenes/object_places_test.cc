@@ -24,7 +24,7 @@ std::vector<ObjectSize> SizesOf(const std::vector<SceneObject>& objects) {
   return out;
 }
 
-TEST(ObjectPlaces, AreOnTheSupportAndApart) {
+TEST(ObjectPlaces, AreOnTheSupportAndSeparated) {
   std::vector<SceneObject> objects = Spheres(3);
   const std::vector<ObjectSize> sizes = SizesOf(objects);
   for (int k = 0; k < 200; ++k) {
@@ -46,7 +46,7 @@ TEST(ObjectPlaces, AreOnTheSupportAndApart) {
   }
 }
 
-TEST(ObjectPlaces, APoseThatWasGivenStaysBeItAtTheOrigin) {
+TEST(ObjectPlaces, KeepAGivenPoseAtTheOrigin) {
   std::vector<SceneObject> objects = Spheres(3);
   objects[1].pos = Vec3{0, 0, 0};
   const std::vector<ObjectSize> sizes = SizesOf(objects);
@@ -64,7 +64,7 @@ TEST(ObjectPlaces, APoseThatWasGivenStaysBeItAtTheOrigin) {
   }
 }
 
-TEST(ObjectPlaces, AreNoneWhereThereIsNoRoom) {
+TEST(ObjectPlaces, FailWithoutEnoughSpace) {
   Rng rng = Rng::Stream(1, "places");
   std::vector<SceneObject> one = Spheres(1), many = Spheres(12);
   EXPECT_FALSE(PlaceOn({Pose(), 0.04, 0.2, 0.02}, SizesOf(one), one, rng));

@@ -43,26 +43,35 @@ std::vector<std::string> NamesOf(const StartObjects& start) {
   return names;
 }
 
-// Adds a problem of the entry at `key`, of all entries for "".
-void AddProblem(const SaidPlaces& said, const std::string& key, const std::string& text,
-                Problems& problems) {
-  const Problems::Scope scope(problems, said.path);
-  if (!said.hook.empty())
-    problems.Add(said.hook + (key.empty() ? "" : ": '" + key + "'") + ": " + text);
-  else if (key.empty())
-    problems.Add(text);
-  else
-    problems.AddAt(key, text);
-}
+// Where mistakes go, each once.
+struct Mistakes {
+  Problems& problems;
+  PlaceMistakes& reported;
 
-// What is wrong with the entries by themselves.
-void ValidateEntries(const SaidPlaces& said, const StartObjects& start, Problems& problems) {
+  // Adds a mistake of the entry at `key`, of all entries for "".
+  void Add(PlaceMistakeKind kind, const SaidPlaces& said, const std::string& key,
+           const std::string& text, const std::string& which = "") {
+    if (!reported.insert({kind, said.path, key, which}).second) return;
+    const Problems::Scope scope(problems, said.path);
+    if (!said.hook.empty())
+      problems.Add(said.hook + (key.empty() ? "" : ": '" + key + "'") + ": " + text);
+    else if (key.empty())
+      problems.Add(text);
+    else
+      problems.AddAt(key, text);
+  }
+};
+
+// Adds mistakes of single entries.
+void ValidateEntries(const SaidPlaces& said, const StartObjects& start, Mistakes& mistakes) {
   for (const auto& [key, place] : said.places.entries()) {
     Problems of_place;
     ValidateFields(*place, of_place);
-    for (const std::string& line : LinesOf(of_place)) AddProblem(said, key, line, problems);
+    for (const std::string& line : LinesOf(of_place))
+      mistakes.Add(PlaceMistakeKind::kNotValid, said, key, line, line);
     if (Named(key, start) || IsKind(key, start) || start.may_come(key)) continue;
-    AddProblem(said, key, NoSuchName("", "object", key, NamesOf(start)), problems);
+    mistakes.Add(PlaceMistakeKind::kNoSuchObject, said, key,
+                 NoSuchName("", "object", key, NamesOf(start)));
   }
 }
 
@@ -114,35 +123,43 @@ class Measured {
   std::vector<std::shared_ptr<const Landmarks>> alone_;
 };
 
-// Why nothing can have such a place there; "" when it can.
-std::string WhyNoPlace(const PlaceLink& link) {
+// Why a placement is impossible.
+struct NoPlace {
+  PlaceMistakeKind kind;
+  std::string why;
+};
+
+// Returns why such a placement is impossible there; unset if possible.
+std::optional<NoPlace> WhyNoPlace(const PlaceLink& link) {
   const std::string& name = link.place.reference();
   const Relation relation = link.place.relation();
   if (relation != Relation::kInside && link.marks->Tops(link.mark).empty()) {
-    return fmt::format("nothing can lie {} '{}', which has no shape that collides",
-                       ToString(relation), name);
+    return NoPlace{PlaceMistakeKind::kNoTop,
+                   fmt::format("nothing can lie {} '{}', which has no shape that collides",
+                               ToString(relation), name)};
   }
   if (relation == Relation::kInside && link.marks->Floors(link.mark).empty()) {
-    return fmt::format(
-        "'{}' has no hollow with a level floor. Say on_top_of, or let the source of the scene name "
-        "a container (annotations)",
-        name);
+    return NoPlace{PlaceMistakeKind::kNoHollow,
+                   fmt::format("'{}' has no hollow with a level floor. Say on_top_of, or let the "
+                               "source of the scene name a container (annotations)",
+                               name)};
   }
   if (relation == Relation::kNextTo && !link.other && link.marks->Ground(link.mark).half_x <= 0) {
-    return fmt::format(
-        "it is not known what '{}' stands on: no level face of a box and no floor is under it. Let "
-        "the source of the scene name a support there (annotations)",
-        name);
+    return NoPlace{PlaceMistakeKind::kNoGround,
+                   fmt::format("it is not known what '{}' stands on: no level face of a box and no "
+                               "floor is under it. Let the source of the scene name a support "
+                               "there (annotations)",
+                               name)};
   }
-  return "";
+  return std::nullopt;
 }
 
-// What the links of a start are made of.
+// Data of a start's links.
 struct Linking {
   const std::shared_ptr<const Landmarks>& base;
   std::span<const SaidPlaces> said;
   const StartObjects& start;
-  Problems& problems;
+  Mistakes& mistakes;
   Measured measured;
 
   std::string NoReference(const std::string& reference) const {
@@ -158,8 +175,9 @@ struct Linking {
   std::optional<PlaceLink> Of(size_t i) {
     const std::optional<Entry> entry = EntryOf(said, start, i);
     if (!entry) return std::nullopt;
-    const auto wrong = [&](const std::string& why) -> std::optional<PlaceLink> {
-      AddProblem(*entry->said, entry->key, why, problems);
+    const auto wrong = [&](PlaceMistakeKind kind,
+                           const std::string& why) -> std::optional<PlaceLink> {
+      mistakes.Add(kind, *entry->said, entry->key, why);
       return std::nullopt;
     };
     Problems of_place;
@@ -169,10 +187,13 @@ struct Linking {
     const std::string& reference = entry->place->reference();
     PlaceLink link{.object = i, .place = *entry->place, .other = Named(reference, start)};
     if (link.other == i && entry->key != object.name) return std::nullopt;
-    if (link.other == i) return wrong("it cannot have its place by itself");
-    if (IsFixed(object)) return wrong("it is a fixed object, which stays where its pose is");
+    if (link.other == i) return wrong(PlaceMistakeKind::kRefersToItself, "it refers to itself");
+    if (IsFixed(object)) {
+      return wrong(PlaceMistakeKind::kIsFixed,
+                   "it is a fixed object, which stays where its pose is");
+    }
     if (object.has_pose())
-      return wrong("it has a pose of its own; leave out its place, or its `pos`");
+      return wrong(PlaceMistakeKind::kHasAPose, "it has a `pos` too; remove one of the two");
     if (!link.other) link.other = OfKind(reference, start, i);
     if (link.other) {
       link.marks = measured.Of(*link.other);
@@ -181,10 +202,10 @@ struct Linking {
       link.marks = base;
       link.mark = reference;
     } else if (!start.may_come(reference) && !IsKind(reference, start)) {
-      return wrong(NoReference(reference));
+      return wrong(PlaceMistakeKind::kNoSuchReference, NoReference(reference));
     }
     if (link.marks) {
-      if (const std::string why = WhyNoPlace(link); !why.empty()) return wrong(why);
+      if (const auto no = WhyNoPlace(link)) return wrong(no->kind, no->why);
     }
     if (link.place.relation() == Relation::kNextTo) link.own = measured.Of(i);
     return link;
@@ -193,7 +214,7 @@ struct Linking {
 
 // Each after those that it refers to; without those of a circle, which are a problem.
 std::vector<PlaceLink> InOrder(std::vector<PlaceLink> links, const SaidPlaces& said,
-                               const std::vector<SceneObject>& objects, Problems& problems) {
+                               const std::vector<SceneObject>& objects, Mistakes& mistakes) {
   std::vector<PlaceLink> ordered;
   while (!links.empty()) {
     const auto waits = [&](const PlaceLink& link) {
@@ -203,11 +224,13 @@ std::vector<PlaceLink> InOrder(std::vector<PlaceLink> links, const SaidPlaces& s
     if (next == links.end()) {
       std::vector<std::string> circle;
       for (const PlaceLink& link : links) circle.push_back(TextOf(link, objects));
-      AddProblem(said, "",
-                 fmt::format("these run in a circle: {}. Let one of them lie on the support, "
-                             "without a place of its own",
-                             fmt::join(circle, ", ")),
-                 problems);
+      const std::string which = fmt::format("{}", fmt::join(circle, ", "));
+      mistakes.Add(
+          PlaceMistakeKind::kCircle, said, "",
+          fmt::format(
+              "these run in a circle: {}. Let one of them lie on the support, without an entry",
+              which),
+          which);
       break;
     }
     ordered.push_back(std::move(*next));
@@ -234,14 +257,22 @@ std::string TextOf(const PlaceLink& link, const std::vector<SceneObject>& object
 std::vector<PlaceLink> LinkPlaces(const std::shared_ptr<const Landmarks>& base,
                                   std::span<const SaidPlaces> said, const StartObjects& start,
                                   Problems& problems) {
+  PlaceMistakes reported;
+  return LinkPlaces(base, said, start, problems, reported);
+}
+
+std::vector<PlaceLink> LinkPlaces(const std::shared_ptr<const Landmarks>& base,
+                                  std::span<const SaidPlaces> said, const StartObjects& start,
+                                  Problems& problems, PlaceMistakes& reported) {
   std::vector<PlaceLink> links;
   if (said.empty()) return links;
-  for (const SaidPlaces& each : said) ValidateEntries(each, start, problems);
-  Linking linking{base, said, start, problems, Measured(start)};
+  Mistakes mistakes{problems, reported};
+  for (const SaidPlaces& each : said) ValidateEntries(each, start, mistakes);
+  Linking linking{base, said, start, mistakes, Measured(start)};
   for (size_t i = 0; i < start.objects.size(); ++i) {
     if (auto link = linking.Of(i)) links.push_back(*std::move(link));
   }
-  return InOrder(std::move(links), said.front(), start.objects, problems);
+  return InOrder(std::move(links), said.front(), start.objects, mistakes);
 }
 
 }  // namespace robocell::internal

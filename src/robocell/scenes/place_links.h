@@ -5,8 +5,10 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "robocell/scenes/landmarks.h"
@@ -45,20 +47,49 @@ struct PlaceLink {
   ObjectPlace place = {};
   std::optional<size_t> other = {};  // the object that it refers to
   std::shared_ptr<const Landmarks> marks =
-      {};                                     // that have the reference; null if the start has none
-  std::string mark = {};                      // its name there
+      {};                 // landmarks with the reference; null if the start has none
+  std::string mark = {};  // its name there
   std::shared_ptr<const Landmarks> own = {};  // the object's, alone at the origin
 };
+
+// What is wrong with an entry of places.
+enum class PlaceMistakeKind {
+  kNotValid,         // by itself
+  kNoSuchObject,     // no object has the name or kind of the entry
+  kNoSuchReference,  // nothing has the name that it refers to
+  kRefersToItself,
+  kIsFixed,
+  kHasAPose,
+  kNoTop,     // nothing can lie on or beside the reference
+  kNoHollow,  // or inside it
+  kNoGround,  // what the reference stands on is not known
+  kCircle,
+};
+// A mistake, wherever it shows: several starts show one, each with its own alternatives.
+struct PlaceMistake {
+  PlaceMistakeKind kind;
+  std::string path, entry;  // of SaidPlaces, and the key of the entry; "" for several entries
+  std::string which = {};   // of several of this kind
+  bool operator<(const PlaceMistake& other) const {
+    return std::tie(kind, path, entry, which) <
+           std::tie(other.kind, other.path, other.entry, other.which);
+  }
+};
+using PlaceMistakes = std::set<PlaceMistake>;
 
 // The link of each object that has an entry, each after those that it refers to. Of `said`, what
 // comes first counts; in each, an object's name comes before its kind. An entry by kind does not
 // concern the object that it refers to.
 // Adds problems, at the path of the entry: no object has that name or kind, a place is not valid,
 // the reference is nothing in the scene or cannot be put on, into or beside, or relations run in a
-// circle. Entries with problems have no link.
+// circle. Entries with problems have no link. The second form leaves out mistakes that `reported`
+// has, and adds the others to it.
 std::vector<PlaceLink> LinkPlaces(const std::shared_ptr<const Landmarks>& base,
                                   std::span<const SaidPlaces> said, const StartObjects& start,
                                   Problems& problems);
+std::vector<PlaceLink> LinkPlaces(const std::shared_ptr<const Landmarks>& base,
+                                  std::span<const SaidPlaces> said, const StartObjects& start,
+                                  Problems& problems, PlaceMistakes& reported);
 
 // Returns "'mug' next_to 'box'".
 std::string TextOf(const PlaceLink& link, const std::vector<SceneObject>& objects);

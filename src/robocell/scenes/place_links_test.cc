@@ -12,7 +12,7 @@ using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-// What a start says of places, as text: "0 on 1" by the objects' indices.
+// Formats the places of a start: "0 on 1" by the objects' indices.
 std::vector<std::string> Linked(const Map<ObjectPlace>& places) {
   const Start start({Block("top", {0.01, 0.01, 0.01}), Block("middle", {0.02, 0.02, 0.01}),
                      Block("bottom", {0.03, 0.03, 0.01})});
@@ -29,7 +29,7 @@ std::vector<std::string> Linked(const Map<ObjectPlace>& places) {
   return links;
 }
 
-TEST(PlaceLinks, EachComesAfterThoseThatItRefersTo) {
+TEST(PlaceLinks, EachFollowsItsReferences) {
   EXPECT_THAT(Linked({{"top", {.on_top_of = "middle"}}, {"middle", {.on_top_of = "bottom"}}}),
               ElementsAre("1 on 2", "0 on 1"));
   EXPECT_THAT(Linked({{"middle", {.on_top_of = "bottom"}}, {"top", {.on_top_of = "middle"}}}),
@@ -37,7 +37,7 @@ TEST(PlaceLinks, EachComesAfterThoseThatItRefersTo) {
   EXPECT_THAT(Linked({{"bottom", {.on_top_of = "table"}}}), ElementsAre("2 on table"));
 }
 
-TEST(PlaceLinks, AllMistakesAreReportedTogether) {
+TEST(PlaceLinks, AllErrorsAreReportedTogether) {
   const Start start({Block("cube", {0.01, 0.01, 0.01}), Block("brick", {0.05, 0.04, 0.02})});
   const std::string text =
       start.Error({{"cube", {.inside = "brick"}}, {"brick", {.on_top_of = "shelf"}}});
@@ -45,14 +45,14 @@ TEST(PlaceLinks, AllMistakesAreReportedTogether) {
                           HasSubstr("start.places.brick: no object or body 'shelf'")));
 }
 
-TEST(PlaceLinks, AnObjectWithAPoseOfItsOwnHasNoPlaceBeside) {
+TEST(PlaceLinks, RejectAPlaceForAnObjectWithAPose) {
   Start start({Block("cube", {0.01, 0.01, 0.01}), Block("brick", {0.05, 0.04, 0.02})});
   start.objects[0].pos = Vec3{0, 0, 0};
   EXPECT_THAT(start.Error({{"cube", {.on_top_of = "brick"}}}),
-              HasSubstr("start.places.cube: it has a pose of its own"));
+              HasSubstr("start.places.cube: it has a `pos` too"));
 }
 
-TEST(PlaceLinks, PlacesOfATaskAreNamedByTheirHook) {
+TEST(PlaceLinks, PlacesOfATaskNameTheirHook) {
   const Start start({Block("cube", {0.01, 0.01, 0.01})});
   ExpectThrow<SpecError>(
       [&] {
@@ -61,7 +61,7 @@ TEST(PlaceLinks, PlacesOfATaskAreNamedByTheirHook) {
       "task: places(): 'cube': no object or body 'tabel'");
 }
 
-TEST(PlaceLinks, AKindMayReferToTheTargetThatIsOfThatKind) {
+TEST(PlaceLinks, AKindCanReferToATargetOfThatKind) {
   const Start start({Block("target", {0.01, 0.01, 0.01}), Block("object_1", {0.01, 0.01, 0.01})});
   const RelatedPlaces boxes = start.Related({{"box", {.next_to = "target"}}});
   EXPECT_FALSE(boxes.IsRelated(0)) << "it is what the others are next to";
@@ -74,7 +74,7 @@ TEST(PlaceLinks, AKindMayReferToTheTargetThatIsOfThatKind) {
               Optional(HasSubstr("there is no other 'box' in this start")));
 }
 
-TEST(PlaceLinks, MistakesAreNamed) {
+TEST(PlaceLinks, ErrorsAreReported) {
   const Start start({Block("cube", {0.01, 0.01, 0.01}), Block("brick", {0.05, 0.04, 0.02})});
   EXPECT_THAT(start.Error({{"cub", {.on_top_of = "brick"}}}),
               AllOf(HasSubstr("start.places"), HasSubstr("Did you mean 'cube'?")));
@@ -82,8 +82,7 @@ TEST(PlaceLinks, MistakesAreNamed) {
               AllOf(HasSubstr("start.places.cube"), HasSubstr("Did you mean 'brick'?")));
   EXPECT_THAT(start.Error({{"cube", {.inside = "brick"}}}),
               HasSubstr("'brick' has no hollow with a level floor. Say on_top_of"));
-  EXPECT_THAT(start.Error({{"cube", {.on_top_of = "cube"}}}),
-              HasSubstr("it cannot have its place by itself"));
+  EXPECT_THAT(start.Error({{"cube", {.on_top_of = "cube"}}}), HasSubstr("it refers to itself"));
   EXPECT_THAT(start.Error({{"cube", {.on_top_of = "brick"}}, {"brick", {.next_to = "cube"}}}),
               HasSubstr("run in a circle: 'cube' on_top_of 'brick', 'brick' next_to 'cube'"));
   EXPECT_THAT(start.Error({{"cube", {.on_top_of = "b", .inside = "a"}}}),

@@ -40,31 +40,31 @@ bool Overlap(const Room& a, const Room& b) {
 class Spots {
  public:
   // `ground`: the support of its reference, for places next to it.
-  Spots(const PlaceLink& link, const Pose& reference_to_world, const LevelSpot& ground)
+  Spots(const PlaceLink& link, const Pose& reference_to_world, const LevelArea& ground)
       : link_(link), at_(reference_to_world), ground_(ground) {
     if (link.place.relation() == Relation::kOnTopOf) spots_ = link.marks->Tops(link.mark);
     if (link.place.relation() == Relation::kInside) spots_ = link.marks->Floors(link.mark);
-    for (LevelSpot& spot : spots_) spot.frame_to_world = at_ * spot.frame_to_world;
+    for (LevelArea& spot : spots_) spot.frame_to_world = at_ * spot.frame_to_world;
   }
 
   // Returns true if the object is too wide for all of them.
   bool TooNarrow(double radius) const {
     return link_.place.relation() == Relation::kInside &&
-           std::ranges::none_of(spots_, [&](const LevelSpot& spot) {
+           std::ranges::none_of(spots_, [&](const LevelArea& spot) {
              return std::min(spot.half_x, spot.half_y) >= radius + kWallGap;
            });
   }
 
   // Returns a point for the object turned by `yaw`, and the face that it is on.
-  std::pair<Eigen::Vector3d, LevelSpot> Draw(double radius, double yaw, Rng& rng) const {
+  std::pair<Eigen::Vector3d, LevelArea> Draw(double radius, double yaw, Rng& rng) const {
     if (link_.place.relation() == Relation::kNextTo) return {Beside(yaw, rng), ground_};
-    std::vector<const LevelSpot*> wide;
+    std::vector<const LevelArea*> wide;
     const double margin = radius + (link_.place.relation() == Relation::kInside ? kWallGap : 0);
-    for (const LevelSpot& spot : spots_) {
+    for (const LevelArea& spot : spots_) {
       if (std::min(spot.half_x, spot.half_y) >= margin) wide.push_back(&spot);
     }
     // An object that is wider than a top can still stand in its middle.
-    const LevelSpot& spot = wide.empty() ? spots_.front() : *wide[rng.UniformInt(wide.size())];
+    const LevelArea& spot = wide.empty() ? spots_.front() : *wide[rng.UniformInt(wide.size())];
     const double x = std::max(0.0, spot.half_x - margin), y = std::max(0.0, spot.half_y - margin);
     const double across = rng.Uniform(-y, y), along = rng.Uniform(-x, x);  // in this order
     return {spot.frame_to_world * Eigen::Vector3d(along, across, 0), spot};
@@ -93,8 +93,8 @@ class Spots {
 
   const PlaceLink& link_;
   Pose at_;
-  LevelSpot ground_;
-  std::vector<LevelSpot> spots_;
+  LevelArea ground_;
+  std::vector<LevelArea> spots_;
 };
 
 }  // namespace
@@ -118,11 +118,10 @@ bool RelatedPlaces::RestsOn(const PlaceLink& link, size_t object) const {
 std::optional<std::string> RelatedPlaces::Put(const Support& support,
                                               std::span<const ObjectSize> sizes,
                                               std::vector<SceneObject>& objects, Rng& rng) const {
-  const LevelSpot on_support{support.frame_to_world, support.half_x, support.half_y};
-  return Put(std::vector<LevelSpot>(objects.size(), on_support), sizes, objects, rng);
+  return Put(std::vector<LevelArea>(objects.size(), support.area()), sizes, objects, rng);
 }
 
-std::optional<std::string> RelatedPlaces::Put(std::vector<LevelSpot> grounds,
+std::optional<std::string> RelatedPlaces::Put(std::vector<LevelArea> grounds,
                                               std::span<const ObjectSize> sizes,
                                               std::vector<SceneObject>& objects, Rng& rng) const {
   std::vector<Room> taken;
@@ -133,7 +132,7 @@ std::optional<std::string> RelatedPlaces::Put(std::vector<LevelSpot> grounds,
     const size_t i = link.object;
     if (!link.marks)
       return fmt::format("there is no other '{}' in this start", link.place.reference());
-    const LevelSpot ground = link.other ? grounds[*link.other] : link.marks->Ground(link.mark);
+    const LevelArea ground = link.other ? grounds[*link.other] : link.marks->Ground(link.mark);
     const Spots spots(link, link.other ? objects[*link.other].pose() : Pose(), ground);
     if (spots.TooNarrow(sizes[i].radius)) {
       return fmt::format("{}: the object, {:.3f} m wide, does not fit into the hollow",

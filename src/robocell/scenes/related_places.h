@@ -29,7 +29,7 @@ class RelatedPlaces {
   // Sets the poses of these objects, after the others have theirs; `grounds` is what each of the
   // others stands on. Returns why there is no place for one of them; those before it have been
   // moved.
-  std::optional<std::string> Put(std::vector<LevelSpot> grounds, std::span<const ObjectSize> sizes,
+  std::optional<std::string> Put(std::vector<LevelArea> grounds, std::span<const ObjectSize> sizes,
                                  std::vector<SceneObject>& objects, Rng& rng) const;
   // The others stand on the support.
   std::optional<std::string> Put(const Support& support, std::span<const ObjectSize> sizes,

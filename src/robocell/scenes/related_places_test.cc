@@ -14,7 +14,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::Optional;
 
-TEST(RelatedPlaces, ThingsLieWhereTheyAreSaidToAfterTheySettled) {
+TEST(RelatedPlaces, ObjectsKeepTheirRelationsAfterSettling) {
   Start start({Block("cube", {0.015, 0.015, 0.015}),
                Block("brick", {0.05, 0.04, 0.02}),
                {.name = "dish", .mjcf_path = "tray", .fixed = false},
@@ -65,7 +65,7 @@ TEST(RelatedPlaces, AreSpreadOverTheWholePlace) {
   EXPECT_GT(most, 0.07);
 }
 
-TEST(RelatedPlaces, BodiesOfTheSceneAreReferencesToo) {
+TEST(RelatedPlaces, BodiesOfTheSceneCanBeReferences) {
   Start start({Block("cube", {0.01, 0.01, 0.01})});
   start.base.objects.push_back({.name = "cabinet", .mjcf_path = "cabinet", .fixed = true});
   start.base.objects.back().pos = {0.3, 0, 0.451};
@@ -76,7 +76,7 @@ TEST(RelatedPlaces, BodiesOfTheSceneAreReferencesToo) {
   EXPECT_TRUE(SpatialRelation(scene, "cube", Relation::kInside, "cabinet").Holds());
 }
 
-TEST(RelatedPlaces, WhatDoesNotFitIsSaidWithItsSize) {
+TEST(RelatedPlaces, ReportsTheSizeOfAnObjectThatDoesNotFit) {
   Start start({Block("plank", {0.2, 0.01, 0.01}), {.name = "dish", .mjcf_path = "tray"}});
   const RelatedPlaces related = start.Related({{"plank", {.inside = "dish"}}});
   Rng rng = Rng::Stream(4, "plank");
@@ -84,7 +84,7 @@ TEST(RelatedPlaces, WhatDoesNotFitIsSaidWithItsSize) {
               Optional(HasSubstr("'plank' inside 'dish': the object, 0.400 m wide")));
 }
 
-TEST(RelatedPlaces, AKindStandsForItsObjectsAndMayBeMissingInAnEpisode) {
+TEST(RelatedPlaces, AKindAppliesToItsObjectsAndCanBeAbsent) {
   Start start({Block("target", {0.01, 0.01, 0.01}), {.name = "object_1", .mjcf_path = "tray"}});
   const Start fresh = start;
   Rng rng = Rng::Stream(4, "kinds");
@@ -100,7 +100,7 @@ TEST(RelatedPlaces, AKindStandsForItsObjectsAndMayBeMissingInAnEpisode) {
 }
 
 // An object in a dish is beside other objects in it, and on top of them.
-TEST(RelatedPlaces, ThingsInOneContainerAreRelatedToEachOther) {
+TEST(RelatedPlaces, ObjectsInOneContainerCanBeRelated) {
   Start start({{.name = "dish", .mjcf_path = "tray", .fixed = false},
                Block("peg", {0.01, 0.01, 0.01}),
                Block("die", {0.01, 0.01, 0.01}),
@@ -120,7 +120,7 @@ TEST(RelatedPlaces, ThingsInOneContainerAreRelatedToEachOther) {
   EXPECT_GE(put, 7);
 }
 
-TEST(RelatedPlaces, WhatTheRunSaysComesBeforeTheTask) {
+TEST(RelatedPlaces, PlacesOfTheRunOverrideTheTask) {
   Start start({Block("target", {0.01, 0.01, 0.01}),
                Block("brick", {0.05, 0.04, 0.02}),
                {.name = "dish", .mjcf_path = "tray", .fixed = false}});
@@ -133,7 +133,7 @@ TEST(RelatedPlaces, WhatTheRunSaysComesBeforeTheTask) {
 }
 
 // The gap is between the outlines along the line between the two, however long the object is.
-TEST(RelatedPlaces, TheGapOfALongObjectIsFree) {
+TEST(RelatedPlaces, TheGapNextToALongObjectIsFree) {
   Start start({Block("bar", {0.1, 0.01, 0.01}), Block("brick", {0.03, 0.03, 0.02})});
   const RelatedPlaces related = start.Related({{"bar", {.next_to = "brick", .gap = {0.01, 0.03}}}});
   for (int k = 0; k < 12; ++k) {

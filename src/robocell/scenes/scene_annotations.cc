@@ -33,12 +33,8 @@ bool IsHandleName(const std::string& name) {
 // The annotations derived from one compiled scene.
 class Derivation {
  public:
-  explicit Derivation(const SceneSpec& spec) : scene_(Scene::Build(spec)), m_(scene_.model()) {
-    of_robots_.assign(static_cast<size_t>(m_->nbody), false);
-    for (const RobotRecord& robot : scene_.compiled()->robots()) MarkSubtree(robot.root_body);
-    for (const std::string& object : scene_.parked_objects())
-      MarkSubtree(scene_.compiled()->object(object).root_body);
-  }
+  explicit Derivation(const SceneSpec& spec)
+      : scene_(Scene::Build(spec)), m_(scene_.model()), of_robots_(internal::MovedBodies(scene_)) {}
 
   SceneAnnotations Result() {
     SceneAnnotations found;
@@ -60,12 +56,6 @@ class Derivation {
   }
 
  private:
-  void MarkSubtree(const std::string& root) {
-    const int id = FindId(m_, mjOBJ_BODY, root);
-    for (int body = 1; id >= 0 && body < m_->nbody; ++body) {
-      if (internal::IsInSubtree(m_, body, id)) of_robots_[body] = true;
-    }
-  }
   Articulation ArticulationOf(int joint) const {
     const mjData* d = scene_.data();
     const int body = m_->jnt_bodyid[joint];

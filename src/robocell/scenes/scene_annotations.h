@@ -30,8 +30,8 @@ struct SupportFace {
 // A hollow for objects: a tray, a drawer, a shelf behind a door.
 struct Container {
   std::string body;
-  Pose frame_to_world;                                 // the centre of the hollow
-  Vec3 half_extents = {};                              // of the hollow, along its frame's axes
+  Pose frame_to_world;     // the centre of the hollow
+  Vec3 half_extents = {};  // half size of the hollow along its frame's axes
   Eigen::Vector3d opening = Eigen::Vector3d::UnitZ();  // out of it, in the world
   std::string moved_by = {};                           // the joint of a drawer; "" if it stands
   std::string room = {};
@@ -42,13 +42,13 @@ enum class ArticulationKind { kHinge, kSlide };
 // A joint of the surroundings: a door, a drawer, a lid, a knob.
 struct Articulation {
   std::string joint;
-  std::string body;  // that it moves
+  std::string body;  // the body that the joint moves
   ArticulationKind kind = ArticulationKind::kHinge;
-  Vec2 range = {0, 0};                               // of its value; infinite without limits
+  Vec2 range = {0, 0};                               // joint range; infinite without limits
   double start = 0;                                  // its value in the scene as compiled
-  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   // in the world
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();   // axis in the world
   Eigen::Vector3d anchor = Eigen::Vector3d::Zero();  // a point of the axis, in the world
-  std::vector<std::string> handle_geoms = {};        // what it is opened by; empty if not known
+  std::vector<std::string> handle_geoms = {};        // geoms of its handles; empty if unknown
 };
 
 struct Room {
@@ -70,7 +70,7 @@ struct FloorArea {
 struct ObjectWords {
   std::string object;                   // its name in the scene
   std::string category = {};            // "mug"
-  std::vector<std::string> words = {};  // for instructions: "the blue cup"
+  std::vector<std::string> words = {};  // description for instructions: "the blue cup"
   std::string room = {};
 };
 
@@ -97,8 +97,8 @@ struct SceneAnnotations {
 // the errors of Scene::Build.
 SceneAnnotations DeriveAnnotations(const SceneSpec& spec);
 
-// The areas of one floor, by the name of the floor or of a room, largest first. NotFoundError lists
-// the names.
+// Returns the free areas of one floor, by the name of floor or room, largest first. Throws
+// NotFoundError with the names.
 std::vector<FloorArea> FreeFloorOf(const SceneAnnotations& annotations, const std::string& name);
 
 // Throws ArgumentError, which begins with `place` and names the field, for numbers that are not

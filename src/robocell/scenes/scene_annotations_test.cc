@@ -41,7 +41,7 @@ const Articulation& JointCalled(const SceneAnnotations& known, const std::string
   return *found;
 }
 
-TEST(SceneAnnotations, ATableIsASupportWithAllOfItsTopFree) {
+TEST(SceneAnnotations, ATableIsASupportWithAFreeTop) {
   const SceneAnnotations known =
       DeriveAnnotations({.name = "table", .base = "tabletop", .add_floor = true});
   ASSERT_FALSE(known.supports.empty());
@@ -51,7 +51,7 @@ TEST(SceneAnnotations, ATableIsASupportWithAllOfItsTopFree) {
   EXPECT_FALSE(known.lights.empty());
 }
 
-TEST(SceneAnnotations, WhatStandsOnATableTakesOfItsFreeArea) {
+TEST(SceneAnnotations, ObjectsReduceTheFreeAreaOfATable) {
   SceneSpec spec{.name = "table", .base = "tabletop", .add_floor = true};
   const double before = DeriveAnnotations(spec).supports.front().free_area;
   spec.objects.push_back(Primitive("block", Shape::kBox, {0.12, 0.2, 0.05}));
@@ -95,7 +95,7 @@ TEST(SceneAnnotations, ATrayIsAContainerThatOpensUpwards) {
   EXPECT_EQ(known.objects[0].category, "tray");
 }
 
-TEST(SceneAnnotations, SolidObjectsAreNoContainers) {
+TEST(SceneAnnotations, SolidObjectsAreNotContainers) {
   SceneSpec spec{.name = "solid", .timestep = 0.002, .add_floor = true, .add_skybox = false};
   spec.objects.push_back(Primitive("cube", Shape::kBox, {0.1, 0.1, 0.1}));
   spec.objects.push_back(Primitive("ball", Shape::kSphere, {0.1, 0, 0}));

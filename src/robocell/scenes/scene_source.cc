@@ -2,67 +2,15 @@
 
 #include <fmt/format.h>
 
-#include <map>
-#include <mutex>
 #include <numeric>
 #include <utility>
 
-#include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
-#include "robocell/base/suggestions.h"
+#include "robocell/scenes/built_in_sources.h"
 #include "robocell/spec/spec_bytes.h"
 
 namespace robocell {
 namespace {
-
-// The built-in table on a floor, over and over.
-class TabletopSource final : public SceneSource {
- public:
-  std::optional<int> size() const override { return std::nullopt; }
-  SceneSpec Make(int /*index*/) override {
-    return {.base = "tabletop", .add_floor = true, .add_skybox = true};
-  }
-};
-
-// MJCF files.
-class FilesSource final : public SceneSource {
- public:
-  FilesSource(FilesScenes fields, const std::string& directory)
-      : files_(std::move(fields.files)), root_(fields.root.value_or(directory)) {}
-
-  std::optional<int> size() const override { return static_cast<int>(files_.size()); }
-  SceneSpec Make(int index) override {
-    RequireScene(*this, index, "scene source 'files'");
-    return {.base = assets::Resolve(files_.at(static_cast<size_t>(index)), root_)};
-  }
-
- private:
-  std::vector<std::string> files_;
-  std::string root_;
-};
-
-class TabletopKind final : public SceneSourceKind {
- public:
-  std::shared_ptr<SceneSource> Make(const SceneSourceSpec& /*spec*/,
-                                    const std::string& /*directory*/) const override {
-    return std::make_shared<TabletopSource>();
-  }
-};
-
-class FilesKind final : public SceneSourceKind {
- public:
-  std::shared_ptr<SceneSource> Make(const SceneSourceSpec& spec,
-                                    const std::string& directory) const override {
-    return std::make_shared<FilesSource>(spec.As<FilesScenes>(), directory);
-  }
-};
-
-struct SourceRegistry {
-  std::mutex mutex;
-  std::map<std::string, std::shared_ptr<const SceneSourceKind>> kinds = {
-      {TabletopScenes::kKind, std::make_shared<TabletopKind>()},
-      {FilesScenes::kKind, std::make_shared<FilesKind>()}};
-};
 
 constexpr int kMostScenes = 1'000'000;  // of a run: each is made once before it begins
 
@@ -81,12 +29,17 @@ std::string ProblemOfSize(const RunConfig& run, int size) {
       run.scenes.kind(), size, kMostScenes);
 }
 
-SourceRegistry& SourceKinds() {
-  static SourceRegistry registry;
+}  // namespace
+
+KindRegistry& SceneSourceRegistry() {
+  static KindRegistry registry(
+      "scene source", "source", TabletopScenes::kKind,
+      {{TabletopScenes::kKind,
+        {std::make_shared<KindFieldsOf<TabletopScenes>>(), internal::MakeTabletopKind()}},
+       {FilesScenes::kKind,
+        {std::make_shared<KindFieldsOf<FilesScenes>>(), internal::MakeFilesKind()}}});
   return registry;
 }
-
-}  // namespace
 
 std::optional<SceneAnnotations> SceneSource::CheckedAnnotations(int index) {
   std::optional<SceneAnnotations> known = KnownAnnotations(index);
@@ -109,20 +62,17 @@ void RegisterSceneSource(const std::string& kind, std::shared_ptr<const KindFiel
                          std::shared_ptr<const SceneSourceKind> source, bool replace) {
   if (!source)
     throw ArgumentError("scene source '" + kind + "' needs a SceneSourceKind that makes it");
-  SceneSourceRegistry().Register(kind, std::move(fields), replace);
-  SourceRegistry& registry = SourceKinds();
-  const std::lock_guard lock(registry.mutex);
-  registry.kinds[kind] = std::move(source);
+  SceneSourceRegistry().Register(kind, {std::move(fields), std::move(source)}, replace);
 }
 
 std::shared_ptr<const SceneSourceKind> FindSceneSourceKind(const std::string& kind) {
-  SourceRegistry& registry = SourceKinds();
-  const std::lock_guard lock(registry.mutex);
-  const auto found = registry.kinds.find(kind);
-  if (found != registry.kinds.end()) return found->second;
-  std::vector<std::string> known;
-  for (const auto& [name, source] : registry.kinds) known.push_back(name);
-  throw NotFoundError(NoSuchName("", "scene source", kind, known));
+  const KindRegistry& registry = SceneSourceRegistry();
+  if (auto source = std::dynamic_pointer_cast<const SceneSourceKind>(registry.RulesOf(kind)))
+    return source;
+  throw NotFoundError(
+      fmt::format("scene source '{}' is registered with its fields alone; register it with "
+                  "RegisterSceneSource",
+                  kind));
 }
 
 std::shared_ptr<SceneSource> MakeSceneSource(const RunConfig& run) {

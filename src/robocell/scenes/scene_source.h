@@ -30,8 +30,8 @@ class SceneSource {
   virtual std::optional<int> size() const = 0;
   // Returns scene `index`, always the same one. The run sets its name, timestep and solver options.
   virtual SceneSpec Make(int index) = 0;
-  // What the source knows of a scene; unset: all follows from its geometry. ArgumentError names
-  // scene and field of what cannot be (RequireSound).
+  // Returns the source's annotations of a scene; unset if all are derived from the geometry. Throws
+  // ArgumentError with scene and field for invalid values (RequireSound).
   std::optional<SceneAnnotations> CheckedAnnotations(int index);
   // Returns its own annotations, checked, else the derived ones.
   SceneAnnotations Annotations(int index);
@@ -39,13 +39,12 @@ class SceneSource {
   SceneAnnotations Derive(int index);
 
  protected:
-  // What CheckedAnnotations checks and returns.
+  // Returns the source's annotations, unchecked.
   virtual std::optional<SceneAnnotations> KnownAnnotations(int /*index*/) { return std::nullopt; }
 };
 
-class SceneSourceKind {
+class SceneSourceKind : public KindRules {
  public:
-  virtual ~SceneSourceKind() = default;
   // `directory`: the start of relative paths in the fields.
   virtual std::shared_ptr<SceneSource> Make(const SceneSourceSpec& spec,
                                             const std::string& directory) const = 0;

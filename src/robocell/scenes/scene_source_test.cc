@@ -70,34 +70,7 @@ RunConfig ShelfRun(const ShelfConfig& fields = {}) {
   return run;
 }
 
-TEST(SceneSource, ATabletopUnlessSaidOtherwise) {
-  const RunConfig run = ExampleRun("demo.yaml");
-  const SceneSpec spec = MakeBaseScene(run, 0);
-  EXPECT_EQ(spec.name, "demo");
-  EXPECT_EQ(spec.base, "tabletop");
-  EXPECT_EQ(spec.timestep, 0.002);
-  EXPECT_TRUE(spec.robots.empty());
-  EXPECT_EQ(MakeSceneSource(run)->size(), std::nullopt);
-  EXPECT_THAT(SceneIndices(run), ElementsAre(0));
-}
-
-TEST(SceneSource, FilesAreFoundInTheirRoot) {
-  RunConfig run = ExampleRun("demo.yaml");
-  run.scenes = FilesScenes{.files = {"scenes/tabletop.xml", "cell_of_nobody.xml"},
-                           .root = SourceDir() + "/models"};
-  EXPECT_THAT(SceneIndices(run), ElementsAre(0, 1));
-  EXPECT_THAT(*MakeBaseScene(run, 0).base, HasSubstr("models/scenes/tabletop.xml"));
-  ExpectThrow<NotFoundError>([&] { MakeBaseScene(run, 1); }, "cell_of_nobody.xml");
-  ExpectThrow<NotFoundError>([&] { MakeBaseScene(run, 2); },
-                             "run 'demo': scenes: source 'files': no scene 2; it has 2 (0 ... 1)");
-  ExpectThrow<NotFoundError>([&] { MakeBaseScene(run, -1); }, "no scene -1; it has 2 (0 ... 1)");
-  ExpectThrow<NotFoundError>([&] { MakeSceneSource(run)->Make(5); },
-                             "scene source 'files': no scene 5; it has 2 (0 ... 1)");
-  ExpectThrow<NotFoundError>([] { MakeBaseScene(ExampleRun("demo.yaml"), -1); },
-                             "no scene -1; it has any from 0 on");
-}
-
-TEST(SceneSource, OnesOwnIsNamedByARunAndGetsTheRunsSettings) {
+TEST(SceneSource, ACustomSourceGetsTheSettingsOfTheRun) {
   const RunConfig run = ShelfRun({.boards = 3});
   EXPECT_EQ(run.scenes.kind(), "shelf_of_test");
   EXPECT_THAT(SceneIndices(run), ElementsAre(0, 1, 2));
@@ -109,7 +82,7 @@ TEST(SceneSource, OnesOwnIsNamedByARunAndGetsTheRunsSettings) {
   EXPECT_EQ(back.scenes, run.scenes);
 }
 
-TEST(SceneSource, HousesThatItDoesNotHaveAreProblems) {
+TEST(SceneSource, RejectsMissingHouses) {
   RunConfig run = ShelfRun();
   run.scenes.houses.values = {0, 3};
   Problems problems;
@@ -119,7 +92,7 @@ TEST(SceneSource, HousesThatItDoesNotHaveAreProblems) {
               HasSubstr("3 is outside the 3 scenes of source 'shelf_of_test'"));
 }
 
-TEST(SceneSource, WhatItKnowsComesBeforeWhatTheGeometrySays) {
+TEST(SceneSource, AnnotationsOverrideTheGeometry) {
   const RunConfig run = ShelfRun();
   const std::shared_ptr<SceneSource> source = MakeSceneSource(run);
   const std::vector<Support> known = SupportsOf(*source, 1, MakeBaseScene(run, 1));
@@ -181,7 +154,7 @@ RunConfig OddRun(const OddConfig& fields = {}) {
   return run;
 }
 
-TEST(SceneSource, SizesThatARunCannotTakeAreTold) {
+TEST(SceneSource, ReportsInvalidSizes) {
   const auto problem = [](const RunConfig& run) {
     Problems problems;
     ValidateHouses(run, problems);
@@ -200,7 +173,7 @@ TEST(SceneSource, SizesThatARunCannotTakeAreTold) {
   EXPECT_THAT(SceneIndices(run), ElementsAre(7, 999'999'999));
 }
 
-TEST(SceneSource, AnnotationsThatAreNoNumbersAreNamed) {
+TEST(SceneSource, RejectsNonFiniteAnnotations) {
   const std::shared_ptr<SceneSource> source = MakeSceneSource(OddRun());
   const std::string said = "annotations of scene 4: supports[0].face.half_x is -1";
   Odd::known = {.supports = {{.face = {Pose(), -1, 0.4, 0.02}}}};
@@ -211,14 +184,14 @@ TEST(SceneSource, AnnotationsThatAreNoNumbersAreNamed) {
   EXPECT_EQ(source->Annotations(4).supports.size(), 1u);
 }
 
-TEST(SceneSource, IsMadeWithTheFolderWhereItsPathsStart) {
+TEST(SceneSource, GetsTheFolderOfItsPaths) {
   RunConfig run = OddRun();
   run.source_dir = "/somewhere/runs";
   MakeSceneSource(run);
   EXPECT_EQ(Odd::last_directory, "/somewhere/runs");
 }
 
-TEST(SceneSource, ThatGivesAnotherSceneIsRefused) {
+TEST(SceneSource, RejectsAnInconsistentSource) {
   const RunConfig run = OddRun();
   const std::shared_ptr<SceneSource> source = MakeSceneSource(run);
   const auto ask = [&] { RequireSameAgain(run, *source, 0, MakeBaseScene(run, *source, 0)); };
@@ -231,7 +204,7 @@ TEST(SceneSource, ThatGivesAnotherSceneIsRefused) {
   Odd::calls_change_it = false;
 }
 
-TEST(SceneSource, NeedsFieldsAndSomethingThatMakesIt) {
+TEST(SceneSource, RequiresFieldsAndAFactory) {
   ExpectThrow<ArgumentError>(
       [] {
         RegisterSceneSource("bare_of_test", nullptr,
@@ -246,7 +219,7 @@ TEST(SceneSource, NeedsFieldsAndSomethingThatMakesIt) {
   ExpectThrow<NotFoundError>([] { FindSceneSourceKind("bare_of_test"); }, "bare_of_test");
 }
 
-TEST(SceneSource, NamesThatAreTakenAndUnknownOnesAreTold) {
+TEST(SceneSource, RejectsDuplicateAndUnknownNames) {
   ShelfRun();
   ExpectThrow<ArgumentError>(
       [] {

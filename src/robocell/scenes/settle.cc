@@ -11,7 +11,7 @@
 namespace robocell::internal {
 namespace {
 
-constexpr double kSeconds = 0.4;      // between checks of the objects ...
+constexpr double kSeconds = 0.4;      // time between checks of the objects ...
 constexpr int kLooks = 6;             // ... and the number of checks
 constexpr double kRestSpeed = 0.005;  // m/s below which an object rests ...
 constexpr double kRestTurn = 0.1;     // ... and rad/s
@@ -31,8 +31,8 @@ std::string MovingObject(const Scene& scene, const std::vector<std::string>& obj
 
 }  // namespace
 
-std::optional<std::string> Settle(Scene& scene, std::span<Robot> robots,
-                                  const std::string& target_body, const SettleOptions& options) {
+std::string Settle(Scene& scene, std::span<Robot> robots, const std::string& target_body,
+                   const SettleOptions& options) {
   const auto target = [&] { return target_body.empty() ? Pose() : scene.body_pose(target_body); };
   const Pose before = target();
   const double tick = scene.timestep() * options.sim_steps;
@@ -49,7 +49,7 @@ std::optional<std::string> Settle(Scene& scene, std::span<Robot> robots,
   if ((after.translation() - before.translation()).norm() > options.most_drift) {
     return "the target rolled away or fell off its support";
   }
-  return std::nullopt;
+  return "";
 }
 
 }  // namespace robocell::internal

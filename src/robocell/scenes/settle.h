@@ -1,7 +1,7 @@
 // Settle: lets objects and robots come to rest together before an episode begins, with the robots
 // controlled like in the episode.
 //
-//   if (auto why_not = Settle(scene, robots, "target", {.sim_steps = 2})) ...  // "cube still moves"
+//   const std::string why = Settle(scene, robots, "target", {.sim_steps = 2});  // "cube still moves"
 #pragma once
 
 #include <optional>
@@ -26,10 +26,10 @@ struct SettleOptions {
   StopRequest stop = {};  // once it returns true, objects may be refused as still moving
 };
 
-// Simulates until everything rests. Returns why the scene does not settle: something diverges or
-// does not come to rest, or the target ends up elsewhere. `target_body` may be empty. Simulated
-// time advances.
-std::optional<std::string> Settle(Scene& scene, std::span<Robot> robots,
-                                  const std::string& target_body, const SettleOptions& options);
+// Simulates until everything rests. Returns "" then, else why the scene does not settle: something
+// diverges or does not come to rest, or the target ends up elsewhere. `target_body` may be empty.
+// Simulated time advances.
+std::string Settle(Scene& scene, std::span<Robot> robots, const std::string& target_body,
+                   const SettleOptions& options);
 
 }  // namespace robocell::internal

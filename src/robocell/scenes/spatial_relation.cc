@@ -21,7 +21,7 @@ namespace robocell {
 namespace {
 
 constexpr double kBelowRim = 0.005;    // metres by which an object inside reaches below the rim
-constexpr double kBelowFloor = 0.005;  // by which contacts may press into a hollow's floor
+constexpr double kBelowFloor = 0.005;  // depth by which contacts may press into a hollow's floor
 constexpr double kFromAbove = 0.5;     // least cosine between a contact's normal and the vertical
 
 std::string BodyNameOf(const Scene& scene, const std::string& name) {
@@ -73,7 +73,7 @@ struct SpatialRelation::Impl {
       const mjContact& contact = d->contact[c];
       if (contact.exclude != 0 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;
       const int a = m->geom_bodyid[contact.geom[0]], b = m->geom_bodyid[contact.geom[1]];
-      const double up = contact.frame[2];  // from a to b
+      const double up = contact.frame[2];  // normal from a to b
       if (internal::IsInSubtree(m, a, reference.id()) && internal::IsInSubtree(m, b, object.id()) &&
           up > kFromAbove)
         return true;

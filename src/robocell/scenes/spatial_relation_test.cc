@@ -33,7 +33,7 @@ class SpatialRelationTest : public ::testing::Test {
   Scene scene = Make();
 };
 
-TEST_F(SpatialRelationTest, OnTopOfIsTouchingFromAbove) {
+TEST_F(SpatialRelationTest, OnTopOfMeansContactFromAbove) {
   EXPECT_TRUE(Holds(Relation::kOnTopOf, "board", {1, 0, 0.2199}));
   EXPECT_TRUE(Holds(Relation::kOnTopOf, "board", {1.08, -0.08, 0.2199}));
   EXPECT_FALSE(Holds(Relation::kOnTopOf, "board", {1, 0, 0.25}));         // above it
@@ -41,7 +41,7 @@ TEST_F(SpatialRelationTest, OnTopOfIsTouchingFromAbove) {
   EXPECT_FALSE(Holds(Relation::kOnTopOf, "dish", {1, 0, 0.2199}));
 }
 
-TEST_F(SpatialRelationTest, InsideIsInAHollow) {
+TEST_F(SpatialRelationTest, InsideMeansInAHollow) {
   EXPECT_TRUE(Holds(Relation::kInside, "dish", {0, 0, 0.02}));
   EXPECT_TRUE(Holds(Relation::kInside, "dish", {0.03, -0.02, 0.018}));
   EXPECT_FALSE(Holds(Relation::kInside, "dish", {0, 0, 0.06}));  // above the rim
@@ -49,7 +49,7 @@ TEST_F(SpatialRelationTest, InsideIsInAHollow) {
   EXPECT_FALSE(Holds(Relation::kInside, "dish", {0.5, 0, 0.02}));
 }
 
-TEST_F(SpatialRelationTest, NextToIsBesideAndNear) {
+TEST_F(SpatialRelationTest, NextToMeansAdjacentAndNear) {
   EXPECT_TRUE(Holds(Relation::kNextTo, "board", {0.83, 0, 0.02}));
   EXPECT_TRUE(Holds(Relation::kNextTo, "board", {0.8801, 0, 0.0199}));  // touching its side
   EXPECT_FALSE(Holds(Relation::kNextTo, "board", {0.75, 0, 0.02}));     // 13 cm away
@@ -68,7 +68,7 @@ TEST_F(SpatialRelationTest, FollowsTheSceneWhenItChanges) {
   EXPECT_TRUE(on.Holds());
 }
 
-TEST_F(SpatialRelationTest, WhatCannotHoldIsRefused) {
+TEST_F(SpatialRelationTest, RejectsImpossibleRelations) {
   const auto error = [&]<class E>(E, const std::string& object, Relation relation,
                                   const std::string& reference) {
     return ExpectThrow<E>([&] { SpatialRelation(scene, object, relation, reference); }, "");

@@ -12,6 +12,7 @@
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/settle.h"
 
 namespace robocell {
@@ -25,7 +26,6 @@ constexpr double kInTheFloor = 0.01;  // metres
 constexpr double kAbove = 0.5e-3;     // metres above its support, from which an object drops
 constexpr double kStep = 0.01;        // allowed unevenness under an object, metres
 constexpr double kInset = 0.1;        // of an object's width, for most have rounded edges
-constexpr double kLargest = 10;       // metres; of objects, which have to fit into a room
 
 std::string BodyText(const mjModel* m, int body) {
   return body == 0 ? "the world" : ElementName(m, mjOBJ_BODY, body);
@@ -404,7 +404,7 @@ std::vector<std::string> HangingObjects(const Scene& scene,
     const bool mocap = m->body_mocapid[root] >= 0;
     out.push_back(
         fmt::format("object '{}' hangs in the air: its {}, so that it stays where it is "
-                    "put. {} to let it fall, or {} true when it is meant to hang there",
+                    "put. {} to let it fall, or {} true if it should hang there",
                     name, mocap ? "root is a mocap body" : "model has no joint",
                     mocap ? "Delete `mocap` in its model" : "Set fixed: false",
                     mocap ? "set fixed:" : "fixed:"));
@@ -543,23 +543,16 @@ std::vector<std::string> ObjectsInMillimetres(const Scene& scene) {
     for (int g = 0; g < m->ngeom; ++g) {
       if (!internal::IsInSubtree(m, m->geom_bodyid[g], root) || m->geom_type[g] == mjGEOM_PLANE)
         continue;
-      const mjtNum* half = m->geom_aabb + 6 * g + 3;  // of a box around it
+      const mjtNum* half = m->geom_aabb + 6 * g + 3;  // half sizes of a box around it
       const double thickest = std::max({half[0], half[1], half[2]});
       const double thinnest = std::min({half[0], half[1], half[2]});
-      if (2 * (free ? thickest : thinnest) <= kLargest) continue;
+      if (2 * (free ? thickest : thinnest) <= kLargestObject) continue;
       if (largest < 0 || m->geom_rbound[g] > m->geom_rbound[largest]) largest = g;
     }
     if (largest < 0) continue;
     const mjtNum* half = m->geom_aabb + 6 * largest + 3;
     const double size = 2 * std::max({half[0], half[1], half[2]});
-    out.push_back(fmt::format(
-        "object '{}' is {:.3g} m large, and lengths are in metres. Is it in millimetres? Then {} "
-        "(in millimetres it would be {:.3g} m)",
-        name, size,
-        m->geom_type[largest] == mjGEOM_MESH
-            ? "give its <mesh> scale=\"0.001 0.001 0.001\""
-            : "write its size and its position a thousandth as large",
-        size / 1000));
+    out.push_back(TooLargeText(name, size, m->geom_type[largest] == mjGEOM_MESH));
   }
   return out;
 }

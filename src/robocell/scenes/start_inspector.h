@@ -25,7 +25,7 @@ namespace robocell {
 struct RobotOverlap {
   std::string robot;
   std::string text;
-  std::string object = {};  // that it is inside of; "" for all else
+  std::string object = {};  // the object that it is inside; "" for anything else
 };
 
 class StartInspector {
@@ -36,10 +36,10 @@ class StartInspector {
   // Returns "" for a good start, else its first problem.
   std::string WhyNot();
   // Returns robots that are deeper than kInside in foreign bodies, with the depth.
-  // Of two robots the deepest place stands for all.
+  // A pair of robots is listed once, with its deepest contact.
   std::vector<RobotOverlap> RobotsInside();
-  // Robots whose parts are deeper than kInside in each other, with how deep, the deepest place of
-  // each. Links with a joint between them and the parts of a hand are no such parts.
+  // Returns robots whose own parts penetrate each other by more than kInside, with the largest
+  // depth. Adjacent links and parts of a hand do not count.
   std::vector<std::string> RobotsInsideThemselves();
   // Accepts the present state: bodies that the robots are inside of now no longer count, because
   // models and cells have such places; objects may start as high above their support as now; and
@@ -58,19 +58,19 @@ class StartInspector {
   struct Object {
     std::string name;
     int body = -1;
-    std::vector<int> geoms;  // that collide
+    std::vector<int> geoms;  // colliding geoms
     double most_gap = 0;     // under it, metres
     bool may_reach_over = false;
   };
   struct Gap {
     double height;  // infinite with nothing under it
-    int geom;       // that is under it
+    int geom;       // geom below it
   };
 
   void Bind();
   void MarkRobots();
   void MarkHand(const RobotRecord& robot);
-  bool AreParts(const Pair& bodies) const;  // of one robot, and may not overlap
+  bool AreParts(const Pair& bodies) const;  // true for parts of one robot that must not overlap
   std::string TouchOf(int contact) const;
   std::vector<Pair> RobotPairs();
   std::optional<Pair> RobotPair(int contact) const;

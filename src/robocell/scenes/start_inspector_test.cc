@@ -29,7 +29,7 @@ Scene Room(const Eigen::Vector3d& cube, bool with_robot = false) {
   return scene;
 }
 
-// Of the cube there, after a start on the floor was accepted.
+// Returns the problem of the cube there, after a start on the floor was accepted.
 std::string WhyNot(const Eigen::Vector3d& cube) {
   Scene scene = Room({0, 0, 0.02});
   StartInspector inspector(scene, {"cube"});
@@ -39,19 +39,19 @@ std::string WhyNot(const Eigen::Vector3d& cube) {
   return inspector.WhyNot();
 }
 
-TEST(StartInspector, AnObjectThatRestsIsAGoodStart) {
+TEST(StartInspector, AcceptsAnObjectAtRest) {
   EXPECT_EQ(WhyNot({0.3, 0, 0.02}), "");
   EXPECT_EQ(WhyNot({1, 0, 0.22}), "") << "on the block";
   EXPECT_EQ(WhyNot({1.13, 0, 0.02}), "") << "beside it";
 }
 
-TEST(StartInspector, AnObjectInTheAirOrInSomethingIsNone) {
+TEST(StartInspector, RejectsFloatingAndPenetratingObjects) {
   EXPECT_THAT(WhyNot({0, 0, 0.3}), HasSubstr("'cube' is 0.28 m above"));
   EXPECT_THAT(WhyNot({1.1, 0, 0.1}), HasSubstr("'cube' is"));
   EXPECT_THAT(WhyNot({1.095, 0, 0.22}), HasSubstr("'cube' reaches over the edge"));
 }
 
-TEST(StartInspector, AnObjectAtARobotIsNone) {
+TEST(StartInspector, RejectsAnObjectInARobot) {
   Scene scene = Room({0.5, 0.5, 0.02}, true);
   StartInspector inspector(scene, {"cube"});
   inspector.Accept();
@@ -62,7 +62,7 @@ TEST(StartInspector, AnObjectAtARobotIsNone) {
   EXPECT_THAT(inspector.WhyNot(), HasSubstr("'cube'"));
 }
 
-TEST(StartInspector, WhatWasAcceptedIsNoReason) {
+TEST(StartInspector, IgnoresAcceptedProblems) {
   Scene scene = Room({0, 0, 0.3});
   StartInspector inspector(scene, {"cube"});
   ASSERT_NE(inspector.WhyNot(), "");
@@ -73,7 +73,7 @@ TEST(StartInspector, WhatWasAcceptedIsNoReason) {
   EXPECT_NE(inspector.WhyNot(), "") << "but from no higher";
 }
 
-TEST(StartInspector, AnObjectALittleAboveItsSupportIsLowered) {
+TEST(StartInspector, LowersAnObjectOntoItsSupport) {
   Scene scene = Room({0, 0, 0.024});
   StartInspector inspector(scene, {"cube"});
   inspector.Accept();
@@ -91,14 +91,14 @@ TEST(StartInspector, UnknownObjectsAreNamed) {
       "Did you mean 'cube'?");
 }
 
-TEST(StartInspector, ObjectsOverNothingFallForEver) {
+TEST(StartInspector, ReportsObjectsWithoutASupport) {
   EXPECT_THAT(ObjectsOverNothing(Room({0, 0, 0.3})), IsEmpty());
   SceneSpec spec{.name = "air", .timestep = 0.002, .add_floor = false, .add_skybox = true};
   spec.objects.push_back(BoxObject("cube", {0, 0, 1}));
   EXPECT_THAT(ObjectsOverNothing(Scene::Build(spec)), ElementsAre("cube"));
 }
 
-TEST(StartInspector, ObjectsInsideOthersAndInTheFloorAreNamed) {
+TEST(StartInspector, NamesPenetratingObjects) {
   EXPECT_THAT(ObjectsInside(Room({1.05, 0, 0.15})), ElementsAre(HasSubstr("cube")));
   EXPECT_THAT(ObjectsInside(Room({0, 0, 0.02})), IsEmpty());
   EXPECT_THAT(ObjectsInTheFloor(Room({0, 0, -0.01})), ElementsAre(HasSubstr("cube")));

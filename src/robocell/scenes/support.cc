@@ -58,9 +58,9 @@ std::string FindSite(const Scene& scene, const std::string& place) {
   }
   if (prefixed.size() == 1) return prefixed.front();
   if (prefixed.empty()) return "";
-  throw SpecError(fmt::format(
-      "{}: where should objects stand? Several sites could be meant: {}. Name the one '{}'", place,
-      ListNames(prefixed), kSite));
+  throw SpecError(
+      fmt::format("{}: several sites could mark the support: {}. Name the right one '{}'", place,
+                  ListNames(prefixed), kSite));
 }
 
 int SiteBody(const Scene& scene, const std::string& site) {
@@ -184,7 +184,7 @@ class LevelFaces {
   }
 
  private:
-  static constexpr double kLeastHalf = 0.08;  // of a face along its shorter side
+  static constexpr double kLeastHalf = 0.08;  // half of a face's shorter side
   static constexpr double kRoom = 0.3;        // above its middle, metres
   static constexpr double kBeforeAll = 1e6;
 
@@ -248,23 +248,6 @@ Support MarkedSupport(const Scene& scene, const std::string& site, const std::st
           MovedBody(m, m->geom_bodyid[box])};
 }
 
-// Returns the middle of the largest free part of a floor; unset without any.
-std::optional<Support> FreeFloor(const Scene& scene) {
-  const mjModel* m = scene.model();
-  std::vector<bool> of_robots(static_cast<size_t>(m->nbody), false);
-  for (const RobotRecord& robot : scene.compiled()->robots()) {
-    const int root = FindId(m, mjOBJ_BODY, robot.base_body);
-    for (int body = 1; root > 0 && body < m->nbody; ++body)
-      of_robots[static_cast<size_t>(body)] =
-          of_robots[static_cast<size_t>(body)] || internal::IsInSubtree(m, body, root);
-  }
-  const std::vector<FloorArea> free = internal::FindFreeFloor(scene, of_robots);
-  if (free.empty()) return std::nullopt;
-  const FloorArea& area = free.front();
-  return Support{area.frame_to_world, std::min(area.half_x, kHalfOfFloor),
-                 std::min(area.half_y, kHalfOfFloor), 0, ""};
-}
-
 }  // namespace
 
 Support FindSupport(const SceneSpec& base) {
@@ -273,31 +256,27 @@ Support FindSupport(const SceneSpec& base) {
   if (site.empty()) {
     const std::vector<SupportFace> faces = LevelFaces(scene).All();
     if (!faces.empty()) return faces.front().face;
-    if (const std::optional<Support> floor = FreeFloor(scene)) return *floor;
-    throw NotFoundError(fmt::format(
-        "{}: nowhere to put objects: there is no box that stands still with a level upper face of "
-        "at least 0.16 by 0.16 m and 0.3 m of room above it, and no free floor. Add one, or mark "
-        "where objects are to "
-        "stand by a site '{}' on a box",
-        Place(base), kSite));
+    if (std::vector<Support> floors = FindFloors(scene); !floors.empty()) {
+      Support& middle = floors.front();
+      middle.half_x = std::min(middle.half_x, kHalfOfFloor);
+      middle.half_y = std::min(middle.half_y, kHalfOfFloor);
+      return middle;
+    }
+    throw NotFoundError(
+        fmt::format("{}: no support for objects: no fixed box with a level upper face of "
+                    "at least 0.16 by 0.16 m and 0.3 m of room above it, and no free floor. Add "
+                    "one, or mark a box with a site '{}'",
+                    Place(base), kSite));
   }
   return MarkedSupport(scene, site, Place(base) + ": site '" + site + "'");
 }
 
-std::vector<Support> FindFloors(const Scene& scene, const Eigen::Vector3d& around, double reach) {
-  const mjModel* m = scene.model();
-  const mjData* d = scene.data();
+std::vector<Support> FindFloors(const Scene& scene, std::span<const std::string> moved,
+                                std::span<const Eigen::Vector3d> points) {
   std::vector<Support> floors;
-  for (int g = 0; g < m->ngeom; ++g) {
-    if (m->geom_type[g] != mjGEOM_PLANE || !internal::IsCollisionGeom(m, g)) continue;
-    const Pose plane = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
-    if (plane.rotation()(2, 2) < kLevel) continue;
-    const auto half = [&](int axis) {  // planes of size 0 are infinite
-      const double size = m->geom_size[3 * g + axis];
-      return size > 0 ? size : std::abs((plane.inverse() * around)[axis]) + reach;
-    };
-    floors.push_back({plane, half(0), half(1), 0, ""});
-  }
+  for (const FloorArea& area :
+       internal::FindFreeFloor(scene, internal::MovedBodies(scene, moved), points))
+    floors.push_back({area.frame_to_world, area.half_x, area.half_y, 0, ""});
   return floors;
 }
 

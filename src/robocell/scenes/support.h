@@ -4,11 +4,13 @@
 //   Pose on_top = support.frame_to_world * Pose(Eigen::Vector3d(x, y, 0));   // |x| < half_x ...
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
+#include <Eigen/Core>
 
+#include "robocell/math/level_area.h"
 #include "robocell/math/pose.h"
-#include "robocell/motion/robot_outline.h"
 #include "robocell/scene/scene.h"
 #include "robocell/spec/scene_spec.h"
 
@@ -19,33 +21,34 @@ struct Support {
   Pose frame_to_world;
   double half_x = 0, half_y = 0;
   double thickness = 0;
-  LevelBox box() const { return {frame_to_world, half_x, half_y, thickness}; }
+  LevelArea area() const { return {frame_to_world, half_x, half_y, thickness}; }
   std::string moved_body = {};  // the moving body that carries it; "" for a fixed support
 };
 
-// The support of a base scene: the largest level upper face of a box that stands still, has 0.3 m
-// of room above its middle, and is as high as furniture is (0.15 to 1.6 m), if there is such a one;
-// else of any height; without any such face a free part of a level floor, 1 m wide at most.
-// Nothing needs a site `table_top`: with one, the scene's author chooses another support (or with the
-// only site that has that name behind a prefix, as `shop_table_top` or `shop/table_top`): the largest
-// box in the site's body is its extent, a
-// horizontal face of it, in whatever pose the box is in its body, with the site on it. Objects that
-// are parked have no support to offer.
-// NotFoundError without face and floor, SpecError with several sites that could be meant, without a
-// box or when the site is not on the box's upper face or the face is not level.
+// Returns the support of a base scene, in this order:
+// 1. the box marked by a site `table_top`, or by the only site with a prefix before that name
+//    (`shop_table_top`, `shop/table_top`): the level face with the site on it, as large as the
+//    largest box of the site's body
+// 2. the largest level upper face of a fixed box with 0.3 m of room above its middle, 0.15 to 1.6 m
+//    high
+// 3. such a face at any height
+// 4. free level floor, at most 1 m wide
+// Parked objects offer no support. Throws NotFoundError without face and floor; SpecError if the
+// site is ambiguous, has no box, is not on the upper face, or the face is not level.
 Support FindSupport(const SceneSpec& base);
 
-// Level planes, on which objects may stand where no face has room for them. An endless one extends
-// by `reach` beyond the point `around`.
-std::vector<Support> FindFloors(const Scene& scene, const Eigen::Vector3d& around, double reach);
+// The free parts of floors (free_floor.h), largest first, on which objects may stand where no face
+// has room for them. The trees below the bodies `moved` do not count, and endless floors extend at
+// least to `points`.
+std::vector<Support> FindFloors(const Scene& scene, std::span<const std::string> moved = {},
+                                std::span<const Eigen::Vector3d> points = {});
 
 struct SupportFace;
-// All level upper faces of boxes that stand still and have room above, the one that FindSupport
-// takes first, the others from the largest on.
+// Returns all level upper faces of fixed boxes with room above: FindSupport's first, then by size.
 std::vector<SupportFace> FindSupportFaces(const Scene& scene);
 
-// SpecError when the support of this scene does not stay where it is: a table with a free joint
-// that stands on nothing takes along what is put on it.
+// Throws SpecError if the support of this scene can move, for example a table with a free joint on
+// nothing.
 void RequireSteady(const SceneSpec& base, const Support& support);
 
 }  // namespace robocell

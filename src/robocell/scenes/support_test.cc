@@ -60,7 +60,7 @@ TEST(Support, OfTheTabletopIsTheSameWithoutTheSite) {
   EXPECT_DOUBLE_EQ(found.half_y, marked.half_y);
 }
 
-TEST(Support, MayBeABoxThatLiesOnItsSide) {
+TEST(Support, CanBeABoxOnItsSide) {
   const Support s = SupportOf(
       "<geom type='box' size='.01 .2 .3' pos='0 0 -.01' euler='0 90 0'/><site "
       "name='a_table_top'/>");
@@ -70,7 +70,7 @@ TEST(Support, MayBeABoxThatLiesOnItsSide) {
   EXPECT_NEAR(s.frame_to_world.rotation()(2, 2), 1, 1e-9);
 }
 
-TEST(Support, ThatTheSiteIsNotOnIsRefused) {
+TEST(Support, RejectsASiteOffItsSurface) {
   const std::string site = "<site name='table_top'/>";
   ExpectRefused("<geom type='box' size='.3 .2 .01' euler='0 10 0' pos='0 0 -.01'/>" + site,
                 "the box is tilted against it; give the box a horizontal upper face");
@@ -89,11 +89,11 @@ TEST(Support, IsMarkedByOneSiteOnly) {
   SupportOf(box + "<site name='stable_top' pos='9 9 9'/><site name='shop/table_top'/>");
   SupportOf(box + "<site name='a_table_top' pos='9 9 9'/><site name='table_top'/>");
   ExpectRefused(box + "<site name='a_table_top'/><site name='b_table_top'/>",
-                "where should objects stand? Several sites could be meant: a_table_top, "
-                "b_table_top. Name the one 'table_top'");
+                "several sites could mark the support: a_table_top, b_table_top. Name the right "
+                "one 'table_top'");
 }
 
-TEST(Support, IsTheLargestLevelFaceWhereNoSiteMarksOne) {
+TEST(Support, IsTheLargestLevelFaceWithoutASite) {
   const std::string small = "<geom type='box' size='.2 .1 .01' pos='2 0 0'/>";
   const std::string large = "<geom type='box' size='.01 .3 .4' pos='0 .1 .2' euler='0 90 0'/>";
   const Support s = SupportOf(small + large);
@@ -118,11 +118,11 @@ TEST(Support, IsTheLargestLevelFaceWhereNoSiteMarksOne) {
   ExpectThrow<NotFoundError>([&] { SupportOf("<geom type='sphere' size='.3'/>"); },
                              "scene 's' from '");
   ExpectThrow<NotFoundError>([&] { SupportOf("<geom type='sphere' size='.3'/>"); },
-                             "nowhere to put objects: there is no box that stands still");
+                             "no support for objects: no fixed box");
 }
 
 // The engine is the oracle: what is put on it stays.
-TEST(Support, HoldsWhatIsPutOnIt) {
+TEST(Support, HoldsPlacedObjects) {
   TempDir folder;
   AtomicWrite(folder / "lab.xml",
               "<mujoco><worldbody><geom type='plane' size='3 3 1'/>"
@@ -151,7 +151,7 @@ TEST(Support, HoldsWhatIsPutOnIt) {
 }
 
 // The engine is the oracle: the corners of what is found are on the floor and touch nothing else.
-TEST(Support, IsAFreePartOfTheFloorWhereThereIsNoFace) {
+TEST(Support, IsAFreePartOfTheFloorWithoutAFace) {
   TempDir folder;
   AtomicWrite(folder / "hall.xml",
               "<mujoco><worldbody><geom type='plane' size='0 0 1' pos='0 0 .1'/>"
@@ -180,7 +180,7 @@ TEST(Support, IsAFreePartOfTheFloorWhereThereIsNoFace) {
       << "a face comes first";
 }
 
-TEST(Support, IsNoTableThatIsParked) {
+TEST(Support, ExcludesParkedTables) {
   TempDir folder;
   AtomicWrite(folder / "bench.xml",
               "<mujoco><worldbody><body name='bench'><geom type='box' size='.5 .5 .1' "
@@ -194,7 +194,7 @@ TEST(Support, IsNoTableThatIsParked) {
                           .parked = true});
   EXPECT_EQ(FindSupport(spec).frame_to_world, table.frame_to_world);
   spec.base.reset();
-  ExpectThrow<NotFoundError>([&] { FindSupport(spec); }, "nowhere to put objects");
+  ExpectThrow<NotFoundError>([&] { FindSupport(spec); }, "no support for objects");
 }
 
 }  // namespace

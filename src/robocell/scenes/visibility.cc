@@ -9,7 +9,7 @@ namespace robocell::internal {
 namespace {
 
 constexpr int kDrawnGroups = 3;                  // 0, 1, 2: what renderers draw
-constexpr double kFractions[] = {-0.8, 0, 0.8};  // of a bounding box's half extents
+constexpr double kFractions[] = {-0.8, 0, 0.8};  // shares of a bounding box's half extents
 constexpr double kSameDepth = 1e-3;              // metres
 
 bool IsDrawn(const mjModel* m, int geom) {

@@ -1,5 +1,5 @@
-// How much of an object a camera sees, by rays: for conditions on starts, which are tried many
-// times a second without a renderer.
+// Measures the share of an object that a camera sees, with rays: for conditions on starts, which
+// are tried many times a second without a renderer.
 #pragma once
 
 #include <string>

@@ -35,21 +35,21 @@ double ShareIn(const Scene& scene, const Eigen::Vector3d& lookat = Eigen::Vector
   return VisibleShare(scene, body, ComputeCamera(scene.model(), scene.data(), camera, 320, 240));
 }
 
-TEST(VisibleShare, AllOfAnObjectInTheOpenIsSeen) { EXPECT_DOUBLE_EQ(ShareIn(SceneWithWall(2)), 1); }
+TEST(VisibleShare, IsOneInTheOpen) { EXPECT_DOUBLE_EQ(ShareIn(SceneWithWall(2)), 1); }
 
-TEST(VisibleShare, NothingIsSeenBehindAWall) { EXPECT_DOUBLE_EQ(ShareIn(SceneWithWall(0)), 0); }
+TEST(VisibleShare, IsZeroBehindAWall) { EXPECT_DOUBLE_EQ(ShareIn(SceneWithWall(0)), 0); }
 
-TEST(VisibleShare, AWallOverOneHalfHidesAboutAHalf) {
+TEST(VisibleShare, IsAboutAHalfBehindHalfAWall) {
   const double share = ShareIn(SceneWithWall(0.5));  // it covers y > 0
   EXPECT_GT(share, 0.3);
   EXPECT_LT(share, 0.8);
 }
 
-TEST(VisibleShare, WhatIsOutsideOfTheImageIsNotSeen) {
+TEST(VisibleShare, IsZeroOutsideTheImage) {
   EXPECT_DOUBLE_EQ(ShareIn(SceneWithWall(2), {1, 5, 0}), 0);
 }
 
-TEST(VisibleShare, AnUnknownBodyIsNotFound) {
+TEST(VisibleShare, RejectsAnUnknownBody) {
   const Scene scene = SceneWithWall(2);
   const FreeCamera camera{LookAt({1, 0, 0}, {0, 0, 0}), 45};
   const CameraModel model = ComputeCamera(scene.model(), scene.data(), camera, 320, 240);

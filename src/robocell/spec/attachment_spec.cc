@@ -31,7 +31,7 @@ void ValidateAttachments(const List<AttachmentSpec>& attachments, Problems& prob
       problems.Add(fmt::format(
           "'{}' is attachments[{}] too, {}: is it listed twice? {}", late.mjcf_path, j,
           same_place ? "at the same place" : "with the same prefix '" + late.prefix + "'",
-          same_place ? "Remove one of them" : "Each needs a prefix of its own"));
+          same_place ? "Remove one of them" : "Each needs a different prefix"));
       break;
     }
   }

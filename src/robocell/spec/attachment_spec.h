@@ -45,8 +45,8 @@ struct AttachmentSpec {
   void Validate(Problems& problems) const;
 };
 
-// Tools that are listed twice: adds a problem at attachments[i] for the same model at the same
-// place, or under the same prefix, as an earlier one.
+// Adds a problem at attachments[i] if an earlier one has the same model at the same place or under
+// the same prefix.
 void ValidateAttachments(const List<AttachmentSpec>& attachments, Problems& problems);
 
 }  // namespace robocell

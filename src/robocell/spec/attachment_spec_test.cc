@@ -21,7 +21,7 @@ TEST(AttachmentSpec, GoesOnABodySiteOrFrame) {
                         "of its robot, not 'world'"));
 }
 
-TEST(AttachmentSpec, ListedTwiceIsTold) {
+TEST(AttachmentSpec, RejectsADuplicate) {
   RobotConfig robot = ArmFile();
   const AttachmentSpec hand{
       .mjcf_path = "hand.xml", .attach_to = {AttachKind::kSite, "flange"}, .prefix = "hand_"};
@@ -32,7 +32,7 @@ TEST(AttachmentSpec, ListedTwiceIsTold) {
             "is it listed twice? Remove one of them");
   robot.attachments[1].attach_to.name = "other_flange";
   EXPECT_THAT(ValidationError(robot), HasSubstr("with the same prefix 'hand_': is it listed "
-                                                "twice? Each needs a prefix of its own"));
+                                                "twice? Each needs a different prefix"));
   robot.attachments[1].prefix = "other_";
   EXPECT_EQ(ValidationError(robot), "") << "two hands";
 }

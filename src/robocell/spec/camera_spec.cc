@@ -87,8 +87,9 @@ void RendererConfig::Validate(Problems& problems) const {
 
 void CameraSystemConfig::Validate(Problems& problems) const {
   if (std::min(resolution[0], resolution[1]) <= 0) {
-    problems.AddAt("resolution", fmt::format("{} x {} pixels are no image; both must be above 0",
-                                             resolution[0], resolution[1]));
+    problems.AddAt("resolution",
+                   fmt::format("{} x {} pixels are not an image; both must be above 0",
+                               resolution[0], resolution[1]));
   }
   for (size_t i = 0; i < streams.size(); ++i) {
     Problems::Scope list(problems, "streams");
@@ -100,7 +101,7 @@ void CameraSystemConfig::Validate(Problems& problems) const {
         problems.AddAt("name", "'" + stream.name + "' is used twice");
     }
     const int w = width(stream), h = height(stream);
-    if (w <= 0 || h <= 0) continue;  // which is a problem of its own
+    if (w <= 0 || h <= 0) continue;  // a separate problem
     ValidateNotTooLarge(*this, stream, problems);
     if (stream.rgb && (w % 2 || h % 2)) {
       problems.Add(fmt::format(

@@ -128,6 +128,7 @@ struct RendererConfig {
 struct CameraSystemConfig {
   std::array<int, 2> resolution = {320, 240};
   List<CameraConfig> streams = {};
+  bool draw = true;
   RendererConfig renderer = {};
 
   static constexpr const char* kTypeName = "CameraSystemConfig";
@@ -136,8 +137,16 @@ struct CameraSystemConfig {
     v("resolution", &CameraSystemConfig::resolution, "Width and height in pixels.",
       Bound::kPositive);
     v("streams", &CameraSystemConfig::streams, "The image streams.");
+    v("draw", &CameraSystemConfig::draw,
+      "Render the streams. Without, there are no images, but `start.visible_from` still knows the "
+      "streams: episodes begin alike.");
     v("renderer", &CameraSystemConfig::renderer,
       "The back end that renders the images, and its quality.");
+  }
+  // Returns the streams that are rendered.
+  const List<CameraConfig>& drawn() const {
+    static const List<CameraConfig> kNone;
+    return draw ? streams : kNone;
   }
   int width(const CameraConfig& stream) const { return stream.width.value_or(resolution[0]); }
   int height(const CameraConfig& stream) const { return stream.height.value_or(resolution[1]); }

@@ -42,7 +42,7 @@ TEST(CameraSpec, LooksStraightDownAndUp) {
   }
 }
 
-TEST(CameraSpec, LookAtIsInsteadOfARotation) {
+TEST(CameraSpec, LookAtExcludesARotation) {
   CameraSpec camera{.name = "a", .pos = Vec3{}, .fovy = 45, .look_at = Vec3{}};
   const std::string nowhere =
       "look_at: is the camera's own position, so there is nowhere to look; give a point in front "
@@ -56,7 +56,7 @@ TEST(CameraSpec, LookAtIsInsteadOfARotation) {
   EXPECT_THAT(ValidationError(camera), HasSubstr("look_at: is set together with a rotation"));
 }
 
-TEST(CameraSystemConfig, OddSizesAreRefusedBeforeAnythingIsEncoded) {
+TEST(CameraSystemConfig, RejectsOddSizes) {
   EXPECT_EQ(
       ParseError<CameraSystemConfig>(
           "resolution: [623, 351]\nstreams: [{name: wrist, camera: wrist_camera}]\n"),
@@ -68,17 +68,17 @@ TEST(CameraSystemConfig, OddSizesAreRefusedBeforeAnythingIsEncoded) {
       "`cameras.resolution`");
 }
 
-TEST(CameraSystemConfig, SizesBelowOnePixelAreToldOnce) {
+TEST(CameraSystemConfig, ReportsSizesBelowOnePixelOnce) {
   CameraSystemConfig cameras{.streams = {{.name = "a", .camera = "a", .width = -3}}};
   const std::string text = ValidationError(cameras);
   EXPECT_THAT(text, HasSubstr("width: -3 must be greater than 0"));
   EXPECT_THAT(text, ::testing::Not(HasSubstr("nearest")));
   cameras = {.resolution = {0, -2}};
   EXPECT_THAT(ValidationError(cameras),
-              HasSubstr("resolution: 0 x -2 pixels are no image; both must be above 0"));
+              HasSubstr("resolution: 0 x -2 pixels are not an image; both must be above 0"));
 }
 
-TEST(CameraSystemConfig, SizesBeyondVideosAreRefusedBeforeAnythingIsDrawn) {
+TEST(CameraSystemConfig, RejectsSizesTooLargeForVideos) {
   CameraSystemConfig cameras{.resolution = {100000, 100000},
                              .streams = {{.name = "a", .camera = "a"}}};
   EXPECT_THAT(
@@ -91,7 +91,7 @@ TEST(CameraSystemConfig, SizesBeyondVideosAreRefusedBeforeAnythingIsDrawn) {
   EXPECT_EQ(ValidationError(cameras), "");
 }
 
-TEST(CameraSystemConfig, AStreamsOwnSizeCounts) {
+TEST(CameraSystemConfig, ValidatesTheSizeOfAStream) {
   CameraSystemConfig cameras{.streams = {{.name = "a", .camera = "a", .height = 241}}};
   EXPECT_THAT(ValidationError(cameras), HasSubstr("size 320x241 cannot"));
   cameras.streams[0].rgb = false;
@@ -99,7 +99,7 @@ TEST(CameraSystemConfig, AStreamsOwnSizeCounts) {
   EXPECT_EQ(ValidationError(cameras), "");
 }
 
-TEST(CameraSystemConfig, StreamsHaveNamesOfTheirOwn) {
+TEST(CameraSystemConfig, RequiresUniqueStreamNames) {
   const CameraSystemConfig cameras{
       .streams = {{.name = "a", .camera = "x"}, {.name = "a", .camera = "y"}, {.camera = "z"}}};
   EXPECT_EQ(ValidationError(cameras),
@@ -108,7 +108,7 @@ TEST(CameraSystemConfig, StreamsHaveNamesOfTheirOwn) {
             "  streams[2].name: is required: streams are recorded under their name");
 }
 
-TEST(CameraConfig, TakesAtLeastOneKindOfImage) {
+TEST(CameraConfig, RequiresAtLeastOneKindOfImage) {
   EXPECT_THAT(ValidationError(CameraConfig{.name = "a", .camera = "b", .rgb = false}),
               HasSubstr("takes no images: set rgb, depth or segmentation"));
 }

@@ -23,7 +23,7 @@ std::optional<NumberedNames> SplitAtNumber(std::string_view first, std::string_v
     size_t begin = end;
     while (begin > 0 && IsDigit(first[begin - 1])) --begin;
     const std::string_view stem = first.substr(0, begin), tail = first.substr(end);
-    end = begin + 1;  // of the next number
+    end = begin + 1;  // end of the next number
     if (last.size() <= stem.size() + tail.size() || !last.starts_with(stem) ||
         !last.ends_with(tail)) {
       continue;

@@ -152,7 +152,7 @@ class Map {
   std::vector<Entry> entries_;
 };
 
-// A spec that may be unset: like std::optional, but in a box of its own, so that Python can hold
+// A spec that may be unset: like std::optional, but allocated separately, so that Python can hold
 // and edit the value while the field is assigned or unset.
 template <class T>
 class Maybe {

@@ -56,14 +56,14 @@ TEST(Map, CopyIsDeep) {
   EXPECT_FALSE(copy == map);
 }
 
-TEST(Map, AMissSuggestsTheNearestKey) {
+TEST(Map, SuggestsTheNearestKey) {
   Map<BaseConfig> map = {{"arm", {}}, {"gripper", {}}};
   ExpectThrow<NotFoundError>([&] { map.at("griper"); },
                              "no entry 'griper'. Known entries: arm, gripper. Did you mean "
                              "'gripper'?");
 }
 
-TEST(Maybe, HoldsAValueOfItsOwnOrNone) {
+TEST(Maybe, HoldsAnOptionalValue) {
   Maybe<BaseConfig> base;
   EXPECT_FALSE(base.has_value());
   EXPECT_EQ(base.value_or({.kind = BaseKind::kFree}).kind, BaseKind::kFree);
@@ -85,7 +85,7 @@ TEST(NameList, ExpandsNumberedRanges) {
   EXPECT_EQ(NameList::Expand("wrist.joint"), (NameList{"wrist.joint"}));
 }
 
-TEST(NameList, TheNumberMayBeAnywhereInTheNames) {
+TEST(NameList, AcceptsTheNumberAnywhereInNames) {
   EXPECT_EQ(NameList::Expand("arm_1_joint..arm_3_joint"),
             (NameList{"arm_1_joint", "arm_2_joint", "arm_3_joint"}));
   EXPECT_EQ(NameList::Expand("r2_j1..r2_j3"), (NameList{"r2_j1", "r2_j2", "r2_j3"}));
@@ -97,7 +97,7 @@ TEST(NameList, KeepsLeadingZeros) {
   EXPECT_EQ(NameList::Expand("j08..j10"), (NameList{"j08", "j09", "j10"}));
 }
 
-TEST(NameList, RefusesWhatIsNoRange) {
+TEST(NameList, RejectsInvalidRanges) {
   for (const char* text :
        {"joint1..act7", "joint7..joint1", "joint..joint7", "..", "a1..", "..a2", "a1..a99999",
         "a1x..a3y", "a1x..b3x", "r1_j1..r2_j2", "a1..a99999999999999999999", "a01..a1"}) {

@@ -13,12 +13,12 @@ using testing::ValidationError;
 
 ElementRef Named(const std::string& name) { return {.name = name}; }
 
-TEST(Edit, AFieldOfViewIsBelowHalfATurn) {
+TEST(Edit, LimitsTheFieldOfViewToHalfATurn) {
   EXPECT_THAT(ValidationError(Edit{.camera = Named("a"), .fovy = 180}),
               HasSubstr("fovy: 180 degrees is not below 180"));
 }
 
-TEST(Edit, ValidOnesPass) {
+TEST(Edit, AcceptsValidEdits) {
   EXPECT_EQ(ValidationError(Edit{.body = Named("a"), .pos = Vec3{}}), "");
   EXPECT_EQ(ValidationError(Edit{.body = Named("a"), .add_site = "tool"}), "");
   EXPECT_EQ(ValidationError(Edit{.body = Named("a"), .add_camera = "view", .fovy = 45}), "");
@@ -35,14 +35,14 @@ TEST(Edit, NamesExactlyOneElement) {
               HasSubstr("this one names body, site"));
 }
 
-TEST(Edit, SaysWhichAttributesAnElementHas) {
+TEST(Edit, ListsTheAttributesOfAnElement) {
   EXPECT_EQ(
       ValidationError(Edit{.joint = Named("a"), .fovy = 45}),
       "it is not valid: fovy: a joint has no such attribute; it can be given name, pos, range, "
       "damping, armature, frictionloss");
 }
 
-TEST(Edit, ThatChangesNothingIsRefused) {
+TEST(Edit, RejectsAnEmptyEdit) {
   EXPECT_THAT(ValidationError(Edit{.site = Named("a")}), HasSubstr("changes nothing; it can set"));
 }
 
@@ -68,14 +68,14 @@ TEST(Edit, OneRotationIsEnough) {
               HasSubstr("quat: [0, 0, 0, 2] has length 2"));
 }
 
-TEST(Edit, RangesRiseAndCondimIsOneTheEngineKnows) {
+TEST(Edit, RequiresIncreasingRangesAndAValidCondim) {
   EXPECT_THAT(ValidationError(Edit{.joint = Named("a"), .range = Vec2{1, -1}}),
               HasSubstr("range: [1, -1] is [smallest, largest]; the first is larger"));
   EXPECT_THAT(ValidationError(Edit{.geom = Named("a"), .condim = 2}),
               HasSubstr("condim: 2 is not 1, 3, 4 or 6"));
 }
 
-TEST(Edit, AGeomWithoutANameNeedsItsIndex) {
+TEST(Edit, AnUnnamedGeomNeedsItsIndex) {
   EXPECT_THAT(
       ValidationError(Edit{.geom = ElementRef{.kind = ElementKind::kBody, .name = "pad"},
                            .friction = Vec3{1, 0, 0}}),

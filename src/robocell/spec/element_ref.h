@@ -40,7 +40,7 @@ struct EnumNames<ElementKind> {
 struct ElementRef {
   std::optional<ElementKind> kind = {};
   std::string name = {};
-  std::string body = {};  // for unnamed elements: the parent body ...
+  std::string body = {};  // parent body of an unnamed element ...
   int index = 0;          // ... and the index among its elements of this kind, from 0
 
   bool empty() const { return name.empty() && body.empty(); }

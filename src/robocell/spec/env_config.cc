@@ -61,7 +61,7 @@ void ValidateGrippers(const EnvConfig& env, Problems& problems) {
     if (!env.robots.contains(robot) || env.has_mounted_gripper(robot)) continue;
     Problems::Scope list(problems, "gripper_offsets");
     problems.AddAt(robot, env.grippers.contains(robot)
-                              ? "the robot has a gripper of its own, which stays where it is"
+                              ? "the robot already has a gripper, which stays"
                               : "the robot has no gripper in `grippers`");
   }
 }
@@ -91,82 +91,39 @@ void ValidateStands(const EnvConfig& env, Problems& problems) {
   }
 }
 
+// No step is longer than an arm or turns further than half a turn: such limits have other units. A
+// joint may turn further, and a slide is not as long.
+void ValidateUnitsOfStep(const EnvConfig& env, Problems& problems) {
+  constexpr double kMostLength = 5, kMostJoint = 4 * internal::kPi;
+  const std::vector<double>& limit = env.max_relative_movement;
+  const bool joints = env.control_mode == ControlMode::kJoints;
+  if (limit.size() != (joints ? 1 : 2)) return;
+  const auto refuse = [&](double value, double most, const char* unit, const char* what) {
+    if (!std::isfinite(value) || value <= most) return false;
+    problems.AddAt("max_relative_movement",
+                   fmt::format("{:g} {} is too much for {}: the numbers are in {}", value, unit,
+                               what, joints ? "radians (metres for slides)" : "[metres, radians]"));
+    return true;
+  };
+  if (joints) {
+    refuse(limit[0], kMostJoint, "rad", "the step of a joint");
+  } else if (!refuse(limit[0], kMostLength, "m", "the way of a step")) {
+    refuse(limit[1], internal::kPi, "rad", "the turn of a step");
+  }
+}
+
 // Requires one number for joints, two for poses, or none.
 void ValidateLimitOfMode(const EnvConfig& env, const char* field, const std::vector<double>& limit,
                          Problems& problems) {
   const size_t count = limit.size();
   const bool joints = env.control_mode == ControlMode::kJoints;
-  if (count == 0 || count == (joints ? 1 : 2)) return;
+  if (count == 0) return;
+  if (count == (joints ? 1 : 2)) return;
   problems.AddAt(
       field, fmt::format("with control_mode {} it is {}; found {} {}", ToString(env.control_mode),
                          joints ? "one number, radians (metres for slides)"
                                 : "two numbers, [metres, radians]",
                          count, count == 1 ? "number" : "numbers"));
-}
-
-// A task's objects must be among those that move with the rig.
-class TaskValidator {
- public:
-  TaskValidator(const EnvConfig& env, Problems& problems) : env_(env), problems_(problems) {}
-
-  template <class T>
-  void Validate(const T& task) {
-    RequireObject(task.object);
-    const T plain;
-    ValidateOfRuns("objects", task.objects == plain.objects);
-    if constexpr (requires { task.goal_object; }) ValidateGoal(task);
-  }
-
- private:
-  void ValidateGoal(const PickAndPlaceTaskConfig& task) {
-    ValidateOfRuns("goals", task.goals.empty());
-    if (!task.goal_object.empty()) ValidateObject("goal_object", task.goal_object);
-    if (!task.goal && task.goal_object.empty()) {
-      problems_.AddAt("goal",
-                      "is required: where the object is to be put, for example [0.4, 0.2, 0], or "
-                      "goal_object, what it is to be put on");
-    }
-    if (!task.goal_object.empty() && task.goal_object == task.object)
-      problems_.AddAt("goal_object", "is the object that is to be put there; name another one");
-  }
-  void ValidateOfRuns(const char* field, bool is_default) {
-    if (is_default) return;
-    problems_.AddAt(field,
-                    "belongs to runs, which choose objects and put the robot beside them; in an "
-                    "environment the rig says where they are: leave it out");
-  }
-  void RequireObject(const std::string& object) {
-    const std::vector<std::string> ids = env_.root_frame_objects.keys();
-    ValidateNotEmpty(object, "object",
-                     ids.empty()
-                         ? "what is to be picked, by its id in root_frame_objects, where "
-                           "nothing is yet"
-                         : "what is to be picked, one of root_frame_objects: " + ListNames(ids),
-                     problems_);
-    if (!object.empty()) ValidateObject("object", object);
-  }
-  void ValidateObject(const char* field, const std::string& object) {
-    if (env_.root_frame_objects.contains(object)) return;
-    if (!env_.world_frame_objects.contains(object)) {
-      return problems_.AddAt(field, NoSuchName("root_frame_objects", "object", object,
-                                               env_.root_frame_objects.keys()));
-    }
-    problems_.AddAt(field, fmt::format("'{}' is in world_frame_objects, which stay in the room; a "
-                                       "task goes with the rig, and so do its objects: move it to "
-                                       "root_frame_objects",
-                                       object));
-  }
-
-  const EnvConfig& env_;
-  Problems& problems_;
-};
-
-void ValidateEnvTask(const EnvConfig& env, Problems& problems) {
-  if (!env.task) return;
-  Problems::Scope scope(problems, "task");
-  TaskValidator validator(env, problems);
-  if (const auto* pick = env.task->If<PickTaskConfig>()) validator.Validate(*pick);
-  if (const auto* place = env.task->If<PickAndPlaceTaskConfig>()) validator.Validate(*place);
 }
 
 // An object's mass only matters if it can move.
@@ -194,8 +151,8 @@ void ValidateVariations(const EnvConfig& env, Problems& problems) {
 }
 
 // An environment's objects, which have one id each and stand in the right frame: adds a problem for
-// an id that is used twice (which decides between frames), that is a robot's name, or whose elements
-// would have names that begin like those of a robot or gripper.
+// an id that is used twice (which decides between frames), that is a robot's name, or whose
+// elements would have names that begin like those of a robot or gripper.
 constexpr const char* kObjectFrames =
     "world_frame_objects stay in the room, root_frame_objects move with the rig, "
     "robot_frame_objects follow a robot's wrist";
@@ -258,6 +215,16 @@ bool IsStreamed(const EnvConfig& env, const std::string& camera) {
   return false;
 }
 
+// Returns "stream 'a' takes images of 'wirst'. Did you mean 'wrist'?" for a stream whose camera is
+// spelt almost like this one; "" if there is none.
+std::string StreamNear(const EnvConfig& env, const std::string& camera) {
+  for (const CameraConfig& stream : env.cameras.streams) {
+    if (const std::string meant = DidYouMean(stream.camera, {camera}); !meant.empty())
+      return fmt::format("stream '{}' takes images of '{}'.{}", stream.name, stream.camera, meant);
+  }
+  return "";
+}
+
 void ValidateCameraAdds(const EnvConfig& env, Problems& problems) {
   for (const auto& [name, camera] : env.camera_adds.entries()) {
     if (!camera->robot_name.empty() && camera->attachment_site.empty())
@@ -273,10 +240,12 @@ void ValidateCameraAdds(const EnvConfig& env, Problems& problems) {
     }
     // A camera model may be there for its housing alone.
     if (camera->xml_path.empty() && !IsStreamed(env, name)) {
-      problems.Add(
-          fmt::format("no stream takes images of this camera; add {{name: {0}, camera: "
-                      "{0}}} to cameras.streams, or leave the camera out",
-                      name));
+      const std::string misspelt = StreamNear(env, name);
+      problems.Add(misspelt.empty()
+                       ? fmt::format("no stream takes images of this camera; add {{name: {0}, "
+                                     "camera: {0}}} to cameras.streams, or leave the camera out",
+                                     name)
+                       : fmt::format("no stream takes images of this camera, and {}", misspelt));
     }
   }
 }
@@ -359,8 +328,9 @@ void EnvConfig::Validate(Problems& problems) const {
   ValidateGrippers(*this, problems);
   ValidateStands(*this, problems);
   ValidateLimitOfMode(*this, "max_relative_movement", max_relative_movement, problems);
+  ValidateUnitsOfStep(*this, problems);
   ValidateLimitOfMode(*this, "max_target_lead", max_target_lead, problems);
-  ValidateEnvTask(*this, problems);
+  if (task) task->rules()->ValidateEnv(*this, problems);
   ValidateVariations(*this, problems);
   EnvObjectValidator(*this, problems).ValidateAll();
   ValidateCameraAdds(*this, problems);

@@ -10,7 +10,7 @@
 //   cameras: {streams: [{name: wrist, camera: wrist}]}
 //
 // Names in the scene: robots have the names of this file, their elements begin with `robot{name}_`;
-// grippers are robots of their own, `gripper{name}` with the prefix `gripper{name}_`; elements of
+// grippers are separate robots, `gripper{name}` with the prefix `gripper{name}_`; elements of
 // objects begin with `{id}_`; cameras keep their name.
 #pragma once
 
@@ -25,7 +25,6 @@
 #include "robocell/spec/fields.h"
 #include "robocell/spec/locations.h"
 #include "robocell/spec/object_place.h"
-#include "robocell/spec/pick_task_config.h"
 #include "robocell/spec/robot_config.h"
 #include "robocell/spec/sim_options.h"
 #include "robocell/spec/task_spec.h"
@@ -74,7 +73,7 @@ struct EnvConfig {
     v("robots", &EnvConfig::robots, "Robots by name: the file of each, or its fields.");
     v("grippers", &EnvConfig::grippers,
       "Grippers by robot: a configuration with only a gripper group, mounted at the robot's "
-      "attachment site. Robots that have a gripper of their own keep it.");
+      "attachment site. Robots that already have a gripper keep it.");
     v("gripper_offsets", &EnvConfig::gripper_offsets,
       "Poses of the grippers in the attachment sites, by robot. Unset: the identity.");
     v("scene", &EnvConfig::scene, "Base scene: an MJCF file or a built-in name.");
@@ -127,7 +126,8 @@ struct EnvConfig {
       "position at the reset) or none (absolute actions).");
     v("max_relative_movement", &EnvConfig::max_relative_movement,
       "Largest distance from a robot's last target to the next: [metres, radians], or one number "
-      "for joints. Unset: 0.5 m and 90 degrees, joints 5 degrees; absolute actions without limit.",
+      "for joints. Unset: 0.5 m and 1.571 rad (90 degrees), joints 0.0873 rad (5 degrees); "
+      "absolute actions without limit.",
       Bound::kPositive);
     v("max_target_lead", &EnvConfig::max_target_lead,
       "Largest lead over the arm of the target that an action starts from: [metres, radians], or "

@@ -20,9 +20,9 @@ using ::testing::Not;
 using testing::ParseError;
 using testing::ValidationError;
 
-TEST(EnvConfig, AValidOnePasses) { EXPECT_EQ(Message(Duo()), ""); }
+TEST(EnvConfig, AcceptsAValidConfiguration) { EXPECT_EQ(Message(Duo()), ""); }
 
-TEST(EnvConfig, AFieldOfViewIsBelowHalfATurn) {
+TEST(EnvConfig, LimitsTheFieldOfViewToHalfATurn) {
   EXPECT_THAT(ValidationError(CameraAdderConfig{.fovy = 200}),
               ::testing::HasSubstr("fovy: 200 degrees is not below 180"));
 }
@@ -46,7 +46,7 @@ TEST(EnvConfig, KeysAreRobots) {
   EXPECT_THAT(message, HasSubstr("robot_frame_objects.middle: no robot 'middle'."));
 }
 
-TEST(EnvConfig, RobotsStandApart) {
+TEST(EnvConfig, RejectsRobotsAtOnePlace) {
   EnvConfig env = Duo();
   env.robot_to_shared_base_frame = {};
   EXPECT_EQ(Message(env),
@@ -54,7 +54,7 @@ TEST(EnvConfig, RobotsStandApart) {
             "same place; give each its pose in the shared base frame");
 }
 
-TEST(EnvConfig, RobotsOfOneModelHaveTheirPlaceInIt) {
+TEST(EnvConfig, RejectsPosesOfRobotsInACombinedModel) {
   EnvConfig env = Duo();
   env.alternative_combined_robot_mjcf = "duo.xml";
   EXPECT_EQ(Message(env),
@@ -64,7 +64,7 @@ TEST(EnvConfig, RobotsOfOneModelHaveTheirPlaceInIt) {
   EXPECT_EQ(Message(env), "");
 }
 
-TEST(EnvConfig, WhatIsMountedNeedsASite) {
+TEST(EnvConfig, AMountedGripperNeedsASite) {
   EnvConfig env = Duo();
   env.robots["left"].attachment_site.reset();
   EXPECT_EQ(Message(env),
@@ -79,7 +79,7 @@ TEST(EnvConfig, GrippersHaveNoArm) {
                                       "group of kind gripper and none of kind arm"));
 }
 
-TEST(EnvConfig, AGripperOfTheRobotsOwnStays) {
+TEST(EnvConfig, KeepsTheGripperOfTheRobot) {
   EnvConfig env = Duo();
   EXPECT_TRUE(env.has_mounted_gripper("left"));
   env.robots["left"].move_groups["gripper"] = Hand().move_groups["gripper"];
@@ -87,11 +87,10 @@ TEST(EnvConfig, AGripperOfTheRobotsOwnStays) {
   EXPECT_EQ(Message(env), "");
   env.gripper_offsets["left"] = Pose();
   EXPECT_EQ(Message(env),
-            "it is not valid: gripper_offsets.left: the robot has a gripper of its own, which "
-            "stays where it is");
+            "it is not valid: gripper_offsets.left: the robot already has a gripper, which stays");
 }
 
-TEST(EnvConfig, StepsAreLimitedAsTheControlModeHasThem) {
+TEST(EnvConfig, StepLimitsMatchTheControlMode) {
   EnvConfig env = Duo();
   env.max_relative_movement = {0.1, 0.2};
   EXPECT_EQ(Message(env),
@@ -108,7 +107,7 @@ TEST(EnvConfig, StepsAreLimitedAsTheControlModeHasThem) {
   EXPECT_THAT(Message(env), HasSubstr("max_relative_movement[1]: "));
 }
 
-TEST(EnvConfig, AbsoluteActionsAreNotLimitedUnlessAsked) {
+TEST(EnvConfig, AbsoluteActionsAreUnlimitedByDefault) {
   EnvConfig env;
   EXPECT_DOUBLE_EQ(env.step_limit().rotation, 5 * internal::kPi / 180);
   env.control_mode = ControlMode::kCartesianTrpy;
@@ -118,23 +117,7 @@ TEST(EnvConfig, AbsoluteActionsAreNotLimitedUnlessAsked) {
   EXPECT_TRUE(std::isinf(env.step_limit().translation));
 }
 
-TEST(EnvConfig, ATaskIsAboutAnObjectOfTheRig) {
-  EnvConfig env = Duo();
-  env.root_frame_objects["cube"] = Thing();
-  env.task = PickTaskConfig{.object = "cub"};
-  EXPECT_EQ(Message(env),
-            "it is not valid: task.object: root_frame_objects: no object 'cub'. Its objects: cube. "
-            "Did you mean 'cube'?");
-  env.task->As<PickTaskConfig>().object = "cube";
-  EXPECT_EQ(Message(env), "");
-  env.world_frame_objects["ball"] = Thing();
-  env.task->As<PickTaskConfig>().object = "ball";
-  EXPECT_EQ(Message(env),
-            "it is not valid: task.object: 'ball' is in world_frame_objects, which stay in the "
-            "room; a task goes with the rig, and so do its objects: move it to root_frame_objects");
-}
-
-TEST(EnvConfig, RobotsAreNotCalledLikeOtherPartsOfObservations) {
+TEST(EnvConfig, RejectsReservedRobotNames) {
   for (const std::string taken : {"features", "frames", "objects", "task"}) {
     EnvConfig env = Duo();
     env.robots[taken] = Arm();
@@ -144,7 +127,7 @@ TEST(EnvConfig, RobotsAreNotCalledLikeOtherPartsOfObservations) {
   }
 }
 
-TEST(EnvConfig, StepsAreNoShorterThanTheEngines) {
+TEST(EnvConfig, RejectsStepsShorterThanTheTimestep) {
   EnvConfig env = Duo();
   env.sim.frequency = 1000;
   EXPECT_EQ(Message(env), "") << "steps that end when the robots have arrived have none";
@@ -154,12 +137,37 @@ TEST(EnvConfig, StepsAreNoShorterThanTheEngines) {
             "0.002 s; at most 500 Hz");
 }
 
-TEST(EnvConfig, ACameraThatIsAddedHasAStream) {
+TEST(EnvConfig, RejectsLimitsInMillimetresOrDegrees) {
+  EnvConfig env = Duo();
+  env.control_mode = ControlMode::kCartesianTquat;
+  env.max_relative_movement = {0.05, 1.5};
+  EXPECT_EQ(Message(env), "");
+  env.max_relative_movement = {50, 1.5};
+  EXPECT_EQ(Message(env),
+            "it is not valid: max_relative_movement: 50 m is too much for the way of a "
+            "step: the numbers are in [metres, radians]");
+  env.max_relative_movement = {0.05, 90};
+  EXPECT_EQ(Message(env),
+            "it is not valid: max_relative_movement: 90 rad is too much for the turn "
+            "of a step: the numbers are in [metres, radians]");
+  env.control_mode = ControlMode::kJoints;
+  env.max_relative_movement = {90};
+  EXPECT_EQ(Message(env),
+            "it is not valid: max_relative_movement: 90 rad is too much for the step "
+            "of a joint: the numbers are in radians (metres for slides)");
+}
+
+TEST(EnvConfig, AnAddedCameraNeedsAStream) {
   EnvConfig env = Duo();
   env.camera_adds["wrist"] = {.robot_name = "left"};
   EXPECT_EQ(Message(env),
             "it is not valid: camera_adds.wrist: no stream takes images of this camera; add {name: "
             "wrist, camera: wrist} to cameras.streams, or leave the camera out");
+  env.cameras.streams.push_back({.name = "hand", .camera = "wirst"});
+  EXPECT_EQ(Message(env),
+            "it is not valid: camera_adds.wrist: no stream takes images of this camera, and stream "
+            "'hand' takes images of 'wirst'. Did you mean 'wrist'?");
+  env.cameras.streams.clear();
   env.camera_adds["wrist"].xml_path = "housing.xml";
   EXPECT_EQ(Message(env), "") << "its housing is something without images too";
   env.camera_adds["wrist"].xml_path = "";
@@ -167,7 +175,7 @@ TEST(EnvConfig, ACameraThatIsAddedHasAStream) {
   EXPECT_EQ(Message(env), "");
 }
 
-TEST(EnvConfig, SaysWhichFrameACamerasOffsetIsIn) {
+TEST(EnvConfig, ExplainsTheFrameOfACameraOffset) {
   EnvConfig env = Duo();
   env.cameras.streams.push_back({.name = "eye", .camera = "eye"});
   env.camera_adds["eye"] = {.attachment_site = "flange"};
@@ -196,33 +204,7 @@ TEST(EnvConfig, APrimitiveIsAnObjectWithoutAFile) {
   EXPECT_THAT(Message(env), HasSubstr("has both a shape and an mjcf_path; keep one of them"));
 }
 
-TEST(EnvConfig, ATaskNamesItsObjectsAndItsGoal) {
-  EnvConfig env = Duo();
-  env.root_frame_objects["cube"] = Thing();
-  env.task = PickAndPlaceTaskConfig{.object = "cube"};
-  EXPECT_EQ(Message(env),
-            "it is not valid: task.goal: is required: where the object is to be put, for example "
-            "[0.4, 0.2, 0], or goal_object, what it is to be put on");
-  auto& task = env.task->As<PickAndPlaceTaskConfig>();
-  task.goal = Vec3{0, 0, 0.02};
-  task.goal_object = "cub";
-  EXPECT_THAT(Message(env), HasSubstr("task.goal_object: root_frame_objects: no object 'cub'."));
-  task.goal_object = "cube";
-  EXPECT_THAT(Message(env), HasSubstr("task.goal_object: is the object that is to be put there"));
-}
-
-TEST(EnvConfig, FieldsOfATaskThatOnlyRunsUseAreRefused) {
-  EnvConfig env = Duo();
-  env.root_frame_objects["cube"] = Thing();
-  env.task = PickTaskConfig{.object = "cube", .objects = {"box"}};
-  EXPECT_THAT(Message(env), HasSubstr("task.objects: belongs to runs"));
-  env.task = PickAndPlaceTaskConfig{
-      .object = "cube", .goal = Vec3{0, 0, 0.1}, .objects = {"mug"}, .goals = {"tray"}};
-  EXPECT_THAT(Message(env), HasSubstr("task.objects: belongs to runs"));
-  EXPECT_THAT(Message(env), HasSubstr("task.goals: belongs to runs"));
-}
-
-TEST(EnvConfig, VariationsAreOfObjectsThatAreThere) {
+TEST(EnvConfig, VariationsNeedExistingObjects) {
   EnvConfig env = Duo();
   env.world_frame_objects["cube"] = Thing();
   env.variations["cube"] = {.mass = {2, 1}};
@@ -236,7 +218,7 @@ TEST(EnvConfig, VariationsAreOfObjectsThatAreThere) {
             "'cube'?");
 }
 
-TEST(EnvConfig, TheMassOfWhatIsFixedIsNotVaried) {
+TEST(EnvConfig, RejectsMassVariationsOfFixedObjects) {
   EnvConfig env = Duo();
   env.world_frame_objects["cube"] = Thing();
   env.variations["cube"] = {.mass = {1, 2}};
@@ -248,7 +230,7 @@ TEST(EnvConfig, TheMassOfWhatIsFixedIsNotVaried) {
   EXPECT_EQ(Message(env), "");
 }
 
-TEST(EnvConfig, AListOfOneNumberIsCalledWithoutItsIndex) {
+TEST(EnvConfig, ReportsASingleNumberWithoutAnIndex) {
   EnvConfig env = Duo();
   env.control_mode = ControlMode::kJoints;
   env.max_target_lead = {-0.5};
@@ -275,7 +257,7 @@ TEST(EnvConfig, ALeadOfRotationsStaysBelowHalfATurn) {
   EXPECT_EQ(env.target_lead().rotation, 10);
 }
 
-TEST(EnvConfig, ATimestepThatIsNoNumberIsToldOnce) {
+TEST(EnvConfig, ReportsANonNumericTimestepOnce) {
   try {
     FromYamlUnchecked<SimSettings>("{timestep: 1/0, frequency: 30}");
     FAIL() << "it was read";
@@ -301,7 +283,7 @@ TEST(EnvConfig, IsReadFromAFileWithItsRobots) {
   EXPECT_EQ(env.sim.timestep, 0.001);
 }
 
-TEST(EnvConfig, ProblemsAreToldWithTheirPlaceInTheFile) {
+TEST(EnvConfig, ReportsProblemsWithTheirPlaceInTheFile) {
   EXPECT_EQ(ParseError<EnvConfig>("robots: {robot: {name: a, model: b, attachment_site: s}}\n"
                                   "robot_frame_objects:\n"
                                   "  robt: {mount: {mjcf_path: m.xml}}\n"),
@@ -314,7 +296,7 @@ TEST(EnvConfig, ProblemsAreToldWithTheirPlaceInTheFile) {
                 "`shape` for a primitive"));
 }
 
-TEST(EnvObjects, AnObjectStandsInOneFrame) {
+TEST(EnvObjects, RejectAnObjectInTwoFrames) {
   EnvConfig env = Duo();
   env.world_frame_objects["cube"] = Thing();
   env.root_frame_objects["cube"] = Thing();
@@ -324,7 +306,7 @@ TEST(EnvObjects, AnObjectStandsInOneFrame) {
             "robot_frame_objects follow a robot's wrist)");
 }
 
-TEST(EnvObjects, WhatFollowsAWristIsNoObjectOfTheRoom) {
+TEST(EnvObjects, RejectWristObjectsAmongWorldObjects) {
   EnvConfig env = Duo();
   env.world_frame_objects["left"] = Thing();
   EXPECT_THAT(Message(env),
@@ -342,7 +324,7 @@ TEST(EnvObjects, ObjectsByRobotFollowWrists) {
           "{robot: {id: ...}}, all others are {id: ...} without a robot"));
 }
 
-TEST(EnvObjects, ObjectsAreNotNamedLikePartsOfRobots) {
+TEST(EnvObjects, RejectNamesOfRobotParts) {
   EnvConfig env = Duo();
   env.root_frame_objects["robotleft"] = Thing();
   EXPECT_THAT(Message(env), HasSubstr("names of its elements would begin with 'robotleft_', as "

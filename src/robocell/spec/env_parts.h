@@ -57,7 +57,7 @@ struct EnvObject {
   void Validate(Problems& problems) const;
 };
 
-// How an object's model varies between episodes; drawn at each reset.
+// Random variation of an object's model, drawn at each reset.
 struct ObjectVariation {
   Vec2 mass = {1, 1};
   Vec2 friction = {1, 1};
@@ -131,7 +131,7 @@ struct SimSettings {
       "Simulated time passes no faster than the clock: each step waits until its simulated time "
       "has passed. Time that the caller spent since the last step counts.");
     v("on_collision", &SimSettings::on_collision,
-      "Reaction to a collision of a robot: stop (the step ends), report (it goes on) or guard "
+      "Reaction to a collision of a robot: stop (the step ends), report (it continues) or guard "
       "(each step is simulated ahead, and an action that leads to a collision is not executed).");
   }
   void Validate(Problems& problems) const;

@@ -14,7 +14,7 @@ namespace {
 // A part of a spec.
 struct Part {
   std::string_view owner;  // type
-  const char* path;        // in a file
+  const char* path;        // path in a file
   std::vector<std::string> fields;
 };
 

@@ -23,7 +23,7 @@ TEST(FieldPlaces, PartsOfARunOrAnEnvironmentAreNamed) {
   EXPECT_EQ(PlaceHint("RobotConfig", "renderer"), "");
 }
 
-TEST(FieldPlaces, StandInTheMessagesOfFiles) {
+TEST(FieldPlaces, AppearInErrorsOfFiles) {
   const std::string begin = "run: a\nrobot: {name: b, model: c}\noutput: d\n";
   EXPECT_THAT(ParseError<RunConfig>(begin + "cameras: {backend: soft}\n"),
               HasSubstr("It is a field of `cameras.renderer`: cameras.renderer.backend"));
@@ -40,7 +40,7 @@ TEST(FieldPlaces, StandInTheMessagesOfFiles) {
 }
 
 // The parser gives a missing value the place of what comes after it.
-TEST(FieldPlaces, AValueThatIsNotThereIsToldWhereItsNameIs) {
+TEST(FieldPlaces, AMissingValueIsReportedAtItsKey) {
   const std::string begin = "run: a\nrobot: {name: b, model: c}\n";
   EXPECT_THAT(ParseError<RunConfig>(begin + "task:\noutput: d\n"), HasSubstr(":3:1: task: "));
   EXPECT_THAT(ParseError<RunConfig>(begin + "output: d\ntask:\n"), HasSubstr(":4:1: task: "));

@@ -41,7 +41,7 @@ TEST(GroupControls, ARobotFileIsValidExactlyWhenItsGroupsCanHaveTheirControllers
   }
 }
 
-TEST(GroupControls, AMessageNamesGroupControllerAndAlternatives) {
+TEST(GroupControls, ErrorsNameGroupControllerAndAlternatives) {
   RobotConfig robot = OneOfEach();
   robot.control["gripper"] = ControlKind::kRelativeJointPosition;
   EXPECT_EQ(ValidationError(robot),
@@ -54,7 +54,7 @@ TEST(GroupControls, AMessageNamesGroupControllerAndAlternatives) {
             "'joint_torque'. It can have: joint_position, relative_joint_position");
 }
 
-TEST(GroupControls, SeveralProblemsComeTogether) {
+TEST(GroupControls, ReportSeveralProblemsTogether) {
   RobotConfig robot = OneOfEach();
   robot.control["gripper"] = ControlKind::kRelativeJointPosition;
   robot.control["base"] = ControlKind::kCartesianPose;
@@ -62,13 +62,13 @@ TEST(GroupControls, SeveralProblemsComeTogether) {
   EXPECT_NE(ValidationError(robot).find("3 problems"), std::string::npos) << ValidationError(robot);
 }
 
-TEST(GroupControls, ControllersOfUsersAreNotJudged) {
+TEST(GroupControls, AcceptCustomControllers) {
   for (const MoveGroupKind group : kKinds) EXPECT_EQ(WhyNotControlledBy(group, "mine"), "");
   EXPECT_NE(WhyNotControlledBy(MoveGroupKind::kGripper, "differential_ik"), "");
 }
 
 // Scenes, environments and runs contain robot files, and all of them check these.
-TEST(GroupControls, EveryFileThatHoldsARobotRefusesThem) {
+TEST(GroupControls, EveryFileWithARobotRejectsThem) {
   RobotConfig robot = OneOfEach();
   robot.control["gripper"] = ControlKind::kRelativeJointPosition;
   const std::string wrong = "control.gripper: a gripper cannot have the controller";

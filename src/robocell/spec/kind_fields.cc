@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
-#include "robocell/base/suggestions.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -35,51 +34,25 @@ bool KindFields::Equals(const KindFields& other) const {
   return true;
 }
 
-void KindRegistry::Register(const std::string& kind, std::shared_ptr<const KindFields> defaults,
-                            bool replace) {
-  if (kind.empty())
-    throw ArgumentError(fmt::format("a kind of {} that is registered needs a name", noun_));
-  if (!defaults) {
+void KindRegistry::Register(const std::string& kind, RegisteredKind registered, bool replace) {
+  if (!kind.empty() && (!registered.fields || !registered.rules)) {
     throw ArgumentError(fmt::format(
-        "{} '{}' is registered without its fields; give the defaults, such as KindFieldsOf<T>, or "
-        "those of a struct without fields",
-        noun_, kind));
+        "{} '{}' is registered without its {}", noun(), kind,
+        registered.fields
+            ? "rules; give what makes it, or KindRules where nothing depends on the kind"
+            : "fields; give the defaults, such as KindFieldsOf<T>, or those of a struct without "
+              "fields"));
   }
-  const std::lock_guard lock(mutex_);
-  const bool is_new = kinds_.try_emplace(kind, defaults).second;
-  if (is_new) return;
-  if (!replace) {
-    throw ArgumentError(
-        fmt::format("{} '{}' is registered already; choose another name", noun_, kind));
-  }
-  kinds_[kind] = std::move(defaults);
-}
-
-std::vector<std::string> KindRegistry::kinds() const {
-  const std::lock_guard lock(mutex_);
-  std::vector<std::string> kinds;
-  for (const auto& [kind, fields] : kinds_) kinds.push_back(kind);
-  return kinds;
-}
-
-bool KindRegistry::Has(const std::string& kind) const {
-  const std::lock_guard lock(mutex_);
-  return kinds_.contains(kind);
+  kinds_.Register(kind, std::move(registered), replace);
 }
 
 std::shared_ptr<KindFields> KindRegistry::Make(const std::string& kind) const {
-  {
-    const std::lock_guard lock(mutex_);
-    const auto found = kinds_.find(kind);
-    if (found != kinds_.end()) return found->second->Clone();
-  }
-  throw NotFoundError(NoSuchName("", noun_, kind, kinds()));
+  return kinds_.Find(kind).fields->Clone();
 }
 
 std::string KindRegistry::KindWith(const std::string& field) const {
-  const std::lock_guard lock(mutex_);
-  for (const auto& [kind, fields] : kinds_) {
-    const std::vector<std::string> names = fields->names();
+  for (const std::string& kind : kinds()) {
+    const std::vector<std::string> names = kinds_.Find(kind).fields->names();
     if (std::ranges::find(names, field) != names.end()) return kind;
   }
   return "";

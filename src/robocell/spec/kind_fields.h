@@ -2,16 +2,16 @@
 // as `task: {kind: pick, ...}` and `scenes: {source: files, ...}`.
 //
 // Each kind has a struct of its own, declared as all specs are (fields.h), in a registry of its
-// sort (TaskKindRegistry() in task_spec.h, SceneSourceRegistry() in scene_source_spec.h). Kinds
-// written in Python have no C++ struct; their fields are named values (value_fields.h). A KindSpec
-// is a value: copies are deep, equal means the same kind and fields.
+// sort (TaskKindRegistry() in task_spec.h, SceneSourceRegistry() in scene_source_spec.h). The layers
+// that know the kinds define these registries; this one knows none. Kinds written in Python have no
+// C++ struct; their fields are named values (value_fields.h). A KindSpec is a value: copies are
+// deep, equal means the same kind and fields.
 #pragma once
 
 #include <concepts>
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <typeinfo>
@@ -19,6 +19,7 @@
 #include <variant>
 #include <vector>
 
+#include "robocell/base/registry.h"
 #include "robocell/math/pose.h"
 #include "robocell/spec/containers.h"
 #include "robocell/spec/fields.h"
@@ -26,6 +27,9 @@
 #include "robocell/spec/types.h"
 
 namespace robocell {
+
+struct EnvConfig;
+struct RunConfig;
 
 // The types that a field of a kind can have.
 using KindField =
@@ -91,33 +95,56 @@ concept NamesItsKind = requires {
   { T::kKind } -> std::convertible_to<const char*>;
 };
 
-// The kinds of one sort by name, with the defaults of their fields. Any thread may use it.
+// What a kind says about the configurations that name it, beside its fields. Each sort of kinds has
+// a class of its own (TaskKind, SceneSourceKind).
+class KindRules {
+ public:
+  virtual ~KindRules() = default;
+  // Check the fields of the kind in a run or an environment: what belongs to the other of the two,
+  // what is required there, names of what is not there. Each field by itself is already checked.
+  // Problems are added at the paths of the configuration, such as task.object.
+  virtual void ValidateRun(const RunConfig& /*run*/, Problems& /*problems*/) const {}
+  virtual void ValidateEnv(const EnvConfig& /*env*/, Problems& /*problems*/) const {}
+};
+
+// A kind: the defaults of its fields, and its rules.
+struct RegisteredKind {
+  std::shared_ptr<const KindFields> fields;
+  std::shared_ptr<const KindRules> rules;
+};
+
+// The kinds of one sort by name. Any thread may use it.
 class KindRegistry {
  public:
-  using Kinds = std::map<std::string, std::shared_ptr<const KindFields>>;
+  using Kinds = std::map<std::string, RegisteredKind>;
 
-  // `noun` is the word for the sort in messages, `key` the field that names a kind.
-  KindRegistry(const char* noun, const char* key, Kinds kinds)
-      : noun_(noun), key_(key), kinds_(std::move(kinds)) {}
+  // `noun` is the word for the sort in messages, `key` the field that names a kind, and
+  // `default_kind` the kind of a configuration that names none.
+  KindRegistry(const char* noun, const char* key, std::string default_kind, Kinds kinds)
+      : key_(key), default_kind_(std::move(default_kind)), kinds_(noun, std::move(kinds)) {}
 
-  // Registers a kind. `defaults` are copied for each spec of that kind. Throws ArgumentError for an
-  // empty name, and for a kind that is taken unless `replace` allows it.
-  void Register(const std::string& kind, std::shared_ptr<const KindFields> defaults, bool replace);
+  // Registers a kind. Its fields are copied for each spec of that kind. Throws ArgumentError for an
+  // empty name, without fields or rules, and for a kind that is taken unless `replace` allows it.
+  void Register(const std::string& kind, RegisteredKind registered, bool replace);
   // Returns all kinds in alphabetical order.
-  std::vector<std::string> kinds() const;
-  bool Has(const std::string& kind) const;
+  std::vector<std::string> kinds() const { return kinds_.names(); }
+  bool Has(const std::string& kind) const { return kinds_.Has(kind); }
   // Returns a copy of the defaults. Throws NotFoundError that lists the kinds.
   std::shared_ptr<KindFields> Make(const std::string& kind) const;
+  // Throws NotFoundError that lists the kinds.
+  std::shared_ptr<const KindRules> RulesOf(const std::string& kind) const {
+    return kinds_.Find(kind).rules;
+  }
   // Returns the first kind with a field of this name; "" if there is none.
   std::string KindWith(const std::string& field) const;
-  const char* noun() const { return noun_; }
+  const std::string& default_kind() const { return default_kind_; }
+  const char* noun() const { return kinds_.noun(); }
   const char* key() const { return key_; }
 
  private:
-  const char* noun_;
   const char* key_;
-  mutable std::mutex mutex_;
-  Kinds kinds_;
+  std::string default_kind_;
+  Registry<RegisteredKind> kinds_;
 };
 
 class KindSpec {
@@ -141,9 +168,10 @@ class KindSpec {
   // kinds.
   void SetKind(const std::string& kind);
   const KindRegistry& registry() const { return *registry_; }
+  std::shared_ptr<const KindRules> rules() const { return registry_->RulesOf(kind_); }
   const KindFields& fields() const { return *fields_; }
   KindFields& fields() { return *fields_; }
-  // For callers that keep a reference to the fields: it outlives the spec.
+  // Returns a reference to the fields that outlives the spec.
   const std::shared_ptr<KindFields>& shared_fields() const { return fields_; }
 
   // Returns the struct if the fields have that type, else null.
@@ -155,7 +183,7 @@ class KindSpec {
   T* If() {
     return const_cast<T*>(std::as_const(*this).If<T>());
   }
-  // The same, but throws SpecError for another kind.
+  // Returns the fields as T; throws SpecError for another kind.
   template <NamesItsKind T>
   const T& As() const {
     if (const T* fields = If<T>()) return *fields;

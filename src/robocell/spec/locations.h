@@ -21,7 +21,7 @@ std::string JoinPath(std::string_view path, std::string_view below);
 
 class Locations {
  public:
-  Locations() = default;  // of a spec without a file
+  Locations() = default;  // no file
   // The locations of the part at `base` of the spec that `sources` describe.
   explicit Locations(std::shared_ptr<const SourceMap> sources, std::string base = "")
       : sources_(std::move(sources)), base_(std::move(base)) {}
@@ -50,9 +50,9 @@ std::string WithPlace(const std::string& place, const std::string& message);
 // or not: "home.*" -> "".
 inline constexpr std::string_view kAnyKey = ".*";
 
-// For a part that is a file of its own: the map contains this suffix after the part's path with the
-// beginning of that file, which is the location of fields that it lacks. The part itself has the
-// location where the file is named.
+// Suffix for parts in a separate file: the map contains it after the part's path, with the
+// beginning of that file, which is the location of fields that the file lacks. The part itself has
+// the location that names the file.
 inline constexpr std::string_view kOwnFile = ".<file>";
 
 }  // namespace robocell

@@ -37,7 +37,7 @@ TEST(Locations, AValueHasItsPlaceInTheFile) {
   EXPECT_EQ(at.Below("move_groups").At("arm.kind"), file + ":5:11");
 }
 
-TEST(Locations, WhatIsNotGivenIsPlacedAtThePartAroundIt) {
+TEST(Locations, AnUnsetFieldHasThePlaceOfItsParent) {
   const TempDir folder;
   const std::string file = (folder.path() / "arm.yaml").string();
   AtomicWrite(file, kArm);
@@ -47,7 +47,7 @@ TEST(Locations, WhatIsNotGivenIsPlacedAtThePartAroundIt) {
   EXPECT_FALSE(at.Exactly("root_body"));
 }
 
-TEST(Locations, WhatIsAddedLaterHasNone) {
+TEST(Locations, ElementsAddedLaterHaveNone) {
   const TempDir folder;
   const std::string file = (folder.path() / "arm.yaml").string();
   AtomicWrite(file, std::string(kArm) + "edits: [{body: a, quat_wxyz: [1, 0, 0, 0]}]\n");
@@ -96,7 +96,7 @@ TEST(Locations, ARobotInPlaceIsAPartOfItsFile) {
   EXPECT_EQ(scene.locations.Below("robots[0]").At("config.model"), file + ":5:32");
 }
 
-TEST(Locations, CopiesThroughTextHaveNone) {
+TEST(Locations, CopiesThroughYamlHaveNone) {
   const RobotConfig copy = FromYamlUnchecked<RobotConfig>(kArm);
   EXPECT_EQ(copy.locations.At("model"), "");
 }

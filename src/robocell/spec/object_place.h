@@ -45,7 +45,7 @@ struct ObjectPlace {
     v("inside", &ObjectPlace::inside,
       "The object or body that it lies in: a tray, a drawer, a shelf of a cabinet.");
     v("next_to", &ObjectPlace::next_to,
-      "The object or body that it lies beside, on what that stands on.");
+      "The object or body that it lies beside, on the same support.");
     v("gap", &ObjectPlace::gap,
       "Free distance to what it is next to, along the line between their middles, metres, smallest "
       "and largest.",

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 using testing::ParseError;
 using testing::ValidationError;
 
-TEST(ObjectPlace, SaysOneRelation) {
+TEST(ObjectPlace, RequiresExactlyOneRelation) {
   EXPECT_THAT(ValidationError(ObjectPlace{}),
               HasSubstr("Set one of on_top_of, inside and next_to"));
   EXPECT_THAT(ValidationError(ObjectPlace{.on_top_of = "a", .inside = "b"}),
@@ -24,7 +24,7 @@ TEST(ObjectPlace, SaysOneRelation) {
               HasSubstr("must not be negative"));
 }
 
-TEST(ObjectPlace, KnowsItsRelationAndReference) {
+TEST(ObjectPlace, ReturnsItsRelationAndReference) {
   const ObjectPlace on{.on_top_of = "a"}, in{.inside = "b"}, by{.next_to = "c"};
   EXPECT_EQ(on.relation(), Relation::kOnTopOf);
   EXPECT_EQ(in.relation(), Relation::kInside);
@@ -33,7 +33,7 @@ TEST(ObjectPlace, KnowsItsRelationAndReference) {
   EXPECT_STREQ(ToString(Relation::kInside), "inside");
 }
 
-TEST(ObjectPlace, IsCheckedWhereItStandsInARunFile) {
+TEST(ObjectPlace, ReportsErrorsAtItsPlaceInARunFile) {
   EXPECT_THAT(ParseError<RunConfig>("run: r\nrobot: {name: a, model: b}\noutput: o\n"
                                     "start:\n  places:\n    mug: {ontop_of: shelf}\n"),
               AllOf(HasSubstr("f.yaml:6:"), HasSubstr("Did you mean 'on_top_of'?")));

@@ -49,7 +49,7 @@ void Problems::NameEntry(size_t index, const std::string& label) {
 
 std::string Problems::Shown(const std::string& path) const {
   std::string labels;
-  size_t end = 0;  // of the last entry with a label
+  size_t end = 0;  // end of the last entry with a label
   for (size_t at = path.find(']'); at != std::string::npos; at = path.find(']', at + 1)) {
     const auto label = labels_.find(path.substr(0, at + 1));
     if (label == labels_.end()) continue;

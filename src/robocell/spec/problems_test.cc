@@ -14,7 +14,7 @@ TEST(Problems, OneProblemFitsOnALine) {
   EXPECT_EQ(problems.Text("camera 'top'"), "camera 'top' is not valid: pos: is wrong");
 }
 
-TEST(Problems, SeveralAreListedWithTheirPaths) {
+TEST(Problems, ListsSeveralWithTheirPaths) {
   Problems problems;
   problems.Add("a");
   {
@@ -28,7 +28,7 @@ TEST(Problems, SeveralAreListedWithTheirPaths) {
             "scene is not valid, 4 problems:\n  a\n  robots[2]: b\n  robots[2].pos: c\n  name: d");
 }
 
-TEST(Problems, EntriesOfListsAreCalledByTheirNames) {
+TEST(Problems, ReportsListEntriesByName) {
   Problems problems;
   {
     Problems::Scope robots(problems, "robots");
@@ -53,7 +53,7 @@ TEST(Problems, EntriesOfListsAreCalledByTheirNames) {
   EXPECT_EQ(whole.Text("rig"), "rig is not valid: robot 'left' (cell.robots[0]).path: is empty");
 }
 
-TEST(Problems, PlacesComeFromTheNearestPartOfThePath) {
+TEST(Problems, UsesTheNearestKnownPlace) {
   const auto sources = std::make_shared<SourceMap>(
       SourceMap{{"", "f:1:1"}, {"robots[0]", "f:3:5"}, {"robots[0].pos", "f:4:7"}});
   Problems problems{Locations(sources)};
@@ -65,7 +65,7 @@ TEST(Problems, PlacesComeFromTheNearestPartOfThePath) {
   EXPECT_EQ(problems.list()[2].source, "f:1:1");
 }
 
-TEST(Problems, AMessageWithAPlaceOfItsOwnKeepsThat) {
+TEST(Problems, KeepsThePlaceOfAMessage) {
   const auto sources = std::make_shared<SourceMap>(SourceMap{{"robot", "run.yaml:1:1"}});
   Problems problems{Locations(sources)};
   problems.AddAt("robot", "my robots/r.yaml:7:73: no joint 'j8': why: so");
@@ -77,7 +77,7 @@ TEST(Problems, AMessageWithAPlaceOfItsOwnKeepsThat) {
   EXPECT_EQ(problems.list()[2].source, "run.yaml:1:1");
 }
 
-TEST(Problems, ThoseOfAPartGoBelowThePath) {
+TEST(Problems, PrefixesProblemsOfAPartWithItsPath) {
   Problems part;
   part.AddAt("home.arm", "x");
   part.Add("y");
@@ -90,7 +90,7 @@ TEST(Problems, ThoseOfAPartGoBelowThePath) {
   EXPECT_EQ(whole.list()[1].path, "robot");
 }
 
-TEST(Problems, ThrowsOnlyWhenThereIsOne) {
+TEST(Problems, ThrowsOnlyIfAnyExist) {
   Problems problems;
   EXPECT_NO_THROW(problems.Throw("it"));
   problems.Add("x");

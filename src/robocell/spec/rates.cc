@@ -14,7 +14,7 @@
 namespace robocell {
 namespace {
 
-constexpr double kPolicyMs = 66, kControlMs = 2, kSimMs = 2;  // unless one is given
+constexpr double kPolicyMs = 66, kControlMs = 2, kSimMs = 2;  // defaults
 
 // With more steps than these, one action takes longer than anybody waits.
 constexpr double kMostStepsPerAction = 1e6;
@@ -143,8 +143,9 @@ void ValidateMultiple(const GivenTime& whole, const GivenTime& part, const char*
   if (Ticks(ms, step) > 0) return;
   const double below = std::max(1.0, std::floor(ms / step)) * step;
   const bool in_hz = whole.hz.has_value();
-  const std::string what = in_hz ? fmt::format("is no whole number of {} of {:.6g} ms", parts, step)
-                                 : fmt::format("is not a multiple of {}", part.Named());
+  const std::string what =
+      in_hz ? fmt::format("is not a whole number of {} of {:.6g} ms", parts, step)
+            : fmt::format("is not a multiple of {}", part.Named());
   const bool seconds = !in_hz && ms < 1 && ms < step;
   problems.AddAt(
       whole.field(),

@@ -41,7 +41,7 @@ TEST(Rates, AreMultiplesOfEachOther) {
             "2 ms is usual");
 }
 
-TEST(Rates, AreTheUsualOnesUnlessGiven) {
+TEST(Rates, HaveDefaults) {
   EXPECT_EQ(ValidationError(Rates{}), "");
   EXPECT_EQ(Rates{}.policy_rate(), (Ratio{500, 33}));
   EXPECT_EQ(Rates{}.timestep().value(), 0.002);
@@ -69,7 +69,7 @@ double NumberAt(const std::string& text, size_t at) {
   return number / std::stod(text.substr(at + end + 1));
 }
 
-TEST(Rates, MayBeAnyRationalThatTheTimestepDivides) {
+TEST(Rates, AcceptAnyRationalMultipleOfTheTimestep) {
   for (int steps = 1; steps < 200; ++steps) {
     for (const double sim_hz : {480.0, 500.0, 999.0, 1000.0 / 3}) {
       const Rates rates{.policy_hz = sim_hz / steps, .sim_hz = sim_hz};
@@ -80,22 +80,22 @@ TEST(Rates, MayBeAnyRationalThatTheTimestepDivides) {
   }
 }
 
-TEST(Rates, ThatDoNotFitNameTheNearestAndHowToGetThem) {
+TEST(Rates, SuggestTheNearestValidRates) {
   EXPECT_EQ(ValidationError(Rates{.policy_ms = 33.3}),
             "it is not valid: policy_ms: 33.3 ms is not a multiple of control_ms (2 ms); the "
             "nearest are 32 ms (31.25 Hz) and 34 ms (500/17 Hz). For exactly 30 Hz set "
             "policy_hz: 30 and sim_hz: 480");
   EXPECT_EQ(ValidationError(Rates{.policy_hz = 30}),
-            "it is not valid: policy_hz: 30 Hz is no whole number of control ticks of 2 ms; the "
+            "it is not valid: policy_hz: 30 Hz is not a whole number of control ticks of 2 ms; the "
             "nearest are 31.25 Hz (32 ms) and 500/17 Hz (34 ms). For exactly 30 Hz set sim_hz: "
             "480");
   EXPECT_THAT(ValidationError(Rates{.policy_hz = 15, .control_ms = 2, .sim_ms = 2}),
               HasSubstr("For exactly 15 Hz set sim_hz: 480, without sim_ms, without control_ms"));
   EXPECT_THAT(ValidationError(Rates{.control_hz = 300}),
-              HasSubstr("control_hz: 300 Hz is no whole number of steps of the engine of 2 ms"));
+              HasSubstr("control_hz: 300 Hz is not a whole number of steps of the engine of 2 ms"));
 }
 
-TEST(Rates, AsTheMessageSaysAreValid) {
+TEST(Rates, SuggestedByTheMessageAreValid) {
   for (const double hz : {7.0, 10.0, 12.5, 15.0, 24.0, 29.97, 30.0, 60.0, 72.0, 144.0}) {
     const std::string text = ValidationError(Rates{.policy_hz = hz});
     if (text.empty()) continue;
@@ -108,7 +108,7 @@ TEST(Rates, AsTheMessageSaysAreValid) {
 }
 
 // The suggestions can be used as printed: as fractions where digits are not exact.
-TEST(Rates, ThatAreCalledTheNearestAreTaken) {
+TEST(Rates, SuggestedAsTheNearestAreAccepted) {
   int tried = 0;
   for (const double step_ms : {2.0, 1.0, 1000.0 / 480, 1000.0 / 999, 0.7}) {
     for (double hz = 3.1; hz < 200; hz *= 1.07) {
@@ -132,7 +132,7 @@ TEST(Rates, ThatAreCalledTheNearestAreTaken) {
   EXPECT_GT(tried, 500);
 }
 
-TEST(Rates, AreAdvisedOnlyWhereTheAdviceIsTaken) {
+TEST(Rates, AreSuggestedOnlyIfApplicable) {
   int advised = 0;
   for (const double hz : {30000.0 / 1001, 24000.0 / 1001, 60000.0 / 1001, 100.0 / 7, 1e9, 1e7, 0.3,
                           29.97003, 1000.0 / 3, 13.0, 17.3, 59.94}) {
@@ -159,7 +159,7 @@ TEST(Rates, AreAdvisedOnlyWhereTheAdviceIsTaken) {
 }
 
 // A ratio has no denominator of 0, and no period is 0 s.
-TEST(Rates, ThatAreNoWholeMultiplesHaveNoPeriods) {
+TEST(Rates, ThatAreNotMultiplesHaveNoPeriods) {
   for (const Rates& rates :
        {Rates{.policy_hz = 30, .sim_hz = 479.52}, Rates{.control_hz = 300}, Rates{.policy_ms = 65},
         Rates{.policy_hz = 0}, Rates{.policy_ms = -66}, Rates{.policy_ms = 1e15}}) {
@@ -168,7 +168,7 @@ TEST(Rates, ThatAreNoWholeMultiplesHaveNoPeriods) {
       ExpectThrow<ArgumentError>(call, "is not valid");
   }
   ExpectThrow<ArgumentError>([] { Rates{.control_hz = 300}.control_period(); },
-                             "300 Hz is no whole number of steps of the engine");
+                             "300 Hz is not a whole number of steps of the engine");
   ExpectThrow<ArgumentError>([] { Ratio{}.inverse(); }, "a ratio of 0 has no inverse");
 }
 
@@ -205,7 +205,7 @@ TEST(Rates, AreReadFromYamlAsNumbersAndFractions) {
   EXPECT_THAT(ReadError("{policy_hz: a/b}"), HasSubstr("expected a number"));
 }
 
-TEST(Rates, AreNeverSoShortOrSoLongThatARunDoesNotEnd) {
+TEST(Rates, RejectExtremeValues) {
   EXPECT_EQ(ParseError<RunConfig>("run: r\nrobot: {name: a, model: b}\noutput: o\n"
                                   "rates: {policy_ms: 66, control_ms: 2, sim_ms: 0.002}"),
             "f.yaml is not valid: f.yaml:4:47: rates.sim_ms: 0.002 ms is too short for a step of "
@@ -217,7 +217,7 @@ TEST(Rates, AreNeverSoShortOrSoLongThatARunDoesNotEnd) {
             "every action, at most 1000000; 66 ms is usual");
 }
 
-TEST(Rates, ThatNoVideoHoldsExactlyAreRejected) {
+TEST(Rates, ThatNoVideoCanRepresentAreRejected) {
   EXPECT_THAT(ValidationError(Rates{.policy_ms = 2.000000003, .sim_ms = 2.000000003}),
               HasSubstr("a ratio that no video holds exactly"));
 }

@@ -20,7 +20,7 @@ TEST(RenderQuality, EachNameCostsMoreThanTheOneBefore) {
   }
 }
 
-TEST(RenderQuality, AnUnknownNameIsNamedWithTheNearest) {
+TEST(RenderQuality, SuggestsTheNearestName) {
   ExpectThrow<NotFoundError>([] { NamedQuality("standart"); }, "Did you mean 'standard'?");
 }
 

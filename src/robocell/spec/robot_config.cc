@@ -57,11 +57,15 @@ void ValidateArm(const MoveGroupConfig& group, Problems& problems) {
   const bool both = !group.actuators.empty() && !group.joints.empty();
   if (both && group.actuators.size() != group.joints.size()) {
     const bool fewer_joints = group.joints.size() < group.actuators.size();
-    problems.AddAt("actuators",
-                   fmt::format("an arm has one actuator per joint: {} actuators for {} joints{}",
-                               group.actuators.size(), group.joints.size(),
-                               fewer_joints ? WhatIsMissing(group.joints, group.actuators)
-                                            : WhatIsMissing(group.actuators, group.joints)));
+    const std::string missing = fewer_joints ? WhatIsMissing(group.joints, group.actuators)
+                                             : WhatIsMissing(group.actuators, group.joints);
+    problems.AddAt(
+        "actuators",
+        fmt::format("an arm has one actuator per joint: {} for {}{}{} If joints follow "
+                    "others or servos pull tendons, leave `actuators` out: they are "
+                    "found",
+                    Counted(group.actuators.size(), "actuator"),
+                    Counted(group.joints.size(), "joint"), missing, missing.empty() ? "." : ""));
   }
 }
 
@@ -133,7 +137,7 @@ void ValidateLengths(const Map<std::vector<double>>& map, std::string_view field
         key, fmt::format("has {} for the {} {}: {}. Give one for each, in this "
                          "order, radians for hinges and metres for slides{}; or correct "
                          "the group's joints",
-                         box->size() == 1 ? "1 value" : fmt::format("{} values", box->size()),
+                         Counted(box->size(), "value"),
                          joints == 1 ? std::string("joint") : fmt::format("{} joints", joints),
                          ListNames(group->joints.names), off,
                          one_for_all ? ", or one number for all" : ""));

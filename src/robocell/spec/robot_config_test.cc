@@ -15,7 +15,7 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 using testing::ValidationError;
 
-TEST(RobotConfig, AValidOnePasses) { EXPECT_EQ(ValidationError(ArmFile()), ""); }
+TEST(RobotConfig, AcceptsAValidConfiguration) { EXPECT_EQ(ValidationError(ArmFile()), ""); }
 
 TEST(RobotConfig, NeedsANameAndAModel) {
   EXPECT_EQ(ValidationError(RobotConfig{}, "robot"),
@@ -23,7 +23,7 @@ TEST(RobotConfig, NeedsANameAndAModel) {
             "called\n  model: is required: the robot's MJCF file");
 }
 
-TEST(RobotConfig, NanInHomeIsNamedByGroupAndPlace) {
+TEST(RobotConfig, ReportsNanInHomeByGroupAndIndex) {
   RobotConfig robot = ArmFile();
   robot.home["arm"][1] = std::nan("");
   EXPECT_EQ(
@@ -55,14 +55,14 @@ TEST(RobotConfig, NoiseHasOneValueOrOnePerJoint) {
   EXPECT_THAT(ValidationError(robot), HasSubstr("home_noise.arm[0]: -0.1 must not be negative"));
 }
 
-TEST(RobotConfig, GroupsThatDoNotExistAreNamedWithTheNearest) {
+TEST(RobotConfig, SuggestsTheNearestGroup) {
   RobotConfig robot = ArmFile();
   robot.control["hnad"] = ControlKind::kJointPosition;
   EXPECT_THAT(ValidationError(robot), HasSubstr("control.hnad: no move group 'hnad'. Known move "
                                                 "groups: arm, hand. Did you mean 'hand'?"));
 }
 
-TEST(RobotConfig, AJointThatIsLeftOutOfANumberedListIsNamed) {
+TEST(RobotConfig, NamesAJointMissingFromANumberedList) {
   RobotConfig robot = ArmFile();
   robot.home = {};
   MoveGroupConfig& arm = robot.move_groups["arm"];
@@ -84,14 +84,14 @@ TEST(RobotConfig, AnArmHasOneActuatorPerJoint) {
   robot.move_groups["arm"].actuators = {"x"};
   EXPECT_THAT(ValidationError(robot),
               HasSubstr("move_groups.arm.actuators: an arm has one actuator "
-                        "per joint: 1 actuators for 2 joints"));
+                        "per joint: 1 actuator for 2 joints"));
   robot.move_groups["arm"].joints = {};
   robot.home = {};
   EXPECT_THAT(ValidationError(robot), HasSubstr("an arm needs its joints, for example "
                                                 "joint1..joint7"));
 }
 
-TEST(RobotConfig, AGripperHasTwoFingersAndASense) {
+TEST(RobotConfig, AGripperNeedsTwoFingersAndADirection) {
   RobotConfig robot = ArmFile();
   MoveGroupConfig& hand = robot.move_groups["hand"];
   hand.fingers.push_back({.name = "third"});
@@ -112,7 +112,7 @@ TEST(RobotConfig, OnlyGrippersHaveFingers) {
   EXPECT_THAT(ValidationError(robot), HasSubstr("belong to a gripper; this group's kind is arm"));
 }
 
-TEST(RobotConfig, JointsThatAreListedTwiceAreRefused) {
+TEST(RobotConfig, RejectsDuplicateJoints) {
   RobotConfig robot = ArmFile();
   robot.move_groups["arm"].joints = {"a", "a"};
   EXPECT_THAT(ValidationError(robot), HasSubstr("move_groups.arm.joints: 'a' is listed twice"));

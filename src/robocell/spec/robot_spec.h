@@ -56,7 +56,7 @@ struct RobotSpec {
   Pose pose() const { return PlacementPose(pos, euler, quat); }
   const BaseConfig& EffectiveBase() const;
   bool can_switch_to(CtrlMode mode) const;
-  // Without a name its prefix identifies it.
+  // Returns the label with the name, or with the prefix if there is no name.
   std::string Label() const { return LabelOf("robot", name.value_or(prefix)); }
   void Validate(Problems& problems) const;
 };

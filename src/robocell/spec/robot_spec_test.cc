@@ -21,13 +21,13 @@ TEST(RobotSpec, NeedsAModelOrAConfiguration) {
               HasSubstr("path: is set together with config"));
 }
 
-TEST(RobotSpec, ReportsWhatIsWrongInItsConfiguration) {
+TEST(RobotSpec, ReportsErrorsOfItsConfiguration) {
   RobotSpec spec{.config = ArmFile()};
   spec.config->reach = 0;
   EXPECT_EQ(ValidationError(spec), "it is not valid: config.reach: 0 must be greater than 0");
 }
 
-TEST(RobotSpec, ItsOwnBaseComesBeforeTheConfigurations) {
+TEST(RobotSpec, ItsBaseOverridesTheConfiguration) {
   RobotSpec spec{.config = ArmFile()};
   spec.config->base.kind = BaseKind::kFree;
   EXPECT_EQ(spec.EffectiveBase().kind, BaseKind::kFree);

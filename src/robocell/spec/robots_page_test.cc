@@ -43,7 +43,7 @@ TEST(RobotsPage, HasEveryFieldInOrderAndNoOther) {
   ExpectAllFieldsOnPage<Edit>();
 }
 
-TEST(RobotsPage, AFieldThatIsMissingWouldBeSeen) {
+TEST(RobotsPage, DetectsAMissingField) {
   EXPECT_THAT(FieldsOnPage("RobotConfig"), ::testing::Contains("arrival_tolerance"));
   EXPECT_THAT(FieldsOnPage("NoSuchType"), ::testing::IsEmpty());
 }

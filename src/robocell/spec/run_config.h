@@ -18,7 +18,6 @@
 
 #include "robocell/spec/camera_spec.h"
 #include "robocell/spec/locations.h"
-#include "robocell/spec/pick_task_config.h"
 #include "robocell/spec/rates.h"
 #include "robocell/spec/robot_config.h"
 #include "robocell/spec/scene_source_spec.h"
@@ -34,6 +33,14 @@ struct EnumNames<Keep> {
   static constexpr std::array kNames = {std::pair{Keep::kSuccesses, "successes"},
                                         std::pair{Keep::kFirst, "first"},
                                         std::pair{Keep::kAll, "all"}};
+};
+
+// The rollouts whose images are drawn.
+enum class RenderWhen { kAlways, kKept };
+template <>
+struct EnumNames<RenderWhen> {
+  static constexpr std::array kNames = {std::pair{RenderWhen::kAlways, "always"},
+                                        std::pair{RenderWhen::kKept, "kept"}};
 };
 
 // A robot given by a file or inline. Only `config` counts; `file` is kept for messages.
@@ -58,6 +65,7 @@ struct RunConfig {
   Rates rates = {};
   SimOptions options = {};
   Keep keep = Keep::kSuccesses;
+  std::optional<RenderWhen> render = {};
   int max_attempts = 20;
   std::optional<int> episodes = {};
   int workers = 1;
@@ -93,6 +101,10 @@ struct RunConfig {
     v("keep", &RunConfig::keep,
       "Rollouts to keep: successes; first (the first rollout of each episode with any result, for "
       "evaluation); or all (failures too, labelled).");
+    v("render", &RunConfig::render,
+      "Rollouts whose images are drawn: always (each one, beside its physics) or kept (only those "
+      "that are kept, after they have ended). The episodes are the same. Unset: as the dataset was "
+      "begun, else always.");
     v("max_attempts", &RunConfig::max_attempts, "Largest number of attempts for an episode.",
       Bound::kPositive);
     v("episodes", &RunConfig::episodes,

@@ -17,7 +17,7 @@ RunConfig ValidRun() {
   return {.run = "r", .robot = {.config = {.name = "a", .model = "a.xml"}}, .output = "out"};
 }
 
-TEST(RunConfig, AValidOnePasses) { EXPECT_EQ(ValidationError(ValidRun()), ""); }
+TEST(RunConfig, AcceptsAValidConfiguration) { EXPECT_EQ(ValidationError(ValidRun()), ""); }
 
 TEST(RunConfig, NeedsNameRobotAndOutput) {
   EXPECT_EQ(ValidationError(RunConfig{}),
@@ -27,7 +27,7 @@ TEST(RunConfig, NeedsNameRobotAndOutput) {
             "  robot: is required: a robot file, or the robot's fields");
 }
 
-TEST(RunConfig, ReportsWhatIsWrongWithTheRobotInPlace) {
+TEST(RunConfig, ReportsErrorsOfTheInlineRobot) {
   RunConfig run = ValidRun();
   run.robot.config.model = "";
   run.robot.config.reach = -1;
@@ -36,7 +36,7 @@ TEST(RunConfig, ReportsWhatIsWrongWithTheRobotInPlace) {
             "  robot.model: is required: the robot's MJCF file");
 }
 
-TEST(RunConfig, CountsAreAboveZero) {
+TEST(RunConfig, CountsMustBePositive) {
   RunConfig run = ValidRun();
   run.workers = 0;
   run.episodes_per_scene = -1;
@@ -44,7 +44,7 @@ TEST(RunConfig, CountsAreAboveZero) {
   EXPECT_THAT(ValidationError(run), HasSubstr("3 problems"));
 }
 
-TEST(ImportsOfRunFile, OfWhatIsNoFileAreNone) {
+TEST(ImportsOfRunFile, AreEmptyForAMissingFile) {
   EXPECT_THAT(ImportsOfRunFile("."), ::testing::IsEmpty());
   EXPECT_THAT(ImportsOfRunFile("nowhere.yaml"), ::testing::IsEmpty());
 }

@@ -1,4 +1,4 @@
-// An object of the scene: a model of its own (mjcf_path) or a primitive (shape with size, rgba,
+// An object of the scene: a model (mjcf_path) or a primitive (shape with size, rgba,
 // mass and friction).
 #pragma once
 
@@ -82,7 +82,7 @@ struct SceneObject {
       "leaves the object outside of the scene, false if inside. Such objects move freely.");
   }
   Pose pose() const { return PlacementPose(pos.value_or(Vec3{}), euler, quat); }
-  // Whether somebody said where it is, be it at the origin.
+  // Returns true if `pos` is set, even to the origin, or the rotation is not the identity.
   bool has_pose() const { return pos || euler != Vec3{} || quat != kIdentityQuat; }
   std::string Label() const { return LabelOf("object", name); }
   void Validate(Problems& problems) const;

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 using testing::ParseError;
 using testing::ValidationError;
 
-TEST(SceneObject, APrimitiveNeedsAllOfItsNumbers) {
+TEST(SceneObject, APrimitiveRequiresAllItsNumbers) {
   EXPECT_EQ(ValidationError(SceneObject{.name = "cube", .shape = Shape::kBox}),
             "it is not valid, 4 problems:\n"
             "  size: a primitive needs its half sizes, for example [0.02, 0.02, 0.02]\n"
@@ -22,7 +22,7 @@ TEST(SceneObject, APrimitiveNeedsAllOfItsNumbers) {
             "  friction: a primitive needs its friction, for example [0.8, 0.02, 0.001]");
 }
 
-TEST(SceneObject, EachShapeNeedsItsOwnSizes) {
+TEST(SceneObject, EachShapeRequiresItsSizes) {
   SceneObject object = Cube("a");
   object.size = Vec3{.02, 0, 0};
   EXPECT_THAT(ValidationError(object), HasSubstr("size: a box needs 3 sizes above 0"));
@@ -42,7 +42,7 @@ TEST(SceneObject, IsEitherAModelOrAPrimitive) {
               HasSubstr("describe a primitive; a model file has its own"));
 }
 
-TEST(SceneObject, ValuesThatNoEnumHasAreRefused) {
+TEST(SceneObject, RejectsInvalidEnumValues) {
   SceneObject object = Cube("a");
   object.shape = static_cast<Shape>(77);
   EXPECT_THAT(ValidationError(object),
@@ -53,7 +53,7 @@ TEST(SceneObject, ValuesThatNoEnumHasAreRefused) {
               HasSubstr("attach_to: there is no value 55; expected one of world, root"));
 }
 
-TEST(SceneObject, ElementNamesNeedNoScene) {
+TEST(SceneObject, ElementNamesRequireNoScene) {
   EXPECT_EQ(SceneObjectElementName("table", "table_top"), "table_table_top");
 }
 

@@ -10,14 +10,6 @@ void FilesScenes::Validate(Problems& problems) const {
   if (files.empty()) problems.AddAt("files", "`source: files` needs at least one MJCF file");
 }
 
-KindRegistry& SceneSourceRegistry() {
-  static KindRegistry registry(
-      "scene source", "source",
-      {{TabletopScenes::kKind, std::make_shared<KindFieldsOf<TabletopScenes>>()},
-       {FilesScenes::kKind, std::make_shared<KindFieldsOf<FilesScenes>>()}});
-  return registry;
-}
-
 void ValidateScenes(const SceneSourceSpec& scenes, Problems& problems) {
   ValidateKind(scenes, problems);
   std::set<int> seen;

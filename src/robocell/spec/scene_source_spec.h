@@ -48,6 +48,7 @@ struct FilesScenes {
   void Validate(Problems& problems) const;
 };
 
+// The kinds of scene sources. scenes/scene_source.cc defines it, and has the built-in ones.
 KindRegistry& SceneSourceRegistry();
 
 class SceneSourceSpec : public KindSpec {
@@ -56,8 +57,8 @@ class SceneSourceSpec : public KindSpec {
       "Scenes of the source, by their numbers from 0: a list or 0..3. Unset: all of them, or the "
       "first one of a source without end.";
 
-  // Makes a tabletop source.
-  SceneSourceSpec() : SceneSourceSpec(std::string(TabletopScenes::kKind)) {}
+  // Makes a source of the registry's default kind, the tabletop.
+  SceneSourceSpec() : SceneSourceSpec(SceneSourceRegistry().default_kind()) {}
   // Makes a kind with its defaults. Throws NotFoundError that lists the kinds.
   explicit SceneSourceSpec(const std::string& kind) : KindSpec(SceneSourceRegistry(), kind) {}
   template <NamesItsKind T>

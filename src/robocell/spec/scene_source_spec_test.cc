@@ -22,13 +22,13 @@ SceneSourceSpec ParseScenes(const std::string& scenes) {
   return ParseYaml<RunConfig>(kHead + scenes, "run.yaml", "").scenes;
 }
 
-TEST(SceneSourceSpec, IsATabletopUnlessSaidOtherwise) {
+TEST(SceneSourceSpec, IsATabletopByDefault) {
   EXPECT_EQ(SceneSourceSpec().kind(), "tabletop");
   EXPECT_EQ(ParseScenes("{houses: 0..2}").houses.values, (std::vector<int>{0, 1, 2}));
   EXPECT_EQ(ParseScenes("{source: tabletop}"), SceneSourceSpec());
 }
 
-TEST(SceneSourceSpec, FilesSayEnough) {
+TEST(SceneSourceSpec, FilesImplyTheKind) {
   const SceneSourceSpec scenes = ParseScenes("{files: [lab.xml], root: cells}");
   EXPECT_EQ(scenes.kind(), "files");
   EXPECT_THAT(scenes.As<FilesScenes>().files, ElementsAre("lab.xml"));
@@ -50,7 +50,7 @@ TEST(SceneSourceSpec, EachKindHasItsOwnFields) {
               HasSubstr("Did you mean 'houses'?"));
 }
 
-TEST(SceneSourceSpec, UnknownKindsNameTheNearest) {
+TEST(SceneSourceSpec, SuggestsTheNearestKind) {
   EXPECT_THAT(ParseError<RunConfig>(kHead + "{source: tabletpo}"),
               HasSubstr("f.yaml:4:18: scenes.source: no scene source 'tabletpo'"));
   EXPECT_THAT(ParseError<RunConfig>(kHead + "{source: tabletpo}"),
@@ -69,7 +69,7 @@ TEST(SceneSourceSpec, CopiesAreDeepAndChangingTheKindBringsItsDefaults) {
   ExpectThrow<NotFoundError>([&] { b.SetKind("lab"); }, "no scene source 'lab'");
 }
 
-TEST(SceneSourceSpec, HousesAreWholeNumbersEachOnce) {
+TEST(SceneSourceSpec, HousesAreDistinctIntegers) {
   const auto error = [](const std::string& scenes) {
     return ParseError<RunConfig>("run: r\nrobot: {name: a, model: b}\noutput: o\nscenes: " +
                                  scenes);

@@ -15,7 +15,7 @@ using testing::ValidationError;
 
 SceneSpec Empty() { return {.timestep = 0.002, .add_floor = true, .add_skybox = true}; }
 
-TEST(SceneSpec, WithoutABaseTheWorldIsChosenExplicitly) {
+TEST(SceneSpec, WithoutABaseTheWorldMustBeExplicit) {
   EXPECT_EQ(ValidationError(SceneSpec{}, "scene 'scene'"),
             "scene 'scene' is not valid, 3 problems:\n"
             "  timestep: is required without a base scene, for example 0.002 (seconds)\n"
@@ -31,7 +31,7 @@ TEST(SceneSpec, TheTimestepIsPositive) {
   EXPECT_EQ(ValidationError(spec), "it is not valid: timestep: 0 must be greater than 0");
 }
 
-TEST(SceneSpec, ATimestepInAnotherUnitIsTold) {
+TEST(SceneSpec, RejectsATimestepInAnotherUnit) {
   SceneSpec spec = Empty();
   spec.timestep = 2;
   EXPECT_EQ(ValidationError(spec),
@@ -72,7 +72,7 @@ TEST(SceneSpec, ProblemsOfPartsCarryTheirPath) {
             "  object 'cube' (objects[0]).mass: 0 must be greater than 0");
 }
 
-TEST(SceneSpec, ElementsOfListsAreToldByTheirNames) {
+TEST(SceneSpec, ReportsListElementsByName) {
   SceneSpec spec = Empty();
   spec.objects.push_back({.name = "red_cube",
                           .shape = Shape::kBox,
@@ -93,7 +93,7 @@ TEST(SceneSpec, ElementsOfListsAreToldByTheirNames) {
             "degrees, for example 45");
 }
 
-TEST(SceneSpec, ElementsOfAFilesListsAreToldByTheirNames) {
+TEST(SceneSpec, ReportsListElementsOfAFileByName) {
   EXPECT_EQ(ParseError<SceneSpec>("name: a\ntimestep: 0.002\nadd_floor: true\nadd_skybox: true\n"
                                   "objects:\n  - {shape: box, mass: banana, name: red_cube, size: "
                                   "[1, 1, 1], rgba: [1, 1, 1, 1], friction: [1, 1, 1]}\n"),

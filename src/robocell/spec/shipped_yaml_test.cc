@@ -137,7 +137,7 @@ TEST_P(ShippedYaml, IsValid) {
   EXPECT_EQ(ErrorOf(text, folder, ParserFor(text)), "");
 }
 
-TEST_P(ShippedYaml, NoKeyCanBeMisspelledUnnoticed) {
+TEST_P(ShippedYaml, EveryMisspelledKeyIsReported) {
   ExpectEveryMisspellingIsNoticed(ReadFile(GetParam()), GetParam().parent_path().string());
 }
 
@@ -201,7 +201,7 @@ TEST(CustomRobot, IsReadAsWritten) {
   EXPECT_EQ(robot.gravcomp, true);
 }
 
-TEST(CustomRobot, NoKeyCanBeMisspelledUnnoticed) { ExpectEveryMisspellingIsNoticed(kRobot, ""); }
+TEST(CustomRobot, EveryMisspelledKeyIsReported) { ExpectEveryMisspellingIsNoticed(kRobot, ""); }
 
 TEST(CustomRobot, RunIsReadAsWritten) {
   const auto run = ParseYaml<RunConfig>(RunWithScenes("{source: tabletop, houses: 0..3}"), "f.yaml",
@@ -212,7 +212,7 @@ TEST(CustomRobot, RunIsReadAsWritten) {
   EXPECT_EQ(run.cameras.streams[1].camera, "exo_camera");
 }
 
-TEST(CustomRobot, NoKeyOfTheRunCanBeMisspelledUnnoticed) {
+TEST(CustomRobot, EveryMisspelledKeyOfTheRunIsReported) {
   ExpectEveryMisspellingIsNoticed(RunWithScenes("{source: tabletop, houses: 0..3}"),
                                   ExamplesFolder());
 }
@@ -224,7 +224,7 @@ TEST(CustomRobot, SceneFilesNeedNoSource) {
   EXPECT_EQ(run.scenes.As<FilesScenes>().files.size(), 1u);
 }
 
-TEST(CustomRobot, ASceneSourceThatIsNotThereSaysWhichAre) {
+TEST(CustomRobot, AMissingSceneSourceErrorListsTheSources) {
   for (const std::string source : {"procedural", "procthor-10k"}) {
     EXPECT_THAT(ErrorOf(RunWithScenes("{source: " + source + ", root: x}"), ExamplesFolder(),
                         Parse<RunConfig>),

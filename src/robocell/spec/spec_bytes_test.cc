@@ -17,7 +17,7 @@ using testing::RandomSpec;
 SceneSpec RandomScene(uint64_t seed) { return RandomSpec(seed).Make<SceneSpec>(); }
 
 // The oracle is the equality of specs, field by field.
-TEST(SpecBytes, AreTheSameForEqualSpecsAndOtherOnesForOthers) {
+TEST(SpecBytes, AreEqualExactlyForEqualSpecs) {
   std::vector<SceneSpec> specs;
   std::vector<std::string> bytes;
   for (uint64_t seed = 0; seed < 60; ++seed) {
@@ -32,7 +32,7 @@ TEST(SpecBytes, AreTheSameForEqualSpecsAndOtherOnesForOthers) {
 }
 
 // Every differing field changes the bytes; all others are random.
-TEST(SpecBytes, NoFieldIsForgotten) {
+TEST(SpecBytes, CoverEveryField) {
   SceneSpec scene = RandomScene(3);
   scene.robots.push_back({.prefix = "left_"});
   scene.robots.back().config.emplace().move_groups["arm"];
@@ -58,7 +58,7 @@ TEST(SpecBytes, NoFieldIsForgotten) {
   changes(scene.cameras.back());
 }
 
-TEST(SpecBytes, TextsDoNotRunIntoEachOther) {
+TEST(SpecBytes, SeparateAdjacentStrings) {
   SceneSpec one, other;
   one.objects.push_back({.name = "ab", .mjcf_path = "c"});
   other.objects.push_back({.name = "a", .mjcf_path = "bc"});

@@ -10,6 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/lfs_pointer.h"
 #include "robocell/base/real_file.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/spec/yaml_hints.h"
@@ -113,8 +114,8 @@ std::string MissingSpecFile(const std::string& path, const std::string& type) {
       near.empty() ? "" : fmt::format(" Did you mean '{}'?", (folder / near[0]).string());
   if (type == "RobotConfig" && folder.empty() && !fs::path(path).has_extension()) {
     hint += fmt::format(
-        " If '{0}' is a built-in robot, rc.models.robot_file('{0}') (C++: BuiltinRobotFile) is its "
-        "file.",
+        " If '{0}' is a built-in robot, give the path of its file, which `python3 -c \"import "
+        "robocell; print(robocell.models.robot_file('{0}'))\"` prints (C++: BuiltinRobotFile).",
         path);
   }
   return fmt::format("no {} '{}'.{}{}{}", kind.what, path, Listing(looked, kind.what, names), hint,
@@ -133,6 +134,9 @@ std::string ReadSpecFile(const std::string& path, const std::string& type) {
         fmt::format("'{}' has {} MiB; {} has a few kB, and 16 MiB are the most that is "
                     "read. Is it the right file?",
                     path, bytes >> 20, internal::yaml::WithArticle(what)));
+  }
+  if (const std::string pointer = internal::LfsPointerAdvice({path}); !pointer.empty()) {
+    throw IoError(pointer);
   }
   return internal::ReadRealFile(path, kMostSpecBytes);
 }

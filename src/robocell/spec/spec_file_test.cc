@@ -9,7 +9,10 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/spec/env_config.h"
 #include "robocell/spec/robot_config.h"
+#include "robocell/spec/run_config.h"
+#include "robocell/spec/scene_spec.h"
 #include "robocell/spec/testing/messages.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
@@ -21,7 +24,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using testing::ParseError;
 
-TEST(SpecFile, AMissingOneIsToldWithWhatIsThere) {
+TEST(SpecFile, AMissingFileErrorListsTheFilesInTheFolder) {
   const TempDir folder;
   const std::string in = folder.path().string();
   AtomicWrite(folder.path() / "xarm7.yaml", "name: a\n");
@@ -38,14 +41,14 @@ TEST(SpecFile, AMissingOneIsToldWithWhatIsThere) {
   EXPECT_EQ(MissingSpecFile(in + "/xarm7.yaml", "RobotConfig"), "");
 }
 
-TEST(SpecFile, AFolderWithoutAnySaysSo) {
+TEST(SpecFile, ReportsAFolderWithoutSpecFiles) {
   const TempDir folder;
   EXPECT_THAT(MissingSpecFile((folder.path() / "a.yaml").string(), "RobotConfig"),
               HasSubstr("There are no robot files in " + folder.path().string()));
 }
 
 // Its only field is one of scenes and environments.
-TEST(SpecFile, AFileOfOneFieldOfOtherKindsIsNotOffered) {
+TEST(SpecFile, DoesNotSuggestFilesWithAFieldOfOtherKinds) {
   const TempDir folder;
   const std::string in = folder.path().string();
   AtomicWrite(folder.path() / "nop.yaml", "# a cell\nrobots:\n  a: arm.yaml\n  b: arm.yaml\n");
@@ -55,7 +58,7 @@ TEST(SpecFile, AFileOfOneFieldOfOtherKindsIsNotOffered) {
   EXPECT_THAT(MissingSpecFile(in + "/nope.yaml", "EnvConfig"), HasSubstr("Did you mean"));
 }
 
-TEST(SpecFile, FilesOfOtherKindsAreNotOffered) {
+TEST(SpecFile, DoesNotSuggestFilesOfOtherKinds) {
   const TempDir folder;
   const std::string in = folder.path().string();
   AtomicWrite(folder.path() / "arm.yaml", "name: a\nmodel: b.xml\nmove_groups: {\n");
@@ -69,7 +72,7 @@ TEST(SpecFile, FilesOfOtherKindsAreNotOffered) {
                         "/arm_pick.yaml'?"));
 }
 
-TEST(SpecFile, FilesThatAreNoTextAreNotOffered) {
+TEST(SpecFile, DoesNotSuggestBinaryFiles) {
   const TempDir folder;
   const std::string in = folder.path().string();
   AtomicWrite(folder.path() / "arm.yaml", "name: a\nmodel: b.xml\n# \xC3\xA4\n");
@@ -82,8 +85,15 @@ TEST(SpecFile, FilesThatAreNoTextAreNotOffered) {
               HasSubstr("In " + in + ": arm.yaml, long.yaml. Did you mean"));
 }
 
+TEST(SpecFile, SaysHowToNameABuiltInRobot) {
+  EXPECT_THAT(MissingSpecFile("rc7", "RobotConfig"),
+              HasSubstr("If 'rc7' is a built-in robot, give the path of its file, which `python3 "
+                        "-c \"import robocell; print(robocell.models.robot_file('rc7'))\"` "
+                        "prints (C++: BuiltinRobotFile)."));
+}
+
 // They would never end, or wait for ever; so would a listing that looked into them.
-TEST(SpecFile, WhatIsNoFileIsNotEvenOpened) {
+TEST(SpecFile, DoesNotOpenPipesAndDevices) {
   const TempDir folder;
   const std::string in = folder.path().string(), pipe = in + "/pipe.yaml";
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
@@ -99,7 +109,7 @@ TEST(SpecFile, WhatIsNoFileIsNotEvenOpened) {
               HasSubstr("There are no run files in " + in));
 }
 
-TEST(SpecFile, ALargerOneThanAnySpecIsNotRead) {
+TEST(SpecFile, DoesNotReadAHugeFile) {
   const TempDir folder;
   const std::string file = folder / "mesh.yaml";
   AtomicWrite(file, "name: a\n");
@@ -110,14 +120,30 @@ TEST(SpecFile, ALargerOneThanAnySpecIsNotRead) {
                            "the most that is read. Is it the right file?");
 }
 
-TEST(SpecFile, ZeroBytesAreRefusedWithTheirPlace) {
+TEST(SpecFile, NamesAPointerOfGitLfs) {
+  const TempDir folder;
+  const std::string file = folder / "arm.yaml", run = folder / "run.yaml";
+  AtomicWrite(file, "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 700\n");
+  const std::string wanted =
+      file +
+      ": a pointer of Git LFS, not the file itself: run `git lfs pull` where "
+      "the repository was cloned, or download the file";
+  ExpectThrow<IoError>([&] { RobotConfig::Load(file); }, wanted);
+  ExpectThrow<IoError>([&] { RunConfig::Load(file); }, wanted);
+  ExpectThrow<IoError>([&] { SceneSpec::Load(file); }, wanted);
+  ExpectThrow<IoError>([&] { EnvConfig::Load(file); }, wanted);
+  AtomicWrite(run, "run: r\nrobot: arm.yaml\ntask: {kind: pick}\nscenes: {source: tabletop}\n");
+  ExpectThrow<SpecError>([&] { RunConfig::Load(run); }, wanted);
+}
+
+TEST(SpecFile, RejectsNulBytesWithTheirPlace) {
   const std::string text = std::string("name: a\nmodel: b") + '\0' + "c\n";
   EXPECT_EQ(ParseError<RobotConfig>(text),
             "f.yaml:2:9: byte 0x00 at offset 16 cannot stand in a text; a spec file is text in "
             "UTF-8. Is it the right file? If so, save it as UTF-8");
 }
 
-TEST(SpecFile, WhatIsNotUtf8IsRefusedWithItsPlace) {
+TEST(SpecFile, RejectsInvalidUtf8WithItsPlace) {
   EXPECT_THAT(ParseError<RobotConfig>("name: caf\xe9\n"),
               HasSubstr("f.yaml:1:10: byte 0xe9 at offset 9 is not UTF-8"));
   const std::vector<std::string> wrong = {
@@ -130,7 +156,7 @@ TEST(SpecFile, WhatIsNotUtf8IsRefusedWithItsPlace) {
   }
 }
 
-TEST(SpecFile, TextOfEveryLanguageIsRead) {
+TEST(SpecFile, AcceptsTextInAnyLanguage) {
   for (const std::string name : {"caf\xc3\xa9", "\xe2\x82\xac", "\xf0\x9f\xa4\x96"}) {
     EXPECT_EQ(ParseYaml<RobotConfig>("name: " + name + "\nmodel: b\n").name, name);
   }

@@ -13,7 +13,7 @@ using ::testing::HasSubstr;
 using testing::ParseError;
 using testing::ValidationError;
 
-TEST(StartConfig, RangesAreSmallestFirst) {
+TEST(StartConfig, RangesMustIncrease) {
   EXPECT_THAT(ValidationError(StartConfig{.base_distance = {{0.6, 0.15}}}),
               HasSubstr("base_distance: [0.6, 0.15] is [smallest, largest]; the first is larger"));
   EXPECT_THAT(ValidationError(StartConfig{.base_distance = {{-0.1, 0.15}}}),
@@ -22,7 +22,7 @@ TEST(StartConfig, RangesAreSmallestFirst) {
               HasSubstr("base_height_noise: [0.1, -0.1]"));
 }
 
-TEST(StartConfig, AFieldAtItsFormerPlaceIsToldWhereItStands) {
+TEST(StartConfig, PointsAMovedFieldToItsNewPlace) {
   EXPECT_THAT(ParseError<RunConfig>("run: r\nrobot: {name: a, model: b}\noutput: o\n"
                                     "task: {kind: pick, base_distance: [0.3, 0.6]}"),
               HasSubstr("f.yaml:4:20: task.base_distance: a PickTaskConfig: no field "
@@ -32,7 +32,7 @@ TEST(StartConfig, AFieldAtItsFormerPlaceIsToldWhereItStands) {
               HasSubstr("It is a field of `start` of a run, for all tasks: start.base_distance"));
 }
 
-TEST(StartConfig, AMisspelledFieldIsSuggested) {
+TEST(StartConfig, SuggestsTheNearestField) {
   EXPECT_THAT(ParseError<RunConfig>("run: r\nrobot: {name: a, model: b}\noutput: o\n"
                                     "start: {base_distanc: [0.3, 0.6]}"),
               HasSubstr("Did you mean 'base_distance'?"));

@@ -72,7 +72,7 @@ void ValidateAttachTarget(const AttachTarget& target, Problems& problems) {
     problems.Add("which " + kind + "? Its name is missing; write {" + kind + ": name}");
   }
   if (!named && !target.name.empty()) {
-    problems.Add("'" + kind + "' is a frame of its own and takes no name; '" + target.name +
+    problems.Add("'" + kind + "' is a separate frame and takes no name; '" + target.name +
                  "' looks like one, is it a body or site?");
   }
 }

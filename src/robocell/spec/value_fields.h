@@ -1,7 +1,8 @@
 // ValueFields: the fields of a kind of task that has no C++ struct, such as one written in Python:
 // names with values, whose types and defaults were registered.
 //
-//   RegisterTaskFields("stack", std::make_shared<ValueFields>(ValueFields({{"height", 0.05}})));
+//   auto fields = std::make_shared<ValueFields>(ValueFields({{"height", 0.05}}));
+//   RegisterTask("stack", fields, kind);
 #pragma once
 
 #include <cstdint>

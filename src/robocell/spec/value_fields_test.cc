@@ -17,12 +17,13 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using testing::ParseError;
 
-TEST(ValueFields, NamedValuesReadAndWriteByTheTypeOfTheirDefaults) {
+TEST(ValueFields, NamedValuesHaveTheTypeOfTheirDefaults) {
   static const bool kRegistered = [] {
-    RegisterTaskFields(
-        "values_of_test",
-        std::make_shared<ValueFields>(ValueFields(
-            {{"height", 0.05}, {"count", int64_t{2}}, {"names", std::vector<std::string>{"a"}}})));
+    const ValueFields fields(
+        {{"height", 0.05}, {"count", int64_t{2}}, {"names", std::vector<std::string>{"a"}}});
+    TaskKindRegistry().Register(
+        "values_of_test", {std::make_shared<ValueFields>(fields), std::make_shared<KindRules>()},
+        false);
     return true;
   }();
   (void)kRegistered;

@@ -44,23 +44,6 @@ T LoadYaml(const std::string& path) {
   return LoadYaml<T>(path, {});
 }
 
-template <class T>
-std::string ToYaml(const T& spec) {
-  internal::yaml::Writer writer;
-  writer.Write(spec);
-  return writer.text() + "\n";
-}
-
-template <class T>
-T FromYamlUnchecked(std::string_view text) {
-  internal::yaml::Reader reader("text", "");
-  reader.ForgetLocations();
-  T spec{};
-  reader.Read(internal::yaml::ParseText(text, "text"), spec);
-  reader.problems().Throw("text");
-  return spec;
-}
-
 #define ROBOCELL_YAML_FILE(T)                                                       \
   template T ParseYaml<T>(std::string_view, const std::string&, const std::string&, \
                           const std::vector<std::string>&);                         \
@@ -69,6 +52,16 @@ T FromYamlUnchecked(std::string_view text) {
 #define ROBOCELL_YAML(T)                    \
   template std::string ToYaml<T>(const T&); \
   template T FromYamlUnchecked<T>(std::string_view);
+
+template <class T>
+std::string ToYaml(const T& spec) {
+  return internal::yaml::TextOf(spec);
+}
+
+template <class T>
+T FromYamlUnchecked(std::string_view text) {
+  return internal::yaml::SpecOf<T>(text);
+}
 
 ROBOCELL_YAML_FILE(RobotConfig)
 ROBOCELL_YAML_FILE(SceneSpec)
@@ -100,8 +93,6 @@ ROBOCELL_YAML(RenderQuality)
 ROBOCELL_YAML(RendererConfig)
 ROBOCELL_YAML(CameraSystemConfig)
 ROBOCELL_YAML(RunConfig)
-ROBOCELL_YAML(PickTaskConfig)
-ROBOCELL_YAML(PickAndPlaceTaskConfig)
 ROBOCELL_YAML(FilesScenes)
 ROBOCELL_YAML(Rates)
 ROBOCELL_YAML(ObjectPlace)

@@ -117,7 +117,7 @@ std::string DashHint(const YAML::Node& node) {
 std::string NamesHint(const YAML::Node& node, EntryForm form) {
   const bool several = node.IsSequence() && node.size() > 0 && node[0].IsMap();
   if (several && node[0]["name"] && node[0]["name"].IsScalar()) {
-    return fmt::format("; write `{0}:` in the place of `- name: {0}`, without the dash",
+    return fmt::format("; write `{0}:` instead of `- name: {0}`, without the dash",
                        Cut(node[0]["name"].Scalar()));
   }
   if (several) return "; write `name: {...}` for each, without dashes";
@@ -148,6 +148,13 @@ std::string NumbersHint(const YAML::Node& node) {
   };
   if (words.size() < 2 || !std::all_of(words.begin(), words.end(), is_number)) return "";
   return "; write " + Cut("[" + Joined(words) + "]");
+}
+
+std::string TextHint(const YAML::Node& node) {
+  YAML::Node text;
+  if (node.size() == 1 && node.IsMap()) text.reset(node.begin()->second);
+  if (node.size() == 1 && node.IsSequence()) text.reset(node[0]);
+  return text.IsScalar() ? "; write `" + Cut(text.Scalar()) + "` alone" : "";
 }
 
 std::string QuotedListHint(const YAML::Node& node) {

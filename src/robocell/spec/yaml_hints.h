@@ -33,6 +33,10 @@ std::string NamesHint(const YAML::Node& node, EntryForm form);
 // Returns "; write [0, 0, 0.1]" for several numbers in one text ("0 0 0.1"); else "".
 std::string NumbersHint(const YAML::Node& node);
 
+// Returns "; write `x` alone" for a text that was written as an entry, {kind: x}, or as a list of
+// one; else "".
+std::string TextHint(const YAML::Node& node);
+
 // Returns "; write it without the quotes" for a text that is a list but for its quotes; else "".
 std::string QuotedListHint(const YAML::Node& node);
 

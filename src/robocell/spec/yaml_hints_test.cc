@@ -32,7 +32,7 @@ TEST(Hints, AnAttachTargetWithoutItsKind) {
               HasSubstr("{frame: wrold}. Did you mean 'world'? Body, site"));
 }
 
-TEST(Hints, AValueInThePlaceOfTheFieldsItBelongsTo) {
+TEST(Hints, AValueInsteadOfFields) {
   EXPECT_THAT(HintFor("base: mocap"),
               HasSubstr("base: expected the fields of a BaseConfig, found 'mocap'; write {kind: "
                         "mocap}. Base that the robot stands on."));
@@ -49,7 +49,7 @@ TEST(Hints, AValueInThePlaceOfTheFieldsItBelongsTo) {
                 "closed"));
 }
 
-TEST(Hints, NumbersThatAreNoList) {
+TEST(Hints, NumbersInsteadOfAList) {
   EXPECT_THAT(HintFor("base: {size: 0.2 0.2 0.3}"),
               HasSubstr("base.size: expected a list of 3 numbers, found '0.2 0.2 0.3'; write [0.2, "
                         "0.2, 0.3]"));
@@ -58,7 +58,7 @@ TEST(Hints, NumbersThatAreNoList) {
   EXPECT_THAT(HintFor("base: {size: 0.2}"), HasSubstr("found '0.2'. Length, width"));
 }
 
-TEST(Hints, ListsAndNamesMixedUp) {
+TEST(Hints, ListsAndMappingsMixedUp) {
   EXPECT_THAT(HintFor("home: [0, 0]"),
               HasSubstr("home: expected names with values, found a list; write {arm: [0, 0]} with "
                         "the name of the group in the place of `arm`"));
@@ -81,7 +81,7 @@ TEST(Hints, ListsAndNamesMixedUp) {
   EXPECT_THAT(HintFor("cameras:\n  name: wrist\n  pos: [0, 0, 0]"),
               HasSubstr("found names with values; begin each of its entries with a dash: `- `"));
   EXPECT_THAT(HintFor("move_groups:\n  - name: left\n    kind: arm"),
-              HasSubstr("; write `left:` in the place of `- name: left`, without the dash"));
+              HasSubstr("; write `left:` instead of `- name: left`, without the dash"));
 }
 
 TEST(Hints, ListsInQuotesOrWithoutBrackets) {
@@ -99,7 +99,7 @@ TEST(Hints, ListsInQuotesOrWithoutBrackets) {
               HasSubstr("expected a number, found '0 0.5 -1'; write [0, 0.5, -1]"));
 }
 
-TEST(Hints, WhatFollowsACommaOfAListWithoutBrackets) {
+TEST(Hints, ValuesAfterACommaWithoutBrackets) {
   EXPECT_EQ(HintFor("move_groups: {arm: {kind: arm, joints: [a, b]}}\nhome: {arm: 0, 0, 1}"),
             "f.yaml is not valid: f.yaml:4:8: home.arm: it ends at the comma, and what follows has "
             "no name; if a list was meant, write arm: [0, 0, 1]");
@@ -108,7 +108,7 @@ TEST(Hints, WhatFollowsACommaOfAListWithoutBrackets) {
             "has no name; if a list was meant, write size: [0.1, 0.2, 0.3]");
 }
 
-TEST(Hints, FieldsWithoutAValueAreNoListItems) {
+TEST(Hints, FieldsWithoutAValueAreNotListItems) {
   for (const std::string nothing : {"null", "~", ""}) {
     EXPECT_EQ(HintFor("base: {kind: mocap, size: " + nothing + "}"), "") << nothing;
     EXPECT_EQ(HintFor("base: {kind: mocap, size: " + nothing + " }"), "") << nothing;
@@ -140,7 +140,7 @@ TEST(Hints, FieldsThatAreNotIndented) {
   EXPECT_THAT(HintFor("base:\ngravcmp: true"), HasSubstr("Did you mean 'gravcomp'?"));
 }
 
-TEST(Hints, AColonWithoutABlank) {
+TEST(Hints, AColonWithoutASpace) {
   EXPECT_THAT(HintFor("move_groups:\n  arm:\n    kind: arm\n    joints:[a, b]"),
               HasSubstr("f.yaml:6:5: move_groups.arm.joints:[a, b]: there is no blank after the "
                         "`:`; write `joints: [a, b]`"));
@@ -180,26 +180,26 @@ TEST(Misspelt, ARequiredFieldIsOneProblem) {
             "attachment_site, tcp_offset, home, home_noise and 11 more. Did you mean 'model'?");
 }
 
-TEST(Misspelt, WhatFollowsFromItIsNotReported) {
+TEST(Misspelt, ConsequencesAreNotReported) {
   const std::string error = HintFor(
       "move_gruops: {arm: {kind: arm, joints: [a, b]}}\nhome: {arm: [0, 0]}\ncontrol: {arm: "
       "joint_position}");
   EXPECT_THAT(error, AllOf(HasSubstr("no field 'move_gruops'"), Not(HasSubstr("problems"))));
 }
 
-TEST(Misspelt, ButWhatIsWrongElsewhereIs) {
+TEST(Misspelt, ButOtherProblemsAreReported) {
   const std::string error =
       HintFor("move_gruops: {arm: {kind: arm, joints: [a, b]}}\nhome: {arm: [0, 0, 0]}");
   EXPECT_THAT(error, AllOf(HasSubstr("2 problems"),
                            HasSubstr("home.arm: has 3 values for the 2 joints a, b")));
 }
 
-TEST(Misspelt, AValueThatDoesNotFitTheNearestFieldIsNotHeldAgainstIt) {
+TEST(Misspelt, AValueThatDoesNotFitTheNearestFieldIsIgnored) {
   const std::string error = HintFor("bas: 3");
   EXPECT_THAT(error, AllOf(HasSubstr("Did you mean 'base'?"), Not(HasSubstr("expected"))));
 }
 
-TEST(Misspelt, AFieldThatIsGivenTooIsNotOverwritten) {
+TEST(Misspelt, AFieldThatIsAlsoGivenIsNotOverwritten) {
   EXPECT_THAT(HintFor("modle: other.xml"),
               AllOf(HasSubstr("Did you mean 'model'?"), Not(HasSubstr("problems"))));
 }
@@ -207,21 +207,21 @@ TEST(Misspelt, AFieldThatIsGivenTooIsNotOverwritten) {
 constexpr const char* kShortRun = "run: r\nrobot: arm.yaml\ntask: {kind: pick}\noutput: out\n";
 constexpr const char* kScene = "timestep: 0.002\nadd_floor: true\nrobots: []\nobjects: []\n";
 
-TEST(Hints, OneElementIsMeantWhereTwoAreGiven) {
+TEST(Hints, TwoElementsInsteadOfOne) {
   EXPECT_THAT(
       HintFor("move_groups: {a: {kind: arm, joints: j1, leaf: {site: tip, body: hand}}}"),
       HasSubstr("move_groups.a.leaf: expected one element, as a name or {site: name}, found names "
                 "with values; write one of them: {site: tip}"));
 }
 
-TEST(OtherKind, ARunFileInThePlaceOfARobotFile) {
+TEST(OtherKind, ARunFileInsteadOfARobotFile) {
   EXPECT_EQ(
       ParseError<RobotConfig>(kShortRun),
       "f.yaml is not valid: f.yaml:1:1: this looks like a run file: it has run, robot, task, "
       "output. A robot file is wanted here. Make its dataset with `robocell generate f.yaml`");
 }
 
-TEST(OtherKind, ARobotFileInThePlaceOfARunFile) {
+TEST(OtherKind, ARobotFileInsteadOfARunFile) {
   const std::string robot = "name: a\nmodel: a.xml\nroot_body: b\nmove_groups: {}\n";
   EXPECT_THAT(ParseError<RunConfig>(robot),
               AllOf(HasSubstr("looks like a robot file: it has name, model, root_body"),
@@ -233,7 +233,7 @@ TEST(OtherKind, ASceneFile) {
   EXPECT_THAT(ParseError<CameraSpec>(kScene), HasSubstr("A CameraSpec file is wanted here"));
 }
 
-TEST(OtherKind, AFileWhoseFieldsSeveralKindsHave) {
+TEST(OtherKind, AFileWithFieldsOfSeveralKinds) {
   EXPECT_THAT(
       ParseError<RobotConfig>("robots: {a: r.yaml, b: r.yaml}\n"),
       HasSubstr("this looks like a scene file or an environment file: it has robots. A robot file "
@@ -241,7 +241,17 @@ TEST(OtherKind, AFileWhoseFieldsSeveralKindsHave) {
                 "EnvConfig.load(f.yaml)"));
 }
 
-TEST(Hints, AFieldOfTheWholeFileInsideOfAValue) {
+TEST(Hints, AStringWithTheNameOfAField) {
+  EXPECT_THAT(
+      ParseError<RunConfig>("run: a\nexpert: {kind: mine}\n"),
+      HasSubstr("f.yaml:2:9: expert: expected a text, found names with values; write `mine` "
+                "alone. Source of the actions: a registered kind of expert"));
+  EXPECT_THAT(ParseError<RunConfig>("expert: [mine]\n"),
+              HasSubstr("found a list; write `mine` al"));
+  EXPECT_THAT(ParseError<RunConfig>("expert: {kind: mine, gain: 2}\n"), Not(HasSubstr("alone")));
+}
+
+TEST(Hints, ATopLevelFieldInsideAValue) {
   EXPECT_THAT(
       HintFor("move_groups: {right: {kind: arm, joints: j1, control: joint_torque}}"),
       AllOf(HasSubstr("move_groups.right.control: a MoveGroupConfig: no field 'control'"),

@@ -48,7 +48,7 @@ class OverrideTest : public ::testing::Test {
        ::testing::UnitTest::GetInstance()->current_test_info()->name());
 };
 
-TEST_F(OverrideTest, WhatAnEmptyFileLacksIsMissingInTheFile) {
+TEST_F(OverrideTest, MissingFieldsOfAnEmptyFileAreReportedInTheFile) {
   Write("run.yaml", "");
   const std::string error = Error({"output=elsewhere"});
   EXPECT_THAT(error, HasSubstr("run.yaml: run: is required"));
@@ -58,13 +58,13 @@ TEST_F(OverrideTest, WhatAnEmptyFileLacksIsMissingInTheFile) {
               HasSubstr("--set cameras.streams"));
 }
 
-TEST_F(OverrideTest, ReplacesWhatTheFileHas) {
+TEST_F(OverrideTest, ReplacesFieldsOfTheFile) {
   EXPECT_EQ(Load({"start.base_distance=[0.3, 0.5]"}).start.base_distance, (Vec2{0.3, 0.5}));
   EXPECT_EQ(Load({"start.base_distance[1]=0.6"}).start.base_distance, (Vec2{0.2, 0.6}));
   EXPECT_EQ(Load({"run=other"}).run, "other");
 }
 
-TEST_F(OverrideTest, FieldsOfAMapWithoutAValueAreNoListItems) {
+TEST_F(OverrideTest, FieldsOfAMapWithoutAValueAreNotListItems) {
   for (const std::string nothing : {"null", "~", ""}) {
     EXPECT_THAT(Error({"task={kind: pick, objects: " + nothing + "}"}),
                 HasSubstr("task.objects: expected a name, a list of names, or a range like "
@@ -73,7 +73,7 @@ TEST_F(OverrideTest, FieldsOfAMapWithoutAValueAreNoListItems) {
   }
 }
 
-TEST_F(OverrideTest, AddsWhatTheFileDoesNotHave) {
+TEST_F(OverrideTest, AddsMissingFields) {
   EXPECT_EQ(Load({"episodes=5"}).episodes, 5);
   EXPECT_EQ(Load({"rates.policy_ms=40", "rates.control_ms=4"}).rates.policy_ms, 40);
   EXPECT_EQ(Load({"cameras.renderer.quality.shadows=true"}).cameras.renderer.quality.shadows, true);
@@ -81,27 +81,27 @@ TEST_F(OverrideTest, AddsWhatTheFileDoesNotHave) {
   EXPECT_EQ(Load({"cameras.renderer.backend=gl"}).cameras.renderer.backend, "gl");
 }
 
-TEST_F(OverrideTest, ReachesIntoLists) {
+TEST_F(OverrideTest, AppliesToListElements) {
   const RunConfig run = Load({"cameras.streams[1].width=640"});
   EXPECT_EQ(run.cameras.streams[1].width, 640);
   EXPECT_EQ(run.cameras.streams[1].name, "exo");
   EXPECT_FALSE(run.cameras.streams[0].width.has_value());
 }
 
-TEST_F(OverrideTest, ReachesIntoTheRobotsFile) {
+TEST_F(OverrideTest, AppliesToTheRobotFile) {
   const RunConfig run = Load({"robot.home.arm=[1, 2]", "robot.base={kind: mocap}"});
   EXPECT_EQ(run.robot.config.home.at("arm"), (std::vector<double>{1, 2}));
   EXPECT_EQ(run.robot.config.base.kind, BaseKind::kMocap);
   EXPECT_EQ(run.robot.config.name, "arm");
 }
 
-TEST_F(OverrideTest, TheLastOneWins) { EXPECT_EQ(Load({"seed=1", "seed=2"}).seed, 2); }
+TEST_F(OverrideTest, TheLastOverrideWins) { EXPECT_EQ(Load({"seed=1", "seed=2"}).seed, 2); }
 
 TEST_F(OverrideTest, NullUnsets) {
   EXPECT_FALSE(Load({"episodes=5", "episodes=null"}).episodes.has_value());
 }
 
-TEST_F(OverrideTest, GoesThroughTheSameChecks) {
+TEST_F(OverrideTest, IsValidatedLikeTheFile) {
   EXPECT_EQ(
       Error({"task.lift_hight=0.1"}),
       run() +
@@ -125,7 +125,7 @@ TEST_F(OverrideTest, GoesThroughTheSameChecks) {
                         "9223372036854775807"));
 }
 
-TEST_F(OverrideTest, APathThatLeadsNowhereIsAnError) {
+TEST_F(OverrideTest, RejectsAnInvalidPath) {
   EXPECT_THAT(Error({"cameras.streams[7].width=640"}),
               HasSubstr("--set cameras.streams[7].width=640: 'cameras.streams[7].width' leads to "
                         "nothing in"));
@@ -135,7 +135,7 @@ TEST_F(OverrideTest, APathThatLeadsNowhereIsAnError) {
 }
 
 // The shell splits a value at a blank.
-TEST_F(OverrideTest, ABracketWithoutItsEndIsNamed) {
+TEST_F(OverrideTest, ReportsAnUnclosedBracket) {
   EXPECT_EQ(
       Error({"start.base_distance=[0.3,"}),
       "--set start.base_distance=[0.3,: its `[` is not closed: `]` is missing. An option with "
@@ -150,7 +150,7 @@ TEST_F(OverrideTest, ProblemsOfTheFileKeepTheirPlaces) {
   EXPECT_THAT(Error({"seed=x"}), HasSubstr("run.yaml:3:1: tsk: "));
 }
 
-TEST_F(OverrideTest, AnOptionWithoutAnEqualsSignSaysHowToWriteIt) {
+TEST_F(OverrideTest, AnOptionWithoutAnEqualsSignExplainsTheSyntax) {
   for (const char* text : {"seed", "=3", ""}) {
     ExpectThrow<ArgumentError>([&] { Load({text}); },
                                "--set " + std::string(text) + ": write it as path.to.field=value");
@@ -167,7 +167,7 @@ TEST_F(OverrideTest, ProblemsOfTheRobotsFileNameThatFile) {
   EXPECT_THAT(error, HasSubstr("\n  " + robot + ":5:8: robot.reach: -1 must be greater than 0"));
 }
 
-TEST_F(OverrideTest, AMissingRobotFileIsReportedWhereItIsNamed) {
+TEST_F(OverrideTest, AMissingRobotFileIsReportedAtItsReference) {
   EXPECT_THAT(Error({"robot=amr.yaml"}),
               ::testing::AllOf(HasSubstr("--set robot=amr.yaml: robot: "), HasSubstr("amr.yaml")));
 }

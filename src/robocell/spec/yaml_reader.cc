@@ -284,7 +284,7 @@ void Reader::ReadKind(const YAML::Node& node, KindSpec& out, const std::string& 
 
 void Reader::Read(const YAML::Node& node, TaskSpec& out) {
   if (!node.IsMap()) {
-    const std::string kind = node.IsScalar() ? node.Scalar() : "pick";
+    const std::string kind = node.IsScalar() ? node.Scalar() : out.kind();
     return FailNotFields(node, "task", "; write {kind: " + kind + "}");
   }
   ReadKind(node, out, out.kind(), {});
@@ -292,7 +292,7 @@ void Reader::Read(const YAML::Node& node, TaskSpec& out) {
 
 void Reader::Read(const YAML::Node& node, SceneSourceSpec& out) {
   if (!node.IsMap()) {
-    const std::string kind = node.IsScalar() ? node.Scalar() : "tabletop";
+    const std::string kind = node.IsScalar() ? node.Scalar() : out.kind();
     return FailNotFields(node, "scene source", "; write {source: " + kind + "}");
   }
   // Files give enough information.
@@ -472,7 +472,12 @@ void Reader::Read(const YAML::Node& node, double& out) {
     FailKind(node, "a number", NumbersHint(node));
 }
 
-void Reader::Read(const YAML::Node& node, std::string& out) { ReadScalar(node, "a text", out); }
+void Reader::Read(const YAML::Node& node, std::string& out) {
+  if (node.IsScalar())
+    out = node.Scalar();
+  else
+    FailKind(node, "a text", TextHint(node));
+}
 
 void Reader::Read(const YAML::Node& node, NameList& out) {
   const size_t problems_before = problems_.list().size();
@@ -486,7 +491,7 @@ void Reader::Read(const YAML::Node& node, NameList& out) {
       out.names.push_back(name);
     };
     if (!QuotedListHint(item).empty()) return FailKind(item, "a name, or a list of names");
-    if (item.Tag() == "!") return add(text);  // in quotes: never a range
+    if (item.Tag() == "!") return add(text);  // quoted text is never a range
     if (text.find(", ") != std::string::npos)
       return FailKind(item, "a name, or a list of names", "; write [" + text + "]");
     try {

@@ -41,7 +41,7 @@ YAML::Node ParseText(std::string_view text, const std::string& source);
 // A field given from outside the file; `path` as in messages: "cameras.streams[0].width".
 struct Override {
   std::string path;
-  std::string text;  // as given: "task.lift_height=0.05"
+  std::string text;  // text as given: "task.lift_height=0.05"
   YAML::Node value;
   bool used = false;
 };
@@ -77,7 +77,7 @@ class Reader {
 
   const Problems& problems() const { return problems_; }
 
-  // For text that is not a user's file: the spec gets no locations.
+  // Gives the spec no locations, for text that is not a user's file.
   void ForgetLocations() { keep_locations_ = false; }
 
   void Read(const YAML::Node& node, bool& out);
@@ -389,7 +389,7 @@ class Reader {
   std::optional<Vec4> ReadWxyz(const YAML::Node& node, const std::string& name);
 
   std::string source_, directory_;
-  std::vector<std::string> root_fields_;  // of the type that the whole file is
+  std::vector<std::string> root_fields_;  // fields of the whole file's type
   std::shared_ptr<SourceMap> sources_ = std::make_shared<SourceMap>();
   Problems problems_{Locations(sources_)};
   std::vector<std::string> unread_;  // paths of misspelt fields that could not be read
@@ -400,5 +400,16 @@ class Reader {
   size_t values_ = 0;
   size_t indices_ = 0;
 };
+
+// What FromYamlUnchecked returns.
+template <class T>
+T SpecOf(std::string_view text) {
+  Reader reader("text", "");
+  reader.ForgetLocations();
+  T spec{};
+  reader.Read(ParseText(text, "text"), spec);
+  reader.problems().Throw("text");
+  return spec;
+}
 
 }  // namespace robocell::internal::yaml

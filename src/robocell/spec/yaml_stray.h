@@ -31,7 +31,7 @@ class Stray {
  private:
   struct Part {
     std::string name;
-    int line = 0;  // from 1
+    int line = 0;  // first line: 1
   };
   bool in_braces_;
   std::string name_, value_;

@@ -142,8 +142,7 @@ std::string ColonOutOfPlace(const std::vector<std::string_view>& lines, TextPlac
   const std::string_view line = LineAt(lines, at);
   if (Before(line, at).find(": ") != std::string_view::npos)
     return "a second `: ` in one line; a text that holds `: ` must be in quotes, and every field "
-           "in "
-           "a line of its own or in {...}";
+           "in a separate line or in {...}";
   const int above = LineAbove(lines, at.line);
   if (above < 0) return "there is no name before this `:`";
   const std::string_view other = lines[static_cast<size_t>(above)];
@@ -221,11 +220,11 @@ const std::vector<std::pair<std::string_view, Explain>>& Explanations() {
       {"illegal map value", ColonOutOfPlace},
       {"illegal map key",
        [](const Lines&, TextPlace) -> std::string {
-         return "a name cannot stand here; every field stands in a line of its own or in {...}";
+         return "a name cannot stand here; every field stands in a separate line or in {...}";
        }},
       {"illegal block entry",
        [](const Lines&, TextPlace) -> std::string {
-         return "a list entry `- ` cannot stand here: entries stand in lines of their own, below "
+         return "a list entry `- ` cannot stand here: entries stand in separate lines, below "
                 "the name of their list; or write [a, b]";
        }},
       {"illegal document indicator",

@@ -23,7 +23,7 @@ char UnclosedBracket(std::string_view text);
 // at `mark`. (The parser of yaml-cpp 0.7 takes the end of the file for the end of the quote.)
 std::string UnclosedQuote(std::string_view text, const std::string& source, const YAML::Mark& mark);
 
-// For a second document: returns its beginning, or the text that is not part of the first one.
+// Returns the beginning of a second document, or the text that is not part of the first one.
 std::string SecondDocument(std::string_view text, const std::string& source,
                            const YAML::Mark& mark);
 

@@ -92,7 +92,7 @@ const std::vector<BrokenText>& BrokenTexts() {
   return kTexts;
 }
 
-TEST(YamlSyntax, SaysWhatIsWrongAndWhere) {
+TEST(YamlSyntax, ReportsProblemAndPlace) {
   for (const BrokenText& broken : BrokenTexts()) {
     EXPECT_THAT(ParseError<RobotConfig>(broken.text),
                 StartsWith(std::string("f.yaml:") + broken.error))
@@ -101,7 +101,7 @@ TEST(YamlSyntax, SaysWhatIsWrongAndWhere) {
 }
 
 // Tries every prefix of a file, and every file without one of its characters.
-TEST(YamlSyntax, TheParsersWordsDoNotComeThrough) {
+TEST(YamlSyntax, HidesMessagesOfTheParser) {
   const std::string text =
       "name: 'it''s'\nmodel: \"a\\\"b\"\nhome: {arm: [0, 1], b: {c: [d]}}\nedits:\n  - body: a\n"
       "    pos: [0, 0, 0]\n  - {geom: {body: b, index: 3}}\n# c: 'd\nname2: |\n  'tis \"so\n";
@@ -118,7 +118,7 @@ TEST(YamlSyntax, TheParsersWordsDoNotComeThrough) {
   }
 }
 
-TEST(YamlSyntax, QuotesThatEndAreLeftAlone) {
+TEST(YamlSyntax, AcceptsClosedQuotes) {
   for (const char* name : {"'a'", "\"a\"", "'it''s'", "\"a \\\" b\"", "'a\n  b'", "it's", "a 'b",
                            "|\n  'a", "'\\'", "\"\\\\\""}) {
     EXPECT_THAT(ParseError<RobotConfig>(fmt::format("model: b\nname: {}\n", name)),

@@ -26,14 +26,14 @@ std::string ObjectError(const std::string& more) {
   return ParseError<SceneObject>("name: cube\nmjcf_path: cube.xml\n" + more);
 }
 
-TEST(Yaml, AMisspelledFieldIsNamedWithItsPlaceAndTheNearestOne) {
+TEST(Yaml, ReportsAMisspelledFieldWithPlaceAndSuggestion) {
   EXPECT_EQ(ParseError<CameraSpec>("name: top\npos: [0, 0, 2]\nfvoy: 45\n"),
             "f.yaml is not valid: f.yaml:3:1: fvoy: a CameraSpec: no field 'fvoy'. Its fields: "
             "name, mjcf_path, pos, fovy, "
             "euler, quat, look_at, attach_to, quat_wxyz. Did you mean 'fovy'?");
 }
 
-TEST(Yaml, AllProblemsAreReportedAtOnce) {
+TEST(Yaml, ReportsAllProblemsTogether) {
   const std::string error = RobotError(
       "root_bdy: link\n"
       "base: {kind: mocap, size: [0.25, 0.25]}\n"
@@ -53,14 +53,14 @@ TEST(Yaml, AllProblemsAreReportedAtOnce) {
   EXPECT_THAT(error, HasSubstr("f.yaml:8:8: reach: -1 must be greater than 0"));
 }
 
-TEST(Yaml, AValueThatCouldNotBeReadIsNotReportedTwice) {
+TEST(Yaml, ReportsAnUnreadableValueOnce) {
   const std::string error = ParseError<CameraSpec>("name: top\npos: here\nfovy: 45\n");
   EXPECT_EQ(error,
             "f.yaml is not valid: f.yaml:2:6: pos: expected a list of 3 numbers, found 'here'. "
             "Position in the parent, metres; required without a model.");
 }
 
-TEST(Yaml, AProblemHidesNoOtherOneBesideIt) {
+TEST(Yaml, AProblemHidesNoOther) {
   // "home" is not a parent of "home_noise".
   const std::string error =
       RobotError("move_groups: {arm: {joints: [a]}}\nhome: 3\nhome_noise: {arm: [-1]}\n");
@@ -68,14 +68,14 @@ TEST(Yaml, AProblemHidesNoOtherOneBesideIt) {
   EXPECT_THAT(error, HasSubstr("f.yaml:5:20: home_noise.arm[0]: -1 must not be negative"));
 }
 
-TEST(Yaml, DuplicateKeysAreRefused) {
+TEST(Yaml, RejectsDuplicateKeys) {
   EXPECT_THAT(RobotError("reach: 1\nreach: 2\n"),
               HasSubstr("f.yaml:4:1: reach: 'reach' is given twice"));
   EXPECT_THAT(RobotError("move_groups: {a: {}, a: {}}\n"),
               HasSubstr("f.yaml:3:22: move_groups.a: 'a' is given twice"));
 }
 
-TEST(Yaml, WrongKindsSayWhatWasExpectedAndWhatIsThere) {
+TEST(Yaml, WrongKindsReportExpectedAndFoundValues) {
   EXPECT_THAT(ObjectError("fixed: maybe\n"),
               HasSubstr("f.yaml:3:8: fixed: expected true or false, found 'maybe'"));
   EXPECT_THAT(ObjectError("fixed: [true]\n"),
@@ -96,7 +96,7 @@ TEST(Yaml, WrongKindsSayWhatWasExpectedAndWhatIsThere) {
   EXPECT_THAT(RobotError("gravcomp: 1\n"), HasSubstr("expected true or false, found '1'"));
 }
 
-TEST(Yaml, WholeNumbersAreWhole) {
+TEST(Yaml, RejectsFractionsForIntegers) {
   const auto width = [](const std::string& value) {
     return ParseError<CameraSystemConfig>("resolution: [" + value + ", 240]\n");
   };
@@ -130,14 +130,14 @@ TEST(Yaml, NumbersAreReadInAllUsualForms) {
   }
 }
 
-TEST(Yaml, NumbersThatAreNotFiniteAreRefused) {
+TEST(Yaml, RejectsNonFiniteNumbers) {
   for (const char* text : {".nan", "nan", ".inf", "-.inf", "inf"}) {
     EXPECT_THAT(ObjectError("pos: [0, " + std::string(text) + ", 0]\n"),
                 AllOf(HasSubstr("f.yaml:3:10: pos[1]: "), HasSubstr("is not a finite number")));
   }
 }
 
-TEST(Yaml, NullUnsetsWhatIsOptionalAndIsRefusedElsewhere) {
+TEST(Yaml, NullUnsetsOptionalFieldsOnly) {
   EXPECT_FALSE(ParseYaml<RobotConfig>("name: a\nmodel: b\nreach:\n").reach.has_value());
   EXPECT_THAT(RobotError("arrival_tolerance: ~\n"),
               HasSubstr("arrival_tolerance: expected a number, found nothing"));
@@ -160,7 +160,7 @@ TEST(Yaml, QuatWxyzIsReorderedAndNormalised) {
       AllOf(HasSubstr("quat_wxyz: expected a list of 4 numbers"), Not(HasSubstr("length"))));
 }
 
-TEST(Yaml, AQuaternionOfTheWrongLengthSaysTheOrder) {
+TEST(Yaml, AWrongQuaternionLengthErrorExplainsTheOrder) {
   EXPECT_THAT(
       ObjectError("quat: [0.5, 0, 0, 0]\n"),
       HasSubstr("quat: [0.5, 0, 0, 0] has length 0.5, a rotation needs 1 (order is x, y, z, "
@@ -190,7 +190,7 @@ TEST(Yaml, AttachTargetsAreReadInBothForms) {
               HasSubstr("f.yaml:3:12: attach_to: which site? Its name is missing; write {site: "
                         "name}"));
   EXPECT_THAT(ObjectError("attach_to: {world: table}\n"),
-              HasSubstr("'world' is a frame of its own and takes no name; 'table'"));
+              HasSubstr("'world' is a separate frame and takes no name; 'table'"));
   EXPECT_THAT(ObjectError("attach_to: {sitee: a}\n"),
               HasSubstr("f.yaml:3:13: attach_to: 'sitee' is not one of world, root, shared_base, "
                         "body, site, frame, robot_base, attachment. Did you mean 'site'?"));
@@ -233,7 +233,7 @@ TEST(Yaml, PosesAreReadAndChecked) {
               HasSubstr("tcp_offset.pos[2]: inf is not a finite number"));
 }
 
-TEST(Yaml, AnEmptyOrWrongDocumentSaysWhatIsExpected) {
+TEST(Yaml, RejectsAnEmptyOrWrongDocument) {
   EXPECT_EQ(ParseError<RobotConfig>(""),
             "f.yaml is not valid: f.yaml: expected the fields of a RobotConfig, for example `name: "
             "...`, found nothing");
@@ -241,12 +241,12 @@ TEST(Yaml, AnEmptyOrWrongDocumentSaysWhatIsExpected) {
   EXPECT_THAT(ParseError<RobotConfig>("hello\n"), HasSubstr("found 'hello'"));
 }
 
-TEST(Yaml, TextThatIsNotYamlSaysWhere) {
+TEST(Yaml, ReportsTheLineOfInvalidYaml) {
   EXPECT_THAT(ParseError<RobotConfig>("name: a\nmodel: [b\n"), HasSubstr("not valid YAML: "));
   EXPECT_THAT(ParseError<RobotConfig>("name: a\n\tmodel: b\n"), HasSubstr("f.yaml:2:1: not valid"));
 }
 
-TEST(Yaml, ASecondDocumentIsRefused) {
+TEST(Yaml, RejectsASecondDocument) {
   EXPECT_THAT(ParseError<RobotConfig>("name: a\nmodel: b\n---\nnmae: c\n"),
               HasSubstr("f.yaml:3:1: a second document starts here; a spec file has one"));
 }
@@ -257,7 +257,7 @@ TEST(Yaml, UnreadableFilesAreIoErrors) {
 }
 
 // A comparison with an unreadable list would be meaningless.
-TEST(Yaml, AListThatCannotBeReadIsOneProblem) {
+TEST(Yaml, AnUnreadableListIsOneProblem) {
   const std::string start = "name: a\nmodel: b\nmove_groups: {arm: {kind: arm, actuators: s1..s2, ";
   EXPECT_THAT(ParseError<RobotConfig>(start + "joints: [j1, [j2]]}}\nhome: {arm: [0, 1]}\n"),
               StartsWith("f.yaml is not valid: f.yaml:3:64: move_groups.arm.joints: expected a "

@@ -121,4 +121,12 @@ class Writer {
   YAML::Emitter out_;
 };
 
+// What ToYaml returns.
+template <class T>
+std::string TextOf(const T& spec) {
+  Writer writer;
+  writer.Write(spec);
+  return writer.text() + "\n";
+}
+
 }  // namespace robocell::internal::yaml

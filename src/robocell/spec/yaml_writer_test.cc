@@ -66,15 +66,16 @@ std::vector<Field<T>> FieldsOf() {
 template <class T>
 class RoundTrip : public ::testing::Test {};
 
-using SpecTypes = ::testing::Types<
-    SceneSpec, RobotSpec, RobotConfig, AttachmentSpec, ForceTorqueSensorSpec, ToolFrameSpec,
-    SceneObject, CameraSpec, CameraConfig, CameraSystemConfig, RenderQuality, RendererConfig,
-    SimOptions, Edit, BaseConfig, MoveGroupConfig, GripperCtrl, GripperDistance, GripperJointRange,
-    RunConfig, PickTaskConfig, FilesScenes, ObjectPlace, StartConfig, Rates, EnvConfig, EnvObject,
-    CameraAdderConfig, SimSettings, WrapperConfig, PickAndPlaceTaskConfig, ObjectVariation>;
+using SpecTypes =
+    ::testing::Types<SceneSpec, RobotSpec, RobotConfig, AttachmentSpec, ForceTorqueSensorSpec,
+                     ToolFrameSpec, SceneObject, CameraSpec, CameraConfig, CameraSystemConfig,
+                     RenderQuality, RendererConfig, SimOptions, Edit, BaseConfig, MoveGroupConfig,
+                     GripperCtrl, GripperDistance, GripperJointRange, RunConfig, FilesScenes,
+                     ObjectPlace, StartConfig, Rates, EnvConfig, EnvObject, CameraAdderConfig,
+                     SimSettings, WrapperConfig, ObjectVariation>;
 TYPED_TEST_SUITE(RoundTrip, SpecTypes);
 
-TYPED_TEST(RoundTrip, RandomSpecsComeBackEqual) {
+TYPED_TEST(RoundTrip, RandomSpecsRoundTrip) {
   for (uint64_t seed = 0; seed < 40; ++seed) {
     const auto spec = RandomSpec(seed).Make<TypeParam>();
     const std::string text = Write(spec);
@@ -96,11 +97,11 @@ TYPED_TEST(RoundTrip, EveryFieldIsWrittenReadAndCompared) {
   }
 }
 
-TYPED_TEST(RoundTrip, DefaultsComeBackEqual) {
+TYPED_TEST(RoundTrip, DefaultsRoundTrip) {
   EXPECT_TRUE(Read<TypeParam>(Write(TypeParam{})) == TypeParam{});
 }
 
-TYPED_TEST(RoundTrip, EveryFieldHasANameOfItsOwnAndASentence) {
+TYPED_TEST(RoundTrip, EveryFieldHasAUniqueNameAndADescription) {
   std::set<std::string> names;
   for (const auto& field : FieldsOf<TypeParam>()) {
     EXPECT_TRUE(names.insert(field.name).second) << field.name;
@@ -117,7 +118,7 @@ TYPED_TEST(RoundTrip, CopiesShareNothing) {
   EXPECT_EQ(Write(copy), before);
 }
 
-TEST(ToYaml, GivesTextThatParseYamlAccepts) {
+TEST(ToYaml, ProducesTextThatParseYamlAccepts) {
   SceneSpec spec{.timestep = 0.002, .add_floor = true, .add_skybox = false};
   spec.robots.push_back({.path = "arm.xml", .prefix = "left_", .pos = {0.1, 0, 1.0 / 3}});
   spec.robots[0].attachments.push_back({.mjcf_path = "hand.xml", .attach_to = Site("flange")});
@@ -139,7 +140,7 @@ TEST(ToYaml, WritesIndexRunsAsRanges) {
   EXPECT_THAT(ToYaml(run), HasSubstr("houses: [0, 2, 3]"));
 }
 
-TEST(ToYaml, LeavesOutWhatIsUnset) {
+TEST(ToYaml, OmitsUnsetFields) {
   const std::string text = ToYaml(RobotConfig{.name = "arm", .model = "arm.xml"});
   EXPECT_THAT(text, ::testing::Not(HasSubstr("reach")));
   EXPECT_THAT(text, ::testing::Not(HasSubstr("edits")));

@@ -80,7 +80,7 @@ BasePlacement SpreadBasePlacement(const BaseRange& range, uint64_t seed, uint64_
 std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support, const Pose& target,
                                     const BasePlacement& placement, const StartConfig& start,
                                     Rng& rng) {
-  const RobotOutline outline(robot);
+  const internal::RobotOutline outline(robot);
   const double first = rng.Uniform(-internal::kPi, internal::kPi);
   const double turn =
       internal::kPi + rng.Uniform(-start.base_facing_noise, start.base_facing_noise);
@@ -90,7 +90,7 @@ std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support, 
     const Eigen::Vector3d offset(placement.distance * std::cos(bearing),
                                  placement.distance * std::sin(bearing), placement.height);
     const Pose base = Pose::FromRpy(target.translation() + offset, {0, 0, bearing + turn});
-    if (outline.IsClearOf(support.box(), base, start.base_clearance)) clear.push_back(base);
+    if (outline.IsClearOf(support.area(), base, start.base_clearance)) clear.push_back(base);
   }
   if (clear.empty()) return std::nullopt;
   return clear[rng.UniformInt(clear.size())];

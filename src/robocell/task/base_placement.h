@@ -32,7 +32,7 @@ inline constexpr double kReachShare = 0.95;  // share of the robot's reach that 
 // The range of a robot's base around an object, in metres.
 struct BaseRange {
   Vec2 distance = {0.3, 0.6};  // horizontal: smallest and largest
-  double height_offset = 0;    // of the base's bottom above the object
+  double height_offset = 0;    // height of the base's bottom above the object
   Vec2 height_noise = {0, 0};  // added to height_offset: smallest and largest
 };
 
@@ -44,8 +44,8 @@ BaseRange BaseRangeOf(const StartConfig& start, const BaseRange& of_task);
 void RequireSound(const BaseRange& range);
 
 struct BasePlacement {
-  double distance = 0;  // from the target, horizontal
-  double height = 0;    // of the base's bottom above the target
+  double distance = 0;  // horizontal distance from the target
+  double height = 0;    // height of the base's bottom above the target
 };
 // Throws ArgumentError that names the first number that is not finite.
 void RequireFinite(const BasePlacement& placement);
@@ -59,7 +59,7 @@ BasePlacement SpreadBasePlacement(const BaseRange& range, uint64_t seed, uint64_
 
 // Returns a pose for the robot's base (the bottom of its pedestal) around the target. The base
 // faces the target up to `base_facing_noise`, and the robot in its present configuration keeps
-// `base_clearance` from the support. Unset when there is no such pose.
+// `base_clearance` from the support. Unset without such a pose.
 std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support,
                                     const Pose& target_in_world, const BasePlacement& placement,
                                     const StartConfig& start, Rng& rng);
@@ -78,9 +78,9 @@ std::optional<Refusal> ValidateBaseClearance(const Scene& scene, const Robot& ro
 std::optional<Refusal> ValidateVisibility(const Scene& scene, const std::string& target_body,
                                           const RunConfig& run);
 
-// The image stream that an entry of `start.visible_from` means: the one of that name, else the first
-// one of that camera. A camera without a stream is seen in the run's resolution; what is returned
-// then has no name.
+// Returns the image stream that an entry of `start.visible_from` names: the one of that name, else
+// the first one of that camera. A camera without a stream gives a nameless one with the run's
+// resolution.
 CameraConfig StreamToSee(const CameraSystemConfig& cameras, const std::string& name);
 
 }  // namespace robocell

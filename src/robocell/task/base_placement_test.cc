@@ -28,7 +28,7 @@ BasePlacement Place(uint64_t turn, int attempt) {
   return SpreadBasePlacement(Ranges(), 7, turn, attempt, rng);
 }
 
-TEST(BasePlacement, WhatTheRunSaysComesBeforeWhatTheTaskSays) {
+TEST(BasePlacement, ValuesOfTheRunOverrideTheTask) {
   const BaseRange plain = BaseRangeOf({}, Ranges());
   EXPECT_EQ(plain.distance, Ranges().distance);
   EXPECT_EQ(plain.height_offset, Ranges().height_offset);
@@ -39,7 +39,7 @@ TEST(BasePlacement, WhatTheRunSaysComesBeforeWhatTheTaskSays) {
   EXPECT_EQ(range.height_offset, Ranges().height_offset);
 }
 
-TEST(BasePlacement, OfNumbersThatAreNotFiniteIsRefused) {
+TEST(BasePlacement, RejectsNonFiniteNumbers) {
   EXPECT_NO_THROW(RequireFinite({.distance = 0.4, .height = -0.1}));
   ExpectThrow<ArgumentError>([] { RequireFinite({.distance = std::nan("")}); },
                              "the distance of a base placement is nan; it must be finite metres");
@@ -67,7 +67,7 @@ TEST(BasePlacement, RangesAreFiniteAndInOrder) {
                              "the height_offset of a base range is nan");
 }
 
-TEST(BasePlacement, EachConditionRefusesForItsReason) {
+TEST(BasePlacement, EachConditionRejectsWithItsReason) {
   PickScene made = MakePickScene(ObjectOnTheTable("box"));
   const Pose target = made.scene.body_pose(made.target_body);
   made.scene.Forward();
@@ -107,7 +107,7 @@ TEST(BasePlacement, VisibilityIsJudgedInTheImageOfTheStream) {
   EXPECT_EQ(seen(), std::regex_replace(wide, std::regex("exo_camera"), "exo"));
 }
 
-TEST(BasePlacement, AnUnknownCameraIsNoStream) {
+TEST(BasePlacement, RejectsAnUnknownCamera) {
   PickScene made = MakePickScene(ObjectOnTheTable("box"));
   made.run.start.visible_from = {"exo_camra"};
   const std::string text = ExpectThrow<NotFoundError>(
@@ -132,7 +132,7 @@ TEST(BasePlacement, AProposedBaseFacesTheTargetAtItsDistance) {
   EXPECT_GT(ahead.head<2>().dot(way.head<2>().normalized()), std::cos(0.1) - 1e-9);
 }
 
-TEST(BasePlacement, EveryQuarterOfTheRangesHasItsShareOfTheTurns) {
+TEST(BasePlacement, CoversEveryQuarterOfTheRangesEvenly) {
   std::vector<int> distances(4), heights(4);
   for (uint64_t turn = 0; turn < 40; ++turn) {
     const BasePlacement place = Place(turn, 0);
@@ -145,7 +145,7 @@ TEST(BasePlacement, EveryQuarterOfTheRangesHasItsShareOfTheTurns) {
   }
 }
 
-TEST(BasePlacement, FurtherAttemptsSpreadAndStayInTheRanges) {
+TEST(BasePlacement, FurtherTrialsSpreadWithinTheRanges) {
   double near = 0, far = 0;
   for (uint64_t turn = 0; turn < 50; ++turn) {
     const double first = Place(turn, 0).distance;

@@ -50,7 +50,7 @@ TEST(GoalFeasibility, AnObjectDoesNotRestInTheAirOrInsideOfATable) {
 }
 
 // The bound is that of the stretched arm: what it reaches at all is within it.
-TEST(GoalFeasibility, OutOfReachIsFartherThanTheArmIsLong) {
+TEST(GoalFeasibility, OutOfReachMeansBeyondTheLengthOfTheArm) {
   const Scene scene = Room(true);
   const Robot arm = Robot::Of(scene, "arm");
   const double anywhere = -std::numeric_limits<double>::infinity();
@@ -62,7 +62,7 @@ TEST(GoalFeasibility, OutOfReachIsFartherThanTheArmIsLong) {
   EXPECT_EQ(WhyOutOfReach({arm}, far, anywhere, 2 * arm.reach() + 2), "") << "within the slack";
 }
 
-TEST(GoalFeasibility, HeightsAreOverWhatIsUnderThePlace) {
+TEST(GoalFeasibility, HeightsAreMeasuredFromTheSupport) {
   const Scene scene = Room();
   const int cube = FindId(scene.model(), mjOBJ_BODY, "cube");
   EXPECT_NEAR(HeightOverSupport(scene, {0.5, 0.5, 0.3}, cube), 0.3, 1e-6);

@@ -17,15 +17,15 @@ namespace robocell {
 namespace {
 
 constexpr int kYaws = 12;                        // over half a turn
-constexpr double kSideSteps[] = {0, -0.6, 0.6};  // of the half extent across the closing direction
+constexpr double kSideSteps[] = {0, -0.6, 0.6};  // shares of the half extent across
 constexpr double kSupportClearance =
-    0.003;  // of the fingertips above what the object stands on, metres
-constexpr double kLeastOverlap = 0.012;  // of pad and object along the approach
+    0.003;                               // gap between fingertips and the object's support, metres
+constexpr double kLeastOverlap = 0.012;  // overlap of pad and object along the approach
 constexpr double kDeepGrip = 0.02;  // one of the heights tried: this far below a grip at the top
 constexpr double kOpenClearance = 0.006;  // beside the object when the gripper is open, per finger
 constexpr double kLeastWidth = 0.006;
 constexpr double kLeastAboveClosed = 0.005;  // wider than the closed gripper, to notice holding
-constexpr double kLeastRange = 5e-4;         // of widths that are held; a smaller one is none
+constexpr double kLeastRange = 5e-4;         // range of held widths; a smaller one counts as none
 constexpr double kTouchDepth = 0.0015;       // rays this near to the first touch end under the pad
 constexpr double kMostPadUsed = 0.008;       // half width of the pad that rays are spread over
 constexpr int kRaysAcross = 3, kRaysAlong = 3;
@@ -61,7 +61,7 @@ Eigen::Matrix3d TopDown(double yaw) {
 
 // The contacts that the pads would make.
 struct Squeeze {
-  double left, right;  // where they touch, along the closing direction from the given point
+  double left, right;  // contact positions along the closing direction from the given point
   double square;       // cosine of the worse side's mean normal to the closing direction
   double cover;        // share of the worse side's rays that end where a pad touches
   double width() const { return left - right; }
@@ -211,7 +211,7 @@ class CandidateSearch {
   const GripperShape& shape_;
   std::vector<int> geoms_;
   double away_ = 0;    // further than the object is large
-  Interval height_{};  // of the object's lowest and highest point
+  Interval height_{};  // heights of the object's lowest and highest point
   Eigen::Vector3d com_ = Eigen::Vector3d::Zero();
   double half_height_ = 0, half_width_ = 0;
   std::vector<GraspCandidate> found_;

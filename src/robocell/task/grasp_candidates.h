@@ -19,7 +19,7 @@ namespace robocell {
 
 struct GraspCandidate {
   Pose tcp_in_world;
-  double width = 0;  // of the object between the pads, metres
+  double width = 0;  // object width between the pads, metres
   double cost = 0;   // lower is better
 };
 

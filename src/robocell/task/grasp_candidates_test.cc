@@ -58,7 +58,7 @@ TEST(CastRay, AgreesWithTheEnginesRays) {
   }
 }
 
-TEST(FindGrasps, ABoxIsTakenSquarelyAcrossItsFacesBeforeAnythingElse) {
+TEST(FindGrasps, PrefersGraspsAcrossTheFacesOfABox) {
   const PickScene pick = MakePickScene(Box(0.015, 0.03, 0.02));
   const std::vector<GraspCandidate> grasps = GraspsOf(pick);
   ASSERT_GE(grasps.size(), 4u);
@@ -72,7 +72,7 @@ TEST(FindGrasps, ABoxIsTakenSquarelyAcrossItsFacesBeforeAnythingElse) {
   }
 }
 
-TEST(FindGrasps, CandidatesComeFromAboveBestFirstAndStayOffTheTable) {
+TEST(FindGrasps, CandidatesAreFromAboveSortedAndOffTheTable) {
   for (const std::string& kind : ObjectKinds()) {
     const PickScene pick = MakePickScene(ObjectOnTheTable(kind));
     const std::vector<GraspCandidate> grasps = GraspsOf(pick);
@@ -111,7 +111,7 @@ TEST(FindGrasps, TheObjectIsCentredBetweenThePads) {
 }
 
 // A few candidates that are only just accepted may differ.
-TEST(FindGrasps, TurnWithTheObject) {
+TEST(FindGrasps, RotateWithTheObject) {
   const PickScene a = MakePickScene(ObjectOnTheTable("bracket", 0.2));
   const PickScene b = MakePickScene(ObjectOnTheTable("bracket", 1.9));
   const Pose in_a = a.scene.body_pose(a.target_body).inverse();
@@ -128,7 +128,7 @@ TEST(FindGrasps, TurnWithTheObject) {
   EXPECT_GT(partners, 50u);
 }
 
-TEST(FindGrasps, NothingThatIsTooLargeTooThinOrTooFlatHasOne) {
+TEST(FindGrasps, ReturnsNoneForUnsuitableSizes) {
   EXPECT_TRUE(GraspsOf(MakePickScene(Box(0.05, 0.05, 0.02))).empty());
   SceneObject rod = Box(0.0015, 0.0015, 0.02);
   rod.fixed = true;  // it would fall over
@@ -136,7 +136,7 @@ TEST(FindGrasps, NothingThatIsTooLargeTooThinOrTooFlatHasOne) {
   EXPECT_TRUE(GraspsOf(MakePickScene(Box(0.02, 0.02, 0.005))).empty());
 }
 
-TEST(HeldWidths, AreNotToldAsARangeWhereThereIsNone) {
+TEST(HeldWidths, AreNoRangeIfTheGripperHoldsNothing) {
   EXPECT_EQ(DescribeHeldWidths(0.002, 0.09), "holds from 0.007 to 0.078 m");
   for (const double open : {0.01, 0.01799, 0.018, 0.0184}) {
     EXPECT_THAT(DescribeHeldWidths(0, open),

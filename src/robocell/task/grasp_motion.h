@@ -61,9 +61,9 @@ class GraspMotions {
   Pose world_in_base_;
   Eigen::Vector3d up_in_base_;
   size_t next_ = 0;
-  std::vector<JointVector> solved_;  // of the first candidates; empty: none
+  std::vector<JointVector> solved_;  // solutions of the first candidates; empty: none
   std::vector<double> missed_by_;    // pose errors of the same candidates, metres
-  // How many candidates failed for which reason, and the smallest error, metres.
+  // Number of failed candidates for one reason, and the smallest error, metres.
   struct Misses {
     int count = 0;
     double least = std::numeric_limits<double>::infinity();

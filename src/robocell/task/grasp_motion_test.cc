@@ -14,7 +14,7 @@ std::vector<GraspCandidate> Candidates(const PlanningScene& planning) {
                     planning.robot().tcp_in_world());
 }
 
-TEST(GraspMotions, GoStraightDownToTheCandidateAndStraightUpAgain) {
+TEST(GraspMotions, MoveStraightDownAndUpAgain) {
   for (const char* kind : {"box", "mug", "bottle"}) {
     const PickScene pick = MakePickScene(ObjectOnTheTable(kind));
     PlanningScene planning = pick.planning();
@@ -43,7 +43,7 @@ TEST(GraspMotions, GoStraightDownToTheCandidateAndStraightUpAgain) {
   }
 }
 
-TEST(GraspMotions, ASecondRobotPostureIsNotNeededForTheWayUp) {
+TEST(GraspMotions, TheLiftNeedsNoSecondPosture) {
   const PickScene pick = MakePickScene(ObjectOnTheTable("nut"));
   PlanningScene planning = pick.planning();
   GraspMotions motions(planning, Candidates(planning), pick.home());
@@ -57,7 +57,7 @@ TEST(GraspMotions, ASecondRobotPostureIsNotNeededForTheWayUp) {
   EXPECT_GT(count, 3);
 }
 
-TEST(GraspMotions, CountWhatIsOutOfReach) {
+TEST(GraspMotions, CountGraspsOutOfReach) {
   const PickScene pick = MakePickScene(ObjectOnTheTable("box"), "demo.yaml", 1.2);
   PlanningScene planning = pick.planning();
   std::vector<GraspCandidate> candidates = Candidates(planning);
@@ -76,7 +76,7 @@ TEST(GraspMotions, CountWhatIsOutOfReach) {
   EXPECT_LT(missing, far) << reasons;
 }
 
-TEST(GraspMotions, TellsThatTheLiftIsWhatIsOutOfReach) {
+TEST(GraspMotions, ReportsALiftOutOfReach) {
   const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   PlanningScene planning = pick.planning();
   GraspMotions motions(planning, Candidates(planning), pick.home(), {.lift = 3});
@@ -90,7 +90,7 @@ TEST(GraspMotions, TellsThatTheLiftIsWhatIsOutOfReach) {
 }
 
 // A wall of boxes around the object leaves no space for the fingers.
-TEST(GraspMotions, NeighboursThatAreInTheWayCount) {
+TEST(GraspMotions, IncludeCollisionsWithOtherObjects) {
   PickScene pick = MakePickScene(ObjectOnTheTable("box"));
   SceneSpec spec = pick.scene.spec();
   for (const double side : {-1.0, 1.0}) {

@@ -35,7 +35,7 @@ class HeldTest : public ::testing::Test {
   std::optional<Scene> scene_;
 };
 
-TEST_F(HeldTest, WhatIsBetweenRobotsIsHeld) {
+TEST_F(HeldTest, AnObjectBetweenRobotsIsHeld) {
   Put({0, 0, 1});
   EXPECT_TRUE(Touches().robot);
   EXPECT_FALSE(Touches().other);
@@ -43,14 +43,14 @@ TEST_F(HeldTest, WhatIsBetweenRobotsIsHeld) {
   EXPECT_TRUE(IsHeld(*scene_, "cube"));
 }
 
-TEST_F(HeldTest, WhatNobodyTouchesIsNotHeld) {
+TEST_F(HeldTest, AnObjectWithoutContactsIsNotHeld) {
   Put({0, 0, 2});
   EXPECT_FALSE(Touches().robot);
   EXPECT_FALSE(OnlyRobotsTouch(*scene_, "cube"));
   EXPECT_FALSE(IsHeld(*scene_, "cube"));
 }
 
-TEST_F(HeldTest, WhatLiesOnAShelfIsNotHeld) {
+TEST_F(HeldTest, AnObjectOnAShelfIsNotHeld) {
   Put({0, 0, 0.5399});
   EXPECT_FALSE(Touches().robot);
   EXPECT_TRUE(Touches().other);

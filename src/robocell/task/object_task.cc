@@ -5,19 +5,95 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <utility>
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/scenes/catalogue.h"
 #include "robocell/task/goal_feasibility.h"
 #include "robocell/task/held.h"
 
 namespace robocell {
 
+namespace {
+
+constexpr size_t kMostBeside = 2;  // objects beside the target
+
+// Returns the name of a drawn object in the scene; number 0 is the target.
+std::string NameOfDrawn(size_t i) { return i == 0 ? "target" : fmt::format("object_{}", i); }
+
+}  // namespace
+
 double Near(double distance) {
   constexpr double kReachScale = 5;  // 1/m
   return 1 - std::tanh(kReachScale * distance);
+}
+
+ObjectTask::ObjectTask(ObjectOfTask object)
+    : fields_(std::move(object)),
+      draws_objects_(fields_.name.empty()),
+      all_(fields_.all.value_or(std::vector<std::string>{fields_.name})) {
+  if (draws_objects_) all_.clear();
+}
+
+std::vector<std::string> ObjectTask::ChooseKinds(Rng& rng) {
+  const std::vector<std::string> allowed = fields_.kinds.empty() ? ObjectKinds() : fields_.kinds;
+  std::vector<std::string> kinds = {turn().Choose(allowed)};
+  // The other objects are of other kinds: "pick up the mug" has to mean one object.
+  std::vector<std::string> others = allowed;
+  std::erase(others, kinds.front());
+  rng.Shuffle(others);
+  const size_t beside = std::min<size_t>(rng.UniformInt(kMostBeside + 1), others.size());
+  kinds.insert(kinds.end(), others.begin(), others.begin() + static_cast<std::ptrdiff_t>(beside));
+  return kinds;
+}
+
+void ObjectTask::Prepare(SceneSpec& spec, Rng& rng) {
+  if (!draws_objects_) return;
+  const std::vector<std::string> kinds = ChooseKinds(rng);
+  if (kinds.empty()) throw ArgumentError("choose_kinds() must return at least the target's kind");
+  fields_.name = NameOfDrawn(0);
+  fields_.word = kinds.front();
+  all_.clear();
+  kinds_.clear();
+  for (size_t i = 0; i < kinds.size(); ++i) {
+    const SceneObject object = MakeCatalogueObject(kinds[i], NameOfDrawn(i), rng);
+    kinds_[object.name] = kinds[i];
+    all_.push_back(object.name);
+    spec.objects.push_back(object);
+  }
+}
+
+void ObjectTask::AddDrawn(SceneSpec& spec, const SceneObject& object, const std::string& kind) {
+  const size_t target = spec.objects.size() - all_.size();
+  spec.objects.push_back(object);
+  for (size_t i = spec.objects.size() - 1; i > target + 1; --i)
+    std::swap(spec.objects[i], spec.objects[i - 1]);
+  all_.insert(all_.begin() + 1, object.name);
+  kinds_[object.name] = kind;
+}
+
+std::string ObjectTask::kind_of(const std::string& object) const {
+  const auto drawn = kinds_.find(object);
+  return drawn == kinds_.end() ? object : drawn->second;
+}
+
+std::vector<StartContents> ObjectTask::PossibleContents(const std::vector<std::string>& kinds) {
+  Rng rng = Rng::Stream(0, "check");
+  std::vector<StartContents> possible;
+  for (size_t target = 0; target < kinds.size(); ++target) {
+    StartContents& contents = possible.emplace_back();
+    for (size_t i = 0; i < kinds.size(); ++i) {
+      const std::string& kind = kinds[(target + i) % kinds.size()];
+      const std::string name = i <= kMostBeside ? NameOfDrawn(i) : kind;
+      contents.objects.push_back(MakeCatalogueObject(kind, name, rng));
+      contents.kinds.push_back(kind);
+    }
+  }
+  return possible;
 }
 
 void ObjectTask::Bind(const Scene& scene, const TaskSetting& setting) {
@@ -27,13 +103,13 @@ void ObjectTask::Bind(const Scene& scene, const TaskSetting& setting) {
     const mjModel* m = scene.model();
     const int root = FindId(m, mjOBJ_BODY, object.root_body);
     if (root >= 0 && m->body_jntnum[root] > 0) {
-      throw ArgumentError(fmt::format(
-          "{}: task.object '{}' moves on the joint '{}' of its root body, so that nobody can pick "
-          "it; choose an object whose root has no joint",
-          place_, fields_.name, ElementName(m, mjOBJ_JOINT, m->body_jntadr[root])));
+      throw ArgumentError(
+          fmt::format("{}: task.object '{}' moves on the joint '{}' of its root body, so that no "
+                      "robot can pick it; choose an object whose root has no joint",
+                      place_, fields_.name, ElementName(m, mjOBJ_JOINT, m->body_jntadr[root])));
     }
     throw ArgumentError(fmt::format(
-        "{}: task.object '{}' is fixed, so that nobody can pick it; set fixed: false in "
+        "{}: task.object '{}' is fixed, so that no robot can pick it; set fixed: false in "
         "root_frame_objects.{}",
         place_, fields_.name, fields_.name));
   }
@@ -52,6 +128,14 @@ std::optional<Refusal> ObjectTask::Arrange(Scene& scene, Rng& /*rng*/) {
                                                   internal::RadiusOf(scene.model(), object_->id()));
   if (why.empty()) return std::nullopt;
   return Refusal{.reason = fmt::format("'{}' is out of reach", fields_.name), .detail = why};
+}
+
+std::optional<Refusal> ObjectTask::CheckStart(const Scene& scene) {
+  if (!draws_objects_ || robots_.empty()) return std::nullopt;
+  return grasps_.Check(scene, robots_.front(), object_->name(), fields_.lift_height,
+                       [&](PlanningScene& planning, const GraspMotion& motion) {
+                         return RefuseGrasp(scene, planning, motion);
+                       });
 }
 
 void ObjectTask::Begin(const Scene& scene) {

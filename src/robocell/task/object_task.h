@@ -1,42 +1,63 @@
 // ObjectTask: the common part of tasks about one object: where it is put, how high it was lifted,
 // who holds it.
+//
+// An environment names the object. A run names none: each start has a target of a kind of the
+// catalogue that takes its turn, and up to two objects of other kinds beside it, which the stages of
+// the start place (start_sampler.h); a start from which no grasp is in reach is refused.
 #pragma once
 
+#include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "robocell/robot/robot.h"
 #include "robocell/scene/body_handle.h"
 #include "robocell/spec/types.h"
+#include "robocell/task/grasp_check.h"
+#include "robocell/task/start_contents.h"
 #include "robocell/task/task.h"
 
 namespace robocell {
 
 // The fields of a task that describe its object.
 struct ObjectOfTask {
-  std::string name = {};   // in the scene
+  std::string name = {};   // name in the scene; "" if the task draws its objects
   std::string word = {};   // its name in the instruction; `name` unless set
   double lift_height = 0;  // metres
-  Vec2 spread = {0, 0};    // of its place, metres
+  Vec2 spread = {0, 0};    // random offset of its position, metres
   bool rotate = false;     // about the vertical at its place
+  // Kinds of the catalogue that objects are drawn from; empty for all.
+  std::vector<std::string> kinds = {};
+  // Objects whose poses are observed; {name} unless set.
+  std::optional<std::vector<std::string>> all = {};
 };
 
 class ObjectTask : public Task {
  public:
-  explicit ObjectTask(ObjectOfTask object) : fields_(std::move(object)) {}
+  explicit ObjectTask(ObjectOfTask object);
 
+  // Adds the drawn objects.
+  void Prepare(SceneSpec& spec, Rng& rng) override;
   // Throws ArgumentError if the object cannot move and NotFoundError if it does not exist. Begin
   // binds an unbound task with all robots of the scene.
   void Bind(const Scene& scene, const TaskSetting& setting) override;
   // Refuses starts that no robot can reach.
   std::optional<Refusal> Arrange(Scene& scene, Rng& rng) override;
+  // With drawn objects, refuses a start in which no grasp is in reach, or none that is of use.
+  std::optional<Refusal> CheckStart(const Scene& scene) override;
   void Begin(const Scene& scene) override;
   // Returns the reward 1 at success, else the largest progress so far.
   TaskVerdict Judge(const Scene& scene) override;
-  std::vector<std::string> objects() const override { return {fields_.name}; }
+  std::vector<std::string> objects() const override { return all_; }
+  std::string kind_of(const std::string& object) const override;
   std::vector<std::string> resting_objects() const override { return {fields_.name}; }
+  // Returns the kinds of the objects to draw, the target's first: the one whose turn it is, and up
+  // to two others, so that the words mean one object.
+  virtual std::vector<std::string> ChooseKinds(Rng& rng);
+  // Returns contents that together have each of `kinds` as the target, with all others beside it:
+  // those that one start has are named as there, and further ones by their kind.
+  static std::vector<StartContents> PossibleContents(const std::vector<std::string>& kinds);
   // Returns the position where the episode began.
   std::vector<double> memory() const override;
   void Recall(std::span<const double> memory) override;
@@ -45,6 +66,16 @@ class ObjectTask : public Task {
   virtual bool IsDone(const Scene& scene) = 0;
   // Returns the progress of a state without success, less than 1.
   virtual double Progress() const = 0;
+
+  // Returns true if the task draws its objects, as in runs.
+  bool draws_objects() const { return draws_objects_; }
+  // Refuses a grasp in reach after which the task could not go on.
+  virtual std::optional<Refusal> RefuseGrasp(const Scene& /*scene*/, PlanningScene& /*planning*/,
+                                             const GraspMotion& /*motion*/) {
+    return {};
+  }
+  // Adds an object to those that were drawn, after the target.
+  void AddDrawn(SceneSpec& spec, const SceneObject& object, const std::string& kind);
 
   const ObjectOfTask& fields() const { return fields_; }
   std::string word() const { return fields_.word.empty() ? fields_.name : fields_.word; }
@@ -70,11 +101,15 @@ class ObjectTask : public Task {
 
  private:
   ObjectOfTask fields_;
+  bool draws_objects_;
+  std::vector<std::string> all_;
+  std::map<std::string, std::string> kinds_;  // of the drawn objects, by name
+  GraspCheck grasps_;
   std::string place_ = "task";
   Pose root_, offset_;
   std::optional<BodyHandle> object_;
   std::vector<Robot> robots_;
-  Eigen::Vector3d start_ = Eigen::Vector3d::Zero();  // in the root frame
+  Eigen::Vector3d start_ = Eigen::Vector3d::Zero();  // position in the root frame at the start
 };
 
 // Returns 1 at distance 0 (m), falling to 0 far away.

@@ -9,11 +9,15 @@
 #include <limits>
 #include <utility>
 
+#include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/motion/geom_extent.h"
+#include "robocell/scenes/catalogue.h"
 #include "robocell/task/goal_feasibility.h"
 #include "robocell/task/grasp_candidates.h"
 #include "robocell/task/held.h"
+#include "robocell/task/place_motion.h"
 
 namespace robocell {
 namespace {
@@ -21,28 +25,70 @@ namespace {
 constexpr double kRestSpeed = 0.02;  // m/s
 constexpr double kRestTurn = 0.2;    // rad/s
 constexpr int kTries = 1000;
+constexpr const char* kGoal = "goal";  // name of a drawn goal object in the scene
+constexpr const char* kTray = "tray";
+
+std::vector<std::string> NamedObjects(const PickAndPlaceTaskConfig& fields) {
+  if (fields.object.empty()) return {};
+  std::vector<std::string> objects = {fields.object};
+  if (!fields.goal_object.empty()) objects.push_back(fields.goal_object);
+  return objects;
+}
 
 }  // namespace
+
+std::vector<std::string> PickAndPlaceTask::GoalKindsOf(const PickAndPlaceTaskConfig& task) {
+  return task.goals.empty() ? std::vector<std::string>{kTray} : task.goals.names;
+}
+
+std::vector<std::string> PickAndPlaceTask::AllGoalKinds() {
+  std::vector<std::string> kinds = ObjectKinds();
+  const std::vector<std::string> equipment = assets::BuiltinEquipment();
+  kinds.insert(kinds.end(), equipment.begin(), equipment.end());
+  return kinds;
+}
+
+SceneObject PickAndPlaceTask::MakeGoalObject(const std::string& kind, const std::string& name,
+                                             Rng& rng) {
+  const std::vector<std::string> equipment = assets::BuiltinEquipment();
+  if (std::ranges::find(equipment, kind) != equipment.end())
+    return {.name = name, .mjcf_path = kind, .fixed = false};
+  const std::vector<std::string> all = AllGoalKinds();
+  if (std::ranges::find(all, kind) != all.end()) return MakeCatalogueObject(kind, name, rng);
+  throw NotFoundError(NoSuchName("task.goals", "kind", kind, all));
+}
 
 PickAndPlaceTask::PickAndPlaceTask(const PickAndPlaceTaskConfig& fields)
     : ObjectTask({.name = fields.object,
                   .lift_height = fields.lift_height,
                   .spread = fields.spread,
-                  .rotate = fields.rotate}),
+                  .rotate = fields.rotate,
+                  .kinds = fields.objects.names,
+                  .all = NamedObjects(fields)}),
       task_(fields),
-      goal_word_(fields.goal_object),
-      all_objects_({fields.object}) {
-  if (has_goal_object()) all_objects_.push_back(task_.goal_object);
+      goal_word_(fields.goal_object) {}
+
+void PickAndPlaceTask::Prepare(SceneSpec& spec, Rng& rng) {
+  ObjectTask::Prepare(spec, rng);
+  if (!draws_objects()) return;
+  const std::vector<std::string> kinds = GoalKindsOf(task_);
+  goal_word_ = kinds[rng.UniformInt(kinds.size())];
+  task_.goal_object = kGoal;
+  AddDrawn(spec, MakeGoalObject(goal_word_, kGoal, rng), goal_word_);
 }
 
-PickAndPlaceTask::PickAndPlaceTask(const PickAndPlaceTaskConfig& fields, Objects objects)
-    : ObjectTask({.name = std::move(objects.object),
-                  .word = std::move(objects.kind),
-                  .lift_height = fields.lift_height}),
-      task_(fields),
-      goal_word_(std::move(objects.goal_kind)),
-      all_objects_(std::move(objects.all)) {
-  task_.goal_object = std::move(objects.goal_object);
+std::vector<StartContents> PickAndPlaceTask::PossibleContents(
+    const std::vector<std::string>& kinds, const std::vector<std::string>& goals) {
+  const std::vector<StartContents> picks = ObjectTask::PossibleContents(kinds);
+  Rng rng = Rng::Stream(0, "check");
+  std::vector<StartContents> possible;
+  for (size_t i = 0; i < std::max(goals.size(), picks.size()); ++i) {
+    StartContents& contents = possible.emplace_back(picks[i % picks.size()]);
+    const std::string& goal = goals[i % goals.size()];
+    contents.objects.insert(contents.objects.begin() + 1, MakeGoalObject(goal, kGoal, rng));
+    contents.kinds.insert(contents.kinds.begin() + 1, goal);
+  }
+  return possible;
 }
 
 void PickAndPlaceTask::Bind(const Scene& scene, const TaskSetting& setting) {
@@ -66,6 +112,7 @@ void PickAndPlaceTask::Bind(const Scene& scene, const TaskSetting& setting) {
 }
 
 BodyPoses PickAndPlaceTask::Starts(Rng& rng) {
+  if (draws_objects()) return {};
   const Pose goal_in_object = has_goal_object() && task_.goal ? Pose(ToEigen(*task_.goal)) : Pose();
   for (int i = 0; i < kTries; ++i) {
     const Pose start = Start(rng);
@@ -86,9 +133,32 @@ BodyPoses PickAndPlaceTask::Starts(Rng& rng) {
 
 std::optional<Refusal> PickAndPlaceTask::Arrange(Scene& scene, Rng& rng) {
   if (auto refusal = ObjectTask::Arrange(scene, rng)) return refusal;
+  if (draws_objects()) return std::nullopt;
   if (!is_possible_) RequirePossible(scene);
   is_possible_ = true;
   return CheckDrawnGoal(scene);
+}
+
+std::optional<Refusal> PickAndPlaceTask::CheckStart(const Scene& scene) {
+  if (!draws_objects()) return std::nullopt;
+  if (auto refusal = ObjectTask::CheckStart(scene)) return refusal;
+  Begin(scene);
+  const Eigen::Vector3d way = GoalInWorld() - ObjectInWorld();
+  if (way.head<2>().norm() >= task_.goal_distance) return std::nullopt;
+  return Refusal{Refusal::kNoFreePlace, "the object lies nearer to its goal than goal_distance"};
+}
+
+std::optional<Refusal> PickAndPlaceTask::RefuseGrasp(const Scene& scene, PlanningScene& planning,
+                                                     const GraspMotion& motion) {
+  Begin(scene);
+  const int body = planning.target_body();
+  const Pose object = Pose::FromTranslationAndMatrix(planning.data()->xpos + 3 * body,
+                                                     planning.data()->xmat + 9 * body);
+  PlaceMotions places(planning, motion.grasp.tcp_in_world.inverse() * object,
+                      PosesAbout(PlaceOver(GoalInWorld()), object), motion.up.back(),
+                      {.gap = motion.grasp.width});
+  if (places.Next()) return std::nullopt;
+  return Refusal{Refusal::kNoWayToPlace, places.Reasons()};
 }
 
 std::vector<std::string> PickAndPlaceTask::resting_objects() const {
@@ -147,7 +217,7 @@ void PickAndPlaceTask::RequirePossible(const Scene& scene) {
   const std::string why = internal::WhyNoRest(scene, object().id(), places, task_.goal_tolerance);
   if (why.empty()) return;
   throw ArgumentError(fmt::format(
-      "{}: '{}' cannot come to rest at {}: {}. Give the place of its root when it lies there, "
+      "{}: '{}' cannot come to rest at {}: {}. Give the position of its root at rest there, "
       "within task.goal_tolerance ({:g} m){}",
       place(), fields().name, goal, why, task_.goal_tolerance,
       has_goal_object() ? ", in the frame of '" + task_.goal_object + "'" : ""));

@@ -1,5 +1,7 @@
 // PickAndPlaceTask: pick an object up and put it down at a goal: a place in the root frame, or one
-// on another object wherever that is, by default in the middle on top of it. Success: the object
+// on another object wherever that is, by default in the middle on top of it. A run draws its objects
+// (object_task.h) and a goal object of one of the kinds in `goals`, in the middle of which the robot
+// can put the target down. Success: the object
 // was lifted, held only by robots, and is now at rest at the goal with no robot touching it. The
 // reward, 0 to 1, gives a quarter for a TCP near the object, a quarter for having lifted it, and
 // half, once it was lifted, for its nearness to the goal; at success it is 1. The goal is observed
@@ -12,23 +14,24 @@
 #include <string>
 #include <vector>
 
-#include "robocell/spec/pick_task_config.h"
 #include "robocell/task/object_task.h"
+#include "robocell/task/pick_task_config.h"
 
 namespace robocell {
 
 class PickAndPlaceTask final : public ObjectTask {
  public:
-  // Makes the task of an environment.
-  explicit PickAndPlaceTask(const PickAndPlaceTaskConfig& fields);
-  // The objects of a run's task. `object`, `goal_object`: names in the scene; `kind`, `goal_kind`:
-  // their words in the instruction; `all_objects`: objects whose poses are observed.
-  struct Objects {
-    std::string object, kind, goal_object, goal_kind;
-    std::vector<std::string> all;
-  };
-  PickAndPlaceTask(const PickAndPlaceTaskConfig& fields, Objects objects);
+  // Returns the kinds of objects that a run uses as goals: those that it names, else a tray.
+  static std::vector<std::string> GoalKindsOf(const PickAndPlaceTaskConfig& task);
+  // Returns the kinds that a run may name: the catalogue and the built-in equipment.
+  static std::vector<std::string> AllGoalKinds();
+  // Returns a movable object of one of these kinds, without a pose. Throws NotFoundError that lists
+  // the kinds.
+  static SceneObject MakeGoalObject(const std::string& kind, const std::string& name, Rng& rng);
 
+  explicit PickAndPlaceTask(const PickAndPlaceTaskConfig& fields);
+
+  void Prepare(SceneSpec& spec, Rng& rng) override;
   // Throws ArgumentError without a goal, or if goal_spread would move an object that cannot move.
   void Bind(const Scene& scene, const TaskSetting& setting) override;
   // Throws ArgumentError if no start is as far from the goal as goal_distance requires.
@@ -37,11 +40,13 @@ class PickAndPlaceTask final : public ObjectTask {
   std::vector<std::string> resting_objects() const override;
   // Throws ArgumentError if the object can come to rest at no goal of this task, or if no robot can
   // bring it there; this is checked once, with the first start. Refuses a drawn goal whose support
-  // differs from that of its place, so that another one is drawn.
+  // differs from that of its place, so that another one is drawn. With drawn objects, CheckStart
+  // finds out more.
   std::optional<Refusal> Arrange(Scene& scene, Rng& rng) override;
+  // Also refuses a target that lies nearer to its goal than goal_distance.
+  std::optional<Refusal> CheckStart(const Scene& scene) override;
   void Begin(const Scene& scene) override;
   std::string instruction() const override;
-  std::vector<std::string> objects() const override { return all_objects_; }
   std::string why_not_done() const override { return "not put down at the goal"; }
   std::vector<Feature> signals() const override;
   void Observe(const Scene& scene, std::span<double> out) const override;
@@ -49,6 +54,14 @@ class PickAndPlaceTask final : public ObjectTask {
   void Recall(std::span<const double> memory) override;
   // Returns where the object's root is to rest. The scene is the one that Begin saw, then or later.
   Eigen::Vector3d GoalInWorld() const;
+  // Returns what ObjectTask::PossibleContents returns, each with a goal object, of all kinds in turn.
+  static std::vector<StartContents> PossibleContents(const std::vector<std::string>& kinds,
+                                                     const std::vector<std::string>& goals);
+
+ protected:
+  // Refuses a target that cannot be put down at the goal as it was grasped.
+  std::optional<Refusal> RefuseGrasp(const Scene& scene, PlanningScene& planning,
+                                     const GraspMotion& motion) override;
 
  private:
   bool IsDone(const Scene& scene) override;
@@ -63,13 +76,12 @@ class PickAndPlaceTask final : public ObjectTask {
 
   PickAndPlaceTaskConfig task_;
   std::string goal_word_;
-  std::vector<std::string> all_objects_;
-  std::optional<BodyHandle> goal_body_;  // of goal_object
+  std::optional<BodyHandle> goal_body_;  // body of goal_object
   Pose goal_offset_;                     // its place, or that of the goal, in the root frame
   // The goal in the root frame, or with goal_object in that object's frame.
   Eigen::Vector3d goal_ = Eigen::Vector3d::Zero();
   bool was_lifted_ = false;
-  bool is_possible_ = false;  // as far as checked
+  bool is_possible_ = false;  // result of the feasibility check
 };
 
 }  // namespace robocell

@@ -3,45 +3,45 @@
 // the object and half for its height; at success it is 1.
 //
 // In an environment the object lies around its place in the root frame, turned about the root
-// frame's z; in a generated episode the sampler places it (pick_sampler.h).
+// frame's z; a run draws its objects (object_task.h).
 #pragma once
 
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "robocell/spec/pick_task_config.h"
 #include "robocell/task/object_task.h"
+#include "robocell/task/pick_task_config.h"
 
 namespace robocell {
 
 class PickTask : public ObjectTask {
  public:
-  // Makes the task of an environment.
   explicit PickTask(const PickTaskConfig& fields)
       : ObjectTask({.name = fields.object,
                     .lift_height = fields.lift_height,
                     .spread = fields.spread,
-                    .rotate = fields.rotate}),
-        all_objects_({fields.object}) {}
-  // `object`: name in the scene; `kind`: its word in the instruction; `all_objects`: objects whose
-  // poses are observed.
+                    .rotate = fields.rotate,
+                    .kinds = fields.objects.names}) {}
+  // For a scene that has the object already. `object`: name in the scene; `kind`: its word in the
+  // instruction; `all_objects`: objects whose poses are observed.
   PickTask(std::string object, std::string kind, std::vector<std::string> all_objects,
            double lift_height)
-      : ObjectTask(
-            {.name = std::move(object), .word = std::move(kind), .lift_height = lift_height}),
-        all_objects_(std::move(all_objects)) {}
+      : ObjectTask({.name = std::move(object),
+                    .word = std::move(kind),
+                    .lift_height = lift_height,
+                    .all = std::move(all_objects)}) {}
 
-  BodyPoses Starts(Rng& rng) override { return {{object().name(), root() * Start(rng)}}; }
+  BodyPoses Starts(Rng& rng) override {
+    if (draws_objects()) return {};
+    return {{object().name(), root() * Start(rng)}};
+  }
   std::string instruction() const override { return "pick up the " + word(); }
-  std::vector<std::string> objects() const override { return all_objects_; }
   std::string why_not_done() const override { return "not lifted"; }
 
  private:
   bool IsDone(const Scene& scene) override { return IsLifted(scene); }
   double Progress() const override { return 0.5 * Nearness() + 0.5 * Lifted(); }
-
-  std::vector<std::string> all_objects_;
 };
 
 }  // namespace robocell

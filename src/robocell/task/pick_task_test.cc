@@ -107,7 +107,7 @@ TEST_F(PickTaskTest, ACentimetreAboveItsStartIsPicked) {
   EXPECT_EQ(task.Judge(scene_).reward, 0);
 }
 
-TEST_F(PickTaskTest, WhatNobodyTouchesIsNotPicked) {
+TEST_F(PickTaskTest, AnObjectWithoutContactsIsNotPicked) {
   PickTask task = Begun();
   Put("bar", {1, 0, kLying + 0.1});
   const internal::Touching touching = internal::TouchingBody(scene_, "bar");
@@ -116,7 +116,7 @@ TEST_F(PickTaskTest, WhatNobodyTouchesIsNotPicked) {
   EXPECT_FALSE(task.Judge(scene_).success) << "thrown";
 }
 
-TEST_F(PickTaskTest, WhatTheTableCarriesTooIsNotPicked) {
+TEST_F(PickTaskTest, AnObjectThatTouchesTheTableIsNotPicked) {
   PickTask task = Begun();
   Put("bar", {0, 0, kTop + 0.05 - kPress}, internal::kPi / 2);
   const internal::Touching touching = internal::TouchingBody(scene_, "bar");
@@ -127,7 +127,7 @@ TEST_F(PickTaskTest, WhatTheTableCarriesTooIsNotPicked) {
   EXPECT_TRUE(task.Judge(scene_).success);
 }
 
-TEST_F(PickTaskTest, WhatANeighbourTouchesIsNotPicked) {
+TEST_F(PickTaskTest, AnObjectThatTouchesAnotherIsNotPicked) {
   PickTask task = Begun();
   Put("bar", {0, 0, kLying + 0.05});
   EXPECT_TRUE(task.Judge(scene_).success) << "the box touches the table only";
@@ -139,7 +139,7 @@ TEST_F(PickTaskTest, WhatANeighbourTouchesIsNotPicked) {
   EXPECT_TRUE(task.Judge(scene_).success) << "the box is near it";
 }
 
-TEST_F(PickTaskTest, WhatStartsOnAStackIsLiftedFromThere) {
+TEST_F(PickTaskTest, AnObjectOnAStackIsLiftedFromThere) {
   Put("box", {0, 0, kLying});
   const double start = kLying + 0.04 - kPress;
   Put("bar", {0, 0, start});
@@ -158,7 +158,7 @@ TEST_F(PickTaskTest, WhatStartsOnAStackIsLiftedFromThere) {
   EXPECT_TRUE(task.Judge(scene_).success) << "an episode later it starts lower";
 }
 
-TEST_F(PickTaskTest, SeveralRobotsMayHoldIt) {
+TEST_F(PickTaskTest, SeveralRobotsCanHoldIt) {
   PickTask task = Begun();
   const size_t one = (Put("bar", {0, 0, 0.8}), scene_.contacts("bar").size());
   Put("bar", {0, 0, 1});
@@ -166,7 +166,7 @@ TEST_F(PickTaskTest, SeveralRobotsMayHoldIt) {
   EXPECT_TRUE(task.Judge(scene_).success);
 }
 
-TEST_F(PickTaskTest, WhatHangsOnOneFingerIsNotPicked) {
+TEST_F(PickTaskTest, AnObjectOnOneFingerIsNotPicked) {
   PickTask task = Begun("box");
   PutBetweenFingers(0);
   EXPECT_FALSE(internal::TouchingBody(scene_, "box").robot);
@@ -183,7 +183,7 @@ TEST_F(PickTaskTest, WhatHangsOnOneFingerIsNotPicked) {
   EXPECT_FALSE(task.Judge(scene_).success) << "and the bar lies on it";
 }
 
-TEST_F(PickTaskTest, AllPartsOfAnObjectCount) {
+TEST_F(PickTaskTest, AllPartsOfAnObjectAreConsidered) {
   Put("pan_pan", {0, 0, kLying});
   Put("bar", {1, 0, 1});
   PickTask task = Begun("pan");

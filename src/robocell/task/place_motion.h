@@ -16,14 +16,14 @@
 namespace robocell {
 
 struct PlaceMotion {
-  Pose object_in_world;  // where it is released
+  Pose object_in_world;  // object pose at the release
   JointPath down;        // above the place ... at the place; the way back is the same
 };
 
 struct PlaceMotionOptions {
-  double above = 0.10;   // where the way down begins, metres over the place
-  double gap = 0;        // between the fingers while they hold the object, metres
-  double clearance = 0;  // of hand and object at the start of the way down, metres
+  double above = 0.10;   // height at which the descent begins, metres
+  double gap = 0;        // gap between the fingers while they hold the object, metres
+  double clearance = 0;  // clearance of hand and object at that height, metres
 };
 
 // Returns where to release an object that is to rest at `place`: just high enough above it that

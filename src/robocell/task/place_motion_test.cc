@@ -30,7 +30,7 @@ struct Carrying {
 
 const Eigen::Vector3d kFree(-0.05, 0.15, 0.50);
 
-TEST(PlaceMotions, BringTheObjectToThePlaceStraightFromAbove) {
+TEST(PlaceMotions, PlaceTheObjectStraightFromAbove) {
   Carrying carrying(kFree);
   const auto motion = carrying.motions.Next();
   ASSERT_TRUE(motion) << carrying.motions.Reasons();
@@ -49,7 +49,7 @@ TEST(PlaceMotions, BringTheObjectToThePlaceStraightFromAbove) {
   EXPECT_NEAR(object_at(motion->down.front()).translation().z(), kFree.z() + 0.08, 1e-3);
 }
 
-TEST(PlaceMotions, NearestToTheStartComesFirst) {
+TEST(PlaceMotions, AreSortedByDistanceToTheStart) {
   Carrying carrying(kFree);
   double before = 0;
   int count = 0;
@@ -62,7 +62,7 @@ TEST(PlaceMotions, NearestToTheStartComesFirst) {
   EXPECT_GT(count, 4);
 }
 
-TEST(PlaceMotions, SayWhyThereIsNone) {
+TEST(PlaceMotions, ExplainWhyNoneExists) {
   Carrying far({0, 3, 0.5});
   EXPECT_FALSE(far.motions.Next());
   EXPECT_EQ(far.motions.Reasons(), "of 16 ways to put it down 16 out of reach");
@@ -72,7 +72,7 @@ TEST(PlaceMotions, SayWhyThereIsNone) {
   EXPECT_THAT(inside.motions.Reasons(), HasSubstr("with body 'table'"));
 }
 
-TEST(PosesAbout, TurnAboutTheVerticalOnly) {
+TEST(PosesAbout, RotateAboutTheVerticalOnly) {
   const Pose tilted = Pose::FromRpy({1, 2, 3}, {0.4, 0.2, 0.1});
   const std::vector<Pose> poses = PosesAbout(kFree, tilted);
   ASSERT_EQ(poses.size(), 16u);

@@ -12,16 +12,17 @@
 #include "robocell/robot/robot.h"
 #include "robocell/task/base_placement.h"
 #include "robocell/task/grasp_motion.h"
+#include "robocell/task/pick_task_config.h"
 
 namespace robocell::internal {
 namespace {
 
 constexpr double kGrid = 0.05;           // metres between the places that are tried
-constexpr int kMostPlaces = 20;          // in each direction: large robots get a coarser grid
-constexpr int kTurns = 4;                // of the gripper around the vertical, in half a turn
+constexpr int kMostPlaces = 20;          // cells in each direction: large robots get a coarser grid
+constexpr int kTurns = 4;                // turns of the gripper around the vertical, in half a turn
 constexpr double kTolerance = 1e-3;      // m and rad
 constexpr double kTypicalGap = 0.04;     // metres between the fingers
-constexpr double kTypicalHeight = 0.03;  // of an object's centre above its support
+constexpr double kTypicalHeight = 0.03;  // height of an object's centre above its support
 
 struct BasePlace {
   double distance, offset;  // base_distance and base_height_offset

@@ -5,7 +5,8 @@
 
 #include <cstdlib>
 
-#include "robocell/task/pick_sampler.h"
+#include "robocell/task/pick_task_config.h"
+#include "robocell/task/start_sampler.h"
 #include "robocell/testing/source_dir.h"
 
 namespace robocell::internal {
@@ -24,7 +25,7 @@ double After(const std::string& text, const std::string& before) {
 }
 
 // Tries the advice: the sampler accepts starts there.
-TEST(ReachAdvice, NamesAPlaceFromWhichTheSamplerFindsAGrasp) {
+TEST(ReachAdvice, SuggestsAPlaceThatGivesAGrasp) {
   RunConfig run = DemoRun();
   run.start.base_height_offset = 0.3;  // the arm stands above the table
   run.start.base_height_noise = {0, 0};
@@ -36,7 +37,7 @@ TEST(ReachAdvice, NamesAPlaceFromWhichTheSamplerFindsAGrasp) {
   const double low = After(advice, "base_distance "), high = After(advice, " ... ");
   run.start.base_height_offset = After(advice, "base_height_offset ");
   run.start.base_distance = {std::lerp(low, high, 0.4), std::lerp(low, high, 0.8)};
-  PickTaskSampler sampler(run);
+  StartSampler sampler(run);
   int accepted = 0;
   for (int attempt = 0; attempt < 4; ++attempt) {
     Rng rng = Rng::Stream(1, "start", attempt);
@@ -45,7 +46,7 @@ TEST(ReachAdvice, NamesAPlaceFromWhichTheSamplerFindsAGrasp) {
   EXPECT_GT(accepted, 0) << advice;
 }
 
-TEST(ReachAdvice, ALiftThatIsTooHighIsNamed) {
+TEST(ReachAdvice, ReportsAnExcessiveLift) {
   RunConfig run = DemoRun();
   run.task.As<PickTaskConfig>().lift_height = 1.2;
   EXPECT_THAT(ReachAdvice(run),

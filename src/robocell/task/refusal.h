@@ -8,10 +8,10 @@
 
 namespace robocell {
 
-// How often each reason came up, by Refusal::counted_as().
+// Counts of reasons, by Refusal::counted_as().
 using RefusalCounts = std::map<std::string, int>;
 
-// Reasons are few and counted, details are for reading. A custom task may have reasons of its own;
+// Reasons are few and counted, details are for reading. A custom task may have its own reasons;
 // those of the stages that all tasks share are listed here.
 struct Refusal {
   static constexpr const char* kNoFreePlace = "no free place for the objects";
@@ -35,8 +35,8 @@ struct Refusal {
   std::string detail = {};
   // Places refused earlier in the same call of Sample.
   RefusalCounts redrawn = {};
-  std::string object_kind = {};  // of the target, if already chosen
-  std::string stage = {};        // that refused; "" for samplers without stages
+  std::string object_kind = {};  // kind of the target, if already chosen
+  std::string stage = {};        // stage that refused; "" for samplers without stages
 
   // Returns the key for counting: "base: no base pose reaches the object".
   std::string counted_as() const { return stage.empty() ? reason : stage + ": " + reason; }
@@ -46,13 +46,5 @@ struct Refusal {
     return std::move(*this);
   }
 };
-
-// Returns true if any stage refused for this reason.
-inline bool HasReason(const RefusalCounts& counts, const std::string& reason) {
-  for (const auto& [counted, count] : counts) {
-    if (counted == reason || counted.ends_with(": " + reason)) return true;
-  }
-  return false;
-}
 
 }  // namespace robocell

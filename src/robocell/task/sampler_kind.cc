@@ -3,25 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
-#include <mutex>
 #include <utility>
 
-#include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
+#include "robocell/base/registry.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/task/task_calls.h"
 #include "robocell/task/task_kind.h"
 
 namespace robocell {
 namespace {
 
-struct SamplerRegistry {
-  std::mutex mutex;
-  std::map<std::string, std::shared_ptr<const SamplerKind>> kinds;
-};
+using SamplerRegistry = Registry<std::shared_ptr<const SamplerKind>>;
 
 SamplerRegistry& RegisteredSamplers() {
-  static SamplerRegistry registry;
+  static SamplerRegistry registry("sampler");
   return registry;
 }
 
@@ -29,30 +25,14 @@ SamplerRegistry& RegisteredSamplers() {
 
 void RegisterSampler(const std::string& kind, std::shared_ptr<const SamplerKind> sampler,
                      bool replace) {
-  if (kind.empty()) throw ArgumentError("a kind of sampler that is registered needs a name");
   if (!sampler) throw ArgumentError("sampler '" + kind + "' needs a SamplerKind that makes it");
-  SamplerRegistry& registry = RegisteredSamplers();
-  const std::lock_guard lock(registry.mutex);
-  if (registry.kinds.contains(kind) && !replace)
-    throw ArgumentError("sampler '" + kind + "' is registered already; choose another name");
-  registry.kinds[kind] = std::move(sampler);
+  RegisteredSamplers().Register(kind, std::move(sampler), replace);
 }
 
-std::vector<std::string> SamplerKinds() {
-  SamplerRegistry& registry = RegisteredSamplers();
-  const std::lock_guard lock(registry.mutex);
-  std::vector<std::string> kinds;
-  for (const auto& [kind, sampler] : registry.kinds) kinds.push_back(kind);
-  return kinds;
-}
+std::vector<std::string> SamplerKinds() { return RegisteredSamplers().names(); }
 
 std::shared_ptr<const SamplerKind> FindSamplerKind(const std::string& kind) {
-  {
-    SamplerRegistry& registry = RegisteredSamplers();
-    const std::lock_guard lock(registry.mutex);
-    const auto found = registry.kinds.find(kind);
-    if (found != registry.kinds.end()) return found->second;
-  }
+  if (const auto sampler = RegisteredSamplers().Get(kind)) return *sampler;
   const std::vector<std::string> known = SamplerKinds();
   const std::string which = known.empty()
                                 ? fmt::format("no sampler '{}': none is registered.", kind)
@@ -91,7 +71,7 @@ void BindStart(EpisodeStart& start, const RunConfig& run) {
   }
   const std::string& own = run.robot.config.name;
   if (std::ranges::find(setting.robots, own) != setting.robots.end()) setting.robots = {own};
-  internal::CallHook(*start.task, "bind", [&] { start.task->Bind(start.scene, setting); });
+  internal::TaskCalls(*start.task).Bind(start.scene, setting);
   start.is_bound = true;
 }
 

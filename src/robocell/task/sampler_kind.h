@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "robocell/spec/run_config.h"
-#include "robocell/task/task.h"
+#include "robocell/task/task_sampler.h"
 
 namespace robocell {
 

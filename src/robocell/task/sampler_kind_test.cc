@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "robocell/base/error.h"
-#include "robocell/task/pick_sampler.h"
+#include "robocell/task/start_sampler.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
 
@@ -23,10 +23,10 @@ class NeverOfTest final : public TaskSampler {
   std::string run_;
 };
 
-TEST(SamplerKind, ARunNamesTheOneThatItUses) {
+TEST(SamplerKind, ARunNamesItsSampler) {
   RegisterSampler("never_of_test", std::make_shared<SamplerKindOf<NeverOfTest>>(), true);
   RunConfig run = ExampleRun("demo.yaml");
-  EXPECT_NE(std::dynamic_pointer_cast<PickTaskSampler>(MakeSampler(run)), nullptr);
+  EXPECT_NE(std::dynamic_pointer_cast<StartSampler>(MakeSampler(run)), nullptr);
   run.sampler = "never_of_test";
   Rng rng = Rng::Stream(1, "start");
   EXPECT_EQ(MakeSampler(run)->Sample({}, rng).refusal.counted_as(), "never in demo");
@@ -67,7 +67,7 @@ TEST(BindStart, BindsATaskOnceUnlessTheSamplerDid) {
   EXPECT_EQ(bound->times, 0);
 }
 
-TEST(SamplerKind, NamesThatAreTakenAndUnknownOnesAreTold) {
+TEST(SamplerKind, RejectsDuplicateAndUnknownNames) {
   RegisterSampler("never_of_test", std::make_shared<SamplerKindOf<NeverOfTest>>(), true);
   ExpectThrow<ArgumentError>(
       [] { RegisterSampler("never_of_test", std::make_shared<SamplerKindOf<NeverOfTest>>()); },

@@ -1,7 +1,6 @@
 #include "robocell/task/start_sampler.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -11,14 +10,14 @@
 
 #include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
-#include "robocell/motion/gripper_shape.h"
 #include "robocell/scene/scene_cache.h"
 #include "robocell/scenes/object_places.h"
 #include "robocell/scenes/related_places.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/scenes/settle.h"
 #include "robocell/spec/problems.h"
-#include "robocell/spec/validate.h"
+#include "robocell/spec/yaml.h"
+#include "robocell/task/task_calls.h"
 #include "robocell/task/task_kind.h"
 
 namespace robocell {
@@ -29,7 +28,8 @@ namespace {
 constexpr int kArrangements = 8;
 constexpr int kPlaceTries = 60;           // for objects, until a base pose is clear of the support
 constexpr size_t kMostScenes = 64;        // whose supports and landmarks are cached
-constexpr double kSamePlace = 1e-6;       // metres
+constexpr double kMoved = 1e-6;           // metres, of a target that a task moves
+constexpr double kSamePlace = 1e-9;       // rad and m, rounding of a pose
 const Eigen::Vector3d kParked(20, 0, 1);  // where the robot waits while the objects settle
 
 // Returns the position of an episode's base placement in a sequence that is even over any stretch,
@@ -38,41 +38,85 @@ uint64_t PlacementTurn(const SampleRequest& request) {
   return static_cast<uint64_t>(request.scene) * 7919 + static_cast<uint64_t>(request.episode);
 }
 
-// Checks objects that other code made: they are measured before they are compiled into a scene.
-void RequireValid(const std::vector<SceneObject>& objects, const std::string& who) {
-  for (const SceneObject& object : objects) {
-    Problems problems;
-    ValidateFields(object, problems);
-    if (problems.empty()) continue;
-    throw ArgumentError(fmt::format("{}object '{}', which is not valid: {}", who, object.name,
-                                    fmt::join(LinesOf(problems), "; ")));
+// Replaces the objects of a scene from number `before` on.
+void ReplaceObjects(SceneSpec& spec, size_t before, const std::vector<SceneObject>& objects) {
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (before + i < spec.objects.size())
+      spec.objects[before + i] = objects[i];
+    else
+      spec.objects.push_back(objects[i]);
   }
+}
+
+void AddParkedRobot(SceneSpec& spec, const RobotConfig& robot) {
+  spec.robots.push_back({.name = robot.name,
+                         .config = robot,
+                         .prefix = "robot_0/",
+                         .pos = ToVec3(kParked),
+                         .control_modes = robot.used_modes()});
+}
+
+// Returns the world poses of the objects that keep theirs.
+std::vector<std::optional<Pose>> OwnPosesOf(const std::vector<SceneObject>& objects,
+                                            const Scene& scene) {
+  std::vector<std::optional<Pose>> poses;
+  for (const SceneObject& object : objects) {
+    poses.emplace_back();
+    if (internal::KeepsPose(object))
+      poses.back() = scene.body_pose(scene.compiled()->object(object.name).root_body);
+  }
+  return poses;
 }
 
 }  // namespace
 
 SceneSpec StartSampler::MakeBaseScene(int scene_index) {
-  return robocell::MakeBaseScene(run_, *source_, scene_index);
+  return robocell::MakeBaseScene(run_, RequireSource(), scene_index);
 }
-
-struct StartSampler::Measured {
-  ObjectSizes sizes;
-  std::shared_ptr<const GripperShape> shape;
-};
 
 StartSampler::StartSampler(RunConfig run)
     : run_(std::move(run)),
+      kind_(FindTaskKind(run_.task.kind())),
       source_(MakeSceneSource(run_)),
-      measured_(std::make_unique<Measured>()) {}
+      sizes_(std::make_unique<ObjectSizes>()) {
+  kind_->Make(run_.task);  // its errors come before the first start
+}
 StartSampler::~StartSampler() = default;
 
-ObjectSizes& StartSampler::sizes() { return measured_->sizes; }
-std::shared_ptr<const GripperShape>& StartSampler::shape() { return measured_->shape; }
+SceneSource& StartSampler::RequireSource() const {
+  if (source_) return *source_;
+  throw Error("run '" + run_.run + "': its source of scenes is gone");
+}
+
+std::shared_ptr<Task> StartSampler::MakeTask() {
+  return internal::CallHook(Hooks(), "the task's constructor",
+                            [&] { return kind_->Make(run_.task); });
+}
+
+// While no start is under construction, a task is made to answer for its fields.
+BaseRange StartSampler::base_range() {
+  const std::shared_ptr<Task> task = task_ ? task_ : MakeTask();
+  return BaseRangeOf(run_.start, SoundBaseRange(*task));
+}
+
+StartContents StartSampler::AddContents(const SampleRequest& request, SceneSpec& spec, Rng& rng) {
+  task_ = MakeTask();
+  const Task::KnownScene known = [&] { return AnnotationsOf(request.scene); };
+  const std::string& kind = run_.task.kind();
+  StartContents contents =
+      PrepareContents(*task_,
+                      {.known = known,
+                       .kind = kind,
+                       .turn = {static_cast<uint64_t>(run_.seed), request.scene, request.episode}},
+                      spec, rng);
+  RequireSound(contents, *task_, kind, *sizes_);
+  return contents;
+}
 
 // Many scenes of a run may share a base, and a subclass may make a different one every time, or a
 // different file of the same name.
 Support StartSampler::FindSupportOf(const SceneSpec& base, int scene_index, Rng& rng) {
-  if (const auto known = source_->CheckedAnnotations(scene_index);
+  if (const auto known = RequireSource().CheckedAnnotations(scene_index);
       known && !known->supports.empty())
     return known->supports[rng.UniformInt(known->supports.size())].face;
   const std::string key = SceneKey(base);
@@ -90,12 +134,12 @@ BasePlacement StartSampler::ChooseBasePlacement(const SampleRequest& request, Rn
 bool StartSampler::PlaceObjects(const Support& support, std::vector<SceneObject>& objects,
                                 Rng& rng) {
   std::vector<ObjectSize> own_sizes;
-  for (const SceneObject& object : objects) own_sizes.push_back(sizes().Of(object));
+  for (const SceneObject& object : objects) own_sizes.push_back(sizes_->Of(object));
   return internal::PlaceOn(support, own_sizes, objects, rng);
 }
 
 std::shared_ptr<const SceneAnnotations> StartSampler::AnnotationsOf(int scene_index) {
-  if (auto known = source_->CheckedAnnotations(scene_index))
+  if (auto known = RequireSource().CheckedAnnotations(scene_index))
     return std::make_shared<const SceneAnnotations>(*std::move(known));
   const SceneSpec base = MakeBaseScene(scene_index);
   const std::string key = SceneKey(base);
@@ -104,12 +148,12 @@ std::shared_ptr<const SceneAnnotations> StartSampler::AnnotationsOf(int scene_in
   return annotations_[key] = std::make_shared<const SceneAnnotations>(DeriveAnnotations(base));
 }
 
-// What `start` and the task say of places, in the order in which it counts.
-std::vector<internal::SaidPlaces> StartSampler::SaidOfPlaces() const {
+// Returns the placements of `start` and of the task, in the order of precedence.
+std::vector<internal::SaidPlaces> StartSampler::SaidOfPlaces() {
   std::vector<internal::SaidPlaces> said;
   if (!run_.start.places.empty())
     said.push_back({.places = run_.start.places, .path = "start.places"});
-  if (const Map<ObjectPlace> own = own_places(); !own.empty())
+  if (const Map<ObjectPlace> own = internal::TaskCalls(*task_).Places(); !own.empty())
     said.push_back({.places = own, .path = "task", .hook = "places()"});
   return said;
 }
@@ -119,7 +163,8 @@ const std::shared_ptr<const internal::Landmarks>& StartSampler::LandmarksOf(cons
   const std::string key = SceneKey(base);
   if (const auto known = landmarks_.find(key); known != landmarks_.end()) return known->second;
   if (landmarks_.size() >= kMostScenes) landmarks_.clear();
-  return landmarks_[key] = internal::LandmarksOf(base, source_->CheckedAnnotations(scene_index));
+  return landmarks_[key] =
+             internal::LandmarksOf(base, RequireSource().CheckedAnnotations(scene_index));
 }
 
 // Unset when nobody says anything of places. `spec` has the contents from number `before` on.
@@ -130,7 +175,9 @@ std::optional<internal::RelatedPlaces> StartSampler::RelationsOf(const SceneSpec
   if (said.empty()) return std::nullopt;
   SceneSpec base = spec;
   base.objects.boxes().resize(std::min(before, base.objects.size()));
-  const auto may_come = [this](const std::string& name) { return MayHaveObject(name); };
+  const auto may_come = [&](const std::string& name) {
+    return PossibleNames(scene_index).contains(name);
+  };
   Problems problems(run_.locations);
   std::vector<internal::PlaceLink> links = internal::LinkPlaces(
       LandmarksOf(base, scene_index), said, {contents.objects, contents.kinds, may_come}, problems);
@@ -139,29 +186,76 @@ std::optional<internal::RelatedPlaces> StartSampler::RelationsOf(const SceneSpec
 }
 
 std::vector<StartContents> StartSampler::PossibleContents(int scene_index) {
-  SceneSpec spec = MakeBaseScene(scene_index);
-  Rng rng = Rng::Stream(static_cast<uint64_t>(run_.seed), "possible contents", scene_index);
-  return {AddContents({.scene = scene_index}, spec, rng)};
+  return kind_->PossibleContents(run_, scene_index, MakeBaseScene(scene_index),
+                                 [&] { return AnnotationsOf(scene_index); });
+}
+
+const std::set<std::string>& StartSampler::PossibleNames(int scene_index) {
+  const auto known = possible_names_.find(scene_index);
+  if (known != possible_names_.end()) return known->second;
+  if (possible_names_.size() >= kMostScenes) possible_names_.clear();
+  std::set<std::string>& names = possible_names_[scene_index];
+  for (const StartContents& contents : PossibleContents(scene_index)) {
+    for (const SceneObject& object : contents.objects) names.insert(object.name);
+    names.insert(contents.kinds.begin(), contents.kinds.end());
+  }
+  return names;
 }
 
 void StartSampler::ValidateStarts(std::span<const int> scenes, Problems& problems) {
-  measured_ = std::make_unique<Measured>();
-  const auto may_come = [this](const std::string& name) { return MayHaveObject(name); };
+  // The experts of the built-in kinds require a base that can be moved themselves. A run of such a
+  // kind whose expert and sampler are given to the Runner may have another one.
+  if (run_.robot.config.base.kind == BaseKind::kFixed && !kind_->is_built_in()) {
+    problems.AddAt(
+        "robot.base.kind",
+        "the robot stands where `start` or base_range() of the task puts it, and a fixed "
+        "base cannot be moved; give it `base: {kind: mocap}`, or the run a `sampler` of "
+        "its own");
+  }
+  const std::shared_ptr<void> forget(nullptr, [this](void*) { task_.reset(); });
+  sizes_ = std::make_unique<ObjectSizes>();
+  if (!scenes.empty()) ValidateRepeats(scenes.front(), problems);
   Problems found(run_.locations);
-  std::set<std::pair<std::string, std::string>> reported;
+  internal::PlaceMistakes reported;  // several starts show one mistake
   for (const int scene : scenes) {
-    const std::vector<StartContents> possible = PossibleContents(scene);
+    SceneSpec spec = MakeBaseScene(scene);
+    Rng rng = Rng::Stream(static_cast<uint64_t>(run_.seed), "possible contents", scene);
+    AddContents({.scene = scene}, spec, rng);  // tasks may choose their places in prepare()
     const std::vector<internal::SaidPlaces> said = SaidOfPlaces();
-    if (said.empty()) return;
+    if (said.empty()) continue;
     const std::shared_ptr<const internal::Landmarks> base =
         LandmarksOf(MakeBaseScene(scene), scene);
-    for (const StartContents& contents : possible) {
-      internal::LinkPlaces(base, said, {contents.objects, contents.kinds, may_come}, found);
+    const auto may_come = [&](const std::string& name) {
+      return PossibleNames(scene).contains(name);
+    };
+    for (const StartContents& contents : PossibleContents(scene)) {
+      internal::LinkPlaces(base, said, {contents.objects, contents.kinds, may_come}, found,
+                           reported);
     }
   }
-  for (const Problem& problem : found.list()) {
-    if (reported.emplace(problem.path, problem.message).second) problems.AddProblem(problem);
+  for (const Problem& problem : found.list()) problems.AddProblem(problem);
+}
+
+void StartSampler::ValidateRepeats(int scene, Problems& problems) {
+  const auto prepared = [&] {
+    SceneSpec spec = MakeBaseScene(scene);
+    Rng rng = Rng::Stream(static_cast<uint64_t>(run_.seed), "repeated contents", scene);
+    AddContents({.scene = scene}, spec, rng);
+    return spec;
+  };
+  const SceneSpec one = prepared(), other = prepared();
+  if (ToYaml(one) == ToYaml(other)) return;
+  std::string what;
+  for (size_t i = 0; what.empty() && i < std::min(one.objects.size(), other.objects.size()); ++i) {
+    if (ToYaml(one.objects[i]) != ToYaml(other.objects[i]))
+      what = fmt::format(" (object '{}')", one.objects[i].name);
   }
+  problems.AddAt(
+      "task",
+      fmt::format("prepare() of '{}' makes another scene of the same random stream each time"
+                  "{}: take all random numbers from its `rng`, so that a seed gives the "
+                  "same dataset again",
+                  run_.task.kind(), what));
 }
 
 std::optional<Refusal> StartSampler::PutObjects(
@@ -181,7 +275,7 @@ std::optional<Refusal> StartSampler::PutObjects(
   if (!PlaceObjects(support, loose, rng)) return no_room;
   std::vector<ObjectSize> own_sizes;
   for (size_t i = 0, next = 0; i < objects.size(); ++i) {
-    own_sizes.push_back(sizes().Of(objects[i]));
+    own_sizes.push_back(sizes_->Of(objects[i]));
     if (!related->IsRelated(i)) objects[i] = loose[next++];
   }
   if (const auto why_not = related->Put(support, own_sizes, objects, rng))
@@ -207,24 +301,30 @@ std::optional<Refusal> StartSampler::ValidateCameras(Scene& scene, const std::st
 
 struct StartSampler::Setup {
   std::shared_ptr<Task> task;
-  std::vector<SceneObject> contents;           // as they were added
-  std::vector<std::optional<Pose>> own_poses;  // in the world, of those that keep theirs
-  std::vector<SceneObject> objects;            // where they were put
+  std::vector<SceneObject> contents;           // objects as they were added
+  std::vector<std::optional<Pose>> own_poses;  // world poses of those that keep theirs
+  std::vector<SceneObject> objects;            // objects at their placements
   std::optional<internal::RelatedPlaces> related;
   Scene scene;
   Robot robot;
   std::string target_body;  // "" for a task without objects
-  Pose middle;              // of the support
+  Pose middle;              // middle of the support
   StopRequest stop;
   RefusalCounts redrawn = {};
 
-  // Whether a body is an object that has a place in relation to something.
+  // Returns true if a body is an object with a relative placement.
   bool IsRelated(const std::string& body) const {
     for (size_t i = 0; related && i < contents.size(); ++i) {
       if (related->IsRelated(i) && scene.compiled()->object(contents[i].name).root_body == body)
         return true;
     }
     return false;
+  }
+  // Returns true if an object lies where the sampler drew its place.
+  bool IsWhereDrawn(size_t i) const {
+    if (own_poses[i]) return false;
+    const std::string& body = scene.compiled()->object(objects[i].name).root_body;
+    return scene.body_pose(body).is_close(objects[i].pose(), kSamePlace, kSamePlace);
   }
   // Returns the pose beside which the robot stands.
   Pose target() const { return target_body.empty() ? middle : scene.body_pose(target_body); }
@@ -238,7 +338,7 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
   for (int t = 0; t < kPlaceTries && !base; ++t) {
     setup.objects = setup.contents;
     if (auto refusal = PutObjects(support, setup.related, setup.objects, rng)) return refusal;
-    moved = TaskStarts(rng);
+    moved = internal::TaskCalls(*setup.task).Starts(rng);
     std::erase_if(moved, [&](const auto& body) { return setup.IsRelated(body.first); });
     if (setup.objects.empty())
       target = setup.middle;
@@ -261,12 +361,10 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
     if (setup.own_poses[i] && !record.free_joint) continue;
     setup.scene.SetBodyPose(record.root_body, setup.own_poses[i].value_or(setup.objects[i].pose()));
   }
-  internal::CallHook(*setup.task, "starts", [&] {
-    for (const auto& [body, pose] : moved) setup.scene.SetBodyPose(body, pose);
-  });
+  internal::TaskCalls(*setup.task).Put(setup.scene, moved);
   setup.robot.base().SetPose(*base);
   setup.scene.Forward();
-  if (auto refusal = ArrangeTask(setup.scene, rng))
+  if (auto refusal = internal::TaskCalls(*setup.task).Arrange(setup.scene, rng))
     return std::move(*refusal).MadeBy(Refusal::kTaskStage);
   if (auto refusal = ValidateDistance(setup, target))
     return std::move(*refusal).MadeBy(Refusal::kBaseStage);
@@ -275,21 +373,27 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
 
 // A task that moves its target again may take it out of the range that it required.
 std::optional<Refusal> StartSampler::ValidateDistance(const Setup& setup,
-                                                      const Pose& proposed_for) const {
+                                                      const Pose& proposed_for) {
   const Pose target = setup.target();
-  if ((target.translation() - proposed_for.translation()).norm() < kSamePlace) return std::nullopt;
+  if ((target.translation() - proposed_for.translation()).norm() < kMoved) return std::nullopt;
   return ValidateBaseDistance(setup.robot, target, base_range());
 }
 
 // Checks the conditions that hold both before and after settling.
 std::optional<Refusal> StartSampler::ValidatePlaced(Setup& setup) {
+  const auto check_task = [&]() -> std::optional<Refusal> {
+    if (auto refusal = internal::TaskCalls(*setup.task).CheckStart(setup.scene))
+      return std::move(*refusal).MadeBy(Refusal::kTaskStage);
+    return std::nullopt;
+  };
   if (setup.target_body.empty()) {
     if (auto refusal = ValidateBaseClearance(setup.scene, setup.robot, run_.start.base_clearance))
       return std::move(*refusal).MadeBy(Refusal::kBaseStage);
-    return std::nullopt;
+    return check_task();
   }
   if (auto refusal = ValidateBasePose(setup.scene, setup.robot, setup.target_body))
     return std::move(*refusal).MadeBy(Refusal::kBaseStage);
+  if (auto refusal = check_task()) return refusal;
   if (auto refusal = ValidateCameras(setup.scene, setup.target_body))
     return std::move(*refusal).MadeBy(Refusal::kCamerasStage);
   return std::nullopt;
@@ -308,13 +412,32 @@ std::optional<Refusal> StartSampler::Arrange(Setup& setup, const Support& suppor
   return refusal;
 }
 
+// Returns the objects that have to come to rest: those that the task names, and all others but
+// those that the task itself put somewhere, with a pose, in Starts or in Arrange.
+std::vector<std::string> StartSampler::RestingObjects(const Setup& setup) {
+  std::set<std::string> put_by_task;
+  for (size_t i = 0; i < setup.objects.size(); ++i) {
+    if (!setup.IsWhereDrawn(i)) put_by_task.insert(setup.objects[i].name);
+  }
+  for (const std::string& name : internal::TaskCalls(*setup.task).RestingObjects(setup.scene))
+    put_by_task.erase(name);
+  std::vector<std::string> resting = setup.scene.object_names();
+  std::erase_if(resting, [&](const std::string& name) { return put_by_task.contains(name); });
+  return resting;
+}
+
 // Turns the built scene into the start state.
 std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const Support& support,
                                                   const BasePlacement& placement, Rng& rng) {
   if (auto refusal = Arrange(setup, support, placement, rng)) return refusal;
-  if (auto why_not = internal::Settle(setup.scene, {&setup.robot, 1}, setup.target_body,
-                                      {.sim_steps = run_.rates.sim_steps(), .stop = setup.stop}))
-    return Refusal{Refusal::kUnsettled, *why_not}.MadeBy(Refusal::kSettlingStage);
+  const std::vector<std::string> resting = RestingObjects(setup);
+  const bool target_rests = !setup.contents.empty() &&
+                            std::ranges::find(resting, setup.contents[0].name) != resting.end();
+  const std::string unsettled = internal::Settle(
+      setup.scene, {&setup.robot, 1}, target_rests ? setup.target_body : "",
+      {.sim_steps = run_.rates.sim_steps(), .resting = resting, .stop = setup.stop});
+  if (!unsettled.empty())
+    return Refusal{Refusal::kUnsettled, unsettled}.MadeBy(Refusal::kSettlingStage);
   if (setup.related) {
     if (const auto why_not = setup.related->WhyNotKept(setup.scene, setup.objects))
       return Refusal{Refusal::kUnsettled, *why_not}.MadeBy(Refusal::kSettlingStage);
@@ -326,7 +449,9 @@ std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const Support& s
 }
 
 SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
-  measured_ = std::make_unique<Measured>();
+  // A hook that raises ends the start too.
+  const std::shared_ptr<void> forget(nullptr, [this](void*) { task_.reset(); });
+  sizes_ = std::make_unique<ObjectSizes>();
   SceneSpec spec = MakeBaseScene(request.scene);
   Rng support_rng = rng.Fork("support");
   const Support support = FindSupportOf(spec, request.scene, support_rng);
@@ -345,34 +470,18 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
     refusal->object_kind = kind;
     return {.start = {}, .refusal = *std::move(refusal)};
   }
-  for (size_t i = 0; i < objects.size(); ++i) {
-    if (before + i < spec.objects.size())
-      spec.objects[before + i] = objects[i];
-    else
-      spec.objects.push_back(objects[i]);
-  }
-  spec.robots.push_back({.name = run_.robot.config.name,
-                         .config = run_.robot.config,
-                         .prefix = "robot_0/",
-                         .pos = ToVec3(kParked),
-                         .control_modes = run_.robot.config.used_modes()});
-
-  Scene scene = Scene::Build(spec);
+  ReplaceObjects(spec, before, objects);
+  AddParkedRobot(spec, run_.robot.config);
+  Scene scene = Scene::Build(spec, request.scene_data);
   scene.Reset({.seed = rng.Fork("home").NextBits()});
   const std::string target = names.empty() ? "" : names.front();
-  const std::shared_ptr<Task> task = MakeTask(target, kind, names);
-  internal::CallHook(*task, "bind", [&] {
-    task->Bind(scene, {.place = "run '" + run_.run + "'", .robots = {run_.robot.config.name}});
-  });
-  std::vector<std::optional<Pose>> own_poses;
-  for (const SceneObject& object : contents.objects) {
-    own_poses.emplace_back();
-    if (internal::KeepsPose(object))
-      own_poses.back() = scene.body_pose(scene.compiled()->object(object.name).root_body);
-  }
+  const std::shared_ptr<Task> task = task_;
+  internal::TaskCalls(*task).Bind(
+      scene, {.place = "run '" + run_.run + "'", .robots = {run_.robot.config.name}});
+  internal::TaskCalls(*task).RequireObjects(scene, contents.objects);
   Setup setup{task,
               contents.objects,
-              std::move(own_poses),
+              OwnPosesOf(contents.objects, scene),
               std::move(objects),
               related,
               scene,
@@ -393,75 +502,6 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
                                 .redrawn = setup.redrawn,
                                 .is_bound = true},
           .refusal = {}};
-}
-
-TaskStartSampler::TaskStartSampler(const RunConfig& run)
-    : StartSampler(run), kind_(FindTaskKind(run.task.kind())) {
-  kind_->Make(run.task);  // its errors come before the first start
-}
-
-// Makes one to answer for its fields while no start is under construction.
-Task& TaskStartSampler::task() const {
-  if (!task_) {
-    task_ = internal::CallHook(Hooks(), "the task's constructor",
-                               [&] { return kind_->Make(run().task); });
-  }
-  return *task_;
-}
-
-SampleResult TaskStartSampler::Sample(const SampleRequest& request, Rng& rng) {
-  SampleResult result = StartSampler::Sample(request, rng);
-  task_.reset();
-  return result;
-}
-
-StartContents TaskStartSampler::AddContents(const SampleRequest& request, SceneSpec& spec,
-                                            Rng& rng) {
-  const size_t before = spec.objects.size();
-  task_.reset();
-  internal::CallHook(task(), "prepare", [&] {
-    task().PrepareIn([&] { return AnnotationsOf(request.scene); }, spec, rng);
-  });
-  StartContents contents;
-  for (size_t i = before; i < spec.objects.size(); ++i) {
-    contents.objects.push_back(spec.objects[i]);
-    contents.kinds.push_back(spec.objects[i].name);
-  }
-  internal::CallHook(task(), "prepare", [&] {
-    RequireValid(contents.objects, "task '" + run().task.kind() + "': prepare added ");
-  });
-  return contents;
-}
-
-std::shared_ptr<Task> TaskStartSampler::MakeTask(const std::string& /*target*/,
-                                                 const std::string& /*kind*/,
-                                                 const std::vector<std::string>& /*objects*/) {
-  return task_;
-}
-
-void TaskStartSampler::ValidateStarts(std::span<const int> scenes, Problems& problems) {
-  if (run().robot.config.base.kind == BaseKind::kFixed) {
-    problems.AddAt(
-        "robot.base.kind",
-        "the robot stands where `start` or base_range() of the task puts it, and a fixed "
-        "base cannot be moved; give it `base: {kind: mocap}`, or the run a `sampler` of "
-        "its own");
-  }
-  StartSampler::ValidateStarts(scenes, problems);
-}
-
-BaseRange TaskStartSampler::own_base_range() const { return SoundBaseRange(task()); }
-
-Map<ObjectPlace> TaskStartSampler::own_places() const {
-  return internal::CallHook(task(), "places", [&] { return task().places(); });
-}
-
-BodyPoses TaskStartSampler::TaskStarts(Rng& rng) {
-  return internal::CallHook(task(), "starts", [&] { return task().Starts(rng); });
-}
-
-std::optional<Refusal> TaskStartSampler::ArrangeTask(Scene& scene, Rng& rng) {
-  return internal::CallHook(task(), "arrange", [&] { return task().Arrange(scene, rng); });
 }
 
 }  // namespace robocell

@@ -25,6 +25,7 @@ struct BlocksConfig {
   bool refuses = false;
   bool moves = false, moves_late = false;
   bool fixed = false, unfinished = false;
+  bool falls = false, all_rest = false;
 
   static constexpr const char* kKind = "blocks_of_test";
   static constexpr const char* kTypeName = "BlocksConfig";
@@ -37,12 +38,15 @@ struct BlocksConfig {
     v("moves_late", &BlocksConfig::moves_late, "The same, once the robot stands.");
     v("fixed", &BlocksConfig::fixed, "Whether the last stays where it is.");
     v("unfinished", &BlocksConfig::unfinished, "Whether they have no size.");
+    v("falls", &BlocksConfig::falls, "Whether the last falls from high above.");
+    v("all_rest", &BlocksConfig::all_rest, "Whether the last has to lie still.");
   }
 };
 
 class Blocks final : public Task {
  public:
   static inline const Vec3 kFixedAt = {0.1, 0.25, 0.47}, kPlacedAt = {-0.1, 0.25, 0.4701};
+  static inline const Vec3 kHighAbove = {2, 2, 60};  // longer than starts may settle
   static inline const Eigen::Vector3d kMovedTo = {-0.15, -0.3, 0.471};
 
   explicit Blocks(const BlocksConfig& fields) : fields_(fields) {}
@@ -53,6 +57,7 @@ class Blocks final : public Task {
       block.pos.reset();
       if (fields_.unfinished) block.size.reset();
       if (fields_.placed && i == fields_.blocks - 1) block.pos = kPlacedAt;
+      if (fields_.falls && i == fields_.blocks - 1) block.pos = kHighAbove;
       if (fields_.fixed && i == fields_.blocks - 1) {
         block.fixed = true;
         block.pos = kFixedAt;
@@ -77,6 +82,10 @@ class Blocks final : public Task {
   std::string instruction() const override { return "look at the blocks"; }
   std::vector<std::string> objects() const override {
     return fields_.blocks == 0 ? std::vector<std::string>() : std::vector<std::string>{"block_0"};
+  }
+  std::vector<std::string> resting_objects() const override {
+    if (!fields_.all_rest) return {};
+    return {"block_" + std::to_string(fields_.blocks - 1)};
   }
   BaseRange base_range() const override { return {.distance = {0.35, 0.4}, .height_offset = -0.2}; }
 
@@ -107,7 +116,7 @@ SampleResult FirstAccepted(TaskSampler& sampler, int episode) {
   return result;
 }
 
-TEST(TaskStartSampler, PutsWhatATaskPreparesOnTheTableAndTheRobotBesideIt) {
+TEST(StartSampler, PlacesPreparedObjectsOnTheTableAndTheRobotNextToIt) {
   const RunConfig run = BlocksRun();
   const std::shared_ptr<TaskSampler> sampler = FindTaskKind(run.task.kind())->MakeSampler(run);
   const double top = FindSupport(MakeBaseScene(run, 0)).frame_to_world.translation().z();
@@ -129,14 +138,14 @@ TEST(TaskStartSampler, PutsWhatATaskPreparesOnTheTableAndTheRobotBesideIt) {
 }
 
 // An environment puts them there too (PreparedObjects).
-TEST(TaskStartSampler, PutsThemOnABareFloorWhereThereIsNoTable) {
+TEST(StartSampler, PlacesObjectsOnTheFloorWithoutATable) {
   const TempDir folder;
   AtomicWrite(folder / "floor.xml",
               "<mujoco><worldbody><geom type='plane' size='3 3 .1'/></worldbody></mujoco>");
   RunConfig run = BlocksRun();
   run.scenes = FilesScenes{.files = {(folder / "floor.xml").string()}};
   run.start.base_height_offset = 0;
-  TaskStartSampler sampler(run);
+  StartSampler sampler(run);
   for (int episode = 0; episode < 3; ++episode) {
     const SampleResult result = FirstAccepted(sampler, episode);
     ASSERT_TRUE(result.start.has_value()) << result.refusal.counted_as() << result.refusal.detail;
@@ -145,28 +154,28 @@ TEST(TaskStartSampler, PutsThemOnABareFloorWhereThereIsNoTable) {
   }
 }
 
-TEST(TaskStartSampler, AStartIsTheOnlyOwnerOfItsTask) {
-  TaskStartSampler sampler(BlocksRun());
+TEST(StartSampler, AStartOwnsItsTask) {
+  StartSampler sampler(BlocksRun());
   EXPECT_EQ(FirstAccepted(sampler, 0).start->task.use_count(), 1);
 }
 
-TEST(TaskStartSampler, TheSameRequestGivesTheSameStart) {
-  TaskStartSampler first(BlocksRun()), second(BlocksRun());
+TEST(StartSampler, TheSameRequestGivesTheSameStart) {
+  StartSampler first(BlocksRun()), second(BlocksRun());
   FirstAccepted(second, 4);  // earlier samples do not matter
   const SampleResult a = FirstAccepted(first, 1), b = FirstAccepted(second, 1);
   ASSERT_TRUE(a.start && b.start);
   EXPECT_EQ(a.start->scene.state(), b.start->scene.state());
 }
 
-TEST(TaskStartSampler, EachStartHasATaskOfItsOwn) {
-  TaskStartSampler sampler(BlocksRun());
+TEST(StartSampler, EachStartHasItsOwnTask) {
+  StartSampler sampler(BlocksRun());
   const SampleResult a = FirstAccepted(sampler, 0), b = FirstAccepted(sampler, 1);
   ASSERT_TRUE(a.start && b.start);
   EXPECT_NE(a.start->task, b.start->task);
 }
 
-TEST(TaskStartSampler, ATaskMayRefuseForAReasonOfItsOwn) {
-  TaskStartSampler sampler(BlocksRun({.refuses = true}));
+TEST(StartSampler, ATaskCanRefuseWithItsReason) {
+  StartSampler sampler(BlocksRun({.refuses = true}));
   Rng rng = Rng::Stream(5, "refused");
   const SampleResult result = sampler.Sample({}, rng);
   EXPECT_FALSE(result.start.has_value());
@@ -174,10 +183,10 @@ TEST(TaskStartSampler, ATaskMayRefuseForAReasonOfItsOwn) {
               result.refusal.redrawn.contains("task: a reason of its own"));
 }
 
-TEST(TaskStartSampler, TheStartOfARunComesBeforeTheRangeOfTheTask) {
+TEST(StartSampler, TheStartOfARunOverridesTheRangeOfTheTask) {
   RunConfig run = BlocksRun();
   run.start.base_distance = {0.45, 0.5};
-  TaskStartSampler sampler(run);
+  StartSampler sampler(run);
   const SampleResult result = FirstAccepted(sampler, 0);
   ASSERT_TRUE(result.start) << result.refusal.detail;
   const Eigen::Vector3d target = result.start->scene.body_pose("block_0").translation();
@@ -186,17 +195,17 @@ TEST(TaskStartSampler, TheStartOfARunComesBeforeTheRangeOfTheTask) {
   EXPECT_LE(distance, 0.50 + 0.01);
 }
 
-TEST(TaskStartSampler, ACameraThatDoesNotSeeTheObjectRefusesTheStart) {
+TEST(StartSampler, RejectsAStartWhoseCameraMissesTheObject) {
   RunConfig run = BlocksRun();
   run.start.visible_from = {"exo_camera"};
   run.start.visible_share = 0.2;
-  TaskStartSampler sampler(run);
+  StartSampler sampler(run);
   EXPECT_TRUE(FirstAccepted(sampler, 0).start);
   // At its home the hand looks straight down beside its own base.
   run.start.visible_from = {"wrist_camera"};
   run.start.visible_share = 1;
   run.cameras.resolution = {16, 2};
-  TaskStartSampler blind(run);
+  StartSampler blind(run);
   Rng rng = Rng::Stream(5, 0, 0);
   const SampleResult result = blind.Sample({}, rng);
   ASSERT_FALSE(result.start);
@@ -206,7 +215,7 @@ TEST(TaskStartSampler, ACameraThatDoesNotSeeTheObjectRefusesTheStart) {
 }
 
 // The base is placed around the object, no matter what placed the object.
-TEST(TaskStartSampler, TheBaseStandsInItsRangeAroundATargetThatTheTaskMoved) {
+TEST(StartSampler, TheBaseIsPlacedAroundAMovedTarget) {
   for (const bool late : {false, true}) {
     const RunConfig run = BlocksRun({.moves = !late, .moves_late = late});
     const std::shared_ptr<TaskSampler> sampler = FindTaskKind(run.task.kind())->MakeSampler(run);
@@ -227,7 +236,7 @@ TEST(TaskStartSampler, TheBaseStandsInItsRangeAroundATargetThatTheTaskMoved) {
   }
 }
 
-TEST(TaskStartSampler, WhatIsFixedStaysAndTheOthersKeepClearOfIt) {
+TEST(StartSampler, FixedObjectsStayAndOthersAvoidThem) {
   const RunConfig run = BlocksRun({.fixed = true});
   const std::shared_ptr<TaskSampler> sampler = FindTaskKind(run.task.kind())->MakeSampler(run);
   for (int episode = 0; episode < 3; ++episode) {
@@ -240,8 +249,8 @@ TEST(TaskStartSampler, WhatIsFixedStaysAndTheOthersKeepClearOfIt) {
   }
 }
 
-TEST(TaskStartSampler, WhatHasAPoseStaysThereAndTheOthersKeepClearOfIt) {
-  TaskStartSampler sampler(BlocksRun({.placed = true}));
+TEST(StartSampler, ObjectsWithAPoseStayAndOthersAvoidThem) {
+  StartSampler sampler(BlocksRun({.placed = true}));
   for (int episode = 0; episode < 3; ++episode) {
     const SampleResult result = FirstAccepted(sampler, episode);
     ASSERT_TRUE(result.start) << result.refusal.reason << ": " << result.refusal.detail;
@@ -250,6 +259,19 @@ TEST(TaskStartSampler, WhatHasAPoseStaysThereAndTheOthersKeepClearOfIt) {
     const Eigen::Vector3d other = result.start->scene.body_pose("block_0").translation();
     EXPECT_GT((other - placed).head<2>().norm(), 0.05);
   }
+}
+
+TEST(StartSampler, RequiresRestOfTheObjectsThatTheTaskNames) {
+  StartSampler sampler(BlocksRun({.falls = true}));
+  const SampleResult moving = FirstAccepted(sampler, 0);
+  ASSERT_TRUE(moving.start) << moving.refusal.reason << ": " << moving.refusal.detail;
+  EXPECT_LT(moving.start->scene.body_pose("block_1").translation().z(), 59.9);
+
+  StartSampler strict(BlocksRun({.falls = true, .all_rest = true}));
+  const SampleResult refused = FirstAccepted(strict, 0);
+  ASSERT_FALSE(refused.start);
+  EXPECT_EQ(refused.refusal.counted_as(), "settling: objects did not come to rest");
+  EXPECT_EQ(refused.refusal.detail, "block_1 still moves");
 }
 
 // The sources of scenes know more than geometry says.
@@ -306,18 +328,20 @@ class InRooms final : public Task {
   std::string instruction() const override { return "look"; }
 };
 
-TEST(TaskStartSampler, ATaskPreparesByWhatIsKnownOfTheScene) {
+TEST(StartSampler, ATaskPreparesFromSceneAnnotations) {
   RegisterSceneSource<Annotated::Config>(
       std::make_shared<SceneSourceKindOf<Annotated::Config, Annotated>>());
   RegisterTask<InRooms::Config>(std::make_shared<TaskKindOf<InRooms::Config, InRooms>>());
   RunConfig run = ExampleRun("demo.yaml");
   run.task = InRooms::Config();
   const auto contents = [](const RunConfig& of) {
-    SceneSpec spec;
-    Rng rng = Rng::Stream(1, "contents");
+    StartSampler sampler(of);
+    const std::vector<StartContents> possible =
+        FindTaskKind(of.task.kind())->PossibleContents(of, 0, {}, [&] {
+          return sampler.AnnotationsOf(0);
+        });
     std::vector<std::string> names;
-    for (const SceneObject& object : TaskStartSampler(of).AddContents({}, spec, rng).objects)
-      names.push_back(object.name);
+    for (const SceneObject& object : possible.front().objects) names.push_back(object.name);
     return names;
   };
   EXPECT_THAT(contents(run), ::testing::ElementsAre("on_table")) << "by its geometry";
@@ -328,10 +352,45 @@ TEST(TaskStartSampler, ATaskPreparesByWhatIsKnownOfTheScene) {
   InRooms alone({});
   SceneSpec spec;
   Rng rng = Rng::Stream(1, "contents");
-  ExpectThrow<Error>([&] { alone.Prepare(spec, rng); }, "asked for in prepare() first");
+  ExpectThrow<Error>([&] { alone.Prepare(spec, rng); }, "in prepare() first");
 }
 
-TEST(TaskStartSampler, WhatATaskPreparesIsCheckedBeforeItIsMeasured) {
+// A task that takes numbers from elsewhere than its stream.
+class Forgetful final : public Task {
+ public:
+  struct Config {
+    static constexpr const char* kKind = "forgetful_of_test";
+    static constexpr const char* kTypeName = "Config";
+    template <class V>
+    static void Fields(V&& /*v*/) {}
+  };
+  explicit Forgetful(const Config& /*fields*/) {}
+  void Prepare(SceneSpec& spec, Rng& /*rng*/) override {
+    static double size = 0.02;
+    SceneObject block = BoxObject("block", {0, 0, 0});
+    block.pos.reset();
+    block.size = Vec3{size, size, size};
+    size += 0.001;
+    spec.objects.push_back(block);
+  }
+  TaskVerdict Judge(const Scene& /*scene*/) override { return {}; }
+  std::string instruction() const override { return "look"; }
+};
+
+TEST(StartSampler, RequiresThatOneRandomStreamGivesOneScene) {
+  RegisterTask<Forgetful::Config>(std::make_shared<TaskKindOf<Forgetful::Config, Forgetful>>());
+  RunConfig run = ExampleRun("demo.yaml");
+  run.task = Forgetful::Config();
+  Problems problems(run.locations);
+  StartSampler(run).ValidateStarts(std::array{0}, problems);
+  ASSERT_EQ(problems.list().size(), 1);
+  EXPECT_EQ(problems.list()[0].path, "task");
+  EXPECT_THAT(problems.list()[0].message,
+              ::testing::HasSubstr("prepare() of 'forgetful_of_test' makes another scene of the "
+                                   "same random stream each time (object 'block')"));
+}
+
+TEST(StartSampler, PreparedObjectsAreValidatedBeforeMeasuring) {
   const RunConfig run = BlocksRun({.unfinished = true});
   const std::shared_ptr<TaskSampler> sampler = FindTaskKind(run.task.kind())->MakeSampler(run);
   Rng rng = Rng::Stream(5, "unfinished");
@@ -340,10 +399,10 @@ TEST(TaskStartSampler, WhatATaskPreparesIsCheckedBeforeItIsMeasured) {
                          "valid: size");
 }
 
-TEST(TaskStartSampler, WithoutObjectsTheRobotStandsBesideTheMiddleOfTheSupport) {
+TEST(StartSampler, WithoutObjectsTheRobotFacesTheCentreOfTheSupport) {
   RunConfig run = BlocksRun({.blocks = 0});
   run.start.visible_from = {"nobody_looks"};
-  TaskStartSampler sampler(run);
+  StartSampler sampler(run);
   const Support support = FindSupport(MakeBaseScene(run, 0));
   for (int episode = 0; episode < 3; ++episode) {
     const SampleResult result = FirstAccepted(sampler, episode);

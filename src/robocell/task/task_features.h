@@ -11,8 +11,8 @@
 
 namespace robocell {
 
-// Returns the objects that a bound task names. Throws HookError for one that the scene does not have
-// and for one that is named twice.
+// Returns the objects that a bound task names. Throws HookError for one that the scene does not
+// have and for one that is named twice.
 std::vector<std::string> ObjectsOf(const Task& task, const Scene& scene);
 
 // `task`: bound to the scene; null for a cell without one. `own`: registered features.

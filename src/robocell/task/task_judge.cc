@@ -3,11 +3,30 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <mutex>
+#include <set>
 #include <utility>
 
 #include "robocell/base/call_hook.h"
+#include "robocell/base/log.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/task/task_calls.h"
+
+namespace robocell {
+
+std::string WhyNoWords(const Task& task, const std::string& kind, const std::string& instruction) {
+  const auto is_blank = [](unsigned char c) { return std::isspace(c) != 0; };
+  if (!std::ranges::all_of(instruction, is_blank)) return "";
+  const std::string place = task.PlaceOfHook("instruction");
+  return fmt::format(
+      "task '{}': instruction() has no words, and episodes are recorded and policies act without "
+      "any; return what is to be done, such as 'pick up the mug'{}",
+      kind, place.empty() ? "" : " (" + place + ")");
+}
+
+}  // namespace robocell
 
 namespace robocell::internal {
 namespace {
@@ -34,7 +53,7 @@ void TaskJudge::Begin() {
 }
 
 const std::vector<std::string>& TaskJudge::subtasks() {
-  if (!subtasks_) subtasks_ = CallHook(*task_, "subtasks", [&] { return task_->subtasks(); });
+  if (!subtasks_) subtasks_ = TaskCalls(*task_).Subtasks();
   return *subtasks_;
 }
 
@@ -45,6 +64,18 @@ TaskVerdict TaskJudge::Judge() {
     verdict.progress = std::clamp(verdict.progress, 0.0, 1.0);
     return verdict;
   });
+}
+
+void WarnOfNoWords(const Task& task, const std::string& kind, const std::string& instruction) {
+  const std::string why = WhyNoWords(task, kind, instruction);
+  if (why.empty()) return;
+  static std::mutex mutex;
+  static std::set<std::string> warned;
+  {
+    const std::lock_guard lock(mutex);
+    if (!warned.insert(why).second) return;
+  }
+  LogWarn(why);
 }
 
 void TaskJudge::Require(const TaskVerdict& verdict) {

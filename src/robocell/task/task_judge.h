@@ -16,6 +16,14 @@
 
 #include "robocell/task/task.h"
 
+namespace robocell {
+
+// Returns a warning of an instruction without words, with which episodes are recorded and which
+// policies see; "" if it has any.
+std::string WhyNoWords(const Task& task, const std::string& kind, const std::string& instruction);
+
+}  // namespace robocell
+
 namespace robocell::internal {
 
 class TaskJudge {
@@ -25,7 +33,7 @@ class TaskJudge {
   // Begins an episode. The scene is in its start state.
   void Begin();
   TaskVerdict Judge();
-  // For a task that is in another episode now.
+  // Call it when the task has entered another episode.
   void ForgetSubtasks() { subtasks_.reset(); }
   // Returns the names of the task's subtasks in this episode.
   const std::vector<std::string>& subtasks();
@@ -38,5 +46,8 @@ class TaskJudge {
   std::string place_;
   std::optional<std::vector<std::string>> subtasks_;  // once they were needed
 };
+
+// Logs WhyNoWords, once per kind and place of the code in a process.
+void WarnOfNoWords(const Task& task, const std::string& kind, const std::string& instruction);
 
 }  // namespace robocell::internal

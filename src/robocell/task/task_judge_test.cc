@@ -6,8 +6,12 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "robocell/base/hook_error.h"
+#include "robocell/base/log.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -47,7 +51,7 @@ struct TaskJudgeTest : ::testing::Test {
   TaskJudge judge{task, RobotAlone(Rc7()).scene(), "duo"};
 };
 
-TEST_F(TaskJudgeTest, PassesAVerdictOn) {
+TEST_F(TaskJudgeTest, ForwardsAVerdict) {
   task.names = {"reach", "lift"};
   task.verdict = {.reward = -3, .success = true, .progress = 0.5, .subtask = 1};
   judge.Begin();
@@ -60,7 +64,7 @@ TEST_F(TaskJudgeTest, PassesAVerdictOn) {
   EXPECT_THAT(judge.subtasks(), ElementsAre("reach", "lift"));
 }
 
-TEST_F(TaskJudgeTest, RejectsNumbersThatAreNoVerdict) {
+TEST_F(TaskJudgeTest, RejectsInvalidVerdicts) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(WhyNot({.reward = kNan}),
             "duo: the task's reward() is nan at t = 0.000 s; rewards must be finite numbers "
@@ -73,7 +77,7 @@ TEST_F(TaskJudgeTest, RejectsNumbersThatAreNoVerdict) {
   WhyNot({.progress = kNan});
 }
 
-TEST_F(TaskJudgeTest, RoundingOfProgressIsNoError) {
+TEST_F(TaskJudgeTest, AcceptsRoundingErrorsOfProgress) {
   for (const double progress : {-1e-12, 1 + 1e-12}) {
     task.verdict = {.progress = progress};
     EXPECT_EQ(judge.Judge().progress, std::round(progress));
@@ -94,7 +98,7 @@ TEST_F(TaskJudgeTest, RejectsASubtaskWithoutAName) {
   }
 }
 
-TEST_F(TaskJudgeTest, AsksForTheNamesOnceAnEpisode) {
+TEST_F(TaskJudgeTest, QueriesTheNamesOnceAnEpisode) {
   task.names = {"reach", "lift"};
   judge.Begin();
   judge.Judge();
@@ -104,9 +108,23 @@ TEST_F(TaskJudgeTest, AsksForTheNamesOnceAnEpisode) {
   EXPECT_EQ(task.asked, 1);
 }
 
-TEST_F(TaskJudgeTest, ErrorsOfItsHooksNameTheirPlace) {
+TEST_F(TaskJudgeTest, ErrorsOfHooksNameTheirPlace) {
   task.throws = true;
   ExpectThrow<HookError>([&] { judge.Judge(); }, "no body 'cubee' (task.py:7, in judge)");
+}
+
+TEST_F(TaskJudgeTest, WarnsOnceAboutAnEmptyInstruction) {
+  std::vector<std::string> lines;
+  const auto keep = [&](LogLevel, std::string_view text) { lines.emplace_back(text); };
+  const ScopedLogSink capture(keep);
+  WarnOfNoWords(task, "wordy", "obey");
+  WarnOfNoWords(task, "mute", "");
+  WarnOfNoWords(task, "mute", " \t");
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_EQ(lines[0],
+            "task 'mute': instruction() has no words, and episodes are recorded and policies act "
+            "without any; return what is to be done, such as 'pick up the mug' (task.py:7, in "
+            "instruction)");
 }
 
 }  // namespace

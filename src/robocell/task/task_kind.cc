@@ -2,67 +2,76 @@
 
 #include <fmt/format.h>
 
-#include <map>
-#include <mutex>
+#include <set>
 #include <utility>
 
 #include "robocell/base/error.h"
-#include "robocell/base/suggestions.h"
 #include "robocell/scenes/scene_source.h"
-#include "robocell/task/pick_sampler.h"
+#include "robocell/task/pick_kind.h"
+#include "robocell/task/pick_task_config.h"
 #include "robocell/task/start_sampler.h"
+#include "robocell/task/task_calls.h"
 
 namespace robocell {
-namespace {
 
-struct Registry {
-  std::mutex mutex;
-  std::map<std::string, std::shared_ptr<const TaskKind>> kinds = {
-      {PickTaskConfig::kKind, MakePickKind()},
-      {PickAndPlaceTaskConfig::kKind, MakePickAndPlaceKind()}};
-};
-
-Registry& Kinds() {
-  static Registry registry;
+KindRegistry& TaskKindRegistry() {
+  static KindRegistry registry(
+      "task", "kind", PickTaskConfig::kKind,
+      {{PickTaskConfig::kKind,
+        {std::make_shared<KindFieldsOf<PickTaskConfig>>(), internal::MakePickKind()}},
+       {PickAndPlaceTaskConfig::kKind,
+        {std::make_shared<KindFieldsOf<PickAndPlaceTaskConfig>>(),
+         internal::MakePickAndPlaceKind()}}});
   return registry;
 }
 
-}  // namespace
-
 std::shared_ptr<TaskSampler> TaskKind::MakeSampler(const RunConfig& run) const {
-  return std::make_shared<TaskStartSampler>(run);
+  return std::make_shared<StartSampler>(run);
+}
+
+std::vector<StartContents> TaskKind::PossibleContents(const RunConfig& run, int scene,
+                                                      const SceneSpec& base,
+                                                      const Task::KnownScene& known) const {
+  constexpr int kTurns = 16;
+  const auto seed = static_cast<uint64_t>(run.seed);
+  std::vector<StartContents> possible;
+  std::set<std::vector<std::string>> seen;
+  for (int episode = 0; episode < kTurns; ++episode) {
+    SceneSpec spec = base;
+    Rng rng = Rng::Stream(seed, "possible contents", scene, episode);
+    StartContents contents = PrepareContents(
+        *Make(run.task), {.known = known, .kind = run.task.kind(), .turn = {seed, scene, episode}},
+        spec, rng);
+    std::vector<std::string> names = contents.kinds;
+    for (const SceneObject& object : contents.objects) names.push_back(object.name);
+    if (seen.insert(names).second) possible.push_back(std::move(contents));
+  }
+  return possible;
 }
 
 std::vector<SceneObject> TaskKind::Contents(const RunConfig& run) const {
-  SceneSpec spec;
-  Rng rng = Rng::Stream(static_cast<uint64_t>(run.seed), "task contents");
+  const int scene = SceneIndices(run).front();
+  const std::shared_ptr<SceneSource> source = MakeSceneSource(run);
+  std::shared_ptr<const SceneAnnotations> annotations;
   const auto known = [&] {
-    const int scene = SceneIndices(run).front();
-    return std::make_shared<const SceneAnnotations>(MakeSceneSource(run)->Annotations(scene));
+    if (!annotations)
+      annotations = std::make_shared<const SceneAnnotations>(source->Annotations(scene));
+    return annotations;
   };
-  Make(run.task)->PrepareIn(known, spec, rng);
-  std::vector<SceneObject> objects;
-  for (const SceneObject& object : spec.objects) objects.push_back(object);
-  return objects;
+  return OneOfEachKind(PossibleContents(run, scene, MakeBaseScene(run, *source, scene), known));
 }
 
 void RegisterTask(const std::string& kind, std::shared_ptr<const KindFields> fields,
                   std::shared_ptr<const TaskKind> task, bool replace) {
   if (!task) throw ArgumentError("task '" + kind + "' needs a TaskKind that makes it");
-  RegisterTaskFields(kind, std::move(fields), replace);
-  Registry& registry = Kinds();
-  const std::lock_guard lock(registry.mutex);
-  registry.kinds[kind] = std::move(task);
+  TaskKindRegistry().Register(kind, {std::move(fields), std::move(task)}, replace);
 }
 
 std::shared_ptr<const TaskKind> FindTaskKind(const std::string& kind) {
-  Registry& registry = Kinds();
-  const std::lock_guard lock(registry.mutex);
-  const auto found = registry.kinds.find(kind);
-  if (found != registry.kinds.end()) return found->second;
-  std::vector<std::string> known;
-  for (const auto& [name, task] : registry.kinds) known.push_back(name);
-  throw NotFoundError(NoSuchName("", "task", kind, known));
+  const KindRegistry& registry = TaskKindRegistry();
+  if (auto task = std::dynamic_pointer_cast<const TaskKind>(registry.RulesOf(kind))) return task;
+  throw NotFoundError(fmt::format(
+      "task '{}' is registered with its fields alone; register it with RegisterTask", kind));
 }
 
 std::shared_ptr<Task> MakeTask(const EnvConfig& config, const Scene& scene) {
@@ -71,7 +80,7 @@ std::shared_ptr<Task> MakeTask(const EnvConfig& config, const Scene& scene) {
   TaskSetting setting{.place = "environment '" + config.name + "'", .robots = config.robots.keys()};
   for (const auto& [id, object] : config.root_frame_objects.entries())
     setting.objects.emplace(id, object->offset);
-  task->Bind(scene, setting);
+  internal::TaskCalls(*task).Bind(scene, setting);
   return task;
 }
 
@@ -82,7 +91,8 @@ void PrepareTask(const EnvConfig& config, SceneSpec& spec) {
   const auto known = [&] {
     return std::make_shared<const SceneAnnotations>(DeriveAnnotations(so_far));
   };
-  FindTaskKind(config.task->kind())->Make(*config.task)->PrepareIn(known, spec, rng);
+  const std::string& kind = config.task->kind();
+  internal::TaskCalls(*FindTaskKind(kind)->Make(*config.task)).Prepare(known, spec, rng, kind);
 }
 
 }  // namespace robocell

@@ -7,7 +7,7 @@
 //
 // A kind makes tasks from their fields. For generated datasets it also makes the sampler of starts,
 // which is the same for all tasks unless the kind overrides it, and names the expert that
-// demonstrates. This file includes no concrete task; the code that runs tasks includes it.
+// demonstrates; the built-in kinds override nothing of this. This file includes no concrete task; the code that runs tasks includes it.
 #pragma once
 
 #include <memory>
@@ -17,28 +17,35 @@
 #include "robocell/spec/env_config.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/task_spec.h"
+#include "robocell/task/start_contents.h"
 #include "robocell/task/task.h"
+#include "robocell/task/task_sampler.h"
 
 namespace robocell {
 
-class TaskKind {
+// KindRules checks the fields when a run or an environment is read; the checks here need more.
+class TaskKind : public KindRules {
  public:
-  virtual ~TaskKind() = default;
   // Returns a task that is not bound to a scene yet.
   virtual std::shared_ptr<Task> Make(const TaskSpec& spec) const = 0;
-  // Returns the sampler of a run's starts: a TaskStartSampler (start_sampler.h) unless overridden.
+  // Returns the sampler of a run's starts: a StartSampler (start_sampler.h) unless overridden.
   virtual std::shared_ptr<TaskSampler> MakeSampler(const RunConfig& run) const;
-  // Returns the kind of expert that demonstrates it (expert/expert_kind.h), or "" if there is none.
+  // Returns the kind of expert that demonstrates it (expert/expert_kind.h); "" for the one that is
+  // registered under the task's name, if there is one.
   virtual std::string expert() const { return ""; }
 
-  // Checks what can be known of a run before its first episode. `scene` holds the run's robot and
-  // one of each of Contents(run).
-  virtual void ValidateRun(const RunConfig& /*run*/, Problems& /*problems*/) const {}
+  // Checks a run with its scene, which holds the run's robot and one of each of Contents(run).
   virtual void ValidateScene(const RunConfig& /*run*/, const Scene& /*scene*/, Robot& /*robot*/,
                              Problems& /*problems*/, std::vector<std::string>& /*warnings*/) const {
   }
+  // Returns a few contents that together cover all objects that starts in a scene may have, for
+  // checks before the first start. Default: what Prepare adds in the first turns, so that a kind
+  // whose objects come rarely overrides it. `base`: the scene without them.
+  virtual std::vector<StartContents> PossibleContents(const RunConfig& run, int scene,
+                                                      const SceneSpec& base,
+                                                      const Task::KnownScene& known) const;
   // Returns one of each kind of object that the run's scenes may hold, for their models.
-  virtual std::vector<SceneObject> Contents(const RunConfig& run) const;
+  std::vector<SceneObject> Contents(const RunConfig& run) const;
   // Returns the source files that define a custom kind; a dataset stores their contents.
   virtual std::vector<std::string> CodeFiles() const { return {}; }
   // Returns true for a built-in kind, whose errors are not failures of a user's code.
@@ -66,8 +73,8 @@ void RegisterTask(std::shared_ptr<const TaskKind> task) {
   RegisterTask(Config::kKind, std::make_shared<KindFieldsOf<Config>>(), std::move(task));
 }
 
-// Returns the kind. Throws NotFoundError that lists the kinds, also for one whose fields are
-// registered without a task.
+// Returns the kind. Throws NotFoundError that lists the kinds, and for one that is registered in the
+// registry of fields alone.
 std::shared_ptr<const TaskKind> FindTaskKind(const std::string& kind);
 
 // Returns the task of an environment, bound to its scene; null if it has none.

@@ -10,7 +10,7 @@ namespace {
 
 void Refuse() { throw std::invalid_argument("joint 'lft' is unknown"); }
 
-TEST(ExpectThrow, GivesTheMessageOfWhatWasExpected) {
+TEST(ExpectThrow, ReturnsTheMessageOfTheExpectedException) {
   const auto refuse = [] { Refuse(); };
   EXPECT_EQ(ExpectThrow<std::invalid_argument>(refuse, "'lft'"), "joint 'lft' is unknown");
   EXPECT_EQ(ExpectThrow<std::invalid_argument>(&Refuse, ""), "joint 'lft' is unknown");

@@ -44,7 +44,7 @@ TEST_F(MenagerieTest, ARootFromTheEnvironmentIsUsed) {
   EXPECT_EQ(MissingMenagerie({"arm"}), "");
 }
 
-TEST_F(MenagerieTest, WithoutARootTheCacheOfThePackageIsUsedWhenComplete) {
+TEST_F(MenagerieTest, WithoutARootACompleteCacheIsUsed) {
   Write("models/arm-0123456789abcdef/arm.xml");
   ScopedEnv root("MENAGERIE_ROOT", "");
   ScopedEnv cache("MENAGERIE_CACHE_DIR", dir_.string());
@@ -55,7 +55,7 @@ TEST_F(MenagerieTest, WithoutARootTheCacheOfThePackageIsUsedWhenComplete) {
   EXPECT_NE(MissingMenagerie({"ar"}), "");
 }
 
-TEST_F(MenagerieTest, AMissingModelNamesItselfThePlacesAndTheCommand) {
+TEST_F(MenagerieTest, AMissingModelErrorHasNamePlacesAndCommand) {
   ScopedEnv root("MENAGERIE_ROOT", dir_.string());
   EXPECT_THAT(MissingMenagerie({"arm", "hand"}),
               AllOf(HasSubstr("missing: arm, hand."),

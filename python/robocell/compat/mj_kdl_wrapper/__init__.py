@@ -2,13 +2,13 @@
 
     import robocell.compat.mj_kdl_wrapper as mjk
 
-Almost all of it is robocell under the same name. What is here beside that: `Env`, frames of robots
-as PyKDL.Frame, objects whose model file takes precedence, the log levels as an enumeration,
+Almost all of it is robocell under the same name. This module adds `Env`, frames of robots as
+PyKDL.Frame, objects whose model file takes precedence, the log levels as an enumeration,
 `menagerie` with the variables ``MJ_KDL_*``, and the command ``mj-kdl-fetch-menagerie``. Nothing
 here simulates.
 
-Other than there, errors say what is wrong and where, in subclasses of RuntimeError, and a scene's
-names are its parts' own: see docs/compat.md.
+Unlike the original, errors are subclasses of RuntimeError that name problem and place, and a scene
+keeps the names of its parts: see docs/compat.md.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> object:
-    """Says what is not here, with the nearest that is."""
+    """Raises AttributeError with the nearest name."""
     if name == "SimulateViewer":
         hint = (
             "The viewer is not there yet: record a video (VideoRecorder), or look at what save_xml "

@@ -1,4 +1,4 @@
-"""Calls as the guide describes them: errors for what was closed."""
+"""Calls as the guide describes them: closed objects raise errors."""
 
 from __future__ import annotations
 

@@ -19,7 +19,7 @@ Hook = Callable[[ResetContext], Any]
 
 
 class _Call:
-    """What the scene calls; it lives as long as the scene has it among its hooks."""
+    """The hook that the scene calls; it lives as long as the scene has it among its hooks."""
 
     def __init__(self, hook: Hook) -> None:
         self.hook = hook
@@ -42,7 +42,7 @@ class Env(Forwarding):
     _call_id: int
 
     def __init__(self, scene: Scene) -> None:
-        """Of a scene that is built already."""
+        """Wraps a built scene."""
         if not isinstance(scene, Scene):
             raise TypeError(
                 f"Env takes a Scene that is built, got {type(scene).__name__}. "
@@ -59,7 +59,7 @@ class Env(Forwarding):
         return cls(Scene.build(spec))
 
     def __enter__(self) -> Env:
-        """Itself; the scene is closed at the end of the block."""
+        """Returns itself; the end of the block closes the scene."""
         return self
 
     def __exit__(self, *exception: object) -> None:
@@ -74,7 +74,7 @@ class Env(Forwarding):
     def create_robot(
         self, base_body: str, tip_body: str, prefix: str = "", tool: ToolFrameSpec | None = None
     ) -> Robot:
-        """The chain between two bodies; it follows resets and rebuilds of the scene."""
+        """Makes a robot of the chain between two bodies; it follows resets and rebuilds."""
         self._require_open("create_robot")
         return Robot.from_scene(self.scene, base_body, tip_body, prefix=prefix, tool=tool)
 
@@ -98,7 +98,7 @@ class Env(Forwarding):
         return self.scene.reset(options, **fields)
 
     def _counted(self, fields: dict[str, Any]) -> dict[str, Any]:
-        """The fields with the number of the keyframe that the scene has for the models'."""
+        """Returns the fields with the scene's index of the models' keyframe."""
         number = fields.get("keyframe")
         if isinstance(number, bool):
             raise TypeError(f"keyframe: expected a number, a name or {{part: name}}; got {number}")

@@ -1,4 +1,4 @@
-"""Wrappers of one of robocell's objects: what they do not have themselves is the object's."""
+"""Wrappers that forward unknown attributes to one of robocell's objects."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ class Forwarding:
     _wraps = ""
 
     def __getattr__(self, name: str) -> Any:
-        """The wrapped object's."""
+        """Returns an attribute of the wrapped object."""
         if name.startswith("_") or name == self._wraps:
             raise AttributeError(name)
         wrapped = getattr(self, self._wraps)
@@ -25,10 +25,10 @@ class Forwarding:
         return getattr(wrapped, name)
 
     def _require_open(self, name: str) -> None:
-        """Raises what the guide's class raises when it was closed."""
+        """Raises the error of the guide's class if it was closed."""
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Of what there is; AttributeError with the nearest name for what there is not."""
+        """Sets a known attribute. Raises AttributeError with the nearest name for any other."""
         if hasattr(type(self), name):
             object.__setattr__(self, name, value)
             return

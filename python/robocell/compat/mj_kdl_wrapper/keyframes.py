@@ -1,4 +1,4 @@
-"""Numbers of keyframes as the models count them; robocell's scenes put ``home`` first.
+"""Indices of keyframes as the models count them; robocell's scenes put ``home`` first.
 
 A scene of the guide has the keyframes of its models one after the other: of each robot and its
 tools, then of the objects, in the order of their files.
@@ -16,10 +16,10 @@ from robocell import NotFoundError, Scene, models
 
 
 def scene_number(scene: Scene, number: int) -> int:
-    """Which of ``scene.keyframes()`` is the models' keyframe of this number.
+    """Returns the index in ``scene.keyframes()`` of the models' keyframe with this number.
 
     Raises:
-        NotFoundError: The models have no such keyframe; the text lists theirs.
+        NotFoundError: The models have no such keyframe; the message lists theirs.
     """
     known = scene.keyframes()
     own = list(_names(scene, known))
@@ -32,7 +32,7 @@ def scene_number(scene: Scene, number: int) -> int:
 
 
 def _names(scene: Scene, known: list[str]) -> Iterator[str]:
-    """What the scene calls the keyframes of its models, in their order."""
+    """Returns the scene's names of the keyframes of its models, in their order."""
     for name in _full_names(scene):
         if name in known:
             yield name

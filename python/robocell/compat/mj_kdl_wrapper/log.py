@@ -19,7 +19,7 @@ class LogLevel(enum.Enum):
 
 @with_hints
 def set_log_level(level: LogLevel) -> None:
-    """How much is logged, of the whole process."""
+    """Sets the log level of the process."""
     if not isinstance(level, LogLevel):
         levels = ", ".join(str(each) for each in LogLevel)
         raise TypeError(f"set_log_level: expected one of {levels}; got {level!r}")
@@ -27,6 +27,6 @@ def set_log_level(level: LogLevel) -> None:
 
 
 def get_log_level() -> LogLevel:
-    """The level that is set; what robocell has beyond these is the nearest of them."""
+    """Returns the present level, or the nearest of these to one that only robocell has."""
     level = robocell.log.log_level()
     return LogLevel(level) if level in {each.value for each in LogLevel} else LogLevel.INFO

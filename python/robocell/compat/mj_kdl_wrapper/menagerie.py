@@ -1,8 +1,8 @@
-"""Where models and assets are: the variables ``MJ_KDL_*``, the guide's cache, robocell's search.
+"""Searches models and assets: the variables ``MJ_KDL_*``, the guide's cache, robocell's search.
 
 ``MJ_KDL_MODEL`` (the arm), ``MJ_KDL_GRIPPER``, ``MJ_KDL_TABLE``, ``MJ_KDL_BOTTLE`` and
-``MJ_KDL_RECEIVER`` are files, ``MJ_KDL_MENAGERIE`` is a checkout of the Menagerie. What a variable
-names must exist.
+``MJ_KDL_RECEIVER`` are files, ``MJ_KDL_MENAGERIE`` is a checkout of the Menagerie. The file or
+folder that a variable names must exist.
 
 The cache is ``~/.cache/mj_kdl_wrapper`` with the folders ``menagerie`` and ``assets``
 (``XDG_CACHE_HOME`` instead of ``~/.cache`` where it is set). `fetch` fills it.
@@ -35,15 +35,15 @@ GRIPPER_ASSET = "robotiq_2f85/2f85.xml"
 
 @with_hints
 def model_path(name: str, *, env_var: str | None = None) -> str:
-    """Main model file of a robot of the Menagerie; NotFoundError says what to do without it.
+    """Returns the main model file of a robot. Raises NotFoundError with the next step.
 
-    Looks at the variables, then in the cache, then where robocell looks. ``MENAGERIE_ROOT`` and
+    The variables come first, then the cache, then robocell's search. ``MENAGERIE_ROOT`` and
     ``ROBOCELL_OVERRIDE_<NAME>``, which robocell knows too, come before the cache.
 
     Args:
         name: The robot, such as ``"kinova_gen3"``. A name that the Menagerie does not have is an
             error also where ``MJ_KDL_MODEL`` names the file.
-        env_var: A variable of one's own that names the file, before all others.
+        env_var: Another variable that names the file, before all others.
     """
     if not isinstance(name, str):
         raise TypeError(f"model_path: expected a robot's name, such as '{ARM}'; got {name!r}")
@@ -59,11 +59,11 @@ def model_path(name: str, *, env_var: str | None = None) -> str:
 
 @with_hints
 def asset_path(rel: str, *, env_var: str | None = None) -> str:
-    """An asset of the examples, such as ``"cabinet/cabinet.xml"``; NotFoundError lists them.
+    """Returns an asset, such as ``"cabinet/cabinet.xml"``. Raises NotFoundError with all names.
 
     Args:
-        rel: Which one.
-        env_var: A variable of one's own that names the file, before all others.
+        rel: Name of the asset.
+        env_var: Another variable that names the file, before all others.
     """
     if rel == GRIPPER_ASSET:
         return (
@@ -84,7 +84,7 @@ def asset_path(rel: str, *, env_var: str | None = None) -> str:
 
 
 def cache_dir() -> Path:
-    """The guide's cache, which `fetch` fills; it need not exist."""
+    """Returns the guide's cache, which `fetch` fills; it need not exist."""
     root = os.environ.get("XDG_CACHE_HOME")
     return (Path(root) if root else Path.home() / ".cache") / "mj_kdl_wrapper"
 
@@ -153,7 +153,7 @@ def _override(variable: str) -> str | None:
     if not value:
         return None
     if not Path(value).is_file():
-        raise NotFoundError(f"{variable} is '{value}', which is no file: correct it or unset it")
+        raise NotFoundError(f"{variable} is '{value}', which is not a file: correct it or unset it")
     return str(Path(value).resolve())
 
 
@@ -180,7 +180,7 @@ def _in_cache(name: str) -> str | None:
 
 
 def _is_complete(folder: Path) -> bool:
-    """Whether a robot's folder has its main file, which is copied last; of one's own any model."""
+    """Returns True if a robot's folder has its main file, which is copied last, or any model."""
     try:
         return (folder / fetching.main_file(folder.name)).is_file()
     except NotFoundError:
@@ -188,7 +188,7 @@ def _is_complete(folder: Path) -> bool:
 
 
 def _model_in(folder: Path, name: str) -> str:
-    """The file that a name means in its robot's folder; NotFoundError lists the models there."""
+    """Returns a robot's model file by name. Raises NotFoundError with the models there."""
     robot, _, file = name.partition("/")
     models_here = sorted(path.name for path in folder.glob("*.xml"))
     if not file:
@@ -224,9 +224,9 @@ def _folder(robot: str) -> Path:
 
 
 def _fill(dest: Path, folders: dict[str, Path], *, keep: bool = False) -> dict[str, str]:
-    """Copies robots and assets; with `keep`, only what is not there yet.
+    """Copies robots and assets; with `keep`, only missing ones.
 
-    What was interrupted is not there: models are copied last, and each file appears as a whole.
+    An interrupted copy counts as missing: models are copied last, and each file appears complete.
     """
     paths = {}
     for robot, folder in folders.items():

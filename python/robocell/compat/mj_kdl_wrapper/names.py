@@ -7,7 +7,7 @@ from robocell._arguments import with_hints
 
 
 class Condim:
-    """Which friction acts at contacts."""
+    """Kinds of friction at contacts."""
 
     Tangential = robocell.scene.Condim.TANGENTIAL
     Torsional = robocell.scene.Condim.TORSIONAL
@@ -16,7 +16,7 @@ class Condim:
 
 @with_hints
 def scene_object_site_name(scene_object: robocell.SceneObject, site: str) -> str:
-    """What a site of an object's model is called in a scene."""
+    """Returns the scene's name for a site of an object's model."""
     if not isinstance(scene_object, robocell.SceneObject):
         raise TypeError(
             f"scene_object_site_name: expected a SceneObject, got {scene_object!r}; for a name "

@@ -44,14 +44,14 @@ def _model_file() -> Any:
 class SceneObject(robocell.SceneObject):
     """An object: a model file, else a primitive.
 
-    Whichever is set first, `mjcf_path` takes precedence: what `shape`, `size`, `rgba`, `mass`,
-    `friction` and `condim` say beside it is left out, with one warning per object.
+    `mjcf_path` takes precedence in any order of setting: `shape`, `size`, `rgba`, `mass`,
+    `friction` and `condim` are then ignored, with one warning per object.
     """
 
     __slots__ = ("_told",)
 
     def __init__(self, **fields: Any) -> None:
-        """With fields by name."""
+        """Sets fields by name."""
         given = [name for name in PRIMITIVE if fields.get(name) is not None]
         ignored = given if fields.get("mjcf_path") else []
         fields.setdefault("pos", [0, 0, 0])  # mutable in place from the beginning

@@ -13,13 +13,13 @@ from robocell.compat.mj_kdl_wrapper.calls import closed_as
 class Robot(robocell.Robot):
     """A robot whose `fk_frame`, `tip_to_tcp` and `ft_sensor_frame` are PyKDL.Frame.
 
-    All else is robocell's, and so is what the guide does not have (`tcp_in_world` is a Pose).
+    The rest is robocell's, also where the guide has no equivalent (`tcp_in_world` is a Pose).
     """
 
     __slots__ = ()
 
     def __setattr__(self, name: str, value: object) -> None:
-        """Of what there is; AttributeError with the nearest name for what there is not."""
+        """Sets a known attribute. Raises AttributeError with the nearest name for any other."""
         attribute = getattr(type(self), name, None)
         if attribute is None:
             raise AttributeError(no_attribute(type(self), name))
@@ -30,7 +30,7 @@ class Robot(robocell.Robot):
     @staticmethod
     @with_hints
     def of(scene: robocell.Scene, name: str) -> Robot:
-        """A configured robot by its name in the scene."""
+        """Returns a configured robot by its name in the scene."""
         return Robot(robocell.Robot.of(scene, name))
 
     @staticmethod
@@ -42,12 +42,12 @@ class Robot(robocell.Robot):
         prefix: str = "",
         tool: robocell.robots.ToolFrameSpec | None = None,
     ) -> Robot:
-        """A robot without configuration: the chain between two bodies."""
+        """Makes a robot without configuration: the chain between two bodies."""
         return Robot(robocell.Robot.from_scene(scene, base_body, tip_body, prefix, tool))
 
     @with_hints
     def fk_frame(self, q: Any = None) -> Any:
-        """The TCP in the robot base frame, a PyKDL.Frame; with joint values in any form or now."""
+        """Returns the TCP in the robot base frame, a PyKDL.Frame; at joint values or now."""
         return super().fk_frame(q).to_kdl()
 
     @property
@@ -57,5 +57,5 @@ class Robot(robocell.Robot):
 
     @with_hints
     def ft_sensor_frame(self, name: str) -> Any:
-        """The site in the world that a sensor's reading is expressed in, a PyKDL.Frame."""
+        """Returns the frame of a sensor's reading in the world, a PyKDL.Frame."""
         return super().ft_sensor_frame(name).to_kdl()

@@ -20,7 +20,7 @@ class VideoRecorder(Forwarding):
     _closed: bool
 
     def __init__(self, recorder: robocell.VideoRecorder | None = None) -> None:
-        """Of a recorder that is open; `open` and `open_preset` make one."""
+        """Wraps an open recorder; use `open` or `open_preset`."""
         if not isinstance(recorder, robocell.VideoRecorder):
             given = "" if recorder is None else f", got {type(recorder).__name__}"
             raise TypeError(
@@ -41,7 +41,7 @@ class VideoRecorder(Forwarding):
         height: int = 720,
         fps: int = 60,
     ) -> VideoRecorder:
-        """With a size of one's own, in pixels; odd ones are rounded down to even ones."""
+        """Opens a recorder with a size in pixels; odd sizes are rounded down to even ones."""
         size = _even("width", width), _even("height", height)
         return cls(robocell.VideoRecorder(_scene(target), path, *size, fps))
 
@@ -54,7 +54,7 @@ class VideoRecorder(Forwarding):
         resolution: robocell.render.VideoResolution = robocell.render.VideoResolution.R720p,
         fps: int = 60,
     ) -> VideoRecorder:
-        """With one of the usual sizes."""
+        """Opens a recorder with a standard size."""
         return cls(robocell.VideoRecorder.open_preset(_scene(target), path, resolution, fps))
 
     def _require_open(self, name: str) -> None:
@@ -65,16 +65,16 @@ class VideoRecorder(Forwarding):
             )
 
     def close(self) -> None:
-        """Ends the file; without it there is none. Again it does nothing."""
+        """Completes the file, which does not exist before. Further calls do nothing."""
         if not self._closed:
             self._closed = True
             self.recorder.finish()
 
     @with_hints
     def use_camera(self, name: str = "") -> bool:
-        """Chooses one of camera_names(), or the free one: False, and no change, without such one.
+        """Selects a camera of camera_names(), or the free one. Returns False for an unknown name.
 
-        "Tracking" is an error before `set_tracking_camera` said what to follow.
+        An unknown name changes nothing. "Tracking" is an error before `set_tracking_camera`.
         """
         self._require_open("use_camera")
         try:
@@ -84,14 +84,14 @@ class VideoRecorder(Forwarding):
         return True
 
     def record_frame(self) -> bool:
-        """The scene as it is now becomes a frame; never False, what goes wrong is raised."""
+        """Records the present scene as a frame. Returns True; errors are raised."""
         self._require_open("record_frame")
         self.recorder.record_frame()
         return True
 
 
 def _even(name: str, size: int) -> int:
-    """The even size below; one without such a number stays, to be refused as it is."""
+    """Rounds down to an even size; sizes below 2 stay, for the later error."""
     if not isinstance(size, Integral):
         raise TypeError(f"VideoRecorder.open(): {name}: expected a whole number, got {size!r}")
     return int(size) - size % 2 if size > 1 else int(size)

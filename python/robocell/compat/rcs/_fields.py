@@ -1,7 +1,7 @@
 """Configurations whose fields are checked: their names when they are set, their values when read.
 
-A misspelt field is an error that contains the right one. `as_read` reads all values as the
-annotations say, `_reading`.
+The error for a misspelt field contains the right one. `as_read` reads all values by their
+annotations (`_reading`).
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from robocell.compat.rcs._reading import form_of
 
 
 class NamedFields:
-    """Base of dataclasses: what is no field is refused, where Python would keep it unread.
+    """Base of dataclasses that rejects unknown fields instead of storing them.
 
-    TypeError for an argument, AttributeError for an attribute. Attributes that begin with an
-    underscore are a subclass's own.
+    Raises TypeError for an argument, AttributeError for an attribute. Attributes that begin with an
+    underscore belong to a subclass.
     """
 
     _place: str | None = None  # None: the name of the class
@@ -45,16 +45,15 @@ class NamedFields:
         super().__setattr__(name, value)
 
     def as_read(self, place: str | None = None) -> Self:
-        """A copy whose values have the types that the annotations say.
+        """Returns a copy whose values have the types of the annotations.
 
         Args:
-            place: What errors call this configuration, such as "robot_cfgs.left"; unless given,
-                what it was called before, else its class. Fields of "" are called by their names
-                alone.
+            place: Name of this configuration in errors, such as "robot_cfgs.left"; unless given,
+                its former name, else its class. Fields of "" have only their own names.
 
         Raises:
             TypeError: A value has another type.
-            ArgumentError: A value is not possible.
+            ArgumentError: A value is invalid.
         """
         mine = copy.copy(self)
         place = place if place is not None else self._place
@@ -72,14 +71,14 @@ class NamedFields:
         """Raises an error for values that do not fit each other; all have been read."""
 
     def _of(self, name: str) -> str:
-        """What errors call a field."""
+        """Returns the name of a field in errors."""
         place = type(self).__name__ if self._place is None else self._place
         return f"{place}.{name}" if place else name
 
     def _warn_of_unused(self, instead: Mapping[str, str]) -> None:
-        """For each of these fields that is not at its default: that it does nothing, and what does.
+        """Warns for each of these fields with another value than its default: it has no effect.
 
-        A warning of one text comes once, as Python shows warnings.
+        The warning names the field that has the effect. Python shows each text once.
         """
         for each in fields(self):  # type: ignore[arg-type]
             if each.name in instead and getattr(self, each.name) != each.default:

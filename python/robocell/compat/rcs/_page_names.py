@@ -1,7 +1,7 @@
-"""Errors of robocell about a scene, with the page's names of the fields that they are about.
+"""Errors of robocell about a scene, with the page's names of the fields.
 
-What a configuration says is checked when it is read; what its models say comes from robocell,
-which knows the fields as those of `rc.EnvConfig`.
+A configuration is checked when it is read. Errors about its models come from robocell, which uses
+the field names of `rc.EnvConfig`.
 """
 
 from __future__ import annotations

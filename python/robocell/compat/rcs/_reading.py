@@ -1,9 +1,8 @@
-"""Reads values as the annotation of a configuration's field says, in one way for every field.
+"""Reads the values of a configuration's fields by their annotations.
 
-A value of another form is a TypeError, one outside its bounds an ArgumentError. Both name the
-place with the page's words (``robot_cfgs.left.joints[2]``), what is expected there, and what was
-found. ``Annotated[float, Above(0)]`` adds a bound; a `Form` in ``Annotated`` replaces what the
-annotation says.
+Raises TypeError for a value of another form, ArgumentError for one outside its bounds. Both name
+the field in the page's words (``robot_cfgs.left.joints[2]``), the expected value and the given one.
+``Annotated[float, Above(0)]`` adds a bound; a `Form` in ``Annotated`` replaces the annotation.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ from robocell._arguments import show
 
 @dataclass(frozen=True)
 class Form:
-    """What is expected of a value: in words, one and many; and what reads it at a place."""
+    """Describes an expected value (singular and plural) and reads it."""
 
     words: str
     many: str
@@ -59,17 +58,17 @@ class AtLeast:
 
 
 def misfit(place: str, words: str, value: Any, hint: str = "") -> TypeError:
-    """The error of a value that has another form."""
+    """Returns the error for a value of the wrong form."""
     return TypeError(f"{place}: expected {words}, found {show(value)}{hint}")
 
 
 def outside(place: str, words: str, found: Any, hint: str = "") -> rc.ArgumentError:
-    """The error of a value of the right form that is not possible."""
+    """Returns the error for a value out of range."""
     return rc.ArgumentError(f"{place}: expected {words}, found {found}{hint}")
 
 
 def form_of(kind: Any) -> Form:
-    """The form that an annotation stands for; of one that is not known, any value."""
+    """Returns the form of an annotation; any value for an unknown one."""
     origin, arguments = get_origin(kind), get_args(kind)
     if origin is Annotated:
         return _annotated(arguments[0], arguments[1:])
@@ -86,7 +85,7 @@ def form_of(kind: Any) -> Form:
 
 
 def list_of(item: Form) -> Form:
-    """A list of values of one form; one text is not a list of its letters."""
+    """Returns the form of a list of values of one form; a string is not such a list."""
     words = f"a list of {item.many}"
 
     def read(value: Any, place: str) -> list[Any]:
@@ -165,7 +164,7 @@ def _object_of(kind: type) -> Form:
 
 
 def _member_of(kind: type[enum.Enum]) -> Form:
-    """A member of an enumeration, or its name, as the rest of robocell takes it too."""
+    """Returns the form of a member of an enumeration, or its name."""
     members = {name.lower(): member for name, member in kind.__members__.items()}
     words = f"a {kind.__name__} ({', '.join(kind.__members__)})"
 
@@ -184,7 +183,7 @@ def _member_of(kind: type[enum.Enum]) -> Form:
 
 
 def _plain(value: Any) -> Any:
-    """A number of numpy's or torch's as Python's."""
+    """Converts a number of numpy or torch to Python's."""
     is_number = getattr(value, "shape", None) == () and hasattr(value, "item")
     return value.item() if is_number else value
 

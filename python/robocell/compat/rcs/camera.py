@@ -1,4 +1,4 @@
-"""What the numbers of depth images are."""
+"""The scale of depth images."""
 
 from __future__ import annotations
 

@@ -18,19 +18,19 @@ class UnknownNameError(KeyError):
     """A name that a registry does not have; the text lists those that it has."""
 
     def __str__(self) -> str:
-        """Without the quotes that KeyError puts around it."""
+        """Returns the text without the quotes that KeyError adds."""
         return str(self.args[0])
 
 
 class Registry(dict[str, Value]):
-    """Names and what they stand for. A miss is a KeyError that suggests the nearest name."""
+    """A dictionary of names. Raises KeyError with the nearest name for an unknown one."""
 
     def __init__(self, name: str, entries: dict[str, Value]) -> None:
         super().__init__(entries)
         self.name = name
 
     def __missing__(self, key: object) -> Value:
-        """Says what the registry has instead."""
+        """Raises KeyError with the names of the registry."""
         near = difflib.get_close_matches(str(key), list(self), 1)
         hint = f" Did you mean '{near[0]}'?" if near else ""
         raise UnknownNameError(f"{self.name}: no '{key}'. It has: {', '.join(self)}.{hint}")

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import robocell as rc
+from robocell._suggestions import counted
 from robocell.compat.rcs._fields import NamedFields
 from robocell.compat.rcs._reading import Above, AtLeast, Form, Path, list_of, misfit, outside
 from robocell.compat.rcs.common import Pose
@@ -55,7 +56,7 @@ def _fr3_joints() -> list[str]:
 
 @dataclass
 class SimConfig(NamedFields):
-    """How the simulation runs; a number of convergence steps below 0 is none."""
+    """Simulation settings; a negative number of convergence steps means no limit."""
 
     async_control: bool = False
     realtime: bool = False
@@ -69,7 +70,7 @@ class SimConfig(NamedFields):
             raise outside(self._of("max_convergence_steps"), words, steps)
 
     def to_settings(self) -> rc.envs.SimSettings:
-        """As robocell's: steps of the engine become simulated seconds."""
+        """Converts to robocell's settings: engine steps become simulated seconds."""
         mine = self.as_read()
         steps = mine.max_convergence_steps if mine.max_convergence_steps > 0 else MOST_STEPS
         return rc.envs.SimSettings(
@@ -85,10 +86,10 @@ class SimConfig(NamedFields):
 class SimRobotConfig(NamedFields):
     """An arm; by default the Menagerie's FR3. Names are those of its model, without prefix.
 
-    ``dof``, when it is set, must be the number of joints. ``seconds_between_callbacks`` does
-    nothing, and a warning says so when it is set: robocell looks at every step of the engine
-    whether an arm has arrived. Without gravity compensation servos may come to rest farther from
-    their targets than ``joint_rotational_tolerance``; the step's reason is then ``settled``.
+    ``dof``, if set, must be the number of joints. ``seconds_between_callbacks`` has no effect, and
+    setting it gives a warning: robocell checks at every engine step whether an arm has arrived.
+    Without gravity compensation servos may come to rest farther from their targets than
+    ``joint_rotational_tolerance``; the step's reason is then ``settled``.
     """
 
     robot_type: str = "FR3"
@@ -107,12 +108,12 @@ class SimRobotConfig(NamedFields):
     seconds_between_callbacks: Annotated[float, AtLeast(0)] = 0.1
 
     def _check(self) -> None:
-        joints = f"{len(self.joints)} joints ({', '.join(self.joints)})"
+        joints = f"{counted(len(self.joints), 'joint')} ({', '.join(self.joints)})"
         if self.dof is not None and self.dof != len(self.joints):
             raise outside(self._of("dof"), f"None or the number of its {joints}", self.dof)
         if self.q_home is not None and len(self.q_home) != len(self.joints):
             words = f"a number for each of its {joints}"
-            raise outside(self._of("q_home"), words, f"{len(self.q_home)} numbers")
+            raise outside(self._of("q_home"), words, counted(len(self.q_home), "number"))
         self._check_limits(joints)
 
     def _check_limits(self, joints: str) -> None:
@@ -130,7 +131,7 @@ class SimRobotConfig(NamedFields):
                 raise outside(place, words, f"{lower:g} and {upper:g}", hint)
 
     def to_robot(self) -> rc.RobotConfig:
-        """As a robot's configuration with one group, ``arm``."""
+        """Converts to a robot configuration with one group, ``arm``."""
         self._warn_of_unused(
             {
                 "seconds_between_callbacks": "whether the arm has arrived is looked at with every "
@@ -181,7 +182,7 @@ class SimGripperConfig(NamedFields):
     ``max_joint_width`` (open) when one of them is set, else from the distance between the fingers.
     A contact of ``collision_geoms`` is a collision, which ends a step as one of the arm does, but
     for contacts between the fingers and with ``ignored_collision_geoms`` (full names of the scene).
-    ``seconds_between_callbacks`` does nothing, and a warning says so when it is set.
+    ``seconds_between_callbacks`` has no effect, and setting it gives a warning.
     """
 
     gripper_type: Path = "FrankaHand"
@@ -211,7 +212,7 @@ class SimGripperConfig(NamedFields):
                 raise outside(self._of(high), words, f"{getattr(self, high):g} in both")
 
     def to_robot(self) -> rc.RobotConfig:
-        """As a robot's configuration with one group, ``gripper``."""
+        """Converts to a robot configuration with one group, ``gripper``."""
         self._warn_of_unused(_UNUSED_OF_GRIPPERS)
         mine = self.as_read()
         kind = str(mine.gripper_type)
@@ -236,7 +237,7 @@ class SimGripperConfig(NamedFields):
 
 
 class CameraType(enum.Enum):
-    """Which kind of camera.
+    """Kinds of cameras.
 
     ``fixed``: the camera of the scene that ``identifier`` names. ``tracking``: a view of the body
     that it names, from 2 m away. ``free``: MuJoCo's free camera as it begins, 2 m from the world's
@@ -251,7 +252,7 @@ class CameraType(enum.Enum):
 
 @dataclass
 class SimCameraConfig(NamedFields):
-    """What is taken of a camera, by its name in the scene; rate 0: a frame with every step."""
+    """An image stream of a camera, by its name in the scene; rate 0: one frame per step."""
 
     identifier: str
     frame_rate: Annotated[float, AtLeast(0)] = 0
@@ -260,7 +261,7 @@ class SimCameraConfig(NamedFields):
     type: CameraType = CameraType.fixed
 
     def to_stream(self, name: str) -> rc.render.CameraConfig:
-        """As an image stream of this name."""
+        """Converts to an image stream of this name."""
         mine = self.as_read()
         stream = rc.render.CameraConfig(
             name=name, width=mine.resolution_width, height=mine.resolution_height
@@ -276,6 +277,6 @@ class SimCameraConfig(NamedFields):
         return stream
 
     def camera_of(self, name: str) -> str:
-        """The scene's camera that the stream `name` shows; a free one is added for it."""
+        """Returns the scene's camera of the stream `name`; adds a free one."""
         mine = self.as_read()
         return f"{name}_free" if mine.type == CameraType.free else mine.identifier

@@ -7,6 +7,7 @@
 #include "robocell/robot/testing/robots.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/spec/env_config.h"
+#include "robocell/task/pick_task_config.h"
 #include "robocell/testing/random_values.h"
 
 namespace robocell {

@@ -12,9 +12,9 @@ namespace robocell {
 inline constexpr double kOneHingeStiffness = 50;  // N m/rad
 
 // The arm is level at 0 and turns down with positive angles; its tip is 0.5 m from the hinge.
-// `joint` adds attributes of the joint.
+// `joint` and `servo` add attributes of the joint and its servo.
 inline EnvConfig OneHinge(ModelFolder& folder, const std::string& joint = "damping='2'",
-                          bool gravcomp = false) {
+                          bool gravcomp = false, const std::string& servo = "") {
   RobotConfig robot{.name = "arm",
                     .model = folder.Write("hinge", R"(
     <compiler angle="radian" autolimits="true"/>
@@ -24,7 +24,8 @@ inline EnvConfig OneHinge(ModelFolder& folder, const std::string& joint = "dampi
                                                        R"(/>
         <geom type="capsule" size="0.02" fromto="0 0 0 0.5 0 0" mass="1"/>
         <site name="tip" pos="0.5 0 0"/></body></body></worldbody>
-    <actuator><position name="hip" joint="hip" kp="50" kv="5"/></actuator>)")};
+    <actuator><position name="hip" joint="hip" kp="50" kv="5" )" +
+                                                       servo + "/></actuator>")};
   robot.gravcomp = gravcomp;
   robot.move_groups["arm"] = {.kind = MoveGroupKind::kArm,
                               .joints = {"hip"},

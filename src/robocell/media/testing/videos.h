@@ -12,6 +12,7 @@
 
 #include "robocell/media/testing/frames.h"
 #include "robocell/media/video_writer.h"
+#include "robocell/media/warm_program.h"
 
 namespace robocell {
 
@@ -27,8 +28,10 @@ inline void Store(const std::filesystem::path& path, const std::string& bytes) {
       .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
 }
 
-// Expects that this process has no child, running or waiting to be reaped.
+// Expects that this process has no child, running or waiting to be reaped. Ends the process that
+// waits to become the next encoder (warm_program.h).
 inline void ExpectNoChildLeft() {
+  internal::EndWarmPrograms();
   EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
   EXPECT_EQ(errno, ECHILD);
 }

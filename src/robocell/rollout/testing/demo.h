@@ -6,7 +6,7 @@
 
 namespace robocell {
 
-// As if it were made in code: problems have no place in a file.
+// Returns the demo run without file positions, as if it were made in code.
 inline RunConfig Demo() {
   RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
   run.locations = {};

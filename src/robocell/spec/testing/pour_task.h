@@ -29,9 +29,23 @@ struct PourConfig {
   }
 };
 
+// Runs pour without cups, environments only with them.
+class PourRules final : public KindRules {
+ public:
+  void ValidateRun(const RunConfig& run, Problems& problems) const override {
+    if (!run.task.As<PourConfig>().cups.empty())
+      problems.AddAt("task.cups", "belongs to environments");
+  }
+  void ValidateEnv(const EnvConfig& env, Problems& problems) const override {
+    if (env.task->As<PourConfig>().cups.empty()) problems.AddAt("task.cups", "is required");
+  }
+};
+
 inline void RegisterPour() {
   static const bool kDone = [] {
-    RegisterTaskFields(PourConfig::kKind, std::make_shared<KindFieldsOf<PourConfig>>());
+    TaskKindRegistry().Register(
+        PourConfig::kKind,
+        {std::make_shared<KindFieldsOf<PourConfig>>(), std::make_shared<PourRules>()}, false);
     return true;
   }();
   (void)kDone;

@@ -96,13 +96,12 @@ class RandomSpec {
     }
     FillOther(value.houses);
   }
+  // Of any kind that is registered.
   void FillOther(TaskSpec& value) {
-    if (rng_.UniformInt(2)) {
-      value = TaskSpec();
-      return Fill(value.As<PickTaskConfig>());
-    }
-    value = PickAndPlaceTaskConfig();
-    Fill(value.As<PickAndPlaceTaskConfig>());
+    const std::vector<std::string> kinds = TaskKinds();
+    value = TaskSpec(kinds[rng_.UniformInt(kinds.size())]);
+    for (const KindFieldRef& field : value.fields().refs())
+      std::visit([&](auto* member) { Fill(*member); }, field.value);
   }
 
   // Returns numbers of any size, short and long ones, whole ones.

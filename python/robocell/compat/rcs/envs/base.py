@@ -1,4 +1,4 @@
-"""What actions are, and what they are relative to."""
+"""Action modes and their reference."""
 
 from __future__ import annotations
 

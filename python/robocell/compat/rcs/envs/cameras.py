@@ -27,7 +27,7 @@ FREE_FOVY = 45.0
 
 
 def camera_of_the_page(name: str, robot: str) -> rc.envs.CameraAdderConfig:
-    """The page's camera of this name; one of a wrist follows `robot`."""
+    """Returns the page's camera of this name; a wrist camera follows `robot`."""
     pose, follows = PAGE_CAMERAS[name]
     camera = rc.envs.CameraAdderConfig(fovy=60.0, offset=pose)
     if follows:
@@ -43,11 +43,11 @@ def placed_cameras(
     models: Iterable[Path],
     root_frame_to_world: rc.Pose,
 ) -> dict[str, rc.envs.CameraAdderConfig]:
-    """The cameras of `adds` and those that `streams` needs beside them.
+    """Returns the cameras of `adds` and those that `streams` needs beside them.
 
-    A free camera stands still in the world. The page's minimal scene takes images of ``bird_eye``
-    and ``wrist`` and places neither: without a camera of that name they stand where the page's
-    other snippets place them, and a warning says so.
+    A free camera is fixed in the world. The page's minimal scene takes images of ``bird_eye`` and
+    ``wrist`` and places neither: without cameras of these names, they get the poses of the page's
+    other snippets, with a warning.
     """
     placed, names = dict(adds), list(robots)
     files = list(models)

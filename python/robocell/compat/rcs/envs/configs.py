@@ -32,7 +32,7 @@ class EmptyWorldFR3(SimEnvCreator):
     """One FR3, a camera above it and one at its wrist."""
 
     def config(self) -> SimEnvCreatorConfig:
-        """Its configuration, to be changed as wished."""
+        """Returns its configuration, which you may change."""
         return SimEnvCreatorConfig(
             robot_cfgs={"robot": _fr3()},
             sim_cfg=_sim(),
@@ -50,7 +50,7 @@ class EmptyWorldFR3Duo(SimEnvCreator):
     """Two FR3 on a mount, tilted outwards, with one frame for the actions of both."""
 
     def config(self) -> SimEnvCreatorConfig:
-        """Its configuration, to be changed as wished."""
+        """Returns its configuration, which you may change."""
         sides = ("left", "right")
         return SimEnvCreatorConfig(
             robot_cfgs={side: _fr3() for side in sides},

@@ -1,4 +1,4 @@
-"""SimEnvCreatorConfig: an environment's configuration with the names of RCS, and what makes it."""
+"""SimEnvCreatorConfig: an environment's configuration with the names of RCS, and its creator."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ __all__ = [
 
 
 def _read_placed(value: Any, place: str) -> Any:
-    # What robocell's own dictionaries take besides, and what it says about the others.
+    # robocell's own dictionaries also take these, and report every other value.
     if isinstance(value, rc.envs.EnvObject | Mapping):
         return value
     if not isinstance(value, tuple | list) or len(value) != 2:
@@ -50,7 +50,7 @@ def _read_placed(value: Any, place: str) -> Any:
 
 def _read_limit(value: Any, place: str) -> Any:
     is_list = isinstance(value, Sequence) or getattr(value, "shape", ()) != ()
-    if is_list and not isinstance(value, str):
+    if is_list and not isinstance(value, str | bytes):
         return tuple(list_of(NUMBER).read(value, place))
     try:
         return NUMBER.read(value, place)
@@ -66,9 +66,9 @@ Placed = Annotated[tuple[str, rc.Pose], PLACED]
 def _without_images(
     camera: str, added: rc.envs.CameraAdderConfig, streams: Mapping[str, SimCameraConfig]
 ) -> str | None:
-    """What is wrong when no entry of camera_cfgs takes images of a camera that was added.
+    """Returns the problem if no entry of camera_cfgs takes images of an added camera.
 
-    A model is there for its housing too.
+    A camera with a model is allowed without images, for its housing.
     """
     shown = [each.identifier for each in streams.values() if each.type == CameraType.fixed]
     if added.xml_path or camera in shown:
@@ -96,8 +96,8 @@ def _without_images(
 class SimEnvCreatorConfig(NamedFields):
     """A cell of one or several robots; all but the first three have defaults.
 
-    ``_original_cfg`` is None: RCS keeps there what was given before it prefixes names in place,
-    and robocell prefixes nothing in place.
+    ``_original_cfg`` is None: RCS keeps the given configuration there before it prefixes names in
+    place, and robocell prefixes nothing in place.
     """
 
     robot_cfgs: Mapping[str, SimRobotConfig]
@@ -124,7 +124,7 @@ class SimEnvCreatorConfig(NamedFields):
     _original_cfg: None = field(default=None, repr=False)
 
     def _check(self) -> None:
-        """Finds wrong names that robocell would report with fields of its own configuration."""
+        """Finds wrong names that robocell would report with its own field names."""
         if self._original_cfg is not None:
             raise rc.ArgumentError(
                 "_original_cfg: robocell prefixes nothing in place; give that configuration itself "
@@ -156,7 +156,7 @@ class SimEnvCreatorConfig(NamedFields):
         self.robot_frame_objects = objects
 
     def _step_limit(self) -> Any:
-        """One number is metres with Cartesian actions, which then turn by a quarter at most."""
+        """Returns the step limit: a number is metres for Cartesian actions, with a quarter turn."""
         limit = self.max_relative_movement
         if isinstance(limit, float) and self.control_mode != ControlMode.JOINTS:
             return (limit, math.pi / 2)
@@ -174,11 +174,11 @@ class SimEnvCreatorConfig(NamedFields):
         )
 
     def to_env_config(self, name: str = "env") -> rc.EnvConfig:
-        """The same cell as robocell's configuration; this one stays as it is.
+        """Converts this configuration to robocell's; this one does not change.
 
-        TypeError for a field that has another type than its annotation, ArgumentError for a value
-        that is not possible, NotFoundError for a name that is not there; all of them name the
-        field, ``robot_cfgs.left.joints[2]``.
+        Raises TypeError for a field of another type than its annotation, ArgumentError for an
+        invalid value, NotFoundError for an unknown name. The messages name the field,
+        ``robot_cfgs.left.joints[2]``.
         """
         mine = self.as_read("")
         robots = {robot: each.to_robot() for robot, each in mine.robot_cfgs.items()}
@@ -220,23 +220,23 @@ class SimEnvCreator:
     """Makes environments; subclasses have a `config` of their own."""
 
     def config(self) -> SimEnvCreatorConfig:
-        """What is made when nothing else is said."""
+        """Returns the default configuration."""
         raise NotImplementedError(f"{type(self).__name__} has no config of its own; pass cfg=")
 
     def create_model(self, cfg: SimEnvCreatorConfig) -> rc.SceneSpec:
-        """The scene alone: to look at, to build with `rc.Scene.build`, to save."""
+        """Returns the scene's spec: to inspect, to build with `rc.Scene.build`, to save."""
         with page_names():
             return rc.envs.env_scene_spec(self._config_of(cfg))
 
     def create_env(self, cfg: SimEnvCreatorConfig) -> GymEnv:
-        """The environment as Gymnasium's."""
+        """Creates the environment with Gymnasium's interface."""
         from robocell.gym import GymEnv
 
         with page_names():
             return GymEnv(self._config_of(cfg))
 
     def __call__(self, cfg: SimEnvCreatorConfig | None = None) -> GymEnv:
-        """The environment of `cfg`, or of `config()`."""
+        """Creates the environment of `cfg`, or of `config()`."""
         return self.create_env(self.config() if cfg is None else cfg)
 
     def _config_of(self, cfg: SimEnvCreatorConfig) -> rc.EnvConfig:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 import robocell as rc
+from robocell._suggestions import counted
 from robocell.compat.rcs._fields import NamedFields
 from robocell.compat.rcs._reading import Above, Path, outside
 from robocell.compat.rcs.common import Pose
@@ -19,8 +20,8 @@ PICK_AND_PLACE = "pick_and_place"
 class BaseTaskConfig(NamedFields):
     """A task by its name: one of ``rc.tasks.task_kinds()``, or RCS's ``pick_place``.
 
-    That is all that a task of one's own needs which was registered (``rc.register_task``);
-    subclasses may add to the environment in ``add_to`` too.
+    A registered task of your own (``rc.register_task``) needs only this class; subclasses may also
+    add to the environment in ``add_to``.
     """
 
     task_id: str
@@ -32,29 +33,29 @@ class BaseTaskConfig(NamedFields):
 
     @property
     def kind(self) -> str:
-        """What robocell calls the task."""
+        """Returns robocell's kind of the task."""
         return PICK_AND_PLACE if self.task_id == "pick_place" else self.task_id
 
     def _check_task_id(self) -> None:
         kinds = rc.tasks.task_kinds()
         if self.kind not in kinds:
             raise rc.NotFoundError(
-                f"task_cfg: no task '{self.task_id}'. Known tasks: {', '.join(kinds)}; those of "
-                "one's own are added by rc.register_task"
+                f"task_cfg: no task '{self.task_id}'. Known tasks: {', '.join(kinds)}; your own "
+                "are added by rc.register_task"
             )
 
 
 @dataclass(kw_only=True)
 class PickTaskConfig(BaseTaskConfig):
-    """An object that lies at its place in the root frame and is to be lifted.
+    """Lifts an object that lies at a given position in the root frame.
 
-    It begins there at every reset; only its rotation is drawn, with ``include_rotation``. For
-    random places set ``spread`` of the task in ``to_env_config()``.
+    It starts there at every reset; only its rotation is drawn, with ``include_rotation``. For
+    random positions set ``spread`` of the task in ``to_env_config()``.
 
-    With the ``task_id`` of a task of one's own that task is about the object.
+    With the ``task_id`` of a registered task, that task acts on the object.
 
-    ``object_joint`` does nothing, and a warning says so when it is set: robocell finds the free
-    joint of the object, and adds one to a model that has none.
+    ``object_joint`` has no effect, and setting it gives a warning: robocell finds the free joint of
+    the object, and adds one to a model that has none.
     """
 
     robot_name: str = "robot"
@@ -108,10 +109,10 @@ class PickTaskConfig(BaseTaskConfig):
 
 @dataclass(kw_only=True)
 class PickPlaceTaskConfig(PickTaskConfig):
-    """The same object, which is to be lifted and put down somewhere else.
+    """Picks up the object and puts it at ``goal``.
 
-    ``goal``: where its root is to rest, metres, in the root frame, within ``goal_tolerance``; the
-    default is that of the green cube on the ground.
+    ``goal``: final position of its root, metres, in the root frame, within ``goal_tolerance``; the
+    default is for the green cube on the ground.
     """
 
     prefix: str = "PickPlaceTask_"
@@ -121,7 +122,9 @@ class PickPlaceTaskConfig(PickTaskConfig):
 
     def _check(self) -> None:
         if len(self.goal) != 3:
-            raise outside(self._of("goal"), "three numbers, metres", f"{len(self.goal)} numbers")
+            raise outside(
+                self._of("goal"), "three numbers, metres", counted(len(self.goal), "number")
+            )
 
     def _add_task(self, config: rc.EnvConfig, name: str) -> None:
         config.task = rc.tasks.PickAndPlaceTaskConfig(

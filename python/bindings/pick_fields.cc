@@ -1,0 +1,46 @@
+// The fields of the kinds of tasks pick and pick_and_place as Python classes.
+#include <memory>
+#include <optional>
+
+#include "spec_class.h"
+#include "spec_kinds.h"
+#include "spec_parts.h"
+#include "robocell/task/pick_task_config.h"
+
+namespace robocell::python {
+
+namespace {
+
+// The object refers to the fields of the configuration.
+template <NamesItsKind T>
+nb::object FieldsToPython(TaskSpec& spec) {
+  T* fields = spec.If<T>();
+  return fields ? nb::cast(std::shared_ptr<T>(spec.shared_fields(), fields)) : nb::object();
+}
+
+template <NamesItsKind T>
+std::optional<TaskSpec> FieldsFromPython(nb::handle value) {
+  const T* fields = nullptr;
+  if (!nb::try_cast(value, fields, false) || !fields) return std::nullopt;
+  return TaskSpec(*fields);
+}
+
+template <NamesItsKind T>
+void BindFields(nb::module_& m, const char* doc) {
+  BindSpecClass<T>(m, doc).def_prop_ro(
+      "kind", [](const T&) { return std::string(T::kKind); }, "The kind of task, as in YAML.");
+  AddTaskClass({T::kTypeName, &FieldsToPython<T>, &FieldsFromPython<T>});
+}
+
+}  // namespace
+
+void BindPickSpecs(nb::module_& m) {
+  BindFields<PickTaskConfig>(
+      m,
+      "The fields of a task of kind `pick`."
+      "\n\nExamples:\n"
+      "    >>> run.task = rc.tasks.PickTaskConfig(objects=[\"box\", \"nut\"])");
+  BindFields<PickAndPlaceTaskConfig>(m, "The fields of a task of kind `pick_and_place`.");
+}
+
+}  // namespace robocell::python

@@ -1,0 +1,185 @@
+"""Exports datasets to the formats of training stacks.
+
+    robocell.export.export_dataset("out/pick_v1", "out/pick_v1_lerobot", format="lerobot-v3")
+
+The result is complete or absent under its name. docs/export.md describes formats and mappings.
+"""
+
+from __future__ import annotations
+
+import os
+import shlex
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from robocell import __version__
+from robocell._core import ArgumentError, Dataset, IoError
+from robocell.export.formats import FORMATS, Options, require_format
+
+__all__ = ["FORMATS", "Exported", "export_dataset"]
+
+
+@dataclass(frozen=True)
+class Exported:
+    """The result of an export.
+
+    Attributes:
+        folder: Where it is.
+        episodes: Number of episodes.
+        frames: Number of rows.
+        cameras: Number of cameras.
+        rate: Rows per second of the episodes.
+        fps: The whole number of frames per second that is nearest; LeRobot datasets count it.
+        encoded: Why the videos of a camera were encoded again; copied cameras are missing.
+        left_out: What the episodes have and the result does not contain.
+        resumed: Number of episodes that an earlier, killed export had written.
+    """
+
+    folder: Path
+    episodes: int
+    frames: int
+    cameras: int
+    rate: float
+    fps: int
+    encoded: dict[str, str]
+    left_out: tuple[str, ...]
+    resumed: int
+
+
+def export_dataset(
+    dataset: Dataset | str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    format: str = "lerobot-v3",
+    *,
+    actions: str | None = None,
+    preset: str | os.PathLike[str] | None = None,
+    mapping: str | os.PathLike[str] | None = None,
+    cameras: Sequence[str] | None = None,
+    episodes: Sequence[str] | None = None,
+    successes_only: bool = False,
+    keyframe_interval: int | None = None,
+    command: str = "",
+    on_episodes: Callable[[int, int], None] | None = None,
+) -> Exported:
+    """Exports episodes of a dataset.
+
+    Memory does not grow with the dataset. An export that was killed continues where it was when it
+    is asked for again.
+
+    Args:
+        dataset: A dataset, one of its slices, or a folder.
+        out: The folder to make; it must not exist.
+        format: A key of `FORMATS`.
+        actions: What the actions are: "joints", "joints_relative", "tcp_pose",
+            "tcp_displacement", or columns of the episodes, separated by commas. Default: that of
+            the mapping, "joints".
+        preset: Names, image size and numbers of another dataset, for LeRobot formats: "droid",
+            "libero", "aloha", or a YAML file.
+        mapping: YAML file with entries that replace those of the built-in mapping.
+        cameras: The cameras; default: that of the mapping, all.
+        episodes: Ids, places or ranges of places such as "0:100"; default: all.
+        successes_only: Leave out the episodes that failed.
+        keyframe_interval: Encode videos again whose key frames are further apart.
+        command: What the card says about how the result was made.
+        on_episodes: Is called with the number of episodes that are written, and of all.
+
+    Returns:
+        What was exported.
+
+    Raises:
+        NotFoundError: There is no such format, column, camera or episode.
+        ArgumentError: There are no episodes, they differ, `out` exists, or the format has no such
+            option.
+        SpecError: The mapping is not one.
+        IoError: Reading or writing failed.
+        ModuleNotFoundError: A package that the format needs is missing.
+
+    Examples:
+        >>> rc.export.export_dataset(dataset, "out/demo_lerobot").fps
+        15
+    """
+    form = require_format(format)
+    if keyframe_interval is not None and keyframe_interval < 1:
+        raise ArgumentError(f"keyframe_interval is {keyframe_interval}; at least 1")
+    for option, value in (("a preset", preset), ("a keyframe_interval", keyframe_interval)):
+        if value is not None and not form.is_lerobot:
+            fitting = [name for name, each in FORMATS.items() if each.is_lerobot]
+            raise ArgumentError(
+                f"format '{format}' takes no {option.partition(' ')[2]}: formats with "
+                f"{option} are {', '.join(fitting)}"
+            )
+    from robocell._staging import staging
+    from robocell.export.card import card, episodes_json
+    from robocell.export.mapping import Mapping
+    from robocell.export.source import choose, gather
+
+    write = form.write
+    opened = dataset if isinstance(dataset, Dataset) else Dataset(os.fspath(dataset))
+    # The parent is resolved, not the path itself: the result may not be a link.
+    given = Path(out)
+    target = given.parent.resolve() / given.name
+    if target.is_relative_to(opened.folder.resolve()):
+        raise ArgumentError(
+            f"'{given}' is inside the dataset '{opened.folder}'. Choose a folder beside it"
+        )
+    table = Mapping.load(
+        Path(mapping) if mapping is not None else None,
+        actions,
+        table=form.table,
+        preset=os.fspath(preset) if preset is not None else None,
+        reserved=form.reserved,
+    )
+    if cameras is not None:
+        table = table.only_cameras(cameras)
+    source = gather(opened, choose(opened, episodes, successes_only), table)
+    options = Options(keyframe_interval)
+    request = {
+        "robocell": __version__,
+        "format": format,
+        "dataset": str(opened.folder.resolve()),
+        "items": [asdict(item) for item in source.items],
+        "features": [asdict(feature) for feature in source.resolved.features],
+        "images": source.resolved.images,
+        "image_size": source.image_size,
+        "options": asdict(options),
+    }
+    whole = len(source.items)
+    words = ["robocell", "export", opened.folder, given, "--format", format]
+    words += ["--preset", preset] if preset is not None else []
+
+    def report(done: int) -> None:
+        if on_episodes is not None:
+            on_episodes(done, whole)
+
+    try:
+        with staging(target, request) as place:
+            written = write(source, place, options, report)
+            text = card(
+                source,
+                form,
+                written,
+                title=target.name,
+                command=command or shlex.join(map(str, words)),
+            )
+            place.path("README.md").write_text(text)
+            place.path("meta/robocell/episodes.json").write_text(episodes_json(source))
+            place.commit()
+    except IoError:
+        raise
+    except OSError as error:
+        raise IoError(
+            f"cannot export to '{given}': {error.strerror or error}. What is written stays in "
+            f"'{target.parent / f'.{target.name}.partial'}'; the same export continues there"
+        ) from error
+    return Exported(
+        folder=given,
+        episodes=whole,
+        frames=source.rows,
+        cameras=len(source.cameras),
+        rate=float(source.rate),
+        fps=source.fps,
+        encoded=written.encoded,
+        left_out=source.left_out,
+        resumed=written.resumed,
+    )

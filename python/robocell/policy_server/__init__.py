@@ -1,0 +1,34 @@
+"""Policies over a socket: the openpi WebSocket protocol, as client and as server.
+
+    robocell evaluate out/picks --policy ws://127.0.0.1:8000 --preset droid
+    robocell serve-policy my_policy.py:Mine --run examples/demo.yaml
+
+docs/policy_server.md describes messages, presets and limits.
+"""
+
+from __future__ import annotations
+
+from robocell.policy_server.client import (
+    LostServerError,
+    PolicyClient,
+    PolicyServerError,
+    Reply,
+)
+from robocell.policy_server.remote_policy import RemotePolicy
+from robocell.policy_server.served import policy_server
+from robocell.policy_server.server import PolicyServer, Session
+from robocell.policy_server.wire import WireError, pack, unpack
+
+__all__ = [
+    "LostServerError",
+    "PolicyClient",
+    "PolicyServer",
+    "PolicyServerError",
+    "RemotePolicy",
+    "Reply",
+    "Session",
+    "WireError",
+    "pack",
+    "policy_server",
+    "unpack",
+]

@@ -1,0 +1,210 @@
+"""A WebSocket connection whose every operation ends in time and in a bounded amount of memory.
+
+The protocol is that of the package websockets, without its threads and event loop: a send and a
+receive here have a deadline for the whole message, however slowly the other end reads or writes.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+import socket
+import time
+
+from robocell._core import Error
+from robocell._extras import needed_by
+
+with needed_by("robocell.policy_server", "policy"):
+    from websockets.exceptions import PayloadTooBig
+    from websockets.frames import CloseCode, Frame, Opcode
+    from websockets.http11 import Request, Response
+    from websockets.protocol import Event, Protocol, State
+
+CHUNK = 1 << 18  # bytes per read
+
+
+class DroppedError(Error):
+    """The other end closed the connection, or it broke."""
+
+
+class MisbehavedError(Error):
+    """The other end sent what is no WebSocket message, or one that is too large."""
+
+
+class Deadline:
+    """A moment by which something must be done.
+
+    Args:
+        seconds: Time from now; infinite for no deadline.
+        what: What must be done, for the message.
+    """
+
+    def __init__(self, seconds: float, what: str) -> None:
+        self.seconds, self.what = seconds, what
+        self._end = time.monotonic() + seconds
+
+    def left(self) -> float | None:
+        """Returns the seconds that are left; None for no deadline. Raises TimeoutError if none."""
+        if math.isinf(self._end):
+            return None
+        left = self._end - time.monotonic()
+        if left <= 0:
+            raise self.error()
+        return left
+
+    def error(self) -> TimeoutError:
+        """Returns the error of a missed deadline."""
+        return TimeoutError(f"no {self.what} within {self.seconds:g} s")
+
+
+class Channel:
+    """One end of a connection, for one thread.
+
+    Args:
+        sock: A connected socket, which the channel closes.
+        protocol: The protocol's state; its `max_size` limits a message.
+    """
+
+    def __init__(self, sock: socket.socket, protocol: Protocol) -> None:
+        self._socket, self._protocol = sock, protocol
+        self._waiting: list[Event] = []
+        self._ended: DroppedError | MisbehavedError | None = None
+        self._buffer = memoryview(bytearray(CHUNK))
+        with contextlib.suppress(OSError):
+            sock.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            sock.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+
+    def send(self, message: bytes | str, deadline: Deadline) -> None:
+        """Sends bytes as a binary message, a text as a text message.
+
+        Raises:
+            DroppedError: The connection is gone.
+            TimeoutError: The other end does not read fast enough.
+        """
+        if self._protocol.state is not State.OPEN:
+            raise DroppedError("the connection is closed")
+        if isinstance(message, str):
+            self._protocol.send_text(message.encode())
+        else:
+            self._protocol.send_binary(message)
+        self.flush(deadline)
+
+    def receive(self, deadline: Deadline, idle: bool = False) -> bytes | str:
+        """Returns the next message; control frames are answered on the way.
+
+        Args:
+            deadline: When the message must be complete.
+            idle: Wait for the message's first byte as long as it takes; then
+                `deadline.seconds` are left.
+
+        Raises:
+            DroppedError: The connection is gone.
+            MisbehavedError: The message is too large, or is none.
+            TimeoutError: The message was not complete in time.
+        """
+        began: Deadline | None = None if idle else deadline
+        whole, is_text = bytearray(), False
+        while True:
+            while self._waiting:
+                frame = self._waiting.pop(0)
+                if not isinstance(frame, Frame):
+                    continue
+                if frame.opcode in (Opcode.TEXT, Opcode.BINARY, Opcode.CONT):
+                    is_text = is_text or frame.opcode is Opcode.TEXT
+                    if frame.fin and not whole:
+                        return _decoded(bytes(frame.data), is_text)
+                    whole += frame.data
+                    if frame.fin:
+                        return _decoded(bytes(whole), is_text)
+                    began = began or Deadline(deadline.seconds, deadline.what)
+            if not self._feed(began) and began is None:
+                began = Deadline(deadline.seconds, deadline.what)
+
+    def handshake(self, deadline: Deadline) -> Request | Response:
+        """Returns the HTTP request, or the response, that begins the connection."""
+        while not self._waiting:
+            self._feed(deadline)
+        first = self._waiting.pop(0)
+        if not isinstance(first, Request | Response):
+            raise MisbehavedError("the other end does not speak WebSocket")
+        return first
+
+    def flush(self, deadline: Deadline) -> None:
+        """Sends what the protocol has to send."""
+        try:
+            for data in self._protocol.data_to_send():
+                if data:
+                    self._socket.settimeout(deadline.left())
+                    self._socket.sendall(data)  # its timeout is for all of the data
+                else:
+                    self._socket.shutdown(socket.SHUT_WR)
+        except TimeoutError as error:
+            self.abort()
+            raise deadline.error() from error
+        except OSError as error:
+            self.abort()
+            raise DroppedError(f"the connection broke: {error.strerror or error}") from error
+
+    def close(self, code: int = CloseCode.NORMAL_CLOSURE, reason: str = "") -> None:
+        """Says goodbye if that does not take long, and closes the socket."""
+        with contextlib.suppress(Exception):
+            if self._protocol.state is State.OPEN:
+                self._protocol.send_close(code, reason[:120])
+                self.flush(Deadline(0.5, "goodbye"))
+        self.abort()
+
+    def abort(self) -> None:
+        """Closes the socket at once; also from another thread."""
+        with contextlib.suppress(OSError):
+            self._socket.shutdown(socket.SHUT_RDWR)
+        with contextlib.suppress(OSError):
+            self._socket.close()
+
+    def _feed(self, deadline: Deadline | None) -> bool:
+        """Reads once. Returns False if the read bytes completed no frame."""
+        if self._ended is not None:
+            raise self._ended
+        try:
+            self._socket.settimeout(deadline.left() if deadline else None)
+            data = bytes(self._buffer[: self._socket.recv_into(self._buffer)])
+        except TimeoutError as error:
+            self.abort()
+            raise (deadline.error() if deadline else error) from error
+        except (OSError, ValueError) as error:  # a ValueError of a socket that was closed here
+            self.abort()
+            raise DroppedError(f"the connection broke: {error}") from error
+        if data:
+            self._protocol.receive_data(data)
+        else:
+            self._protocol.receive_eof()
+        events = self._protocol.events_received()
+        self._waiting += events
+        self._ended = self._end()
+        if self._ended is None:
+            self.flush(deadline or Deadline(5.0, "reader"))  # answers to pings
+        else:  # what came before the end is still read
+            with contextlib.suppress(DroppedError, TimeoutError):
+                self.flush(Deadline(0.5, "reader"))
+            self.abort()
+        return bool(events)
+
+    def _end(self) -> DroppedError | MisbehavedError | None:
+        """Returns why the connection has ended; None if it is open."""
+        error = self._protocol.parser_exc or self._protocol.handshake_exc
+        close = self._protocol.close_rcvd
+        if isinstance(error, PayloadTooBig):
+            return MisbehavedError(f"a message is too large: {error}")
+        if error is not None and not isinstance(error, EOFError):
+            return MisbehavedError(f"the other end does not speak WebSocket: {error}")
+        if error is None and close is None:
+            return None
+        return DroppedError(f"the other end closed the connection{_reason(close)}")
+
+
+def _decoded(data: bytes, is_text: bool) -> bytes | str:
+    return data.decode("utf-8", "replace") if is_text else data
+
+
+def _reason(close: object) -> str:
+    code, reason = getattr(close, "code", None), getattr(close, "reason", "")
+    return f" (code {code}{f': {reason}' if reason else ''})" if code else ""

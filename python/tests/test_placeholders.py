@@ -1,0 +1,135 @@
+"""What {robot} and a|b stand for, and the numbers of grippers, in mapping files and in presets."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robocell._placeholders import Gripper, Groups, camera_of, first_of, groups_of
+from robocell.export.mapping import Mapping
+from robocell.policy_presets import Preset
+
+OPENINGS = ("opening",)
+
+
+class Recorded:
+    """As much of an episode of robots "right" and "left" as a mapping file looks at."""
+
+    def __init__(self, robots: tuple[str, ...] = ("right", "left")) -> None:
+        self.features: list[Any] = []
+        for robot in robots:
+            for group, names in (("arm", ("a", "b")), ("hand", OPENINGS)):
+                size = len(names)
+                column = f"robots/{robot}/action/{group}"
+                self._add(f"robots/{robot}/{group}/qpos", "observation", names[:size])
+                self._add(f"robots/{robot}/{group}/target", "observation", names)
+                self._add(column, "action", names)
+                self._add(f"{column}_relative", "action", names)
+        # Columns of an episode are sorted by their names; features are in the order of the run.
+        self.columns = sorted(feature.name for feature in self.features)
+        self.folder, self.cameras = "out/e0", []
+        self.json: dict[str, Any] = {"cameras": {}}
+        self.metadata = {"instruction": "go"}
+        self.values = {
+            name: np.full((3, len(self.column(name).names)), 0.1 * index)
+            for index, name in enumerate(self.columns)
+        }
+
+    def _add(self, name: str, role: str, names: tuple[str, ...]) -> None:
+        shape = (len(names),)
+        self.features.append(SimpleNamespace(name=name, role=role, names=names, shape=shape))
+
+    def column(self, name: str) -> Any:
+        found = next(each for each in self.features if each.name == name)
+        return SimpleNamespace(
+            table="steps",
+            names=found.names,
+            row_shape=found.shape,
+            units="1",
+            frame="",
+            dtype="float64",
+            values=(),
+        )
+
+    def __getitem__(self, name: str) -> Any:
+        return self.values[name]
+
+    def __contains__(self, name: str) -> bool:
+        return name in self.values
+
+
+LISTED = (
+    '["robots/{robot}/action/{arm}", "robots/{robot}/action/{gripper}", '
+    '"robots/{robot}/action/{gripper}_relative"]'
+)
+
+
+def test_an_export_and_a_policy_have_the_same_robots_in_the_order_of_the_run(tmp_path: Path):
+    episode: Any = Recorded()
+    exported = tmp_path / "export.yaml"
+    exported.write_text(f"features: {{action: {LISTED}}}\nimages: null\n")
+    feature = Mapping.load(exported, preset=str(exported)).resolve(episode).features[0]
+    acted = tmp_path / "policy.yaml"
+    acted.write_text(f"actions: {LISTED}\n")
+    bound = Preset.load(acted).bind(episode.features, [])
+    assert [term.column for term in feature.terms] == [each.column for each in bound.actions]
+    assert [each.column.split("/")[1] for each in bound.actions] == ["right"] * 3 + ["left"] * 3
+
+
+def test_an_export_and_a_policy_have_the_same_numbers_of_grippers(tmp_path: Path):
+    episode: Any = Recorded()
+    polarity = "gripper: {open: -1, closed: 3}\n"
+    exported = tmp_path / "export.yaml"
+    exported.write_text(f"features: {{action: {LISTED}}}\nimages: null\n{polarity}")
+    feature = Mapping.load(exported, preset=str(exported)).resolve(episode).features[0]
+    acted = tmp_path / "policy.yaml"
+    acted.write_text(f"actions: {LISTED}\n{polarity}")
+    bound = Preset.load(acted).bind(episode.features, [])
+    rows = feature.read(episode)
+    opening = episode["robots/right/action/hand"][0, 0]
+    change = episode["robots/right/action/hand_relative"][0, 0]
+    np.testing.assert_allclose(rows[0, 2:4], [3 - 4 * opening, -4 * change], rtol=1e-6)
+    columns = {each.column: episode[each.column] for each in bound.actions}
+    np.testing.assert_allclose(bound.reply(columns), rows, rtol=1e-6)
+    for name, values in bound.columns(rows).items():
+        np.testing.assert_allclose(values, columns[name], atol=1e-6)
+
+
+def test_a_difference_is_not_snapped():
+    gripper = Gripper(open=0, closed=1, snap=True)
+    np.testing.assert_array_equal(gripper.opening(np.array([0.2, 0.8])), [1, 0])
+    np.testing.assert_allclose(gripper.opening(np.array([0.2]), is_difference=True), [-0.2])
+
+
+def test_groups_are_in_the_order_of_their_actions():
+    columns = [
+        "robots/b/action/tcp_pose",
+        "robots/b/action/wrist",
+        "robots/b/action/arm",
+        "robots/b/action/arm_relative",
+        "robots/a/action/hand",
+        "time",
+    ]
+    assert groups_of(columns, ["robots/a/action/hand"]) == {
+        "b": Groups(("wrist", "arm")),
+        "a": Groups((), ("hand",)),
+    }
+
+
+@pytest.mark.parametrize(
+    ("entry", "found"),
+    [("b", ["b"]), ("x|a", ["a"]), ("x*|?", []), ("a*", ["a", "ab"]), ("x?", []), ("x|b*?", ["b"])],
+)
+def test_the_first_alternative_that_fits_is_taken(entry: str, found: list[str]):
+    assert first_of(entry, ["a", "ab", "b"]) == found
+
+
+def test_only_a_name_alone_may_be_a_camera_that_is_taken():
+    cameras = ["wrist", "exo"]
+    assert camera_of("wrist", cameras, ["wrist"]) == "wrist"
+    assert camera_of("wrist|*", cameras, ["wrist"]) == "exo"
+    assert camera_of("*", cameras, cameras) is None

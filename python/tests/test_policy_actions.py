@@ -1,0 +1,57 @@
+"""What a policy may return as an action, before any robot gets it."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from robocell.policy import Policy, PolicyExpert
+
+ARM, GRIPPER = "robots/a/action/arm", "robots/a/action/gripper"
+
+
+def actions(action: Any) -> list[dict[str, np.ndarray]]:
+    expert = PolicyExpert(None, SimpleNamespace(task=None), Policy())
+    expert._sizes = {ARM: 7, GRIPPER: 1}
+    return expert._actions(action)
+
+
+@pytest.mark.parametrize(
+    "gripper", [0.5, [0.5], [[0.5]], np.array([0.5], object), np.float16(0.5), np.ma.array([0.5])]
+)
+def test_one_action_may_be_a_chunk_of_one(gripper: Any):
+    for arm in (np.zeros(7), np.zeros((1, 7), np.float32)):
+        (action,) = actions({ARM: arm, GRIPPER: gripper})
+        assert (action[ARM].shape, action[GRIPPER].shape) == ((7,), (1,))
+        assert action[GRIPPER] == 0.5
+    assert len(actions({ARM: np.zeros((1, 7))})) == 1
+    with pytest.raises(Exception, match=r"columns of one chunk differ in length: .* 2, .* 1"):
+        actions({ARM: np.zeros((2, 7)), GRIPPER: 0.5})
+
+
+@pytest.mark.parametrize(
+    ("values", "what"),
+    [
+        ("0.5", "texts: <U3"),
+        (["0.5"], "texts: <U3"),
+        ([b"0.5"], "texts: |S3"),
+        (np.array(["0.5"], object), "texts: '0.5'"),
+        (np.array(["2020-01-01"], "datetime64[D]"), "times: datetime64[D]"),
+        (np.array([3], "timedelta64[s]"), "times: timedelta64[s]"),
+        (np.zeros(1, [("a", float)]), "records: [('a', '<f8')]"),
+        (np.ma.array([0.5], mask=[True]), "a masked array: fill its masked entries"),
+        (0.5j, "complex ones: complex128"),
+    ],
+)
+def test_rejects_what_is_no_real_number(values: Any, what: str):
+    with pytest.raises(TypeError) as caught:
+        actions({GRIPPER: values})
+    assert str(caught.value) == f"Policy.act(): '{GRIPPER}' must be real numbers, got {what}"
+
+
+def test_rejects_names_that_are_no_text():
+    with pytest.raises(TypeError, match="the names of actions are texts, got 3"):
+        actions({3: [0.5]})

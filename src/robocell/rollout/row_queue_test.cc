@@ -1,0 +1,162 @@
+#include "robocell/rollout/row_queue.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+#include "robocell/base/error.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell::internal {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::IsEmpty;
+
+std::shared_ptr<EpisodeRow> Row(int phase) {
+  auto row = std::make_shared<EpisodeRow>();
+  row->phase = phase;
+  return row;
+}
+
+TEST(RowQueue, WritesRowsInOrderOnASeparateThread) {
+  std::vector<int> written;
+  std::thread::id writer;
+  RowQueue queue(
+      [&](EpisodeRow& row) {
+        written.push_back(row.phase);
+        writer = std::this_thread::get_id();
+      },
+      RowQueue::Begin::kAtOnce);
+  for (int i = 0; i < 1000; ++i) queue.Push(Row(i), {});
+  EXPECT_TRUE(queue.Finish({}));
+  ASSERT_EQ(written.size(), 1000);
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(written[i], i);
+  EXPECT_NE(writer, std::this_thread::get_id());
+}
+
+TEST(RowQueue, WritesNothingBeforeFinishIfConfigured) {
+  std::vector<int> written;
+  const auto write = [&](EpisodeRow& row) { written.push_back(row.phase); };
+  {
+    RowQueue queue(write, RowQueue::Begin::kAtFinish);
+    for (int i = 0; i < 3; ++i) queue.Push(Row(i), {});
+  }
+  EXPECT_THAT(written, IsEmpty()) << "a rollout that is not kept";
+  RowQueue queue(write, RowQueue::Begin::kAtFinish);
+  for (int i = 0; i < 3; ++i) queue.Push(Row(i), {});
+  EXPECT_TRUE(queue.Finish({}));
+  EXPECT_THAT(written, ElementsAre(0, 1, 2));
+}
+
+TEST(RowQueue, RowsAfterFinishAreWrittenInTheBackground) {
+  std::vector<int> written;
+  RowQueue queue([&](EpisodeRow& row) { written.push_back(row.phase); },
+                 RowQueue::Begin::kAtFinish);
+  queue.Push(Row(0), {});
+  queue.Push(Row(1), {});
+  EXPECT_TRUE(queue.Finish({}));
+  EXPECT_THAT(written, ElementsAre(0, 1));
+  queue.Push(Row(2), {});
+  EXPECT_TRUE(queue.Finish({}));
+  EXPECT_THAT(written, ElementsAre(0, 1, 2));
+}
+
+TEST(RowQueue, EveryLaterCallRethrowsTheWriterException) {
+  int rows = 0;
+  RowQueue queue(
+      [&](EpisodeRow& row) {
+        ++rows;
+        if (row.phase == 1) throw IoError("the disk is full");
+      },
+      RowQueue::Begin::kAtOnce);
+  queue.Push(Row(0), {});
+  queue.Push(Row(1), {});
+  ExpectThrow<IoError>([&] { queue.Finish({}); }, "the disk is full");
+  ExpectThrow<IoError>([&] { queue.Push(Row(2), {}); }, "the disk is full");
+  ExpectThrow<IoError>([&] { queue.Finish({}); }, "the disk is full");
+  EXPECT_EQ(rows, 2);
+}
+
+TEST(RowQueue, AFastRolloutWaitsForItsWriter) {
+  std::atomic<int> pushed = 0, most_ahead = 0;
+  int written = 0;
+  RowQueue queue(
+      [&](EpisodeRow&) {
+        most_ahead = std::max<int>(most_ahead, pushed - written);
+        ++written;
+        std::this_thread::sleep_for(std::chrono::microseconds(20));
+      },
+      RowQueue::Begin::kAtOnce);
+  for (int i = 0; i < 2000; ++i) {
+    queue.Push(Row(i), {});
+    ++pushed;
+  }
+  queue.Finish({});
+  EXPECT_EQ(written, 2000);
+  EXPECT_LE(most_ahead, static_cast<int>(RowQueue::kMostAhead) + 2);
+}
+
+// A writer that does not go on before it is let.
+class Held {
+ public:
+  void Write() {
+    std::unique_lock lock(mutex_);
+    ++written_;
+    changed_.notify_all();
+    changed_.wait(lock, [&] { return may_go_on_; });
+  }
+  void AwaitFirst() {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return written_ > 0; });
+  }
+  void GoOn() {
+    const std::lock_guard lock(mutex_);
+    may_go_on_ = true;
+    changed_.notify_all();
+  }
+  int written() {
+    const std::lock_guard lock(mutex_);
+    return written_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  int written_ = 0;
+  bool may_go_on_ = false;
+};
+
+TEST(RowQueue, AStopRequestEndsTheWaitForTheRest) {
+  Held held;
+  RowQueue queue([&](EpisodeRow&) { held.Write(); }, RowQueue::Begin::kAtFinish);
+  for (int i = 0; i < 200; ++i) EXPECT_TRUE(queue.Push(Row(i), [] { return true; }));
+  int asked = 0;
+  EXPECT_FALSE(queue.Finish([&] {
+    if (++asked == 1) return false;  // before it begins
+    held.AwaitFirst();
+    return true;
+  }));
+  EXPECT_EQ(held.written(), 1);
+  held.GoOn();
+}
+
+TEST(RowQueue, AStopRequestEndsTheWaitOfAPush) {
+  Held held;
+  RowQueue queue([&](EpisodeRow&) { held.Write(); }, RowQueue::Begin::kAtOnce);
+  for (size_t i = 0; i < RowQueue::kMostAhead; ++i) EXPECT_TRUE(queue.Push(Row(0), {}));
+  int asked = 0;
+  EXPECT_FALSE(queue.Push(Row(1), [&] { return ++asked > 2; }));
+  EXPECT_EQ(asked, 3);
+  held.GoOn();
+  EXPECT_TRUE(queue.Finish({}));
+  EXPECT_EQ(held.written(), RowQueue::kMostAhead) << "the row that was not pushed is not written";
+}
+
+}  // namespace
+}  // namespace robocell::internal

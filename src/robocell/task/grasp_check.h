@@ -1,0 +1,44 @@
+// GraspCheck: refuses a start in which the robot can grasp an object in no way from where it stands. A
+// task keeps one and asks it in CheckStart:
+//
+//   std::optional<Refusal> CheckStart(const Scene& scene) override {
+//     return grasps_.Check(scene, robot_, scene.compiled()->object("cup").root_body, 0.05);
+//   }
+//
+// It looks for the same grasps as the scripted expert (expert/pick_planner.h): straight from above,
+// and straight up by `lift_height` (metres) and a little more. It does not plan the path to them.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "robocell/motion/planning_scene.h"
+#include "robocell/robot/robot.h"
+#include "robocell/scene/scene.h"
+#include "robocell/task/grasp_motion.h"
+#include "robocell/task/refusal.h"
+
+namespace robocell {
+
+class GripperShape;
+
+// Refuses a grasp in reach that is of no use to the task. It may change the planning scene.
+using GraspCondition = std::function<std::optional<Refusal>(PlanningScene&, const GraspMotion&)>;
+
+class GraspCheck {
+ public:
+  // `body`: the object's root body. A few grasps in reach are tried: one of them has to be usable.
+  // Robots without a gripper, and those whose gripper cannot be measured, pass: they come with
+  // experts of their own, which check what they can hold.
+  std::optional<Refusal> Check(const Scene& scene, const Robot& robot, const std::string& body,
+                               double lift_height, const GraspCondition& refuse = {});
+
+ private:
+  std::string robot_;  // its name
+  // The gripper's shape, which reads the disk and stays the same for one start.
+  std::shared_ptr<const GripperShape> shape_;
+};
+
+}  // namespace robocell

@@ -1,0 +1,108 @@
+// The fields of the built-in kinds of tasks, pick and pick_and_place. Runs and environments use some
+// of them each; pick_kind.h checks which.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "robocell/spec/containers.h"
+#include "robocell/spec/fields.h"
+#include "robocell/spec/types.h"
+
+namespace robocell {
+
+// A lift of 5 cm cannot be mistaken: an object that tips over or that closing fingers push rises by
+// one or two centimetres, and scripted experts lift by ten.
+inline constexpr double kLiftHeight = 0.05;
+
+// Visits the fields that every task has which picks an object up: those of environments and the
+// lift, followed by those of runs.
+template <class T, class V>
+void PickedObjectFields(V&& v) {
+  v("object", &T::object,
+    "The object, by its id in an environment's root_frame_objects. Unset in a run, which takes "
+    "kinds of `objects`.");
+  v("spread", &T::spread,
+    "Random offset of `object` from its place, uniform between plus and minus these, along x and y "
+    "of the root frame, metres.",
+    Bound::kNonNegative);
+  v("rotate", &T::rotate, "Also turn `object` by a random angle about z of the root frame.");
+  v("lift_height", &T::lift_height,
+    "Success: the object is this far above its first height, metres, and only robots hold it.",
+    Bound::kPositive);
+}
+template <class T, class V>
+void PickRunFields(V&& v) {
+  v("objects", &T::objects,
+    "In runs: kinds of objects, by their names in the catalogue. Unset: all of them.");
+}
+
+struct PickTaskConfig {
+  std::string object = {};
+  Vec2 spread = {0, 0};
+  bool rotate = true;
+  double lift_height = kLiftHeight;
+  NameList objects = {};
+
+  static constexpr const char* kKind = "pick";
+  static constexpr const char* kTypeName = "PickTaskConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    using T = PickTaskConfig;
+    PickedObjectFields<T>(v);
+    PickRunFields<T>(v);
+  }
+};
+
+struct PickAndPlaceTaskConfig {
+  std::string object = {};
+  Vec2 spread = {0, 0};
+  bool rotate = true;
+  double lift_height = kLiftHeight;
+  std::optional<Vec3> goal = {};
+  std::string goal_object = {};
+  Vec2 goal_spread = {0, 0};
+  double goal_tolerance = 0.03;
+  double goal_distance = 0.1;
+  NameList objects = {};
+  NameList goals = {};
+
+  static constexpr const char* kKind = "pick_and_place";
+  static constexpr const char* kTypeName = "PickAndPlaceTaskConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    using T = PickAndPlaceTaskConfig;
+    PickedObjectFields<T>(v);
+    v("goal", &T::goal,
+      "Goal of the object's root, metres, in the root frame, or with goal_object in the frame of "
+      "that object's root. Unset with goal_object: on top of it, in the middle.");
+    v("goal_object", &T::goal_object,
+      "The object that carries the goal, by its id in root_frame_objects. The goal moves with it.");
+    v("goal_spread", &T::goal_spread,
+      "Random offset of the goal, or of goal_object, from its place, as `spread`.",
+      Bound::kNonNegative);
+    v("goal_tolerance", &T::goal_tolerance,
+      "Success: the object was lifted and then released, and rests within this distance of the "
+      "goal, metres.",
+      Bound::kPositive);
+    v("goal_distance", &T::goal_distance,
+      "Smallest horizontal distance between object and goal when an episode begins, metres.",
+      Bound::kNonNegative);
+    v("goals", &T::goals,
+      "In runs: kinds of objects that carry the goal, of the catalogue or built-in equipment with "
+      "a free joint. Unset: `tray`.");
+    PickRunFields<T>(v);
+  }
+};
+
+class TaskSpec;
+
+// The common fields of both kinds in a run.
+struct PickRun {
+  NameList objects;
+  double lift_height;
+};
+// Returns the fields of a task of either kind; unset for other tasks.
+std::optional<PickRun> PickRunOf(const TaskSpec& task);
+
+}  // namespace robocell
