@@ -49,7 +49,8 @@ nb::object ReachBoxOf(const Chain& chain);
 #define ROBOCELL_REACH_MAP_SIG                                                                     \
   "lower: numpy.typing.ArrayLike, upper: numpy.typing.ArrayLike, cell: float = "                   \
   "0.05, rotations: int = 64, tolerance: float = 0.001, max_restarts: int = 4, "                   \
-  "threads: int = 1, *, position_only: bool = False, axis: str | numpy.typing.ArrayLike | None = None) " \
+  "threads: int = 1, *, position_only: bool = False, axis: str | numpy.typing.ArrayLike | None = " \
+  "None) "                                                                                         \
   "-> types.SimpleNamespace"
 #define ROBOCELL_REACH_BOX_SIG                                         \
   "def reach_box(self) -> tuple[numpy.typing.NDArray[numpy.float64], " \
