@@ -70,7 +70,7 @@ class Probe:
 
     Attributes:
         blind: Items without cameras.
-        seeing: The first of them with cameras.
+        seeing: The first of them with cameras, if the run has any.
         start_s: Time from the start of the process to the start of the first item.
         worker_bytes: Peak memory of this process.
         encoder_bytes: Peak memory of its encoders, together.
@@ -101,13 +101,19 @@ def spread(count: int, most: int) -> list[int]:
 def measure(
     source: RunSource, overrides: Sequence[str], indices: Sequence[int], folder: Path
 ) -> Probe:
-    """Makes these items of the plan: blind first, then some of them again with their cameras."""
+    """Makes these items of the plan: blind first, then some of them again with their cameras.
+
+    A run without cameras has no second part, which would leave this process with more memory than a
+    worker.
+    """
     blind_run = _load(source, [*overrides, "cameras.draw=false"], folder / "blind")
     plan = make_plan(blind_run)
     items = [plan[index] for index in indices]
     start_s = age_s()
     blind = _make(blind_run, items, BLIND_S)
     seeing_run = _load(source, overrides, folder / "seeing")
+    if not (seeing_run.cameras.draw and seeing_run.cameras.streams):
+        return Probe(blind, [], start_s, peak_bytes(), encoder_bytes=0)
     with MemoryWatch(children_peak_bytes) as encoders:
         seeing = _make(seeing_run, items[: min(MOST_SEEING, len(blind))], SEEING_S)
     return Probe(blind, seeing, start_s, peak_bytes(), encoders.bytes)
