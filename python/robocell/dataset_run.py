@@ -15,6 +15,7 @@ from typing import Any
 from robocell._core import (
     ArgumentError,
     Dataset,
+    Error,
     IoError,
     RunConfig,
     SpecError,
@@ -27,6 +28,7 @@ from robocell._core import run_of_dataset as _run_of_dataset
 from robocell._own_code import loaded_sources, modules_of_one_run, set_modules_of_run
 
 __all__ = [
+    "is_recorded_folder",
     "manifest_of_dataset",
     "plan_numbers",
     "recorded_attempts",
@@ -61,6 +63,19 @@ def manifest_of_dataset(source: str | Path) -> dict[str, Any] | None:
             "`robocell generate` with the run's file writes it again"
         )
     return manifest
+
+
+def is_recorded_folder(source: str | Path) -> bool:
+    """Returns True for a dataset whose episodes an environment recorded."""
+    folder = Path(source)
+    if not folder.is_dir() or (folder / "dataset.json").exists():
+        return False
+    try:
+        dataset = Dataset(folder)
+        metadata: Any = dataset[0].metadata if len(dataset) else {}
+    except (Error, OSError):
+        return False
+    return "environment" in metadata
 
 
 def seed_of_dataset(source: str | Path) -> int:

@@ -1,5 +1,7 @@
 """Evaluates a policy, or an expert, in the cells of a run or of a dataset.
 
+A dataset that an environment recorded is evaluated in that environment.
+
     result = evaluate("out/picks", "my_policy.py:Policy", episodes=100, workers=2)
     print(result.successes, result.interval, result.dataset)
 
@@ -20,9 +22,10 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from robocell._core import ArgumentError, Dataset, Error, IoError, PlanItem, RunConfig
+from robocell._core import ArgumentError, Dataset, Error, IoError, PlanItem
+from robocell._env_job import EnvJob
 from robocell._own_code import modules_of_one_run
-from robocell.dataset_run import plan_numbers
+from robocell.dataset_run import is_recorded_folder, plan_numbers
 from robocell.generate.items import ItemRecord
 from robocell.generate.job import Job
 from robocell.generate.observer import Observer
@@ -30,7 +33,7 @@ from robocell.generate.protocol import Failure
 from robocell.generate.run_source import RunSource
 from robocell.generate.supervisor import Limits
 from robocell.generate.totals import Totals, Unmade
-from robocell.policy import EXPERT, RANDOM, REPLAY, replayed_seed
+from robocell.policy import EXPERT, POLICY_ERROR, RANDOM, REPLAY, replayed_seed
 from robocell.policy_calls import latency
 from robocell.policy_options import PolicyOptions, is_url
 
@@ -46,10 +49,6 @@ __all__ = [
     "evaluate",
     "wilson_interval",
 ]
-
-# The reason of a rollout that an error of its policy or expert ended begins with this
-# (src/robocell/rollout/rollout.cc).
-POLICY_ERROR = "policy error: "
 
 # Starts of evaluations are drawn from other seeds than those that datasets begin with.
 SEED = 1_000_003
@@ -281,11 +280,13 @@ def evaluate(
     horizon: int | None = None,
     ensemble: bool = False,
     policy_timeout_s: float | None = None,
+    max_steps: int | None = None,
 ) -> Evaluation:
     """Evaluates a policy with one rollout from each of `episodes` starts.
 
     Args:
-        source: A dataset, a run file, or `module:name` of a RunConfig.
+        source: A dataset, generated or recorded from an environment; a run file, or `module:name`
+            of a RunConfig.
         policy: `module:Class` or `file.py:Class` of a `robocell.policy.Policy`; `expert` for the
             task's own expert; `random`; `replay`, the recorded actions of the dataset; or the URL
             of a policy server, such as `ws://127.0.0.1:8000`.
@@ -306,23 +307,28 @@ def evaluate(
         ensemble: Take the mean of what all chunks say about a moment (temporal ensembling); the
             policy is then called before every action, or after `horizon` ones.
         policy_timeout_s: Longest time of a call of a policy server. Default: 120.
+        max_steps: Actions after which a rollout fails. Default: those of the run; in a recorded
+            environment the number of rows of the longest episode.
 
     A policy that raises, or returns an invalid action, fails in that rollout, with the error as its
     reason (`policy_errors`). Raises SpecError for errors in the run or the module, and Error, with
     the reason, if no rollout could be made; `errors` lists single ones that could not be made.
     Raises IoError if a policy server is gone; the same call continues the evaluation.
     """
+    recorded = is_recorded_folder(source)
     if policy == REPLAY:
-        own_seed = replayed_seed(source)
+        own_seed = 0 if recorded else replayed_seed(source)
         seed = own_seed if seed is None else seed
     seed = SEED if seed is None else seed
     if episodes is not None and episodes < 1:
         raise ArgumentError(f"episodes must be at least 1, got {episodes}")
     if workers < 1:
         raise ArgumentError(f"workers must be at least 1, got {workers}")
+    if max_steps is not None and max_steps < 1:
+        raise ArgumentError(f"max_steps must be at least 1, got {max_steps}")
     output = default_output(source, policy, seed) if output is None else output
     starts = _Starts(100 if episodes is None else episodes)
-    if policy == REPLAY and seed == own_seed:
+    if policy == REPLAY and not recorded and seed == own_seed:
         starts = _Starts(episodes, Dataset(Path(source)).ids)
     overrides = [
         f"seed={seed}",
@@ -330,13 +336,27 @@ def evaluate(
         f"workers={workers}",
         f"output={json.dumps(str(output))}",
         *([] if cameras else ["cameras.draw=false"]),
+        *([] if max_steps is None else [f"rates.max_steps={max_steps}"]),
     ]
     modules = (imports,) if isinstance(imports, str) else tuple(imports)
     acting = PolicyOptions(str(preset), horizon, ensemble, policy_timeout_s)
+    chosen = RunSource(str(source), modules, policy, acting)
     with modules_of_one_run():
-        job = Job(RunSource(str(source), modules, policy, acting), overrides, choose=starts.choose)
+        job: Job | EnvJob
+        if recorded:
+            job = EnvJob(
+                chosen,
+                Path(output),
+                episodes=episodes,
+                seed=seed,
+                max_steps=max_steps,
+                workers=workers,
+                cameras=cameras,
+            )
+        else:
+            job = Job(chosen, overrides, choose=starts.choose)
         server = _greeting(policy) if is_url(policy) else {}
-        _warn_of_rate(acting, job.run)
+        _warn_of_rate(acting, _rate_of(job))
         result = job.do(_Watching(on_rollout), limits)
     if result.outcome.interrupted:
         raise KeyboardInterrupt
@@ -352,17 +372,25 @@ def evaluate(
     return replace(evaluation, server=server)
 
 
-def _warn_of_rate(acting: PolicyOptions, run: RunConfig) -> None:
+def _rate_of(job: Job | EnvJob) -> float | None:
+    """Returns the actions per second of a cell, if they have a fixed rate."""
+    if isinstance(job, EnvJob):
+        return job.rate
+    policy_ms = job.run.rates.policy_ms
+    return None if policy_ms is None else 1e3 / policy_ms
+
+
+def _warn_of_rate(acting: PolicyOptions, own: float | None) -> None:
     """Prints a warning if the cell asks for actions much faster or slower than the preset says."""
     preset = acting.load_preset()
-    if preset is None or preset.rate is None or run.rates.policy_ms is None:
+    if preset is None or preset.rate is None or own is None:
         return
-    own = 1e3 / run.rates.policy_ms
     if abs(own / preset.rate - 1) < 0.1:
         return
     print(
-        f"warning: {preset.place} is for {preset.rate:g} actions per second, and the run has "
-        f"{own:.3g}: set rates.policy_ms to {1e3 / preset.rate:.3g}",
+        f"warning: {preset.place} is for {preset.rate:g} actions per second, and the cell has "
+        f"{own:.3g}: set rates.policy_ms to {1e3 / preset.rate:.3g} (run), or sim.frequency to "
+        f"{preset.rate:g} (environment)",
         file=sys.stderr,
         flush=True,
     )

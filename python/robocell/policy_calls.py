@@ -30,15 +30,17 @@ class PolicyCalls:
         calls: For each call the number of actions taken before, the number of actions that it
             returned, and its time `ms` with the drawing of images that the policy read; of a
             policy behind a socket also `round_trip_ms` and `server_ms`.
+        error: Error of the policy that ended the rollout; "" without one.
     """
 
     rollout: str = ""
     seed: int = 0
     calls: list[dict[str, float]] = field(default_factory=list)
+    error: str = ""
 
     def begin(self) -> None:
-        """Forgets the calls of the last rollout."""
-        self.calls = []
+        """Forgets the last rollout."""
+        self.calls, self.error = [], ""
 
     def add(self, step: int, actions: int, ms: float, timing: Mapping[str, float]) -> None:
         """Adds a call."""
@@ -52,7 +54,7 @@ class PolicyCalls:
             folder.mkdir(exist_ok=True)
         except OSError as error:
             raise IoError(f"cannot make '{folder}': {error.strerror}") from error
-        text = json.dumps({"rollout": self.rollout, "calls": self.calls})
+        text = json.dumps({"rollout": self.rollout, "calls": self.calls, "error": self.error})
         atomic_write(folder / f"{self.rollout}.json", f"{text}\n".encode())
 
 
@@ -68,7 +70,7 @@ def latency(dataset: Path, rollouts: Iterable[str]) -> dict[str, float]:
     times = [
         float(call["ms"])
         for rollout in rollouts
-        for call in _read(dataset / FOLDER / f"{rollout}.json")
+        for call in _read(dataset, rollout).get("calls", [])
     ]
     if not times:
         return {}
@@ -81,9 +83,16 @@ def latency(dataset: Path, rollouts: Iterable[str]) -> dict[str, float]:
     }
 
 
-def _read(path: Path) -> list[dict[str, Any]]:
+def error_of(dataset: Path, rollout: str) -> str:
+    """Returns the error of the policy that ended a rollout; "" without one."""
+    return str(_read(dataset, rollout).get("error", ""))
+
+
+def _read(dataset: Path, rollout: str) -> dict[str, Any]:
+    """Returns the record of a rollout; {} without one, or if it is damaged."""
     try:
-        calls: list[dict[str, Any]] = json.loads(path.read_text())["calls"]
-    except (OSError, ValueError, KeyError, TypeError):
-        return []
-    return calls
+        stored = json.loads((dataset / FOLDER / f"{rollout}.json").read_text())
+    except (OSError, ValueError):
+        return {}
+    calls = stored.get("calls") if isinstance(stored, dict) else None
+    return stored if isinstance(calls, list) else {}

@@ -106,6 +106,26 @@ def test_reports_more_episodes_than_the_last_command_requested():
     )
 
 
+def test_names_the_shards_that_have_no_report():
+    first, last = (RunReport("demo", "hash", (index, 3), {}) for index in (0, 2))
+    for shard, name in ((first, "a"), (last, "c")):
+        shard.add(command(name, planned=5, seconds=1.0), [made(name)], [name])
+    assert reports.unreported_shards([first, last]) == ["1/3"]
+    totals = reports.whole([first, last])
+    rows = Summary("r", Path(), 12, totals, {}, 2, ["1/3"]).rows()
+    assert rows["episodes"] == "12 on the disk (no report of shard 1/3; the others requested 10)"
+    middle = RunReport("demo", "hash", (1, 3), {})
+    assert reports.unreported_shards([first, middle, last]) == ["1/3"], "it has no command yet"
+    middle.add(command("b", planned=5, seconds=1.0), [made("b")], ["b"])
+    every = [first, middle, last]
+    assert reports.unreported_shards(every) == []
+    complete = Summary("r", Path(), 15, reports.whole(every), {}, 3)
+    assert complete.rows()["episodes"] == "15 of 15"
+    more = Summary("r", Path(), 18, reports.whole(every), {}, 3)
+    assert more.rows()["episodes"] == "18 (the last commands of the shards requested 15)"
+    assert reports.unreported_shards([a_report(("a",)), last]) == [], "the whole run has reported"
+
+
 @pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"format": "robocell-report"}', "\0"])
 def test_rejects_a_damaged_report_and_names_its_path(tmp_path: Path, text: str):
     path = tmp_path / "report.json"

@@ -27,7 +27,14 @@ from robocell.cli.common import (
     require_folder,
 )
 from robocell.generate.items import ItemRecord, counts_text
-from robocell.generate.report import DamagedReportError, RunReport, load, report_paths, whole
+from robocell.generate.report import (
+    DamagedReportError,
+    RunReport,
+    load,
+    report_paths,
+    unreported_shards,
+    whole,
+)
 from robocell.generate.summary import Summary
 from robocell.generate.totals import Totals, percent, size
 from robocell.report.facts import EpisodeFacts, read
@@ -209,7 +216,9 @@ def _summary(dataset: Path, found: Sequence[EpisodeFacts], reports: Sequence[Run
             f"{counted(unrecorded, 'episode')}, made by commands that were killed"
         )
     name = reports[0].run if reports else dataset.name
-    return Summary(name, dataset, good, totals, more)
+    return Summary(
+        name, dataset, good, totals, more, max(1, len(reports)), unreported_shards(reports)
+    )
 
 
 def _is_recorded(dataset: Path, found: Sequence[EpisodeFacts]) -> bool:

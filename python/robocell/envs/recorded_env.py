@@ -10,6 +10,7 @@ from robocell._core import (
     CameraSystemConfig,
     Dataset,
     Env,
+    EnvState,
     Feature,
     _recorded_features,
     _shown_images,
@@ -55,6 +56,10 @@ class RecordedEnv:
     def reset(self, index: int) -> None:
         """Resets to the start of seed `index`."""
         self._observation, _ = self.env.reset(index)
+
+    def begin_at(self, state: EnvState) -> None:
+        """Begins an episode in a state, such as the start of a recorded one."""
+        self._observation = self.env.set_state(state)
 
     def row(self) -> dict[str, Any]:
         """Returns the row that would be recorded now."""

@@ -188,6 +188,23 @@ def whole(reports: Sequence[RunReport]) -> Totals:
     return totals
 
 
+def unreported_shards(reports: Sequence[RunReport]) -> list[str]:
+    """Returns the shards that others belong to and that have no report: ['1/2'].
+
+    None is missing beside a report of the whole run.
+    """
+    shards = {report.shard for report in reports if report.commands}
+    counts = {count for _, count in shards}
+    if 1 in counts:
+        return []
+    return [
+        f"{index}/{count}"
+        for count in sorted(counts)
+        for index in range(count)
+        if (index, count) not in shards
+    ]
+
+
 def _unmade(reports: Sequence[RunReport]) -> list[Unmade]:
     """Returns the items that no report lists as made."""
     told = [unmade for report in reports for unmade in report.totals.unmade]

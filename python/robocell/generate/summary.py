@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -26,6 +26,8 @@ class Summary:
         on_disk: Episodes of the plan, counted on the disk.
         totals: Counts of this command.
         more: Further rows.
+        reports: Number of reports that `totals` sums: one for the run, or one for each shard.
+        unreported: Shards without a report, such as '1/4'; nobody knows what they planned.
     """
 
     run: str
@@ -33,6 +35,8 @@ class Summary:
     on_disk: int
     totals: Totals
     more: Mapping[str, str] = field(default_factory=dict)
+    reports: int = 1
+    unreported: Sequence[str] = ()
 
     def rows(self) -> dict[str, str]:
         """Returns label -> text, in order."""
@@ -55,10 +59,21 @@ class Summary:
         return {label: text for label, text in rows.items() if text}
 
     def _episodes(self) -> str:
-        """Returns '16 of 20', or '16 (the last command requested 14)' if earlier ones made more."""
+        """Returns '16 of 20', or '16 (the last command requested 14)' if earlier ones made more.
+
+        Without the report of a shard it is '16 on the disk (no report of shard 1/2; the others
+        requested 10)': the number of episodes of the whole run is unknown.
+        """
         totals = self.totals
+        if self.unreported:
+            shards = f"shard{'s' if len(self.unreported) > 1 else ''} {', '.join(self.unreported)}"
+            return (
+                f"{self.on_disk} on the disk (no report of {shards}; the others requested "
+                f"{totals.planned})"
+            )
         if self.on_disk > totals.planned:
-            return f"{self.on_disk} (the last command requested {totals.planned})"
+            last = "last command" if self.reports == 1 else "last commands of the shards"
+            return f"{self.on_disk} (the {last} requested {totals.planned})"
         before = f" ({totals.already} made before)" if totals.already else ""
         return f"{self.on_disk} of {totals.planned}{before}"
 
