@@ -14,6 +14,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from robocell._acting_policy import ActingPolicy
 from robocell._core import ArgumentError, Dataset, EnvState, Episode, Error, SpecError, StopFlag
 from robocell._ending import end_in_time
 from robocell._own_code import RAISED, loaded_sources, raise_interrupt
@@ -25,8 +26,6 @@ from robocell.generate.run_source import RunSource
 from robocell.generate.worker import MakeEpisode, serve
 from robocell.policy import (
     POLICY_ERROR,
-    REPLAY,
-    ActingPolicy,
     Context,
     NamedPolicy,
     named_policy,
