@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robocell._action_chunks import Chunks
 from robocell._core import ArgumentError, NotFoundError
-from robocell._rows import Row
+from robocell._policy_calls import present
+from robocell._row import Row
 from robocell._suggestions import counted, did_you_mean
-from robocell.action_chunks import Chunks
-from robocell.policy_calls import present
 
 if TYPE_CHECKING:
     from robocell.policy import Action, Context, Observation, Policy

@@ -18,15 +18,15 @@ from robocell._env_rollouts import (
     longest_episode,
     rollout_of,
 )
-from robocell.generate.disk import disk_trouble, flush, require_writable
-from robocell.generate.items import Item, ItemRecord
-from robocell.generate.job import Result
-from robocell.generate.observer import Observer, Unfailing
-from robocell.generate.run_source import RunSource
-from robocell.generate.signals import stop_on_signals
-from robocell.generate.supervisor import Limits, Supervisor
+from robocell._generation.disk import disk_trouble, flush, require_writable
+from robocell._generation.items import Item, ItemRecord
+from robocell._generation.job import Result
+from robocell._generation.observer import Observer, Unfailing
+from robocell._generation.run_source import RunSource
+from robocell._generation.signals import stop_on_signals
+from robocell._generation.supervisor import Limits, Supervisor
+from robocell._policy_calls import error_of
 from robocell.policy import EXPERT, REPLAY
-from robocell.policy_calls import error_of
 
 MODELS = "models"  # a folder of every dataset; makes the output one before its first episode
 

@@ -15,22 +15,22 @@ from pathlib import Path
 from typing import Any
 
 from robocell._acting_policy import ActingPolicy
+from robocell._action_chunks import Chunks
 from robocell._core import ArgumentError, Dataset, EnvState, Episode, Error, SpecError, StopFlag
 from robocell._ending import end_in_time
+from robocell._generation.items import Item, ItemRecord
+from robocell._generation.own_process import own_process
+from robocell._generation.run_source import RunSource
+from robocell._generation.worker import MakeEpisode, serve
 from robocell._own_code import RAISED, loaded_sources, raise_interrupt
+from robocell._policy_calls import present
 from robocell._raised import LostPolicyError, UnmadePolicyError, text_of_hook
-from robocell.action_chunks import Chunks
-from robocell.generate.items import Item, ItemRecord
-from robocell.generate.own_process import own_process
-from robocell.generate.run_source import RunSource
-from robocell.generate.worker import MakeEpisode, serve
 from robocell.policy import (
     POLICY_ERROR,
     Context,
     NamedPolicy,
     named_policy,
 )
-from robocell.policy_calls import present
 
 TIMEOUT = "timeout"  # end of a rollout whose actions are used up
 

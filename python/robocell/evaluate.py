@@ -23,19 +23,19 @@ from pathlib import Path
 from typing import Any
 
 from robocell._core import ArgumentError, Dataset, Error, IoError, PlanItem
+from robocell._dataset_run import is_recorded_folder, plan_numbers
 from robocell._env_job import EnvJob
+from robocell._generation.items import ItemRecord
+from robocell._generation.job import Job
+from robocell._generation.observer import Observer
+from robocell._generation.protocol import Failure
+from robocell._generation.run_source import RunSource
+from robocell._generation.supervisor import Limits
+from robocell._generation.totals import Totals, Unmade
 from robocell._own_code import modules_of_one_run
-from robocell.dataset_run import is_recorded_folder, plan_numbers
-from robocell.generate.items import ItemRecord
-from robocell.generate.job import Job
-from robocell.generate.observer import Observer
-from robocell.generate.protocol import Failure
-from robocell.generate.run_source import RunSource
-from robocell.generate.supervisor import Limits
-from robocell.generate.totals import Totals, Unmade
+from robocell._policy_calls import latency
+from robocell._policy_options import PolicyOptions, is_url
 from robocell.policy import EXPERT, POLICY_ERROR, RANDOM, REPLAY, replayed_seed
-from robocell.policy_calls import latency
-from robocell.policy_options import PolicyOptions, is_url
 
 __all__ = [
     "EXPERT",
@@ -398,8 +398,8 @@ def _warn_of_rate(acting: PolicyOptions, own: float | None) -> None:
 
 def _greeting(url: str) -> dict[str, Any]:
     """Returns the first message of a policy server. Raises IoError if there is no server."""
-    from robocell.policy_server.client import PolicyClient
-    from robocell.policy_server.wire import as_json
+    from robocell.policy_server._client import PolicyClient
+    from robocell.policy_server._wire import as_json
 
     with PolicyClient(url) as client:
         greeting = as_json(client.metadata)

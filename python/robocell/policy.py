@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robocell._acting_policy import ActingPolicy
+from robocell._action_chunks import Chunks
 from robocell._arguments import with_hints
 from robocell._core import (
     ArgumentError,
@@ -41,7 +42,13 @@ from robocell._core import (
     Scene,
     SpecError,
 )
+from robocell._dataset_run import (
+    is_recorded_folder,
+    naming_what_to_evaluate,
+    seed_of_dataset,
+)
 from robocell._own_code import RAISED, calling_module, paths_of, raise_interrupt
+from robocell._policy_options import PolicyOptions, is_url
 from robocell._raised import LostPolicyError, UnmadePolicyError, text_of_hook
 from robocell._registering import (
     arguments_of,
@@ -51,14 +58,16 @@ from robocell._registering import (
     takes,
 )
 from robocell._suggestions import did_you_mean, shortened
-from robocell.action_chunks import Chunks
-from robocell.dataset_run import (
-    is_recorded_folder,
-    naming_what_to_evaluate,
-    seed_of_dataset,
-)
-from robocell.policy_options import PolicyOptions, is_url
 from robocell.tasks import expert_registration
+
+__all__ = [
+    "Action",
+    "Context",
+    "Observation",
+    "Policy",
+    "PolicyExpert",
+    "register_policy",
+]
 
 Observation = dict[str, NDArray[Any]]
 _AS_IT_IS = PolicyOptions()
@@ -287,7 +296,7 @@ def maker_of_policy(name: str, folder: Path) -> tuple[MakePolicy, list[Path]]:
     The policy is made as `Class(run)` if the class requires an argument or calls its first one
     `run`, else as `Class()`. Raises SpecError for anything that is no policy.
     """
-    from robocell.generate.run_source import import_module
+    from robocell._generation.run_source import import_module
 
     module_name, _, attribute = name.rpartition(":")
     module = import_module(module_name, folder)
@@ -423,8 +432,8 @@ def _refuse_server_options(policy: str, acting: PolicyOptions) -> None:
 
 def _remote_policy(url: str, acting: PolicyOptions) -> NamedPolicy:
     """Returns the policy of a server."""
-    from robocell.policy_server.client import TIMEOUT_S, parse_url
-    from robocell.policy_server.remote_policy import RemotePolicy
+    from robocell.policy_server._client import TIMEOUT_S, parse_url
+    from robocell.policy_server._remote_policy import RemotePolicy
 
     parse_url(url)
     preset = acting.load_preset()
@@ -443,7 +452,7 @@ def _remote_policy(url: str, acting: PolicyOptions) -> NamedPolicy:
 
 def _classes_to_name(file: str) -> str:
     """Returns "name its class too: pol.py:Mine", for a file without a class."""
-    from robocell.generate.run_source import import_module
+    from robocell._generation.run_source import import_module
 
     module = import_module(file, Path.cwd())
     classes = [

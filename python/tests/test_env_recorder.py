@@ -18,8 +18,8 @@ import pytest
 import robocell as rc
 import robocell.gym
 from command_line import robocell_command
+from robocell._dataset_run import run_of_dataset
 from robocell.data import EnvRecorder, env_of_episode, replay_actions
-from robocell.dataset_run import run_of_dataset
 from robocell.gym import VectorGymEnv, pick_cube_config
 
 DEMO = Path(__file__).resolve().parents[2] / "examples" / "demo.yaml"

@@ -10,12 +10,12 @@ import pytest
 import typer
 
 from command_line import write_run
-from robocell.generate.job import Result
-from robocell.generate.supervisor import Fatal, Outcome
-from robocell.generate.totals import Totals
+from robocell._generation.job import Result
+from robocell._generation.supervisor import Fatal, Outcome
+from robocell._generation.totals import Totals
 
 # The package has the command under the module's name.
-cli = importlib.import_module("robocell.cli.generate")
+cli = importlib.import_module("robocell._cli.generate")
 
 
 def test_warns_about_a_small_disk_before_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -29,9 +29,11 @@ from robocell.policy_server import (
     PolicyServer,
     PolicyServerError,
     RemotePolicy,
-    server,
 )
-from robocell.policy_server.served import PolicySession, ServedCell, policy_server
+from robocell.policy_server import (
+    _server as server,
+)
+from robocell.policy_server._served import PolicySession, ServedCell, policy_server
 
 ARM, GRIPPER = "robots/a/action/arm", "robots/a/action/gripper"
 

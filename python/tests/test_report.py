@@ -14,14 +14,14 @@ import pytest
 
 import robocell
 from command_line import refused, robocell_command, write_run
-from robocell.generate import report as reports
-from robocell.generate.check import Found
-from robocell.generate.items import ItemRecord
-from robocell.generate.job import Job
-from robocell.generate.observer import Observer
-from robocell.generate.report import Command, DamagedReportError, RunReport
-from robocell.generate.summary import Summary
-from robocell.generate.totals import (
+from robocell._generation import report as reports
+from robocell._generation.check import Found
+from robocell._generation.items import ItemRecord
+from robocell._generation.job import Job
+from robocell._generation.observer import Observer
+from robocell._generation.report import Command, DamagedReportError, RunReport
+from robocell._generation.summary import Summary
+from robocell._generation.totals import (
     Again,
     Death,
     Totals,

@@ -131,7 +131,7 @@ def test_python_adds_no_second_suggestion(module: str, capsys):
 
 
 def test_python_adds_no_second_suggestion_to_wrapped_objects(capsys):
-    from robocell.compat.mj_kdl_wrapper.forward import Forwarding
+    from robocell.compat.mj_kdl_wrapper._forward import Forwarding
 
     class Wrapper(Forwarding):
         __slots__ = ("pose",)

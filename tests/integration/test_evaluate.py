@@ -10,8 +10,8 @@ import pytest
 from commands import ROOT, generate, refusal, robocell_command
 
 import robocell as rc
+from robocell._dataset_run import run_of_dataset
 from robocell.data import EnvRecorder
-from robocell.dataset_run import run_of_dataset
 from robocell.envs import from_dataset
 from robocell.evaluate import (
     Evaluation,

@@ -17,8 +17,8 @@ import pytest
 from commands import ROOT, generate, refusal, robocell_command
 
 import robocell as rc
+from robocell._generation.run_source import RunSource
 from robocell._own_code import own_sources
-from robocell.generate.run_source import RunSource
 
 EXAMPLE = ROOT / "examples" / "stack_cubes.py"
 RC7 = ROOT / "models" / "robots" / "rc7" / "rc7.yaml"

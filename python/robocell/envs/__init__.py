@@ -35,7 +35,7 @@ from robocell._core import (
 from robocell._elsewhere import no_such, not_in
 
 if TYPE_CHECKING:
-    from robocell.envs.dataset_env import DatasetEnv, from_dataset
+    from robocell.envs._dataset_env import DatasetEnv, from_dataset
 
 __all__ = [
     "CameraAdderConfig",
@@ -61,7 +61,7 @@ def __getattr__(name: str) -> Any:
     """Loads the names that need Gymnasium on first use."""
     if name not in ("DatasetEnv", "from_dataset"):
         raise no_such(not_in("robocell.envs", name, __all__), name)
-    from robocell.envs import dataset_env
+    from robocell.envs import _dataset_env as dataset_env
 
     value = getattr(dataset_env, name)
     globals()[name] = value
