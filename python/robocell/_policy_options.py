@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from robocell._core import ArgumentError
 
 if TYPE_CHECKING:
-    from robocell.policy_presets import Preset
+    from robocell._policy_presets import Preset
 
 SCHEMES = ("ws://", "wss://")
 
@@ -82,7 +82,7 @@ class PolicyOptions:
         """Reads the preset; None without one. Raises as `Preset.load`."""
         if not self.preset:
             return None
-        from robocell.policy_presets import Preset
+        from robocell._policy_presets import Preset
 
         return Preset.load(self.preset)
 

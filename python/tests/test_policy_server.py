@@ -22,8 +22,8 @@ from websockets.sync.client import connect
 import openpi_peer
 import robocell as rc
 from openpi_peer import OpenpiClient
+from robocell._policy_presets import Preset
 from robocell.policy import Policy
-from robocell.policy_presets import Preset
 from robocell.policy_server import (
     PolicyClient,
     PolicyServer,

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from robocell._core import ArgumentError
 from robocell._policy_calls import present
+from robocell._policy_presets import Bound, Preset
 from robocell._suggestions import counted
 from robocell.policy import Action, Context, Observation, Policy
-from robocell.policy_presets import Bound, Preset
 from robocell.policy_server._client import TIMEOUT_S, PolicyClient, PolicyServerError
 
 PROMPT = "prompt"

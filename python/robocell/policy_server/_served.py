@@ -22,6 +22,7 @@ from robocell._core import (
     RunConfig,
     RunEnv,
 )
+from robocell._policy_presets import Bound, Preset
 from robocell._row import Row
 from robocell._suggestions import counted
 from robocell.policy import (
@@ -34,7 +35,6 @@ from robocell.policy import (
     ReplayPolicy,
     maker_of_policy,
 )
-from robocell.policy_presets import Bound, Preset
 from robocell.policy_server._remote_policy import PROMPT
 from robocell.policy_server._served_expert import ExpertSession, PlannedRollouts
 from robocell.policy_server._server import HOST, PORT, PolicyServer

@@ -22,10 +22,10 @@ from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, Feature, NotFoundError
 from robocell._placeholders import Gripper, camera_of, expanded, groups_of, is_opening
+from robocell._policy_presets.images import resize_with_pad
+from robocell._policy_presets.parts import Part, Sized, require_complete, split
+from robocell._policy_presets.reading import read_preset, shipped_presets
 from robocell._suggestions import counted, did_you_mean, shortened
-from robocell.policy_presets.images import resize_with_pad
-from robocell.policy_presets.parts import Part, Sized, require_complete, split
-from robocell.policy_presets.reading import read_preset, shipped_presets
 
 __all__ = ["Bound", "Preset", "shipped_presets"]
 

@@ -11,8 +11,8 @@ import numpy as np
 from robocell._core import IoError, NotFoundError, SpecError
 from robocell._extras import needed_by
 from robocell._placeholders import Gripper
+from robocell._policy_presets.parts import FORMS, Part
 from robocell._suggestions import did_you_mean
-from robocell.policy_presets.parts import FORMS, Part
 
 FOLDER = Path(__file__).parent
 FIELDS = (
@@ -96,7 +96,7 @@ def _file_of(name: str | Path) -> Path:
 
 
 def _content(file: Path) -> dict[str, Any]:
-    with needed_by("robocell.policy_presets", "policy"):
+    with needed_by("robocell._policy_presets", "policy"):
         import yaml
     try:
         content = yaml.safe_load(file.read_text())
