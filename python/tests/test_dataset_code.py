@@ -41,7 +41,7 @@ class Waiting(rc.tasks.Expert):
         return ["wait"]
 
 rc.register_task("waits_NUMBER")(Waits)
-rc.register_expert("waits_NUMBER")(Waiting)
+rc.tasks.register_expert("waits_NUMBER")(Waiting)
 """
 PATCH = "import {task}\n{task}.Waits.instruction = lambda self: 'patched'\n"
 RUN = """

@@ -478,7 +478,7 @@ class Wait(rc.tasks.Task):
     def instruction(self):
         return "wait"
 
-@rc.register_feature("own_number")
+@rc.features.register_feature("own_number")
 def own_number(scene):
     return 1.0
 """

@@ -16,7 +16,6 @@ from __future__ import annotations
 import difflib
 
 from robocell import (
-    AttachmentSpec,
     RobotSpec,
     Scene,
     SceneSpec,
@@ -35,7 +34,13 @@ from robocell.compat.mj_kdl_wrapper._video import VideoRecorder
 from robocell.control import CtrlMode
 from robocell.diagnose import mujoco_version
 from robocell.render import CameraSpec, VideoResolution
-from robocell.robots import AttachKind, AttachTarget, ForceTorqueSensorSpec, ToolFrameSpec
+from robocell.robots import (
+    AttachKind,
+    AttachmentSpec,
+    AttachTarget,
+    ForceTorqueSensorSpec,
+    ToolFrameSpec,
+)
 from robocell.scene import ResetContext, ResetInfo, ResetOptions
 
 __all__ = [

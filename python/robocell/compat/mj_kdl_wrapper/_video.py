@@ -16,15 +16,15 @@ class VideoRecorder(Forwarding):
 
     __slots__ = ("_closed", "recorder")
     _wraps = "recorder"
-    recorder: robocell.VideoRecorder
+    recorder: robocell.render.VideoRecorder
     _closed: bool
 
-    def __init__(self, recorder: robocell.VideoRecorder | None = None) -> None:
+    def __init__(self, recorder: robocell.render.VideoRecorder | None = None) -> None:
         """Wraps an open recorder; use `open` or `open_preset`."""
-        if not isinstance(recorder, robocell.VideoRecorder):
+        if not isinstance(recorder, robocell.render.VideoRecorder):
             given = "" if recorder is None else f", got {type(recorder).__name__}"
             raise TypeError(
-                "VideoRecorder takes a robocell.VideoRecorder"
+                "VideoRecorder takes a robocell.render.VideoRecorder"
                 f"{given}. To begin a video: VideoRecorder.open(env, 'video.mp4'), or with one "
                 "of the usual sizes VideoRecorder.open_preset(env, 'video.mp4')"
             )
@@ -43,7 +43,7 @@ class VideoRecorder(Forwarding):
     ) -> VideoRecorder:
         """Opens a recorder with a size in pixels; odd sizes are rounded down to even ones."""
         size = _even("width", width), _even("height", height)
-        return cls(robocell.VideoRecorder(_scene(target), path, *size, fps))
+        return cls(robocell.render.VideoRecorder(_scene(target), path, *size, fps))
 
     @classmethod
     @with_hints
@@ -55,7 +55,7 @@ class VideoRecorder(Forwarding):
         fps: int = 60,
     ) -> VideoRecorder:
         """Opens a recorder with a standard size."""
-        return cls(robocell.VideoRecorder.open_preset(_scene(target), path, resolution, fps))
+        return cls(robocell.render.VideoRecorder.open_preset(_scene(target), path, resolution, fps))
 
     def _require_open(self, name: str) -> None:
         if self._closed and name.startswith(("record_", "set_", "use_")):
