@@ -106,7 +106,9 @@ def naming_what_to_evaluate() -> Iterator[None]:
     try:
         yield
     except ArgumentError as error:
-        raise ArgumentError(f"{error}. Evaluate a run, or a dataset that one generated") from error
+        raise ArgumentError(
+            f"{error}. Evaluate a run, or a dataset that a run or an environment made"
+        ) from error
 
 
 def run_of_dataset(source: str | Path, modules: Sequence[str] = ()) -> RunConfig:

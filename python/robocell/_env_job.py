@@ -26,7 +26,7 @@ from robocell._generation.run_source import RunSource
 from robocell._generation.signals import stop_on_signals
 from robocell._generation.supervisor import Limits, Supervisor
 from robocell._policy_calls import error_of
-from robocell.policy import EXPERT, REPLAY
+from robocell.policy import EXPERT, POLICY_ERROR, REPLAY
 
 MODELS = "models"  # a folder of every dataset; makes the output one before its first episode
 
@@ -80,7 +80,7 @@ class EnvJob:
         rollouts = EnvRollouts(source, self._starts)
         sim = rollouts.config.sim
         self.rate = float(sim.frequency) if sim.async_control else None
-        self.cell = {"environment": rollouts.config.to_yaml(), "max_steps": self._starts.max_steps}
+        self.cell = f"{rollouts.config.to_yaml()}\nmax_steps: {self._starts.max_steps}\n"
         self._identity = rollouts.identity
         rollouts.env.close()
 
@@ -118,7 +118,7 @@ class EnvJob:
         if episode is None and not reason:
             return None
         success = bool(episode.success) if episode else False
-        why = reason or str(episode.end_reason if episode else "")
+        why = f"{POLICY_ERROR}{reason}" if reason else str(episode.end_reason if episode else "")
         return ItemRecord(
             item_id,
             success=success,

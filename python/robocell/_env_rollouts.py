@@ -20,9 +20,9 @@ from robocell._core import ArgumentError, Dataset, EnvState, Episode, Error, Spe
 from robocell._ending import end_in_time
 from robocell._generation.items import Item, ItemRecord
 from robocell._generation.own_process import own_process
-from robocell._generation.run_source import RunSource
+from robocell._generation.run_source import RunSource, import_named
 from robocell._generation.worker import MakeEpisode, serve
-from robocell._own_code import RAISED, loaded_sources, raise_interrupt
+from robocell._own_code import RAISED, own_sources, raise_interrupt
 from robocell._policy_calls import present
 from robocell._raised import LostPolicyError, UnmadePolicyError, text_of_hook
 from robocell.policy import (
@@ -85,11 +85,14 @@ def _derived(seed: int | None, number: int, purpose: str) -> int:
     return int.from_bytes(digest[:4], "little") >> 1
 
 
-def identity_of(starts: EnvStarts, named: NamedPolicy) -> dict[str, Any]:
+def identity_of(starts: EnvStarts, named: NamedPolicy, modules: Sequence[str]) -> dict[str, Any]:
     """Returns what an evaluation is continued by: policy, code, starts; kept with each episode."""
     described = asdict(starts) | {"dataset": str(starts.dataset.absolute()), "policy": named.kind}
     del described["output"]
-    files = [*loaded_sources(), *_files_of(named.files)]
+    files = [
+        *own_sources(getattr(named.make, "__module__", None), *modules),
+        *_files_of(named.files),
+    ]
     described["code"] = {str(file): _hash(file) for file in sorted(set(files))}
     return described
 
@@ -119,6 +122,7 @@ class EnvRollouts:
         from robocell.envs import from_dataset
 
         self.starts = starts
+        modules = [import_named(module, Path.cwd()) for module in source.imports]
         self.named = named_policy(source.policy, starts.dataset, source.acting)
         self.env = from_dataset(
             starts.dataset, privileged=True, cameras=starts.cameras, imports=source.imports
@@ -131,7 +135,7 @@ class EnvRollouts:
                 "says which rollouts succeed: give its configuration a `task`, such as {kind: "
                 "pick}, and record again"
             )
-        self.identity = identity_of(starts, self.named)
+        self.identity = identity_of(starts, self.named, modules)
         self._policy: ActingPolicy | None = None
 
     def run(self, item: Item, stop: StopFlag) -> ItemRecord:
@@ -185,15 +189,15 @@ class EnvRollouts:
 
     def _act(self, acting: ActingPolicy, number: int, stop: StopFlag) -> str | None:
         """Acts to the end. Returns "" for success, the reason of a failure, or None if stopped."""
-        self._reset(number)
+        most = self._reset(number)
         context = Context(
             instruction=self.cell.instruction,
             run=self.config,
             seed=self.starts.policy_seed(number),
             features=[*self.cell.observed, *self.cell.commanded],
         )
-        for step in range(self.starts.max_steps):
-            if stop.is_set():
+        for step in range(most):
+            if stop.is_set:
                 return None
             try:
                 if step == 0:
@@ -213,13 +217,15 @@ class EnvRollouts:
                 return str(info.get("reason") or "the environment ended the episode")
         return TIMEOUT
 
-    def _reset(self, number: int) -> None:
+    def _reset(self, number: int) -> int:
+        """Goes to a start, and returns the number of actions from there."""
         if self.starts.seed is not None:
             self.env.reset(seed=self.starts.reset_seed(number))
-            return
+            return self.starts.max_steps
         self.env.reset(seed=0)  # compares the schema
         episode = Dataset(self.starts.dataset)[number]
         self.cell.begin_at(EnvState(episode["env_state"]))
+        return min(len(episode), self.starts.max_steps)
 
     def _require_actions(self, action: Mapping[str, Any]) -> None:
         """Raises ArgumentError if an action lacks a part: an environment takes whole actions."""

@@ -25,6 +25,7 @@ from typing import Any
 from robocell._core import ArgumentError, Dataset, Error, IoError, PlanItem
 from robocell._dataset_run import is_recorded_folder, plan_numbers
 from robocell._env_job import EnvJob
+from robocell._evaluated import cell_of, difference_of, rollout_end
 from robocell._generation.items import ItemRecord
 from robocell._generation.job import Job
 from robocell._generation.observer import Observer
@@ -35,7 +36,7 @@ from robocell._generation.totals import Totals, Unmade
 from robocell._own_code import modules_of_one_run
 from robocell._policy_calls import latency
 from robocell._policy_options import PolicyOptions, is_url
-from robocell.policy import EXPERT, POLICY_ERROR, RANDOM, REPLAY, replayed_seed
+from robocell.policy import EXPERT, RANDOM, REPLAY, replayed_seed
 
 __all__ = [
     "EXPERT",
@@ -93,6 +94,8 @@ class Evaluation:
         latency: Number of calls of the policy, and their median, 99th percentile and maximum in
             milliseconds; {} for experts. `policy_calls/` beside the rollouts has every call.
         server: First message of a policy server; {} for other policies.
+        cell: Field of the run or environment -> its value, and file of a model -> hash, without
+            what belongs to the policy. `compare` takes only evaluations in the same cell.
     """
 
     policy: str
@@ -109,6 +112,7 @@ class Evaluation:
     errors: dict[str, str]
     latency: dict[str, float] = field(default_factory=dict)
     server: dict[str, Any] = field(default_factory=dict)
+    cell: dict[str, str] = field(default_factory=dict)
 
     @property
     def rate(self) -> float:
@@ -161,7 +165,8 @@ def compare(first: Evaluation, second: Evaluation) -> Comparison:
     """Compares two policies by the starts that both were evaluated from.
 
     Paired starts need far fewer rollouts than two separate success rates. Raises ArgumentError for
-    evaluations with other seeds, and for those without a common start.
+    evaluations with other seeds or in different cells, with the fields that differ, and for those
+    without a common start.
 
     Examples:
         >>> better = rc.evaluate.compare(mine, baseline)  # doctest: +SKIP
@@ -172,6 +177,11 @@ def compare(first: Evaluation, second: Evaluation) -> Comparison:
         raise ArgumentError(
             f"the seeds of the evaluations are {first.seed} and {second.seed}, so their starts "
             "differ; evaluate both with one `seed`"
+        )
+    if first.cell and second.cell and (differing := difference_of(first.cell, second.cell)):
+        raise ArgumentError(
+            f"'{first.dataset}' and '{second.dataset}' are evaluations in different cells: "
+            f"{differing}; evaluate both policies in the cell of one dataset or run"
         )
     common = first.outcomes.keys() & second.outcomes.keys()
     if not common:
@@ -195,20 +205,20 @@ def _sign_test(fewer: int, differing: int) -> float:
 class _Watching(Observer):
     """Calls back for each rollout that ends, and prints warnings."""
 
-    def __init__(self, on_trial: Callable[[int, int, bool], None] | None) -> None:
-        self._on_trial = on_trial
+    def __init__(self, dataset: Path, on_rollout: Callable[[int, int, bool], None] | None) -> None:
+        self._dataset, self._on_rollout = dataset, on_rollout
         self._done = 0
         self._warned: set[str] = set()
 
     def episode(self, result: ItemRecord, totals: Totals) -> None:
         """Counts an episode. Prints an error of the policy at once, and once."""
         self._done += 1
-        for reason in result.failures:
-            if reason.startswith(POLICY_ERROR) and reason not in self._warned:
-                self._warned.add(reason)
-                self.warning(f"{result.id}: {reason}")
-        if self._on_trial is not None:
-            self._on_trial(totals.already + self._done, totals.planned, result.success)
+        end = rollout_end(self._dataset, result.id)
+        if end is not None and end.policy_error and end.reason not in self._warned:
+            self._warned.add(end.reason)
+            self.warning(f"{result.id}: {end.reason}")
+        if self._on_rollout is not None:
+            self._on_rollout(totals.already + self._done, totals.planned, result.success)
 
     def warning(self, text: str) -> None:
         """Prints the warning to standard error."""
@@ -357,7 +367,7 @@ def evaluate(
             job = Job(chosen, overrides, choose=starts.choose)
         server = _greeting(policy) if is_url(policy) else {}
         _warn_of_rate(acting, _rate_of(job))
-        result = job.do(_Watching(on_rollout), limits)
+        result = job.do(_Watching(job.dataset, on_rollout), limits)
     if result.outcome.interrupted:
         raise KeyboardInterrupt
     if result.outcome.fatal:
@@ -414,26 +424,26 @@ def _without_logs(message: str, said: Sequence[str]) -> str:
     return message
 
 
-def _evaluation_of(job: Job, policy: str, seed: int, totals: Totals) -> Evaluation:
-    """Builds the result from the episodes on the disk, including those of earlier commands."""
-    dataset = Dataset(job.dataset)
-    planned = {item.id for item in job.items}
-    episodes = {e.id: e for e in dataset if e.id in planned}
-    outcomes = {id: bool(episodes[id].success) for id in sorted(episodes)}
-    failures = Counter(str(e.end_reason) for e in episodes.values() if not e.success)
+def _evaluation_of(job: Job | EnvJob, policy: str, seed: int, totals: Totals) -> Evaluation:
+    """Builds the result from the rollouts on the disk, including those of earlier commands."""
+    planned = [item.id for item in job.items]
+    ends = {id: end for id in sorted(planned) if (end := rollout_end(job.dataset, id))}
+    outcomes = {id: end.success for id, end in ends.items()}
+    failures = Counter(end.reason for end in ends.values() if not end.success)
     successes = sum(outcomes.values())
     return Evaluation(
         policy=policy,
         successes=successes,
         rollouts=len(outcomes),
         interval=wilson_interval(successes, len(outcomes)),
-        mean_length=sum(map(len, episodes.values())) / max(1, len(episodes)),
+        mean_length=sum(end.rows for end in ends.values()) / max(1, len(ends)),
         unmade=len(planned) - len(outcomes),
         failures=dict(failures.most_common()),
-        policy_errors=sum(n for why, n in failures.items() if why.startswith(POLICY_ERROR)),
+        policy_errors=sum(end.policy_error for end in ends.values()),
         outcomes=outcomes,
         dataset=str(job.dataset),
         seed=seed,
         errors={unmade.id: unmade.reason for unmade in totals.unmade},
-        latency=latency(job.dataset, sorted(episodes)),
+        latency=latency(job.dataset, list(ends)),
+        cell=cell_of(job),
     )

@@ -32,7 +32,7 @@ OWN = {
 SHORTER_ELSEWHERE = ("builtin_", "menagerie_", "models_root", "resolve_model")  # robocell.models
 
 
-# Names that most programs use. Errors are at the top too: tracebacks show them as robocell.SpecError.
+# Names that most programs use. Errors are at the top too: tracebacks show robocell.SpecError.
 EVERYDAY = {
     "Dataset", "Env", "EnvConfig", "Pose", "Robot", "RobotConfig", "RobotSpec", "RunConfig",
     "Scene", "SceneObject", "SceneSpec", "Shape", "register_task",

@@ -96,6 +96,16 @@ def evaluate(
             help="Longest time of a call of a policy server, seconds. Default: 120.",
         ),
     ] = None,
+    max_steps: Annotated[
+        int | None,
+        typer.Option(
+            "--max-steps",
+            min=1,
+            metavar="N",
+            help="Actions after which a rollout fails. Default: those of the run; in a recorded "
+            "environment those of its longest episode.",
+        ),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
     """Measure a policy's success rate.
@@ -130,6 +140,7 @@ def evaluate(
         horizon=horizon,
         ensemble=ensemble,
         policy_timeout_s=policy_timeout,
+        max_steps=max_steps,
     )
     atomic_write(Path(result.dataset) / "evaluation.json", (result.to_json() + "\n").encode())
     if as_json:
