@@ -12,7 +12,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 from robocell._acting_policy import ActingPolicy
 from robocell._action_chunks import Chunks
@@ -31,6 +31,9 @@ from robocell.policy import (
     NamedPolicy,
     named_policy,
 )
+
+if TYPE_CHECKING:
+    from robocell.envs import RecordedCellEnv
 
 TIMEOUT = "timeout"  # end of a rollout whose actions are used up
 
@@ -127,7 +130,7 @@ class EnvRollouts:
         self.env = from_dataset(
             starts.dataset, privileged=True, cameras=starts.cameras, imports=source.imports
         )
-        self.cell: Any = self.env.core
+        self.cell = cast("RecordedCellEnv", self.env.core)
         self.config = self.cell.env.config
         if self.config.task is None:
             raise ArgumentError(

@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-MOST_WORK = 10_000  # for the question whether two views overlap; beyond it they count as shared
-
 Attributes = Iterable[tuple[str, Any]]
 
 
@@ -84,7 +82,7 @@ class _Finder:
     def _visit_array(self, place: Place, value: npt.NDArray[Any]) -> Iterator[tuple[Place, Place]]:
         alike = self._arrays.setdefault(id(_base_of(value)), [])
         for other, array in alike:
-            if _overlap(value, array):
+            if np.shares_memory(value, array):
                 yield other, place
                 return
         alike.append((place, value))
@@ -96,10 +94,3 @@ def _base_of(value: npt.NDArray[Any]) -> object:
     while isinstance(base, np.ndarray) and base.base is not None:
         base = base.base
     return base
-
-
-def _overlap(one: npt.NDArray[Any], other: npt.NDArray[Any]) -> bool:
-    try:
-        return bool(np.shares_memory(one, other, max_work=MOST_WORK))
-    except np.exceptions.TooHardError:
-        return True

@@ -175,7 +175,8 @@ class PolicyExpert(Expert):
 
     def act(self, scene: Scene, rng: Rng) -> dict[str, dict[str, GroupCommand]]:
         """Returns the next action of the policy's chunk, or of a new chunk."""
-        return self._features.to_action(self._acting.next(self._row))
+        action: dict[str, ArrayLike] = {**self._acting.next(self._row)}
+        return self._features.to_action(action)
 
     def done(self) -> bool:
         """Returns False: the rollout ends at success or when its steps are used up."""

@@ -43,7 +43,7 @@ from robocell._core import (
 )
 from robocell._elsewhere import no_such, not_in
 from robocell.data._environments import env_of_episode
-from robocell.data._recorder import EnvRecorder
+from robocell.data._recorder import EnvRecorder, Recordable
 
 if TYPE_CHECKING:
     from robocell.data._matrix import rows
@@ -56,6 +56,7 @@ __all__ = [
     "DatasetLock",
     "EnvRecorder",
     "Episode",
+    "Recordable",
     "RepairResult",
     "ReplayDifference",
     "ReplayResult",

@@ -33,12 +33,14 @@ from robocell._core import (
     env_scene_spec,
 )
 from robocell._elsewhere import no_such, not_in
+from robocell.envs._protocols import CellEnv, RecordedCellEnv
 
 if TYPE_CHECKING:
     from robocell.envs._dataset_env import DatasetEnv, from_dataset
 
 __all__ = [
     "CameraAdderConfig",
+    "CellEnv",
     "ControlMode",
     "DatasetEnv",
     "Env",
@@ -48,6 +50,7 @@ __all__ = [
     "EnvState",
     "ObjectVariation",
     "OnCollision",
+    "RecordedCellEnv",
     "RelativeTo",
     "RunEnv",
     "SimSettings",

@@ -24,6 +24,7 @@ from robocell._core import (
     ArgumentError,
     CameraSystemConfig,
     Dataset,
+    Env,
     Feature,
     NotFoundError,
     RunConfig,
@@ -33,6 +34,8 @@ from robocell._core import (
 from robocell._dataset_run import plan_numbers, run_of_dataset
 from robocell._generation.run_source import import_named
 from robocell._suggestions import did_you_mean, fitting
+from robocell.data._recorder import cell_of_a_run
+from robocell.envs._protocols import CellEnv
 from robocell.envs._recorded_env import RecordedEnv, is_recorded
 
 __all__ = ["DatasetEnv", "from_dataset"]
@@ -95,16 +98,17 @@ def from_dataset(
     shared = _shared_features(opened)
     core = _core_of(opened, cameras and not flat, modules)
     streams = _image_names(opened, core)
+    own = is_recorded(opened)
     if observations is None:
-        observations = [*_default_observations(core, shared, privileged), *streams]
+        observations = [*_default_observations(own, shared, privileged), *streams]
     if actions is None:
-        actions = _default_actions(core, shared)
+        actions = _default_actions(own, shared)
     seen = _names_of("observation", observations, opened, shared, streams)
     done = _names_of("action", actions, opened, shared, streams)
     return DatasetEnv(core, shared, seen, done, flat)
 
 
-def _image_names(dataset: Dataset, core: _RunCell | RecordedEnv) -> list[str]:
+def _image_names(dataset: Dataset, core: CellEnv) -> list[str]:
     """Returns the recorded images that the cell draws: "wrist", "wrist.depth"."""
     cameras = core.cameras
     drawn = {stream.name for stream in cameras.streams} if cameras.draw else set()
@@ -150,24 +154,24 @@ def _core_of(dataset: Dataset, images: bool, modules: Sequence[str]) -> _RunCell
 
 
 def _default_observations(
-    core: _RunCell | RecordedEnv, features: Mapping[str, Feature], privileged: bool
+    own: bool, features: Mapping[str, Feature], privileged: bool
 ) -> list[str]:
     roles = ("observation", "privileged") if privileged else ("observation",)
     names = [name for name, feature in features.items() if feature.role in roles]
-    if isinstance(core, RecordedEnv):  # what its policy saw, not all that there is
+    if own:  # what the policy of the environment saw, not all that there is
         return [name for name in names if name.startswith("observation/")]
     return names
 
 
-def _default_actions(core: _RunCell | RecordedEnv, features: Mapping[str, Feature]) -> list[str]:
+def _default_actions(own: bool, features: Mapping[str, Feature]) -> list[str]:
     names = _names(features, "action")
-    if isinstance(core, RecordedEnv):
+    if own:
         return [name for name in names if name.startswith("action/")]
     return [name for name in names if f"{name}_relative" in features]
 
 
 class DatasetEnv(gymnasium.Env[Any, Any]):
-    """An environment made by `from_dataset`; `core` is its RunEnv.
+    """An environment made by `from_dataset`; `core` is the `CellEnv` that it steps.
 
     `reset(seed=i)` goes to start i of the dataset's run, and later resets continue from there.
     Start i is that of item i of the run's plan: the first starts are those of the dataset's
@@ -180,7 +184,7 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
 
     def __init__(
         self,
-        core: _RunCell | RecordedEnv,
+        core: CellEnv,
         features: Mapping[str, Feature],
         observations: list[str],
         actions: list[str],
@@ -218,6 +222,14 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
         if kind:
             return spaces.Box(0, 65535, shape, np.uint16)
         return spaces.Box(0, 255, (*shape, 3), np.uint8)
+
+    @property
+    def recordable(self) -> Env:
+        """The environment that `EnvRecorder` records; ArgumentError for the cell of a run."""
+        env = getattr(self.core, "env", None)
+        if isinstance(env, Env):
+            return env
+        raise ArgumentError(cell_of_a_run(type(self).__name__))
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
