@@ -48,7 +48,7 @@ class ActingPolicy:
     def name_in(self, row: Observation, draws_images: bool) -> Observation:
         """Lets messages about names that a row lacks say whose observation it is."""
         if isinstance(row, Row):
-            row.said_as = f"{type(self.policy).__name__}.act(): the observation"
+            row.title = f"{type(self.policy).__name__}.act(): the observation"
             if not draws_images:
                 row.without_images = (
                     " The rollouts draw no images: leave out --no-cameras for those of a stream."

@@ -33,7 +33,7 @@ class Row(dict[str, Array]):
     image of a row was read, all of them are kept.
     """
 
-    said_as = "the row"  # in messages
+    title = "the row"  # in messages
     without_images = ""  # what to do about images that are not drawn
 
     def __init__(
@@ -67,7 +67,7 @@ class Row(dict[str, Array]):
         near = did_you_mean(str(name), self)
         images = "" if near or "/" in str(name) else self.without_images
         raise MissingNameError(
-            f"{self.said_as} has no '{name}'.{near or images} It has: {shortened(sorted(self))}"
+            f"{self.title} has no '{name}'.{near or images} It has: {shortened(sorted(self))}"
         )
 
     def __iter__(self) -> Iterator[str]:

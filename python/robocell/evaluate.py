@@ -372,8 +372,8 @@ def evaluate(
         raise KeyboardInterrupt
     if result.outcome.fatal:
         fatal = result.outcome.fatal
-        said = [unmade.reason for unmade in result.outcome.totals.unmade if unmade.reason]
-        raise Failure(fatal.kind, _without_logs(fatal.message, said)).error()
+        reasons = [unmade.reason for unmade in result.outcome.totals.unmade if unmade.reason]
+        raise Failure(fatal.kind, _without_logs(fatal.message, reasons)).error()
     evaluation = _evaluation_of(job, policy, seed, result.outcome.totals)
     if not evaluation.rollouts and evaluation.errors:
         first = next(iter(evaluation.errors.values()))
@@ -417,9 +417,9 @@ def _greeting(url: str) -> dict[str, Any]:
     return greeting if len(text) <= LONGEST_GREETING else {"cut": text[:LONGEST_GREETING]}
 
 
-def _without_logs(message: str, said: Sequence[str]) -> str:
+def _without_logs(message: str, reasons: Sequence[str]) -> str:
     """Shortens reasons that were printed before, with a worker's log, to their first line."""
-    for reason in said:
+    for reason in reasons:
         message = message.replace(reason, reason.splitlines()[0])
     return message
 

@@ -246,8 +246,8 @@ def register_policy(
         if errors and isinstance(errors[0], LostPolicyError):
             raise errors[0]
         if errors:
-            said = f"policy '{name}' cannot be made: {text_of_hook(errors[0])}"
-            raise UnmadePolicyError(said) from errors[0]
+            text = f"policy '{name}' cannot be made: {text_of_hook(errors[0])}"
+            raise UnmadePolicyError(text) from errors[0]
         return PolicyExpert(run, start, made[0], Chunks(horizon, ensemble))
 
     module = getattr(make, "__module__", None)

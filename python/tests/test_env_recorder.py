@@ -539,5 +539,5 @@ def test_an_environment_of_ones_own_offers_what_it_steps(tmp_path: Path):
     assert recorder.episodes == ["episode-000000"]
     mine.recordable.close()
     mine.recordable = "not an environment"
-    with pytest.raises(rc.ArgumentError, match="Mine cannot be recorded: .* needs `recordable`"):
+    with pytest.raises(rc.ArgumentError, match=r"Mine cannot be recorded: .* needs `recordable`"):
         EnvRecorder(mine, tmp_path)

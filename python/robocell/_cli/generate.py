@@ -128,7 +128,7 @@ def generate(
     except KeyboardInterrupt:
         end_early()
     except DamagedEpisodesError as error:
-        fail(in_the_way(str(error), job.dataset), ExitCode.OUTPUT)
+        fail(text_of_damage(str(error), job.dataset), ExitCode.OUTPUT)
     nothing_tried = result.outcome.fatal and not result.outcome.totals.attempts
     if progress is not ProgressChoice.JSONL and not no_report and not nothing_tried:
         summary = Summary(job.run.run, job.dataset, result.on_disk, result.outcome.totals)
@@ -153,7 +153,7 @@ def end_early() -> NoReturn:
     raise typer.Exit(ExitCode.INTERRUPTED)
 
 
-def in_the_way(problems: str, dataset: Path) -> str:
+def text_of_damage(problems: str, dataset: Path) -> str:
     """Describes entries that block episodes, with the remedy."""
     text = f"these entries block episodes of the run:\n{problems}"
     if all(line.endswith("move it away yourself") for line in problems.splitlines()):
@@ -198,14 +198,14 @@ def naming_typed_options(named: Options) -> Iterator[None]:
     try:
         yield
     except Error as error:
-        said = str(error)
+        text = str(error)
         given = [(field, value) for field, value in named.items() if value is not None]
         for (field, value), override in zip(given, overrides(named), strict=True):
             typed = f"--{field} {shlex.quote(str(value))}"
-            said = said.replace(f"--set {override}:", f"{typed}:")
-        if said == str(error):
+            text = text.replace(f"--set {override}:", f"{typed}:")
+        if text == str(error):
             raise
-        raise type(error)(said) from None
+        raise type(error)(text) from None
 
 
 def _say_plan(job: Job, *, as_json: bool) -> None:

@@ -167,10 +167,10 @@ def _graphics(backend: str) -> Finding:
         )
     except (OSError, subprocess.TimeoutExpired) as error:
         return Finding(what, State.MISSING, str(error))
-    said = (child.stdout if child.returncode == 0 else child.stderr).strip().splitlines()
+    lines = (child.stdout if child.returncode == 0 else child.stderr).strip().splitlines()
     # An error's text has a line of its own for each back end.
-    reasons = [line.strip() for line in said if line.strip().startswith(f"{backend}: ")]
-    last = (reasons or said or [f"ended with code {child.returncode}"])[-1]
+    reasons = [line.strip() for line in lines if line.strip().startswith(f"{backend}: ")]
+    last = (reasons or lines or [f"ended with code {child.returncode}"])[-1]
     state = State.OK if child.returncode == 0 else State.MISSING
     return Finding(what, state, last.removeprefix("robocell.Error: "))
 

@@ -163,14 +163,14 @@ def _result(
 
 def _end(count: int, differing: int, unplayed: int, unread: int) -> None:
     """Counts differing episodes and exits with the worst code."""
-    told = (
+    outcomes = (
         (differing, "differ" if count > 1 else "differs", ExitCode.INCOMPLETE),
         (unplayed, "cannot be replayed", ExitCode.USAGE),
         (unread, "cannot be read", ExitCode.OUTPUT),
     )
-    for number, what, _ in told:
+    for number, what, _ in outcomes:
         if number:
             print(f"{number} of {counted(count, 'episode')} {what}")
-    codes = [code for number, _, code in told if number]
+    codes = [code for number, _, code in outcomes if number]
     if codes:
         raise typer.Exit(codes[-1])

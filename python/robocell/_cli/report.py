@@ -258,11 +258,11 @@ def _episode_table(found: Sequence[EpisodeFacts], reports: Sequence[RunReport]) 
     texts = ("episode", "robot", "object", "end")
     for title in (*texts, "rows", "frames", "size", "attempts", "seconds"):
         table.add_column(title, justify="left" if title in texts else "right")
-    told: dict[str, ItemRecord] = {}
+    records: dict[str, ItemRecord] = {}
     for report in reports:
-        told |= report.episodes
+        records |= report.episodes
     for episode in found:
-        known = told.get(episode.id)
+        known = records.get(episode.id)
         table.add_row(
             episode.id,
             (known.robot if known else "") or "-",
@@ -275,7 +275,7 @@ def _episode_table(found: Sequence[EpisodeFacts], reports: Sequence[RunReport]) 
             f"{sum(known.seconds.values()):.2f}" if known else "-",
         )
     kept = {episode.id for episode in found}
-    for known in told.values():
+    for known in records.values():
         if known.success or known.stopped or known.id in kept:
             continue
         table.add_row(

@@ -70,34 +70,34 @@ def check_in_child(
         slow = f"the run could not be looked through within {longest_s:g} s: a model takes too long"
         return Found([slow])
     sys.stderr.write(done.stderr)
-    said = _last_line(done.stdout)
+    reply = _last_line(done.stdout)
     if done.returncode == 0:
-        answer = str(said.get("ffmpeg", ""))
+        answer = str(reply.get("ffmpeg", ""))
         known = {"ROBOCELL_FFMPEG_ANSWER": answer} if answer else {}
-        return Found(list(map(str, said.get("warnings", []))), known)
+        return Found(list(map(str, reply.get("warnings", []))), known)
     how = f"the process that looked through the run {describe_exit(done.returncode)}"
     if done.returncode in CRASHES:
         blame = "one of its models crashes the engine. Episodes that need it will be listed"
         return Found([f"{how}: {blame}"])
-    if failure := _failure(said):
+    if failure := _failure(reply):
         raise failure.error()
     again = " when more memory is free" if done.returncode == -signal.SIGKILL else ""
     raise IoError(f"{how}. Nothing was written; give the same command again{again}")
 
 
-def _last_line(said: str) -> dict[str, Any]:
+def _last_line(reply: str) -> dict[str, Any]:
     """Returns the process's last line, if it printed one."""
     try:
-        last = json.loads(said.splitlines()[-1])
+        last = json.loads(reply.splitlines()[-1])
     except (ValueError, IndexError):
         return {}
     return last if isinstance(last, dict) else {}
 
 
-def _failure(said: dict[str, Any]) -> Failure | None:
+def _failure(reply: dict[str, Any]) -> Failure | None:
     """Returns the error that the process raised."""
     try:
-        return Failure.from_json(said["failed"])
+        return Failure.from_json(reply["failed"])
     except (ValueError, KeyError, TypeError):
         return None
 

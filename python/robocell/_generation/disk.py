@@ -18,7 +18,7 @@ Made = TypeVar("Made")
 FREE_BYTES_NEEDED = 16 << 20
 PROBE_BYTES = 64 << 10
 FULL = "is full"
-TELLS_ROOM = "Make room and try again."  # see base/io_error.cc
+ADVICE = "Make room and try again."  # see base/io_error.cc
 
 
 def free_bytes(folder: Path) -> int:
@@ -95,8 +95,8 @@ def flush(folder: Path) -> None:
 
 def with_trouble(message: str, trouble: str) -> str:
     """Returns the text of a worker's failure and `disk_trouble`, with the free space once."""
-    told = TELLS_ROOM in message and FULL in trouble
-    return message if told else f"{message}\n{trouble}"
+    has_advice = ADVICE in message and FULL in trouble
+    return message if has_advice else f"{message}\n{trouble}"
 
 
 def disk_trouble(folder: Path) -> str | None:

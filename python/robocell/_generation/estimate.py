@@ -178,8 +178,8 @@ def _probe(
     try:
         content = json.loads(done.stdout.splitlines()[-1])
     except (ValueError, IndexError):
-        said = done.stderr.strip() or f"it ended with exit code {done.returncode}"
-        raise ProbeError(Failure("other", said)) from None
+        output = done.stderr.strip() or f"it ended with exit code {done.returncode}"
+        raise ProbeError(Failure("other", output)) from None
     if "failed" in content:
         raise ProbeError(Failure.from_json(content["failed"]))
     return Probe.from_json(content)

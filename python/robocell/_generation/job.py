@@ -207,18 +207,18 @@ class Job:
             # A signal that comes after the last worker must not take the report.
             with stop_on_signals(supervisor.request_stop):
                 outcome = supervisor.run()
-                in_the_way: DamagedEpisodesError | None = None
+                damaged: DamagedEpisodesError | None = None
                 try:
                     on_disk = self.made()
                 except DamagedEpisodesError as error:  # it came meanwhile; the report goes first
-                    in_the_way, on_disk = error, error.made
+                    damaged, on_disk = error, error.made
                 result = Result(outcome, len(on_disk))
                 try:
                     self._report(result, started, observer)
                 except OSError as error:  # the episodes are there all the same
                     observer.warning(f"the report could not be written: {error}")
-            if in_the_way:
-                raise in_the_way
+            if damaged:
+                raise damaged
             return result
 
     def clean_up(self, item_id: str, pid: int, observer: Observer) -> None:

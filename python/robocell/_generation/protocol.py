@@ -61,8 +61,8 @@ class Failure:
             kind = "spec"
         # Whatever its class: robocell raises in a user's code too.
         in_code = kind != "io" and not loading and is_of_users(error)
-        told = in_code or not isinstance(error, Error | OSError)
-        message = place_of(error) if told else text_of(error)
+        with_place = in_code or not isinstance(error, Error | OSError)
+        message = place_of(error) if with_place else text_of(error)
         return cls(kind, message, own_trace(error) if ends_with_place(message) else None)
 
     def error(self) -> Exception:

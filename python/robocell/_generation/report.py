@@ -207,9 +207,9 @@ def unreported_shards(reports: Sequence[RunReport]) -> list[str]:
 
 def _unmade(reports: Sequence[RunReport]) -> list[Unmade]:
     """Returns the items that no report lists as made."""
-    told = [unmade for report in reports for unmade in report.totals.unmade]
+    given_up = [unmade for report in reports for unmade in report.totals.unmade]
     made = {item.id for report in reports for item in report.episodes.values() if item.success}
-    return list({unmade.id: unmade for unmade in told if unmade.id not in made}.values())
+    return list({unmade.id: unmade for unmade in given_up if unmade.id not in made}.values())
 
 
 def identity_hash(identity: str) -> str:

@@ -204,11 +204,11 @@ def _naming_imports_of_runs() -> Iterator[None]:
     try:
         yield
     except SpecError as error:
-        said = str(error)
-        named = said.replace(
+        text = str(error)
+        named = text.replace(
             _WITH_IMPORT, f"{_WITH_IMPORT}, or in the run file: imports: [tasks.py]"
         )
-        if named == said:
+        if named == text:
             raise
         raise SpecError(named) from None
 

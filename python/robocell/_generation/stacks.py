@@ -1,6 +1,6 @@
 """Stacks of a worker that crashed or hangs: written to its log, and the place in a user's code.
 
-The worker calls `write_when_asked`; then a fatal signal, or `ask`, writes the stacks of all its
+The worker calls `write_on_request`; then a fatal signal, or `ask`, writes the stacks of all its
 threads to its standard error, even while C++ is busy.
 """
 
@@ -27,7 +27,7 @@ _INSIDE = re.compile(r"^(  .*|Extension modules: .*|)$")
 _FATAL = re.compile(r"^Fatal Python error: ")
 
 
-def write_when_asked() -> None:
+def write_on_request() -> None:
     """Makes this process write its stacks at a fatal signal, and at `ask`."""
     faulthandler.enable(_LOG)
     faulthandler.register(signal.SIGUSR1, _LOG)
@@ -36,7 +36,7 @@ def write_when_asked() -> None:
 def ask(pid: int, log: Path) -> None:
     """Asks a process for its stacks and waits until they are in its log.
 
-    It is about to be killed: one that has not called `write_when_asked` yet ends.
+    It is about to be killed: one that has not called `write_on_request` yet ends.
     """
     try:
         before = size = os.path.getsize(log)

@@ -132,7 +132,7 @@ class Supervisor:
         self._totals = Totals(planned=len(items) + already, already=already, workers=self._count)
         self._workers: dict[int, WorkerProcess] = {}
         self._tries: Counter[str] = Counter()
-        self._told_logs: set[str] = set()
+        self._printed_logs: set[str] = set()
         self._results: list[ItemRecord] = []
         self._bad_starts = 0
         self._fatal: Fatal | None = None
@@ -240,9 +240,9 @@ class Supervisor:
         self._bad_starts += 1
         if self._bad_starts >= STARTS_WITHOUT_SUCCESS:
             tail = worker.log_tail()
-            said = f" It said:\n{tail}" if tail else ""
+            quoted = f" It said:\n{tail}" if tail else ""
             text = f"{end} before it could take an item, as did {self._bad_starts - 1} before it."
-            self._give_up_run("other", f"{text}{said}\nIts log: {worker.log}")
+            self._give_up_run("other", f"{text}{quoted}\nIts log: {worker.log}")
 
     def _close(self) -> None:
         """Ends all workers, however the run ends."""
@@ -374,8 +374,8 @@ class Supervisor:
 
         Identical ends of workers' logs are printed once, with the first item.
         """
-        is_new = log and log not in self._told_logs and log not in reason
-        self._told_logs.add(log)
+        is_new = log and log not in self._printed_logs and log not in reason
+        self._printed_logs.add(log)
         self._canaries.lost(self._give_up(item, f"{reason}\n{log}" if is_new else reason), kind)
         if failure := self._canaries.verdict():
             self._give_up_run(failure.kind, failure.message)

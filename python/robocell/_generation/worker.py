@@ -21,7 +21,7 @@ from typing import Any, Protocol
 from robocell._generation.items import Item, ItemRecord
 from robocell._generation.own_process import take_stream, write_all
 from robocell._generation.protocol import Failure, LineReader, ProtocolError, encode
-from robocell._generation.stacks import write_when_asked
+from robocell._generation.stacks import write_on_request
 from robocell._own_code import RAISED, raise_interrupt
 
 # After a stop request the worker ends itself by force when it has not ended by then.
@@ -45,7 +45,7 @@ def serve(open_maker: Callable[[], MakeEpisode], stop: Stop) -> int:
     belong to the protocol: output of libraries goes to the log (standard error), and their input is
     empty.
     """
-    write_when_asked()
+    write_on_request()
     sys.stdout.flush()
     replies, supervisor = take_stream(1, instead=2), take_stream(0)
     requests: SimpleQueue[Item | None] = SimpleQueue()

@@ -150,7 +150,8 @@ class Bound:
         message: dict[str, Any] = {}
         for name, parts in self.observation.items():
             vector = [
-                each.said(np.asarray(row[each.column], np.float64).reshape(-1)) for each in parts
+                each.to_policy(np.asarray(row[each.column], np.float64).reshape(-1))
+                for each in parts
             ]
             _put(message, name, np.concatenate(vector).astype(np.float32))
         for name, camera in self.cameras.items():
@@ -234,7 +235,7 @@ class Bound:
                     f"'{name}' has {counted(wanted[name], 'number')}; the policy returned the "
                     f"shape {values.shape}"
                 )
-        vectors = [each.said(columns[each.column]) for each in self.actions]
+        vectors = [each.to_policy(columns[each.column]) for each in self.actions]
         return np.concatenate(vectors, axis=1).astype(np.float32)
 
 

@@ -55,7 +55,7 @@ class Sized:
         """Number of components in the policy's vector."""
         return 3 if self.part.form else self.size
 
-    def said(self, values: Array) -> Array:
+    def to_policy(self, values: Array) -> Array:
         """Returns the policy's numbers for the column, (n,) or (k, n)."""
         if self.part.form == "position":
             values = values[..., :3]
@@ -68,11 +68,11 @@ class Sized:
             values = self.gripper.of(values, is_difference(self.column))
         return values * self.part.times
 
-    def meant(self, said: Array) -> Array:
+    def from_policy(self, numbers: Array) -> Array:
         """Returns the column's components for the policy's numbers, (n,) or (k, n)."""
         if self.part.clip is not None:
-            said = np.clip(said, *self.part.clip)
-        values = said / self.part.times
+            numbers = np.clip(numbers, *self.part.clip)
+        values = numbers / self.part.times
         if self.gripper is None:
             return values
         return self.gripper.opening(values, is_difference(self.column))
@@ -85,7 +85,7 @@ def split(vector: Array, parts: Sequence[Sized]) -> dict[str, Array]:
     sizes = {each.column: each.size for each in parts}
     start = 0
     for each in parts:
-        values = each.meant(np.asarray(vector[..., start : start + each.width], np.float64))
+        values = each.from_policy(np.asarray(vector[..., start : start + each.width], np.float64))
         start += each.width
         if each.part.form:
             halves.setdefault(each.column, {})[each.part.form] = values

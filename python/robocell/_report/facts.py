@@ -105,7 +105,7 @@ class EpisodeFacts:
             keep=kept[1] if kept else "",
             earlier=_earlier(metadata),
             scene=_text(metadata, "scene_spec"),
-            cameras={name: _camera(told) for name, told in described["cameras"].items()},
+            cameras={name: _camera(camera) for name, camera in described["cameras"].items()},
             versions={part: str(number) for part, number in described["versions"].items()},
             warnings=tuple(episode.warnings),
             seed=metadata["seed"] if isinstance(metadata.get("seed"), int) else None,
@@ -168,12 +168,12 @@ def _rate(described: Mapping[str, Any], metadata: Mapping[str, Any]) -> float | 
     return None
 
 
-def _camera(told: Mapping[str, Any]) -> tuple[int, int, float, str]:
-    kinds = [kind for kind in ("depth", "segmentation") if kind in told]
+def _camera(described: Mapping[str, Any]) -> tuple[int, int, float, str]:
+    kinds = [kind for kind in ("depth", "segmentation") if kind in described]
     return (
-        told["width"],
-        told["height"],
-        told["fps"][0] / told["fps"][1],
+        described["width"],
+        described["height"],
+        described["fps"][0] / described["fps"][1],
         ", ".join(["colour", *kinds]),
     )
 
@@ -181,8 +181,8 @@ def _camera(told: Mapping[str, Any]) -> tuple[int, int, float, str]:
 def _earlier(metadata: Mapping[str, Any]) -> tuple[EarlierAttempt, ...]:
     listed = metadata.get("earlier_attempts")
     attempts = []
-    for told in listed if isinstance(listed, list) else ():
-        refused = "refused" in told
-        reason = told.get("refused" if refused else "failed", "unknown")
-        attempts.append(EarlierAttempt(_text(told, "object_kind"), refused, str(reason)))
+    for described in listed if isinstance(listed, list) else ():
+        refused = "refused" in described
+        reason = described.get("refused" if refused else "failed", "unknown")
+        attempts.append(EarlierAttempt(_text(described, "object_kind"), refused, str(reason)))
     return tuple(attempts)

@@ -299,9 +299,9 @@ def _new_joints(
     units = [unit.strip() for unit in column.units.split(",")]
     lower, upper = np.full(size, np.nan), np.full(size, np.nan)
     # The ranges of measured positions and of targets have a margin; that of actions is the limits.
-    told = features.get(f"robots/{robot}/action/{group}", {})
-    ends = told.get("lower"), told.get("upper")
-    if told.get("names") == list(column.names) and all(len(end or ()) == size for end in ends):
+    described = features.get(f"robots/{robot}/action/{group}", {})
+    ends = described.get("lower"), described.get("upper")
+    if described.get("names") == list(column.names) and all(len(end or ()) == size for end in ends):
         lower, upper = (np.array(end, dtype=float) for end in ends)
     return Joints(
         robot,

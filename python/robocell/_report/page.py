@@ -141,9 +141,9 @@ class _Page:
         self.failed = failed
         self.most_speed = most_speed
         self.totals = whole(contents.reports) if contents.reports else Totals(planned=0)
-        told = [item for report in contents.reports for item in report.episodes.values()]
-        self.told: dict[str, ItemRecord] = {item.id: item for item in told}
-        self.rollouts = rollouts.count(self.episodes, self.told.values())
+        records = [item for report in contents.reports for item in report.episodes.values()]
+        self.records: dict[str, ItemRecord] = {item.id: item for item in records}
+        self.rollouts = rollouts.count(self.episodes, self.records.values())
         self.keep = {episode.keep for episode in self.episodes}
 
     def render(self, problems: Sequence[str], seconds: float) -> str:
@@ -258,7 +258,7 @@ class _Page:
     def _cameras(self) -> list[tuple[str, str, str, str, int]]:
         """Returns name, size, rate, kinds of images, and number of episodes of each camera."""
         seen = Counter(
-            (name, *told) for episode in self.episodes for name, told in episode.cameras.items()
+            (name, *facts) for episode in self.episodes for name, facts in episode.cameras.items()
         )
         return [
             (name, f"{width} x {height}", f"{rate:.4g} Hz", kinds, number)
@@ -341,9 +341,9 @@ class _Page:
             if not joints.positions:
                 continue
             numbers = motions.numbers(joints, self.most_speed)
-            told = of(robot)
+            entry = of(robot)
             known = any(each.lower < each.upper for each in numbers)
-            told["groups"].append(
+            entry["groups"].append(
                 {
                     "name": group,
                     "numbers": numbers,
@@ -353,8 +353,8 @@ class _Page:
                 }
             )
         for tcp in self.motion.tcps.values():
-            told = of(tcp.robot)
-            told["tcp"] = {
+            entry = of(tcp.robot)
+            entry["tcp"] = {
                 "chart": charts.tcp(tcp),
                 "frame": tcp.frame,
                 "speed": max(tcp.speeds),
@@ -362,8 +362,8 @@ class _Page:
             }
         for gripper in self.motion.grippers.values():
             counts = Counter(gripper.counts)
-            told = of(gripper.robot)
-            told["gripper"] = {
+            entry = of(gripper.robot)
+            entry["gripper"] = {
                 "chart": charts.gripper(gripper),
                 "held": charts.histogram({"opening": gripper.held}, "opening while closed")
                 if gripper.held
@@ -419,8 +419,8 @@ class _Page:
         path = self.contents.dataset / "dataset.json"
         identity = ""
         try:
-            told = json.loads(path.read_bytes())
-            identity = told.get("identity", "") if isinstance(told, dict) else ""
+            report = json.loads(path.read_bytes())
+            identity = report.get("identity", "") if isinstance(report, dict) else ""
         except (OSError, ValueError):
             pass
         folder = shlex.quote(str(self.contents.dataset))

@@ -65,12 +65,12 @@ class Rollouts:
         return self.whole.rollouts + self.refusals.total()
 
 
-def count(episodes: Sequence[EpisodeFacts], told: Iterable[ItemRecord]) -> Rollouts:
+def count(episodes: Sequence[EpisodeFacts], records: Iterable[ItemRecord]) -> Rollouts:
     """Counts them.
 
     Args:
         episodes: The episodes on the disk.
-        told: Results of items, as `report.json` lists them.
+        records: Results of items, as `report.json` lists them.
     """
     failures: Counter[str] = Counter()
     refusals: Counter[str] = Counter()
@@ -80,7 +80,7 @@ def count(episodes: Sequence[EpisodeFacts], told: Iterable[ItemRecord]) -> Rollo
     tasks = {episode.task for episode in episodes}
     only_task = next(iter(tasks)) if len(tasks) == 1 else ""
     known = set()
-    for result in told:
+    for result in records:
         if result.stopped or result.resumed:
             continue
         known.add(result.id)

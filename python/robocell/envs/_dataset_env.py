@@ -296,11 +296,11 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
         more = [str(name) for name in action if name not in self.actions]
         if not missing and not more:
             return
-        said = [f"no {', '.join(map(repr, missing))}"] if missing else []
-        said += [f"{', '.join(map(repr, more))}, which is not among them"] if more else []
+        problems = [f"no {', '.join(map(repr, missing))}"] if missing else []
+        problems += [f"{', '.join(map(repr, more))}, which is not among them"] if more else []
         raise ArgumentError(
             f"an action here has the columns {', '.join(map(repr, self.actions))}; got one with "
-            f"{' and '.join(said)}.{did_you_mean(more[0], missing) if more else ''} "
+            f"{' and '.join(problems)}.{did_you_mean(more[0], missing) if more else ''} "
             "from_dataset(..., actions=[...]) chooses others; a group without one keeps its target"
         )
 

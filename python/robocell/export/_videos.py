@@ -223,5 +223,5 @@ def _ffmpeg(arguments: Sequence[str], task: str, output: int) -> Iterator[IO[byt
             raise
         if process.returncode != 0:
             words.seek(0)
-            said = words.read().decode(errors="replace").strip() or f"code {process.returncode}"
-            raise IoError(f"cannot {task}: ffmpeg: {said}")
+            message = words.read().decode(errors="replace").strip() or f"code {process.returncode}"
+            raise IoError(f"cannot {task}: ffmpeg: {message}")

@@ -208,11 +208,11 @@ class PolicyClient:
             self.connect()
         if self.has_endpoints:
             message["endpoint"] = "infer"
-        said = self._ask(message)
-        if isinstance(said, str):
-            raise self._refused(f"the server has an error: {_brief(said)}")
+        answer = self._ask(message)
+        if isinstance(answer, str):
+            raise self._refused(f"the server has an error: {_brief(answer)}")
         try:
-            reply = _reply(self._unpacked(said))
+            reply = _reply(self._unpacked(answer))
         except WireError as error:
             raise self._refused(str(error)) from error
         elapsed = 1e3 * (time.perf_counter() - began)
@@ -245,9 +245,9 @@ class PolicyClient:
             self._channel.send(pack(self._begun), deadline)
             self._require_reset(self._channel.receive(deadline))
 
-    def _require_reset(self, said: bytes | str) -> None:
-        if isinstance(said, str) and said.startswith(("Traceback", "error:")):
-            raise self._refused(f"the server cannot reset: {_brief(said)}")
+    def _require_reset(self, answer: bytes | str) -> None:
+        if isinstance(answer, str) and answer.startswith(("Traceback", "error:")):
+            raise self._refused(f"the server cannot reset: {_brief(answer)}")
 
     def _refused(self, text: str) -> PolicyServerError:
         """Closes the connection and returns the error."""
@@ -294,8 +294,8 @@ class PolicyClient:
 def _brief(text: str) -> str:
     """Returns the last line of a traceback, or the beginning of another text."""
     lines = [line.strip() for line in text.strip().splitlines() if line.strip()]
-    said = lines[-1] if lines and lines[0].startswith("Traceback") else " ".join(lines)
-    return said[:LONGEST_ERROR] + (" ..." if len(said) > LONGEST_ERROR else "")
+    answer = lines[-1] if lines and lines[0].startswith("Traceback") else " ".join(lines)
+    return answer[:LONGEST_ERROR] + (" ..." if len(answer) > LONGEST_ERROR else "")
 
 
 def _reply(message: object) -> Reply:

@@ -113,7 +113,7 @@ class PolicySession:
         if not self._begun:  # a client of openpi says no more than this
             self.reset({PROMPT: prompt})
         seen = Row(row, [], lambda: None)
-        seen.said_as = f"{type(self.policy).__name__}.act(): the client's observation"
+        seen.title = f"{type(self.policy).__name__}.act(): the client's observation"
         columns = _checked(type(self.policy).__name__, self.policy.act(seen))
         if self._bound is not None:
             return {"actions": np.atleast_2d(self._bound.reply(columns))}

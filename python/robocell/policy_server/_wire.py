@@ -102,11 +102,11 @@ def unpack(data: bytes) -> Any:
         raise
     except (ValueError, TypeError, OverflowError, RecursionError, MemoryError) as error:
         # msgpack's own errors are ValueErrors; a StackError has no text.
-        said = str(error) or type(error).__name__
-        raise WireError(f"{len(data)} bytes are not a msgpack message: {said[:200]}") from error
+        reason = str(error) or type(error).__name__
+        raise WireError(f"{len(data)} bytes are not a msgpack message: {reason[:200]}") from error
     except msgpack.exceptions.UnpackException as error:
-        said = str(error) or type(error).__name__
-        raise WireError(f"{len(data)} bytes are not a msgpack message: {said[:200]}") from error
+        reason = str(error) or type(error).__name__
+        raise WireError(f"{len(data)} bytes are not a msgpack message: {reason[:200]}") from error
 
 
 def name_of(key: object) -> str:
