@@ -25,7 +25,7 @@ import robocell
 from bench_program import Turns
 from ik_side import READY, TOLERANCE
 from ik_urdf import urdf
-from robocell.cli.robot_scene import load_robot
+from robocell._cli.robot_scene import load_robot
 from robots import is_available
 from table import Row
 

@@ -109,7 +109,7 @@ def one_by_one(
 
 def load(questions: Questions) -> Any:
     """The robot, from its file."""
-    from robocell.cli.robot_scene import load_robot
+    from robocell._cli.robot_scene import load_robot
 
     return load_robot(Path(str(questions["robot"]))).robot
 

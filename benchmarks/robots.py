@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import robocell
-from robocell.cli.robot_scene import load_robot
+from robocell._cli.robot_scene import load_robot
 
 ROOT = Path(__file__).resolve().parents[1]
 

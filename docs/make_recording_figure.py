@@ -23,7 +23,7 @@ SHOWN = 5  # of each video
 CABINET = rc.SceneObject(name="cabinet", mjcf_path="cabinet", pos=[0.15, 0.75, 0], fixed=True)
 
 
-def film(scene: rc.Scene, videos: list[rc.VideoRecorder]) -> None:
+def film(scene: rc.Scene, videos: list[rc.render.VideoRecorder]) -> None:
     """The arm swings from one side to the other; one frame in 40 ms."""
     robot = rc.Robot.of(scene, "rc7")
     for i in range(FRAMES):
@@ -48,7 +48,7 @@ def main() -> None:
     scene = cell()
     with tempfile.TemporaryDirectory() as folder:
         files = [Path(folder) / f"{name}.mp4" for name in ("free", "tracking", "wrist")]
-        videos = [rc.VideoRecorder(scene, file, WIDTH, HEIGHT, FPS) for file in files]
+        videos = [rc.render.VideoRecorder(scene, file, WIDTH, HEIGHT, FPS) for file in files]
         videos[0].set_free_camera(1.9, 143, -16, (-0.1, 0.1, 0.55))
         videos[1].set_tracking_camera("hand", 0.9, 143, -20)
         videos[2].use_camera("wrist_camera")

@@ -13,13 +13,13 @@ import robocell as rc
 
 STEPS = 100
 MOVES = {"joints": 0.05, "xyzrpy": 0.02}  # the largest number of an action
-MODES = {"joints": rc.ControlMode.JOINTS, "xyzrpy": rc.ControlMode.CARTESIAN_TRPY}
+MODES = {"joints": rc.envs.ControlMode.JOINTS, "xyzrpy": rc.envs.ControlMode.CARTESIAN_TRPY}
 
 
 def environment(cell: str, key: str) -> rc.Env:
     """The cell with relative actions of this kind, and time to converge."""
     config = rc.EnvConfig.load(rc.models.cell_file(cell))
-    config.control_mode, config.relative_to = MODES[key], rc.RelativeTo.LAST_STEP
+    config.control_mode, config.relative_to = MODES[key], rc.envs.RelativeTo.LAST_STEP
     config.max_relative_movement = ()
     config.sim.async_control = False
     config.sim.on_collision = "report"

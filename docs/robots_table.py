@@ -19,7 +19,7 @@ from pathlib import Path
 import yaml
 
 import robocell as rc
-from robocell.cli.robot_scene import load_robot
+from robocell._cli.robot_scene import load_robot
 
 DOCS = Path(__file__).resolve().parent
 EXAMPLES = DOCS.parent / "examples"

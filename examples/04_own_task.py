@@ -40,7 +40,7 @@ class Push(rc.tasks.Task):
         return ["cube"]
 
 
-@rc.register_sampler("push")
+@rc.tasks.register_sampler("push")
 class CubeOnTheFloor(rc.tasks.TaskSampler):
     """The robot, and a cube somewhere before it; what is too near is refused."""
 
@@ -66,7 +66,7 @@ class CubeOnTheFloor(rc.tasks.TaskSampler):
         return rc.tasks.EpisodeStart(scene, Push(), target_object="cube", object_kinds=["box"])
 
 
-@rc.register_expert("push")
+@rc.tasks.register_expert("push")
 class Pusher(rc.tasks.Expert):
     """Leads the closed gripper over, behind and against the cube, 15 mm an action."""
 

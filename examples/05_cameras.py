@@ -76,7 +76,7 @@ def main(folder: Path) -> None:
     rc.render.write_png(folder / "picture.png", np.hstack([rgb, grey, ids]))
 
     # A video: one call, one frame. The camera goes around the robot.
-    with rc.VideoRecorder(scene, folder / "around.mp4", WIDTH, HEIGHT, fps=30) as video:
+    with rc.render.VideoRecorder(scene, folder / "around.mp4", WIDTH, HEIGHT, fps=30) as video:
         for degrees in range(0, 360, 6):
             video.set_free_camera(1.8, degrees, -20, (0.3, 0, 0.3))
             video.record_frame()

@@ -134,7 +134,7 @@ def main(folder: Path) -> None:
     """Describes the cell, acts in it, and puts the pictures side by side."""
     steps = Steps(rc.EnvConfig(name="cell", robots={"left": RC7}), folder)
     config = describe(steps)
-    config.control_mode = rc.ControlMode.CARTESIAN_TQUAT
+    config.control_mode = rc.envs.ControlMode.CARTESIAN_TQUAT
     act(config)
     rows = [np.hstack(steps.pictures[:3]), np.hstack(steps.pictures[3:])]
     rc.render.write_png(folder / "picture.png", np.vstack(rows))

@@ -45,7 +45,7 @@ class Stack(rc.tasks.Task):
         return rc.tasks.BaseRange(distance=[0.3, 0.4], height_offset=-0.25)
 
 
-@rc.register_expert("stack")
+@rc.tasks.register_expert("stack")
 class Stacker(rc.tasks.PickPlanner):
     """Picks red up as the built-in expert does, then leads it over blue, down, and lets go."""
 

@@ -16,6 +16,8 @@ break a rule says so itself: a comment with ``rule-ok:`` and the reason.
 - A header that a comment or a page names is there.
 - A C++ source has a test that one finds by its name, ``scene.cc`` in ``scene_test.cc``, or stands
   in ``tested_elsewhere.txt`` with the test that holds its behaviour. That list only gets shorter.
+- A Python module whose path has no underscore is public: it says by ``__all__`` what it offers. The
+  others begin with an underscore, or are in a package that does, and have different names.
 """
 
 from __future__ import annotations
@@ -23,9 +25,9 @@ from __future__ import annotations
 import re
 import subprocess
 import sys
-from collections.abc import Callable, Iterator, Set
+from collections.abc import Callable, Iterator, Mapping, Set
 from dataclasses import dataclass
-from pathlib import Path
+from pathlib import Path, PurePath
 
 ENGINE_STRINGS = (
     "bodyname|bodyname1|bodyname2|childclass|comment|content_type|cubefiles|file|geomname1|"
@@ -73,6 +75,9 @@ CALLS_TASK_HOOKS = re.compile(
 MACHINE_PATH = re.compile(r"(?<![\w.~])/(?:home|root|work|Users|mnt|media)/\w")
 NAMED_HEADER = re.compile(r"(?<![<\w])(?:\w+/)*([\w-]+\.h)\b(?!>)")
 OTHERS_HEADERS = {"mujoco.h"}
+PACKAGE = "python/robocell"
+LISTS_ITS_NAMES = re.compile(r"^__all__\b", re.MULTILINE)
+DEFINES = re.compile(r"^(?:def|class|from|import|\w+ =) ?", re.MULTILINE)
 MARKER = "rule-ok:"
 ELSEWHERE = "scripts/tested_elsewhere.txt"
 MOST_ELSEWHERE = 35  # lower it with every test that is written
@@ -208,11 +213,27 @@ def untested(root: Path) -> Iterator[Finding]:
         yield Finding(f"src/robocell/{source}", 1, reason)
 
 
+def python_modules(texts: Mapping[str, str]) -> Iterator[Finding]:
+    """Public modules without `__all__`, and private ones of one name; `texts` by their path."""
+    names: dict[str, str] = {}
+    for path, text in sorted(texts.items()):
+        parts = PurePath(path).relative_to(PACKAGE).parts
+        name = parts[-1]
+        if name.startswith("_") and not name.startswith("__"):
+            if (other := names.setdefault(name, path)) != path:
+                yield Finding(path, 1, f"'{other}' has the same name")
+            continue
+        is_public = not any(part.startswith("_") for part in parts[:-1]) and name != "__main__.py"
+        if is_public and not LISTS_ITS_NAMES.search(text) and DEFINES.search(text):
+            yield Finding(path, 1, "no `__all__`: list what is public, or begin its name with '_'")
+
+
 def check(root: Path) -> list[Finding]:
     """Broken rules in all text files that git knows or would add."""
     command = ["git", "ls-files", "--cached", "--others", "--exclude-standard"]
     listing = subprocess.run(command, cwd=root, check=True, capture_output=True, text=True).stdout
     findings: list[Finding] = []
+    modules: dict[str, str] = {}
     headers = {Path(path).name for path in listing.splitlines() if path.endswith(".h")}
     for path in listing.splitlines():
         file = root / path
@@ -223,7 +244,9 @@ def check(root: Path) -> list[Finding]:
             text = data.decode(errors="replace")
             findings += check_text(path, text)
             findings += missing_headers(path, text, headers)
-    return findings + list(untested(root))
+            if path.startswith(f"{PACKAGE}/") and path.endswith(".py"):
+                modules[path] = text
+    return [*findings, *python_modules(modules), *untested(root)]
 
 
 def main() -> int:

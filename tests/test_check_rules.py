@@ -204,3 +204,19 @@ def test_the_limit_is_the_length_of_the_list():
 def test_named_headers_exist(path: str, line: str, missing: list[str]):
     found = check_rules.missing_headers(path, line, {"there.h"})
     assert [finding.reason for finding in found] == [f"there is no header '{n}'" for n in missing]
+
+
+def test_a_public_module_lists_its_names():
+    def found(**texts: str) -> list[str]:
+        modules = {f"python/robocell/{path}": text for path, text in texts.items()}
+        return [str(each) for each in check_rules.python_modules(modules)]
+
+    code = "def f() -> None: ...\n"
+    public = "python/robocell/a.py:1: no `__all__`: list what is public, or begin its name with '_'"
+    assert found(**{"a.py": code}) == [public]
+    assert found(**{"a.py": f"__all__ = ['f']\n{code}"}) == []
+    assert found(**{"_a.py": code, "_b/a.py": code, "__main__.py": code}) == []
+    assert found(**{"b/__init__.py": '"""Only words."""\n'}) == []
+    assert len(found(**{"b/__init__.py": code})) == 1
+    twice = ["python/robocell/data/_a.py:1: 'python/robocell/_a.py' has the same name"]
+    assert found(**{"_a.py": code, "data/_a.py": code}) == twice

@@ -262,7 +262,7 @@ nb::object RowLoan::Lend(const CellRow& row) {
     for (const CellImage& image : *images) PutImage(arrays, image);
     return nb::object(arrays);
   };
-  return nb::module_::import_("robocell._rows").attr("Row")(numbers, names, nb::cpp_function(read));
+  return nb::module_::import_("robocell._row").attr("Row")(numbers, names, nb::cpp_function(read));
 }
 
 void RowLoan::End() {

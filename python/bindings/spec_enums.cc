@@ -115,7 +115,7 @@ void BindRunEnums(nb::module_& m) {
       "Meaning of an environment's actions."
       "\n\nExamples:\n"
       "    >>> cell = rc.EnvConfig.load(rc.models.cell_file(\"rc7\"))\n"
-      "    >>> cell.control_mode = rc.ControlMode.CARTESIAN_TQUAT",
+      "    >>> cell.control_mode = rc.envs.ControlMode.CARTESIAN_TQUAT",
       {"Joint positions, rad or m.", "TCP: x y z, m, and roll pitch yaw, rad (extrinsic xyz).",
        "TCP: x y z, m, and quaternion xyzw."});
   BindEnum<RelativeTo>(

@@ -49,7 +49,7 @@ void BindVideo(nb::module_& m) {
       "until it is set. Cameras, and the bodies that they track, are found again by name after "
       "objects were added or removed."
       "\n\nExamples:\n"
-      "    >>> with rc.VideoRecorder(scene, \"arm.mp4\", 320, 240, fps=25) as video:\n"
+      "    >>> with rc.render.VideoRecorder(scene, \"arm.mp4\", 320, 240, fps=25) as video:\n"
       "    ...     for _ in range(10):\n"
       "    ...         result = scene.step_n(20)\n"
       "    ...         video.record_frame()\n"

@@ -1,6 +1,8 @@
 """robocell: robot cells in MuJoCo, from scene to dataset.
 
-The most used names are at the top. All names are in modules by topic:
+The everyday names are at the top: `Scene`, `SceneSpec`, `SceneObject`, `Shape`, `Robot`,
+`RobotSpec`, `RobotConfig`, `Pose`, `Env`, `EnvConfig`, `RunConfig`, `Dataset`, `register_task`, and
+the errors. All names are in modules by topic:
 
     robots      robots, grippers and how they are attached    envs        environments
     scene       scenes: compiling, stepping, editing          tasks       tasks, experts, samplers
@@ -49,9 +51,7 @@ from robocell import (
 from robocell._cmake import cmake_dir
 from robocell._core import (
     ArgumentError,
-    AttachmentSpec,
     ClosedError,
-    ControlMode,
     Dataset,
     DivergedError,
     EngineError,
@@ -61,7 +61,6 @@ from robocell._core import (
     IoError,
     NotFoundError,
     Pose,
-    RelativeTo,
     Robot,
     RobotConfig,
     RobotSpec,
@@ -71,24 +70,15 @@ from robocell._core import (
     SceneSpec,
     Shape,
     SpecError,
-    VideoRecorder,
     __mujoco_version__,
     __version__,
 )
 from robocell._elsewhere import ON_FIRST_USE, add_hints, no_such, not_at_the_top
-from robocell.features import register_feature
-from robocell.tasks import (
-    register_expert,
-    register_sampler,
-    register_scene_source,
-    register_task,
-)
+from robocell.tasks import register_task
 
 __all__ = [
     "ArgumentError",
-    "AttachmentSpec",
     "ClosedError",
-    "ControlMode",
     "Dataset",
     "DivergedError",
     "EngineError",
@@ -98,7 +88,6 @@ __all__ = [
     "IoError",
     "NotFoundError",
     "Pose",
-    "RelativeTo",
     "Robot",
     "RobotConfig",
     "RobotSpec",
@@ -108,7 +97,6 @@ __all__ = [
     "SceneSpec",
     "Shape",
     "SpecError",
-    "VideoRecorder",
     "__mujoco_version__",
     "__version__",
     "cmake_dir",
@@ -122,10 +110,6 @@ __all__ = [
     "log",
     "menagerie",
     "models",
-    "register_expert",
-    "register_feature",
-    "register_sampler",
-    "register_scene_source",
     "register_task",
     "render",
     "robots",

@@ -14,7 +14,7 @@ END_S = 10.0
 def run() -> None:
     """Loads the command line and runs it; see `_startup` for Ctrl-C meanwhile."""
     _startup.be_quiet()
-    from robocell.cli import load, main
+    from robocell._cli import load, main
 
     app = load(sys.argv[1:])
     _startup.hear_again()

@@ -96,6 +96,11 @@ class GymEnv(gymnasium.Env[Any, Any]):
             seeding.np_random(seed)  # Gymnasium's error
         self._generator, self._np_random_seed = None, seed
 
+    @property
+    def recordable(self) -> Env:
+        """What `robocell.data.EnvRecorder` records."""
+        return self.core
+
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:

@@ -104,6 +104,11 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         self._ended = np.zeros(num_envs, dtype=bool)
         self._seeded = np.zeros(num_envs, dtype=bool)
 
+    @property
+    def recordable(self) -> EnvBatch:
+        """What `robocell.data.EnvRecorder` records."""
+        return self.core
+
     def reset(
         self,
         *,

@@ -64,10 +64,10 @@ def message_and_place(error: BaseException) -> tuple[str, str]:
     The message is one line of at most LONGEST_MESSAGE characters, without the class for robocell's
     own errors. The place is "" if no line of a user's code raised.
     """
-    said = text_with_place(error) if isinstance(error, Error) else place_of(error)
-    said = " ".join(said.split())
-    found = _PLACE.search(said)
-    message = said[: found.start()] if found else said
+    text = text_with_place(error) if isinstance(error, Error) else place_of(error)
+    text = " ".join(text.split())
+    found = _PLACE.search(text)
+    message = text[: found.start()] if found else text
     if len(message) > LONGEST_MESSAGE:
         message = message[:LONGEST_MESSAGE] + " ..."
     return message, found[1] if found else ""

@@ -79,11 +79,11 @@ def require_maker(call: str, maker: object, base: type) -> None:
         )
 
 
-def require_methods(call: str, maker: object, base: type, *ways: Sequence[str]) -> None:
-    """Raises TypeError for a class that has no complete one of `ways` to define its methods.
+def require_methods(call: str, maker: object, base: type, *alternatives: Sequence[str]) -> None:
+    """Raises TypeError for a class that defines the methods of no alternative completely.
 
-    Each way lists the methods that a class must define itself, as "act(self, scene, rng)". The
-    message lists all that the class lacks of the way of which it defines most.
+    Each alternative lists the methods that a class must define itself, as "act(self, scene, rng)".
+    The message lists all that the class lacks of the one of which it defines most.
     """
     if not inspect.isclass(maker):
         return
@@ -92,10 +92,12 @@ def require_methods(call: str, maker: object, base: type, *ways: Sequence[str]) 
         name = written.partition("(")[0]
         return getattr(maker, name, None) is getattr(base, name)
 
-    missing = [[written for written in way if lacks(written)] for way in ways]
+    missing = [[each for each in methods if lacks(each)] for methods in alternatives]
     if [] in missing:
         return
-    defined = [len(way) - len(lacking) for way, lacking in zip(ways, missing, strict=True)]
+    defined = [
+        len(methods) - len(lack) for methods, lack in zip(alternatives, missing, strict=True)
+    ]
     to_add = missing[defined.index(max(defined))]
     raise TypeError(
         f"{call}: class {maker.__name__} lacks methods that {article_of(base)} {base.__name__} "

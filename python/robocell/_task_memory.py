@@ -4,7 +4,8 @@ Stored are the attributes that differ from those at the binding to the scene: nu
 arrays, poses, enumerations, containers of them, and the attributes of its own objects. Bound
 attributes belong to the configuration and may differ where a state is restored. Handles of robocell
 (scenes, robots, bodies) belong to the scene and stay unchanged. Saving a state rejects anything
-else: a missing attribute would change the continuation.
+else: a missing attribute would change the continuation. It also rejects containers and arrays that
+two places share, at any depth: each place would get its own copy.
 
 The attributes are JSON, packed into numbers as the states of environments are. Nothing of a state
 is executed or imported.
@@ -28,6 +29,7 @@ import numpy as np
 import numpy.typing as npt
 
 from robocell._core import ArgumentError, Pose, Rng, TaskVerdict
+from robocell._shared_places import shared_places
 
 # The attribute that holds the others as they were when the task was bound: name -> JSON.
 _BOUND = "_robocell_bound"
@@ -58,15 +60,12 @@ def memory_of(task: Any) -> npt.NDArray[np.float64]:
     """
     bound: Mapping[str, str] = getattr(task, _BOUND, {})
     changed: dict[str, str] = {}
-    names: dict[int, str] = {}  # of containers and arrays, whose second names would be copies
     for name, value in _attributes(task):
         encoder = _Encoder(task)
         try:
             text = encoder.text(value)
             if bound.get(name) == text or _is_handle(value):
                 continue
-            if type(value) in _SHARED and names.setdefault(id(value), name) != name:
-                raise _UnknownError(f"is the same object as '{names[id(value)]}'")
             if encoder.has_objects_in_containers:
                 raise _UnknownError("holds a container of objects, which robocell cannot keep")
         except _UnknownError as error:
@@ -75,6 +74,13 @@ def memory_of(task: Any) -> npt.NDArray[np.float64]:
                 f"{_NEXT_STEP}"
             ) from None
         changed[name] = text
+    for one, other in shared_places(_attributes(task), task, _has_stored_attributes, _attributes):
+        if one.attribute in changed or other.attribute in changed:
+            raise ArgumentError(
+                f"{_called(task)}: its state cannot be saved, because '{other}' is the same "
+                f"object as '{one}' or shares its numbers, and two copies would be restored. "
+                f"{_NEXT_STEP}"
+            )
     return _to_numbers(json.dumps(changed))
 
 
@@ -170,6 +176,13 @@ def _is_own_object(value: Any) -> bool:
     return is_python and kind.__basicsize__ <= object.__basicsize__ + room
 
 
+def _has_stored_attributes(value: Any) -> bool:
+    """Returns True for objects that a state stores by their attributes."""
+    if isinstance(value, (enum.Enum, *_CONSTANTS)) or _is_handle(value):
+        return False
+    return _is_own_object(value)
+
+
 _OWN_VALUES = (Pose, Rng, TaskVerdict)  # robocell's own that are no handles
 _HEAP_TYPE = 1 << 9  # Py_TPFLAGS_HEAPTYPE: not a class of Python's own
 _CONSTANTS = (
@@ -245,7 +258,6 @@ class _Encoder:
 
 
 _CONTAINERS = (list, tuple, dict, set, frozenset)
-_SHARED = (list, dict, set, np.ndarray)  # what two names of one object may both change
 
 
 def _name_of(value: Any) -> str:

@@ -1,5 +1,7 @@
 """Evaluates a policy, or an expert, in the cells of a run or of a dataset.
 
+A dataset that an environment recorded is evaluated in that environment.
+
     result = evaluate("out/picks", "my_policy.py:Policy", episodes=100, workers=2)
     print(result.successes, result.interval, result.dataset)
 
@@ -20,19 +22,21 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from robocell._core import ArgumentError, Dataset, Error, IoError, PlanItem, RunConfig
+from robocell._core import ArgumentError, Dataset, Error, IoError, PlanItem
+from robocell._dataset_run import is_recorded_folder, plan_numbers
+from robocell._env_job import EnvJob
+from robocell._evaluated import cell_of, difference_of, rollout_end
+from robocell._generation.items import ItemRecord
+from robocell._generation.job import Job
+from robocell._generation.observer import Observer
+from robocell._generation.protocol import Failure
+from robocell._generation.run_source import RunSource
+from robocell._generation.supervisor import Limits
+from robocell._generation.totals import Totals, Unmade
 from robocell._own_code import modules_of_one_run
-from robocell.dataset_run import plan_numbers
-from robocell.generate.items import ItemRecord
-from robocell.generate.job import Job
-from robocell.generate.observer import Observer
-from robocell.generate.protocol import Failure
-from robocell.generate.run_source import RunSource
-from robocell.generate.supervisor import Limits
-from robocell.generate.totals import Totals, Unmade
+from robocell._policy_calls import latency
+from robocell._policy_options import PolicyOptions, is_url
 from robocell.policy import EXPERT, RANDOM, REPLAY, replayed_seed
-from robocell.policy_calls import latency
-from robocell.policy_options import PolicyOptions, is_url
 
 __all__ = [
     "EXPERT",
@@ -46,10 +50,6 @@ __all__ = [
     "evaluate",
     "wilson_interval",
 ]
-
-# The reason of a rollout that an error of its policy or expert ended begins with this
-# (src/robocell/rollout/rollout.cc).
-POLICY_ERROR = "policy error: "
 
 # Starts of evaluations are drawn from other seeds than those that datasets begin with.
 SEED = 1_000_003
@@ -94,6 +94,8 @@ class Evaluation:
         latency: Number of calls of the policy, and their median, 99th percentile and maximum in
             milliseconds; {} for experts. `policy_calls/` beside the rollouts has every call.
         server: First message of a policy server; {} for other policies.
+        cell: Field of the run or environment -> its value, and file of a model -> hash, without
+            what belongs to the policy. `compare` takes only evaluations in the same cell.
     """
 
     policy: str
@@ -110,6 +112,7 @@ class Evaluation:
     errors: dict[str, str]
     latency: dict[str, float] = field(default_factory=dict)
     server: dict[str, Any] = field(default_factory=dict)
+    cell: dict[str, str] = field(default_factory=dict)
 
     @property
     def rate(self) -> float:
@@ -162,7 +165,8 @@ def compare(first: Evaluation, second: Evaluation) -> Comparison:
     """Compares two policies by the starts that both were evaluated from.
 
     Paired starts need far fewer rollouts than two separate success rates. Raises ArgumentError for
-    evaluations with other seeds, and for those without a common start.
+    evaluations with other seeds or in different cells, with the fields that differ, and for those
+    without a common start.
 
     Examples:
         >>> better = rc.evaluate.compare(mine, baseline)  # doctest: +SKIP
@@ -173,6 +177,11 @@ def compare(first: Evaluation, second: Evaluation) -> Comparison:
         raise ArgumentError(
             f"the seeds of the evaluations are {first.seed} and {second.seed}, so their starts "
             "differ; evaluate both with one `seed`"
+        )
+    if first.cell and second.cell and (differing := difference_of(first.cell, second.cell)):
+        raise ArgumentError(
+            f"'{first.dataset}' and '{second.dataset}' are evaluations in different cells: "
+            f"{differing}; evaluate both policies in the cell of one dataset or run"
         )
     common = first.outcomes.keys() & second.outcomes.keys()
     if not common:
@@ -196,20 +205,20 @@ def _sign_test(fewer: int, differing: int) -> float:
 class _Watching(Observer):
     """Calls back for each rollout that ends, and prints warnings."""
 
-    def __init__(self, on_trial: Callable[[int, int, bool], None] | None) -> None:
-        self._on_trial = on_trial
+    def __init__(self, dataset: Path, on_rollout: Callable[[int, int, bool], None] | None) -> None:
+        self._dataset, self._on_rollout = dataset, on_rollout
         self._done = 0
         self._warned: set[str] = set()
 
     def episode(self, result: ItemRecord, totals: Totals) -> None:
         """Counts an episode. Prints an error of the policy at once, and once."""
         self._done += 1
-        for reason in result.failures:
-            if reason.startswith(POLICY_ERROR) and reason not in self._warned:
-                self._warned.add(reason)
-                self.warning(f"{result.id}: {reason}")
-        if self._on_trial is not None:
-            self._on_trial(totals.already + self._done, totals.planned, result.success)
+        end = rollout_end(self._dataset, result.id)
+        if end is not None and end.policy_error and end.reason not in self._warned:
+            self._warned.add(end.reason)
+            self.warning(f"{result.id}: {end.reason}")
+        if self._on_rollout is not None:
+            self._on_rollout(totals.already + self._done, totals.planned, result.success)
 
     def warning(self, text: str) -> None:
         """Prints the warning to standard error."""
@@ -281,11 +290,13 @@ def evaluate(
     horizon: int | None = None,
     ensemble: bool = False,
     policy_timeout_s: float | None = None,
+    max_steps: int | None = None,
 ) -> Evaluation:
     """Evaluates a policy with one rollout from each of `episodes` starts.
 
     Args:
-        source: A dataset, a run file, or `module:name` of a RunConfig.
+        source: A dataset, generated or recorded from an environment; a run file, or `module:name`
+            of a RunConfig.
         policy: `module:Class` or `file.py:Class` of a `robocell.policy.Policy`; `expert` for the
             task's own expert; `random`; `replay`, the recorded actions of the dataset; or the URL
             of a policy server, such as `ws://127.0.0.1:8000`.
@@ -306,23 +317,28 @@ def evaluate(
         ensemble: Take the mean of what all chunks say about a moment (temporal ensembling); the
             policy is then called before every action, or after `horizon` ones.
         policy_timeout_s: Longest time of a call of a policy server. Default: 120.
+        max_steps: Actions after which a rollout fails. Default: those of the run; in a recorded
+            environment the number of rows of the longest episode.
 
     A policy that raises, or returns an invalid action, fails in that rollout, with the error as its
     reason (`policy_errors`). Raises SpecError for errors in the run or the module, and Error, with
     the reason, if no rollout could be made; `errors` lists single ones that could not be made.
     Raises IoError if a policy server is gone; the same call continues the evaluation.
     """
+    recorded = is_recorded_folder(source)
     if policy == REPLAY:
-        own_seed = replayed_seed(source)
+        own_seed = 0 if recorded else replayed_seed(source)
         seed = own_seed if seed is None else seed
     seed = SEED if seed is None else seed
     if episodes is not None and episodes < 1:
         raise ArgumentError(f"episodes must be at least 1, got {episodes}")
     if workers < 1:
         raise ArgumentError(f"workers must be at least 1, got {workers}")
+    if max_steps is not None and max_steps < 1:
+        raise ArgumentError(f"max_steps must be at least 1, got {max_steps}")
     output = default_output(source, policy, seed) if output is None else output
     starts = _Starts(100 if episodes is None else episodes)
-    if policy == REPLAY and seed == own_seed:
+    if policy == REPLAY and not recorded and seed == own_seed:
         starts = _Starts(episodes, Dataset(Path(source)).ids)
     overrides = [
         f"seed={seed}",
@@ -330,20 +346,34 @@ def evaluate(
         f"workers={workers}",
         f"output={json.dumps(str(output))}",
         *([] if cameras else ["cameras.draw=false"]),
+        *([] if max_steps is None else [f"rates.max_steps={max_steps}"]),
     ]
     modules = (imports,) if isinstance(imports, str) else tuple(imports)
     acting = PolicyOptions(str(preset), horizon, ensemble, policy_timeout_s)
+    chosen = RunSource(str(source), modules, policy, acting)
     with modules_of_one_run():
-        job = Job(RunSource(str(source), modules, policy, acting), overrides, choose=starts.choose)
+        job: Job | EnvJob
+        if recorded:
+            job = EnvJob(
+                chosen,
+                Path(output),
+                episodes=episodes,
+                seed=seed,
+                max_steps=max_steps,
+                workers=workers,
+                cameras=cameras,
+            )
+        else:
+            job = Job(chosen, overrides, choose=starts.choose)
         server = _greeting(policy) if is_url(policy) else {}
-        _warn_of_rate(acting, job.run)
-        result = job.do(_Watching(on_rollout), limits)
+        _warn_of_rate(acting, _rate_of(job))
+        result = job.do(_Watching(job.dataset, on_rollout), limits)
     if result.outcome.interrupted:
         raise KeyboardInterrupt
     if result.outcome.fatal:
         fatal = result.outcome.fatal
-        said = [unmade.reason for unmade in result.outcome.totals.unmade if unmade.reason]
-        raise Failure(fatal.kind, _without_logs(fatal.message, said)).error()
+        reasons = [unmade.reason for unmade in result.outcome.totals.unmade if unmade.reason]
+        raise Failure(fatal.kind, _without_logs(fatal.message, reasons)).error()
     evaluation = _evaluation_of(job, policy, seed, result.outcome.totals)
     if not evaluation.rollouts and evaluation.errors:
         first = next(iter(evaluation.errors.values()))
@@ -352,17 +382,25 @@ def evaluate(
     return replace(evaluation, server=server)
 
 
-def _warn_of_rate(acting: PolicyOptions, run: RunConfig) -> None:
+def _rate_of(job: Job | EnvJob) -> float | None:
+    """Returns the actions per second of a cell, if they have a fixed rate."""
+    if isinstance(job, EnvJob):
+        return job.rate
+    policy_ms = job.run.rates.policy_ms
+    return None if policy_ms is None else 1e3 / policy_ms
+
+
+def _warn_of_rate(acting: PolicyOptions, own: float | None) -> None:
     """Prints a warning if the cell asks for actions much faster or slower than the preset says."""
     preset = acting.load_preset()
-    if preset is None or preset.rate is None or run.rates.policy_ms is None:
+    if preset is None or preset.rate is None or own is None:
         return
-    own = 1e3 / run.rates.policy_ms
     if abs(own / preset.rate - 1) < 0.1:
         return
     print(
-        f"warning: {preset.place} is for {preset.rate:g} actions per second, and the run has "
-        f"{own:.3g}: set rates.policy_ms to {1e3 / preset.rate:.3g}",
+        f"warning: {preset.place} is for {preset.rate:g} actions per second, and the cell has "
+        f"{own:.3g}: set rates.policy_ms to {1e3 / preset.rate:.3g} (run), or sim.frequency to "
+        f"{preset.rate:g} (environment)",
         file=sys.stderr,
         flush=True,
     )
@@ -370,8 +408,8 @@ def _warn_of_rate(acting: PolicyOptions, run: RunConfig) -> None:
 
 def _greeting(url: str) -> dict[str, Any]:
     """Returns the first message of a policy server. Raises IoError if there is no server."""
-    from robocell.policy_server.client import PolicyClient
-    from robocell.policy_server.wire import as_json
+    from robocell.policy_server._client import PolicyClient
+    from robocell.policy_server._wire import as_json
 
     with PolicyClient(url) as client:
         greeting = as_json(client.metadata)
@@ -379,33 +417,33 @@ def _greeting(url: str) -> dict[str, Any]:
     return greeting if len(text) <= LONGEST_GREETING else {"cut": text[:LONGEST_GREETING]}
 
 
-def _without_logs(message: str, said: Sequence[str]) -> str:
+def _without_logs(message: str, reasons: Sequence[str]) -> str:
     """Shortens reasons that were printed before, with a worker's log, to their first line."""
-    for reason in said:
+    for reason in reasons:
         message = message.replace(reason, reason.splitlines()[0])
     return message
 
 
-def _evaluation_of(job: Job, policy: str, seed: int, totals: Totals) -> Evaluation:
-    """Builds the result from the episodes on the disk, including those of earlier commands."""
-    dataset = Dataset(job.dataset)
-    planned = {item.id for item in job.items}
-    episodes = {e.id: e for e in dataset if e.id in planned}
-    outcomes = {id: bool(episodes[id].success) for id in sorted(episodes)}
-    failures = Counter(str(e.end_reason) for e in episodes.values() if not e.success)
+def _evaluation_of(job: Job | EnvJob, policy: str, seed: int, totals: Totals) -> Evaluation:
+    """Builds the result from the rollouts on the disk, including those of earlier commands."""
+    planned = [item.id for item in job.items]
+    ends = {id: end for id in sorted(planned) if (end := rollout_end(job.dataset, id))}
+    outcomes = {id: end.success for id, end in ends.items()}
+    failures = Counter(end.reason for end in ends.values() if not end.success)
     successes = sum(outcomes.values())
     return Evaluation(
         policy=policy,
         successes=successes,
         rollouts=len(outcomes),
         interval=wilson_interval(successes, len(outcomes)),
-        mean_length=sum(map(len, episodes.values())) / max(1, len(episodes)),
+        mean_length=sum(end.rows for end in ends.values()) / max(1, len(ends)),
         unmade=len(planned) - len(outcomes),
         failures=dict(failures.most_common()),
-        policy_errors=sum(n for why, n in failures.items() if why.startswith(POLICY_ERROR)),
+        policy_errors=sum(end.policy_error for end in ends.values()),
         outcomes=outcomes,
         dataset=str(job.dataset),
         seed=seed,
         errors={unmade.id: unmade.reason for unmade in totals.unmade},
-        latency=latency(job.dataset, sorted(episodes)),
+        latency=latency(job.dataset, list(ends)),
+        cell=cell_of(job),
     )

@@ -69,7 +69,7 @@ def register_feature(
     Registering a name again replaces it; a name registered in C++ raises ArgumentError.
 
     Examples:
-        >>> @rc.register_feature("cube_height", shape=(1,), units="m", frame="world")
+        >>> @rc.features.register_feature("cube_height", shape=(1,), units="m", frame="world")
         ... def cube_height(scene):
         ...     return [scene.body_pose("cube").translation[2]]
         >>> "cube_height" in rc.features.feature_names()

@@ -26,6 +26,10 @@ from robocell._core import ArgumentError, EnvConfig
 from robocell._gym_flat import scaled, shares_of
 from robocell.gym import GymEnv
 
+__all__ = [
+    "LeRobotEnv",
+]
+
 Observation = dict[str, Any]
 
 

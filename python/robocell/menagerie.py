@@ -55,7 +55,7 @@ def model_path(name: str) -> str:
 
 def _download(robot: str, missing: NotFoundError) -> None:
     """Fetches a robot as `robocell fetch` does. Raises NotFoundError with the cause."""
-    from robocell import fetching
+    from robocell import _fetching as fetching
 
     try:
         fetching.fetch(robot)

@@ -13,7 +13,6 @@ streams; an action is one or more of the columns `robots/<robot>/action/...`.
 from __future__ import annotations
 
 import inspect
-import time
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,23 +22,33 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from robocell._acting_policy import ActingPolicy
+from robocell._action_chunks import Chunks
 from robocell._arguments import with_hints
 from robocell._core import (
     ArgumentError,
     CellFeatures,
     Dataset,
+    EnvConfig,
     Episode,
     EpisodeStart,
     Expert,
     Feature,
     GroupCommand,
     NotFoundError,
+    RelativeTo,
     Rng,
     RunConfig,
     Scene,
     SpecError,
 )
+from robocell._dataset_run import (
+    is_recorded_folder,
+    naming_what_to_evaluate,
+    seed_of_dataset,
+)
 from robocell._own_code import RAISED, calling_module, paths_of, raise_interrupt
+from robocell._policy_options import PolicyOptions, is_url
 from robocell._raised import LostPolicyError, UnmadePolicyError, text_of_hook
 from robocell._registering import (
     arguments_of,
@@ -48,17 +57,23 @@ from robocell._registering import (
     require_takes,
     takes,
 )
-from robocell._rows import Row
-from robocell._suggestions import counted, did_you_mean, shortened
-from robocell.action_chunks import Chunks
-from robocell.dataset_run import naming_what_to_evaluate, seed_of_dataset
-from robocell.policy_calls import present
-from robocell.policy_options import PolicyOptions, is_url
+from robocell._suggestions import did_you_mean, shortened
 from robocell.tasks import expert_registration
+
+__all__ = [
+    "Action",
+    "Context",
+    "Observation",
+    "Policy",
+    "PolicyExpert",
+    "register_policy",
+]
 
 Observation = dict[str, NDArray[Any]]
 _AS_IT_IS = PolicyOptions()
 Action = Mapping[str, ArrayLike]
+CellConfig = RunConfig | EnvConfig
+MakePolicy = Callable[[CellConfig], "Policy"]
 
 
 @dataclass(frozen=True)
@@ -67,13 +82,14 @@ class Context:
 
     Attributes:
         instruction: The task, in words.
-        run: The cell's configuration.
+        run: The cell's configuration: the RunConfig of a run, or the EnvConfig of a recorded
+            environment. Both have `cameras`.
         seed: Seed for policies that draw random numbers; it follows from run, episode and attempt.
         features: Features that the policy observes and may command, with unit, frame, names, range.
     """
 
     instruction: str
-    run: RunConfig
+    run: CellConfig
     seed: int
     features: list[Feature]
 
@@ -137,18 +153,13 @@ class PolicyExpert(Expert):
         self.policy = policy
         self._run, self._task = run, start.task
         self._code_of = policy  # messages about act() say where the policy's is written
-        self._chunks = chunks or Chunks()
+        self._acting = ActingPolicy(policy, chunks)
         self._row: Observation = {}
 
     def begin(self, scene: Scene, rng: Rng) -> None:
         """Resets the policy."""
         self._features = CellFeatures(scene, self._task, list(self._run.features))
-        self._sizes = {
-            feature.name: (feature.shape or (1,))[0] for feature in self._features.commanded
-        }
-        self._chunks.clear()
-        present.begin()
-        self.policy.reset(
+        self._acting.begin(
             Context(
                 instruction=self._task.instruction(),
                 run=self._run,
@@ -160,73 +171,12 @@ class PolicyExpert(Expert):
     def see(self, row: Observation) -> None:
         """Stores the row that a dataset records of this state, with its images."""
         cameras = self._run.cameras
-        if isinstance(row, Row):
-            row.said_as = f"{type(self.policy).__name__}.act(): the observation"
-            if not (cameras.draw and cameras.streams):
-                row.without_images = (
-                    " The rollouts draw no images: leave out --no-cameras for those of a stream."
-                )
-        self._row = row
+        self._row = self._acting.name_in(row, cameras.draw and bool(cameras.streams))
 
     def act(self, scene: Scene, rng: Rng) -> dict[str, dict[str, GroupCommand]]:
         """Returns the next action of the policy's chunk, or of a new chunk."""
-        if self._chunks.need_call():
-            began = time.perf_counter()
-            action = self.policy.act(self._row)
-            elapsed_ms = 1e3 * (time.perf_counter() - began)
-            actions = self._actions(action)
-            timing = getattr(self.policy, "timing", {})
-            present.add(self._chunks.step, len(actions), elapsed_ms, timing)
-            self._chunks.add(actions)
-        return self._features.to_action(dict(self._chunks.next()))
-
-    def _actions(self, action: Action) -> list[dict[str, NDArray[np.float64]]]:
-        """Splits a chunk into single actions."""
-        who = f"{type(self.policy).__name__}.act()"
-        if not isinstance(action, Mapping) or not action:
-            raise TypeError(
-                f"{who} must return a dict of columns 'robots/.../action/...' to numbers, "
-                f"got {action!r}"
-            )
-        if odd := [name for name in action if not isinstance(name, str)]:
-            raise TypeError(f"{who}: the names of actions are texts, got {odd[0]!r}")
-        arrays = {name: _real(who, name, values) for name, values in action.items()}
-        lengths: dict[str, int] = {}
-        for name, array in arrays.items():
-            size = self._size(name)
-            if array.shape == () and size == 1:
-                array = arrays[name] = array.reshape(1)
-            if array.ndim not in (1, 2) or array.shape[-1] != size or not array.size:
-                raise ArgumentError(
-                    f"{who}: '{name}' has {counted(size, 'number')}, or (k, {size}) for a chunk; "
-                    f"got the shape {array.shape}"
-                )
-            if not np.isfinite(array).all():
-                bad = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
-                raise ArgumentError(
-                    f"{who}: '{name}' is not finite: entry [{', '.join(map(str, bad))}] is "
-                    f"{array[bad]}"
-                )
-            lengths[name] = array.shape[0] if array.ndim == 2 else 0
-        if set(lengths.values()) == {0, 1}:  # a chunk of one beside single actions is one, too
-            arrays = {name: np.reshape(array, -1) for name, array in arrays.items()}
-            lengths = dict.fromkeys(lengths, 0)
-        if len(set(lengths.values())) > 1:
-            found = ", ".join(f"'{name}' {length or 1}" for name, length in lengths.items())
-            raise ArgumentError(f"{who}: columns of one chunk differ in length: {found}")
-        length = next(iter(lengths.values()))
-        if length == 0:
-            return [arrays]
-        return [{name: array[i] for name, array in arrays.items()} for i in range(length)]
-
-    def _size(self, name: str) -> int:
-        if name not in self._sizes:
-            raise NotFoundError(
-                f"{type(self.policy).__name__}.act(): no action '{name}'."
-                f"{did_you_mean(name, self._sizes)} The actions of this cell: "
-                f"{', '.join(self._sizes)}"
-            )
-        return self._sizes[name]
+        action: dict[str, ArrayLike] = {**self._acting.next(self._row)}
+        return self._features.to_action(action)
 
     def done(self) -> bool:
         """Returns False: the rollout ends at success or when its steps are used up."""
@@ -249,34 +199,10 @@ class PolicyExpert(Expert):
         return []
 
 
-def _real(who: str, name: str, values: ArrayLike) -> NDArray[np.float64]:
-    """Returns real numbers.
-
-    NumPy would convert texts and times to numbers, and drop masks and the imaginary part of complex
-    numbers.
-    """
-    array = np.asanyarray(values)
-    kind = ""
-    if np.iscomplexobj(array):
-        kind = f"complex ones: {array.dtype}"
-    elif array.dtype.kind not in "biufO":
-        kind = f"{_KINDS.get(array.dtype.kind, 'other values')}: {array.dtype}"
-    elif array.dtype.kind == "O" and (odd := [v for v in array.flat if isinstance(v, str | bytes)]):
-        kind = f"texts: {odd[0]!r}"
-    elif np.ma.is_masked(array):
-        kind = "a masked array: fill its masked entries"
-    if kind:
-        raise TypeError(f"{who}: '{name}' must be real numbers, got {kind}")
-    return np.array(array, dtype=np.float64)  # a copy: policies may write to theirs again
-
-
-_KINDS = {"U": "texts", "S": "texts", "M": "times", "m": "times", "V": "records"}
-
-
 @with_hints
 def register_policy(
     name: str,
-    make: Callable[[RunConfig], Policy],
+    make: MakePolicy,
     files: str | Path | Sequence[str | Path] = (),
     *,
     horizon: int | None = None,
@@ -320,8 +246,8 @@ def register_policy(
         if errors and isinstance(errors[0], LostPolicyError):
             raise errors[0]
         if errors:
-            said = f"policy '{name}' cannot be made: {text_of_hook(errors[0])}"
-            raise UnmadePolicyError(said) from errors[0]
+            text = f"policy '{name}' cannot be made: {text_of_hook(errors[0])}"
+            raise UnmadePolicyError(text) from errors[0]
         return PolicyExpert(run, start, made[0], Chunks(horizon, ensemble))
 
     module = getattr(make, "__module__", None)
@@ -329,21 +255,49 @@ def register_policy(
     expert_registration(name, files, registering)(expert)
 
 
+@dataclass(frozen=True)
+class NamedPolicy:
+    """A policy by the name that `robocell evaluate` takes.
+
+    Attributes:
+        kind: Name with its options, which distinguishes evaluations.
+        make: Makes the policy for a cell.
+        files: Files that it uses beside its code.
+        horizon: Actions of a chunk that are taken before the policy is called again.
+        ensemble: Average the predictions of several chunks for the same moment.
+    """
+
+    kind: str
+    make: MakePolicy
+    files: Sequence[Path] = ()
+    horizon: int | None = None
+    ensemble: bool = False
+
+    def register(self) -> str:
+        """Registers it as a kind of expert, and returns the kind."""
+        register_policy(
+            self.kind, self.make, self.files, horizon=self.horizon, ensemble=self.ensemble
+        )
+        return self.kind
+
+
 def register_named_policy(name: str, folder: Path, acting: PolicyOptions = _AS_IT_IS) -> str:
     """Registers `module:Class`, `file.py:Class` or `file.py:function`, and returns its kind."""
+    return _policy_of_module(name, folder, acting).register()
+
+
+def _policy_of_module(name: str, folder: Path, acting: PolicyOptions) -> NamedPolicy:
     make, files = maker_of_policy(name, folder)
-    kind = f"{name}{acting.suffix}"
-    register_policy(kind, make, files, horizon=acting.horizon, ensemble=acting.ensemble)
-    return kind
+    return NamedPolicy(f"{name}{acting.suffix}", make, files, acting.horizon, acting.ensemble)
 
 
-def maker_of_policy(name: str, folder: Path) -> tuple[Callable[[RunConfig], Policy], list[Path]]:
+def maker_of_policy(name: str, folder: Path) -> tuple[MakePolicy, list[Path]]:
     """Returns the maker of `module:Class`, `file.py:Class` or `file.py:function`, and its files.
 
     The policy is made as `Class(run)` if the class requires an argument or calls its first one
     `run`, else as `Class()`. Raises SpecError for anything that is no policy.
     """
-    from robocell.generate.run_source import import_module
+    from robocell._generation.run_source import import_module
 
     module_name, _, attribute = name.rpartition(":")
     module = import_module(module_name, folder)
@@ -362,7 +316,7 @@ def maker_of_policy(name: str, folder: Path) -> tuple[Callable[[RunConfig], Poli
     if inspect.isclass(maker):
         _require_policy(f"policy '{name}'", maker)
 
-    def make(run: RunConfig) -> Policy:
+    def make(run: CellConfig) -> Policy:
         return maker(run) if _takes_run(maker) else maker()
 
     make.__module__ = module.__name__
@@ -421,35 +375,45 @@ def _policies_of(module: ModuleType) -> list[str]:
 
 EXPERT, RANDOM, REPLAY = "expert", "random", "replay"
 
+ENV_ACTION = "action/"  # begins the names of the actions of recorded environments
+
+# The reason of a rollout that an error of its policy or expert ended begins with this
+# (src/robocell/rollout/expert_calls.cc).
+POLICY_ERROR = "policy error: "
+
 
 def expert_of_policy(policy: str, source: str | Path, acting: PolicyOptions = _AS_IT_IS) -> str:
     """Registers a policy by its name, and returns the `expert` of a run for it.
 
     `source` is the dataset to replay.
     """
-    if is_url(policy):
-        return _register_remote_policy(policy, acting)
-    if acting.preset or acting.timeout_s is not None:
-        option = "--preset" if acting.preset else "--policy-timeout"
-        raise ArgumentError(
-            f"policy '{policy}': {option} is for a policy server, such as ws://127.0.0.1:8000"
-        )
     if policy == EXPERT:
+        _refuse_server_options(policy, acting)
         if acting != _AS_IT_IS:
             raise ArgumentError(
                 "policy 'expert': --horizon and --ensemble are for policies that return chunks"
             )
         return ""
-    how: dict[str, Any] = {"horizon": acting.horizon, "ensemble": acting.ensemble}
+    return named_policy(policy, source, acting).register()
+
+
+def named_policy(policy: str, source: str | Path, acting: PolicyOptions = _AS_IT_IS) -> NamedPolicy:
+    """Returns the policy of a name: `random`, `replay`, `module:Class` or the URL of a server.
+
+    `source` is the dataset to replay. Raises ArgumentError for other names.
+    """
+    if is_url(policy):
+        return _remote_policy(policy, acting)
+    _refuse_server_options(policy, acting)
+    chunks: dict[str, Any] = {"horizon": acting.horizon, "ensemble": acting.ensemble}
     if policy == RANDOM:
-        register_policy(RANDOM + acting.suffix, RandomPolicy, **how)
-        return RANDOM + acting.suffix
+        return NamedPolicy(RANDOM + acting.suffix, RandomPolicy, **chunks)
     if policy == REPLAY:
-        replayed_seed(source)
-        register_policy(REPLAY + acting.suffix, lambda _run: ReplayPolicy(source), **how)
-        return REPLAY + acting.suffix
+        if not is_recorded_folder(source):
+            replayed_seed(source)
+        return NamedPolicy(REPLAY + acting.suffix, lambda _run: ReplayPolicy(source), **chunks)
     if ":" in policy:
-        return register_named_policy(policy, Path.cwd(), acting)
+        return _policy_of_module(policy, Path.cwd(), acting)
     if policy.endswith(".py") and Path(policy).is_file():
         raise ArgumentError(f"policy '{policy}': {_classes_to_name(policy)}")
     raise ArgumentError(
@@ -459,10 +423,18 @@ def expert_of_policy(policy: str, source: str | Path, acting: PolicyOptions = _A
     )
 
 
-def _register_remote_policy(url: str, acting: PolicyOptions) -> str:
-    """Registers the policy of a server, and returns its kind."""
-    from robocell.policy_server.client import TIMEOUT_S, parse_url
-    from robocell.policy_server.remote_policy import RemotePolicy
+def _refuse_server_options(policy: str, acting: PolicyOptions) -> None:
+    if acting.preset or acting.timeout_s is not None:
+        option = "--preset" if acting.preset else "--policy-timeout"
+        raise ArgumentError(
+            f"policy '{policy}': {option} is for a policy server, such as ws://127.0.0.1:8000"
+        )
+
+
+def _remote_policy(url: str, acting: PolicyOptions) -> NamedPolicy:
+    """Returns the policy of a server."""
+    from robocell.policy_server._client import TIMEOUT_S, parse_url
+    from robocell.policy_server._remote_policy import RemotePolicy
 
     parse_url(url)
     preset = acting.load_preset()
@@ -470,19 +442,18 @@ def _register_remote_policy(url: str, acting: PolicyOptions) -> str:
     if horizon is None and preset is not None and not acting.ensemble:
         horizon = preset.horizon
     timeout_s = acting.timeout_s or TIMEOUT_S
-    register_policy(
+    return NamedPolicy(
         f"{url}{acting.suffix}",
         lambda _run: RemotePolicy(url, preset, timeout_s),
         preset.files if preset else (),
-        horizon=horizon,
-        ensemble=acting.ensemble,
+        horizon,
+        acting.ensemble,
     )
-    return f"{url}{acting.suffix}"
 
 
 def _classes_to_name(file: str) -> str:
     """Returns "name its class too: pol.py:Mine", for a file without a class."""
-    from robocell.generate.run_source import import_module
+    from robocell._generation.run_source import import_module
 
     module = import_module(file, Path.cwd())
     classes = [
@@ -506,6 +477,13 @@ def replayed_seed(source: str | Path) -> int:
         return seed_of_dataset(source)
 
 
+def _chosen_actions(context: Context) -> list[Feature]:
+    """Returns the actions that command a whole cell: absolute targets, or an environment's own."""
+    actions = {f.name: f for f in context.features if f.role == "action"}
+    of_env = [f for name, f in actions.items() if name.startswith(ENV_ACTION)]
+    return of_env or [f for name, f in actions.items() if f"{name}_relative" in actions]
+
+
 class ReplayPolicy(Policy):
     """Takes the recorded actions of the episode that began in the same state."""
 
@@ -518,8 +496,7 @@ class ReplayPolicy(Policy):
     def reset(self, context: Context) -> None:
         """Looks up the episode again."""
         self._episode, self._row = None, 0
-        actions = [f.name for f in context.features if f.role == "action"]
-        self._names = [name for name in actions if f"{name}_relative" in actions]
+        self._names = [feature.name for feature in _chosen_actions(context)]
 
     def act(self, observation: Observation) -> Action:
         """The next recorded action; the last one again after the end."""
@@ -537,38 +514,56 @@ class ReplayPolicy(Policy):
                 for name in state
             ):
                 return episode
+        folder = self._dataset.folder
+        seed = "" if is_recorded_folder(folder) else seed_of_dataset(folder)
+        own = f". Its own starts are those of --seed {seed}" if seed != "" else ""
         raise NotFoundError(
-            f"policy '{REPLAY}': no episode of '{self._dataset.folder}' starts like this one. Its "
-            f"own starts are those of --seed {seed_of_dataset(self._dataset.folder)}"
+            f"policy '{REPLAY}': no episode of '{folder}' starts like this one{own}"
         )
 
 
 class RandomPolicy(Policy):
-    """Moves all joints at random around their targets, as a baseline."""
+    """Moves all joints at random around their targets, as a baseline.
+
+    In a recorded environment it moves what the environment's actions command.
+    """
 
     STEP = 0.1  # rad or m, at most
 
-    def __init__(self, run: RunConfig) -> None:
+    def __init__(self, run: CellConfig) -> None:
         self._rng = np.random.default_rng(0)
         self._targets: list[Feature] = []
+        self._is_relative = isinstance(run, EnvConfig) and run.relative_to != RelativeTo.NONE
 
     def reset(self, context: Context) -> None:
         """Restarts the random stream."""
         self._rng = np.random.default_rng(context.seed)
-        actions = {f.name: f for f in context.features if f.role == "action"}
-        self._targets = [f for name, f in actions.items() if f"{name}_relative" in actions]
+        self._targets = _chosen_actions(context)
 
     def act(self, observation: Observation) -> Action:
         """A step of up to 0.1 rad or m for each joint, and any opening, within their ranges."""
         return {feature.name: self._draw(feature, observation) for feature in self._targets}
 
     def _draw(self, feature: Feature, observation: Observation) -> NDArray[np.float64]:
-        lower = np.array(feature.lower or [-np.inf] * feature.shape[0])
-        upper = np.array(feature.upper or [np.inf] * feature.shape[0])
-        if feature.names == ["opening"]:
+        size = feature.shape[0]
+        lower = np.array(feature.lower or [-np.inf] * size)
+        upper = np.array(feature.upper or [np.inf] * size)
+        if feature.names == ["opening"] or feature.name.endswith("/gripper"):
             return self._rng.uniform(lower, upper)
-        robot, _, group = feature.name.partition("/action/")
-        target = observation[f"{robot}/{group}/target"]
-        return np.clip(
-            target + self._rng.uniform(-self.STEP, self.STEP, target.shape), lower, upper
-        )
+        step = self._rng.uniform(-self.STEP, self.STEP, size)
+        if feature.names and feature.names[-1] == "qw":  # positions move, orientations stay
+            step[3:] = 0
+        return np.clip(self._present(feature, observation) + step, lower, upper)
+
+    def _present(self, feature: Feature, observation: Observation) -> NDArray[np.float64]:
+        """Returns the action that holds still."""
+        if not feature.name.startswith(ENV_ACTION):
+            robot, _, group = feature.name.partition("/action/")
+            return np.asarray(observation[f"{robot}/{group}/target"], dtype=np.float64)
+        if not self._is_relative:
+            path = feature.name.removeprefix(ENV_ACTION)
+            return np.array(observation[f"observation/{path}"], dtype=np.float64)
+        still = np.zeros(feature.shape[0])
+        if feature.names and feature.names[-1] == "qw":
+            still[-1] = 1
+        return still

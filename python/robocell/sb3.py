@@ -29,6 +29,10 @@ from robocell._core import ArgumentError, EnvConfig
 from robocell._gym_env import KEYFRAME, options_of
 from robocell._gym_flat import FlatVectorGymEnv
 
+__all__ = [
+    "VecEnv",
+]
+
 
 class VecEnv(vec_env.VecEnv):
     """Copies of one environment on C++ threads; ``vector`` is their ``FlatVectorGymEnv``.

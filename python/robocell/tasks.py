@@ -370,8 +370,8 @@ def _naming_fields(call: str) -> Iterator[None]:
     try:
         yield
     except (TypeError, ArgumentError) as error:
-        said = str(error).replace("fields of a kind.", f"{call}: Fields.")
-        raise type(error)(said) from None
+        text = str(error).replace("fields of a kind.", f"{call}: Fields.")
+        raise type(error)(text) from None
 
 
 def _takes_directory(maker: Callable[..., Any]) -> bool:

@@ -19,7 +19,7 @@ import sys
 import traceback
 from typing import Any, NoReturn
 
-from robocell.cli import load, main
+from robocell._cli import load, main
 
 # The commands load these modules when they need them; none starts a thread.
 LOADED_LATER = ("numpy", "mujoco", "rich.table", "rich.progress", "typer.rich_utils")

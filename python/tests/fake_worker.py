@@ -20,8 +20,8 @@ import time
 from pathlib import Path
 
 from robocell import IoError, SpecError
-from robocell.generate.items import Item, ItemRecord
-from robocell.generate.worker import serve
+from robocell._generation.items import Item, ItemRecord
+from robocell._generation.worker import serve
 
 
 class Stop:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
-from robocell.action_chunks import DECAY, Chunks
+from robocell._action_chunks import DECAY, Chunks
 
 POSE = "robots/a/action/tcp_pose"
 

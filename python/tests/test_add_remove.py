@@ -170,7 +170,7 @@ class TestHandles:
     def test_pictures_and_videos_follow(self, scene, tmp_path: Path):
         renderer = rc.render.Renderer(scene)
         bare = renderer.render("front", 64, 48, segmentation=True)["segmentation"]
-        with rc.VideoRecorder(scene, tmp_path / "cell.mp4", 64, 48, 30) as video:
+        with rc.render.VideoRecorder(scene, tmp_path / "cell.mp4", 64, 48, 30) as video:
             video.use_camera("front")
             video.record_frame()
             scene.add_object(cube("big", size=[0.3] * 3, pos=[1, 0, 0.3]))

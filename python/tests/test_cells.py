@@ -78,7 +78,7 @@ class TestScenes:
     ):
         arm = rc.RobotSpec(path=rc.menagerie.model_path("kinova_gen3"))
         arm.attachments.append(
-            rc.AttachmentSpec(mjcf_path=probe, attach_to={"site": "pinch_site"}, prefix="p_")
+            rc.robots.AttachmentSpec(mjcf_path=probe, attach_to={"site": "pinch_site"}, prefix="p_")
         )
         scene = rc.Scene.build(empty(robots=[arm]))
         rc.Scene.build(empty(objects=[cube()]))
@@ -99,7 +99,7 @@ class TestAttachments:
             rc.robots.AttachKind.Site if kind == "site" else rc.robots.AttachKind.Body,
             "attachment_site" if kind == "site" else "link7",
         )
-        tool = rc.AttachmentSpec(mjcf_path=probe, attach_to=target, prefix="p_")
+        tool = rc.robots.AttachmentSpec(mjcf_path=probe, attach_to=target, prefix="p_")
         scene = rc.Scene.build(empty(robots=[bare_rc7(attachments=[tool])]))
         of = scene.site_pose if kind == "site" else scene.body_pose
         expected = of(target.name) * AUTHORED
@@ -110,7 +110,7 @@ class TestAttachments:
             '<mujoco><worldbody><body name="hand"><geom size="0.1"/>'
             '<frame name="mount" pos="0.1 0.2 0.3" euler="0 0 90"/></body></worldbody></mujoco>'
         )
-        on_frame = rc.AttachmentSpec(
+        on_frame = rc.robots.AttachmentSpec(
             mjcf_path=probe,
             attach_to=rc.robots.AttachTarget(rc.robots.AttachKind.Frame, "mount"),
             prefix="p_",
@@ -123,7 +123,7 @@ class TestAttachments:
 
     def test_edits_in_place_move_the_tool(self, probe):
         spec = empty(robots=[bare_rc7()])
-        tool = rc.AttachmentSpec(
+        tool = rc.robots.AttachmentSpec(
             mjcf_path=probe, attach_to={"site": "attachment_site"}, prefix="p_"
         )
         spec.robots[0].attachments.append(tool)
@@ -139,7 +139,7 @@ class TestAttachments:
         assert moved.angle == pytest.approx(np.deg2rad(15), abs=1e-9)
 
     def test_euler_angles_are_degrees_about_fixed_axes(self, probe):
-        tool = rc.AttachmentSpec(mjcf_path=probe, attach_to={"body": "link7"}, prefix="p_")
+        tool = rc.robots.AttachmentSpec(mjcf_path=probe, attach_to={"body": "link7"}, prefix="p_")
         tool.euler = [10, 20, 30]
         scene = rc.Scene.build(empty(robots=[bare_rc7(attachments=[tool])]))
         turn = rc.Pose(rpy=np.deg2rad([10, 20, 30]))
@@ -152,7 +152,7 @@ class TestAttachments:
         for i in range(4):
             prefix = f"t{i}_"
             robot.attachments.append(
-                rc.AttachmentSpec(mjcf_path=probe, attach_to={"site": site}, prefix=prefix)
+                rc.robots.AttachmentSpec(mjcf_path=probe, attach_to={"site": site}, prefix=prefix)
             )
             site = f"{prefix}tip"
         scene = rc.Scene.build(empty(robots=[robot]))
@@ -162,7 +162,9 @@ class TestAttachments:
 
     def test_relative_paths_start_in_the_working_folder(self, probe, tmp_path, monkeypatch):
         monkeypatch.chdir(tmp_path)
-        tool = rc.AttachmentSpec(mjcf_path="probe.xml", attach_to={"body": "link7"}, prefix="p_")
+        tool = rc.robots.AttachmentSpec(
+            mjcf_path="probe.xml", attach_to={"body": "link7"}, prefix="p_"
+        )
         scene = rc.Scene.build(empty(robots=[bare_rc7(attachments=[tool])]))
         assert "p_needle" in scene.body_names()
 

@@ -21,7 +21,7 @@ def gen3(request: pytest.FixtureRequest) -> rc.Scene:
     arm = rc.RobotSpec(path=rc.menagerie.model_path("kinova_gen3"), pos=[0, 0, 2])
     arm.euler = request.param
     arm.attachments.append(
-        rc.AttachmentSpec(
+        rc.robots.AttachmentSpec(
             mjcf_path=rc.menagerie.model_path("robotiq_2f85"),
             attach_to=rc.robots.AttachTarget(rc.robots.AttachKind.Site, "pinch_site"),
             prefix="g_",

@@ -11,9 +11,9 @@ import pytest
 
 import robocell
 from command_line import refused, write_run
-from robocell.generate.check import Found, check_in_child
-from robocell.generate.protocol import Failure
-from robocell.generate.run_source import RunSource
+from robocell._generation.check import Found, check_in_child
+from robocell._generation.protocol import Failure
+from robocell._generation.run_source import RunSource
 
 
 def ends(folder: Path, monkeypatch: pytest.MonkeyPatch, script: str) -> None:

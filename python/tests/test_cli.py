@@ -11,10 +11,10 @@ import pytest
 
 import robocell
 from command_line import RC7, RUN, refused, robocell_command, write_robot, write_run
-from robocell.cli.doctor import advice
-from robocell.cli.generate import many_workers
-from robocell.cli.probes import Finding, State
-from robocell.generate.disk import require_writable
+from robocell._cli.doctor import advice
+from robocell._cli.generate import many_workers
+from robocell._cli.probes import Finding, State
+from robocell._generation.disk import require_writable
 
 
 def test_help_lists_and_describes_every_command():
@@ -289,7 +289,7 @@ def test_tables_do_not_wrap_values_longer_than_the_terminal():
     joint = "a_joint_with_a_very_long_name/" * 10
     script = (
         "from rich.table import Table\n"
-        "from robocell.cli.common import print_wide\n"
+        "from robocell._cli.common import print_wide\n"
         "table = Table()\n"
         f"table.add_row('label', {joint!r})\n"
         "print_wide(table)\n"

@@ -41,7 +41,7 @@ def interrupted_at_import(
     )
 
 
-@pytest.mark.parametrize("module", ["robocell._core", "typer", "robocell.cli.probes"])
+@pytest.mark.parametrize("module", ["robocell._core", "typer", "robocell._cli.probes"])
 def test_ctrl_c_while_the_command_is_loaded_leaves_no_traceback(tmp_path: Path, module: str):
     result = interrupted_at_import(tmp_path, module, "-m", "robocell", "doctor")
     assert (result.returncode, result.stderr) == (-signal.SIGINT, "")
@@ -60,7 +60,7 @@ def test_a_program_that_imports_robocell_keeps_its_ctrl_c(tmp_path: Path):
         ("python -m robocell check", True),
         ("/usr/bin/python3 -X dev -u -m robocell", True),
         ("python3 /opt/bin/robocell check", True),
-        ("python -m robocell.generate.worker", False),
+        ("python -m robocell._generation.worker", False),
         ("python -m pytest robocell", False),
         ("python script.py robocell", False),
         ("python -c code robocell", False),

@@ -49,7 +49,7 @@ def handles(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, st
         "stepper": (rc.control.Stepper(scene, [robot]), SCENE.format("stepper")),
         "renderer": (rc.render.Renderer(scene), SCENE.format("renderer")),
         "video recorder": (
-            rc.VideoRecorder(scene, video, 64, 48),
+            rc.render.VideoRecorder(scene, video, 64, 48),
             SCENE.format("video recorder"),
         ),
     }
@@ -115,7 +115,7 @@ def test_a_closed_handle_keeps_its_names(handles: dict[str, tuple[Any, str]]):
 def test_a_video_can_be_finished_after_its_scene_was_closed(tmp_path: Path):
     spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=False)
     scene = rc.Scene.build(spec)
-    with rc.VideoRecorder(scene, tmp_path / "v.mp4", 64, 48) as video:
+    with rc.render.VideoRecorder(scene, tmp_path / "v.mp4", 64, 48) as video:
         video.record_frame()
         scene.close()
         assert video.frames == 1

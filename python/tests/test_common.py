@@ -7,7 +7,7 @@ import typer
 from rich.table import Table
 
 import robocell as rc
-from robocell.cli.common import (
+from robocell._cli.common import (
     ExitCode,
     fail,
     print_warning,

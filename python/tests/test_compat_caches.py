@@ -9,8 +9,9 @@ import mujoco
 import pytest
 
 import robocell.compat.mj_kdl_wrapper as mjk
-from robocell import NotFoundError, fetching, menagerie
-from robocell.compat.mj_kdl_wrapper.fetch import main
+from robocell import NotFoundError, menagerie
+from robocell import _fetching as fetching
+from robocell.compat.mj_kdl_wrapper._fetch import main
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import mujoco
 import pytest
 
 import robocell.compat.mj_kdl_wrapper as mjk
-from robocell.compat.mj_kdl_wrapper.fetch import main
+from robocell.compat.mj_kdl_wrapper._fetch import main
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -525,9 +525,12 @@ def test_every_field_maps_to_a_robocell_field():
     assert (config.headless, config.alternative_combined_robot_mjcf) == (True, "arms.xml")
     assert (config.name, config.scene, config.wrappers) == ("own", own, wrappers)
     assert config.gripper_offsets["robot"] == rc.Pose(rpy=[0, 0, 1])
-    assert (config.max_relative_movement, config.relative_to) == ((0.1, 0.2), rc.RelativeTo.NONE)
+    assert (config.max_relative_movement, config.relative_to) == (
+        (0.1, 0.2),
+        rc.envs.RelativeTo.NONE,
+    )
     assert config.add_gravcomp
-    assert config.control_mode == rc.ControlMode.CARTESIAN_TQUAT
+    assert config.control_mode == rc.envs.ControlMode.CARTESIAN_TQUAT
     assert BaseCameraSet.DEPTH_SCALE == 1000
 
 

@@ -365,7 +365,7 @@ def test_equivalent_values_are_read_alike():
     assert (config.sim.async_control, config.sim.frequency) == (True, 20)
     stream = config.cameras.streams[0]
     assert (stream.follow, stream.width, stream.rate) == ("eye", 640, 30)
-    assert config.control_mode == rc.ControlMode.JOINTS
+    assert config.control_mode == rc.envs.ControlMode.JOINTS
     assert config.max_relative_movement == pytest.approx((0.05,))
     assert not config.wrappers.binary_gripper
     assert list(config.world_frame_objects) == ["cube", "lid"]

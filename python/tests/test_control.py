@@ -16,7 +16,7 @@ def gen3(prefix: str = "", y: float = 0) -> rc.RobotSpec:
     """The Gen3 with the 2F-85, without a configuration."""
     arm = rc.RobotSpec(path=rc.menagerie.model_path("kinova_gen3"), prefix=prefix, pos=[0, y, 0])
     arm.attachments.append(
-        rc.AttachmentSpec(
+        rc.robots.AttachmentSpec(
             mjcf_path=rc.menagerie.model_path("robotiq_2f85"),
             attach_to=rc.robots.AttachTarget(rc.robots.AttachKind.Site, "pinch_site"),
             prefix="g_",

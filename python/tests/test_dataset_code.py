@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 import robocell as rc
+from robocell._dataset_run import run_of_dataset
+from robocell._generation.run_source import RunSource
 from robocell._own_code import modules_of_one_run
-from robocell.dataset_run import run_of_dataset
 from robocell.envs import from_dataset
-from robocell.generate.run_source import RunSource
 
 TASK = """
 import robocell as rc
@@ -41,7 +41,7 @@ class Waiting(rc.tasks.Expert):
         return ["wait"]
 
 rc.register_task("waits_NUMBER")(Waits)
-rc.register_expert("waits_NUMBER")(Waiting)
+rc.tasks.register_expert("waits_NUMBER")(Waiting)
 """
 PATCH = "import {task}\n{task}.Waits.instruction = lambda self: 'patched'\n"
 RUN = """
@@ -132,7 +132,7 @@ def test_rejects_a_module_that_changed(made: Made):
 
 def test_code_of_an_expert_that_is_not_registered_is_not_needed(made: Made, monkeypatch):
     kinds = [kind for kind in rc.tasks.expert_kinds() if kind != f"waits_{made.number}"]
-    monkeypatch.setattr("robocell.dataset_run.expert_kinds", lambda: kinds)
+    monkeypatch.setattr("robocell._dataset_run.expert_kinds", lambda: kinds)
     from_dataset(made.dataset, imports=[made.task])
 
 

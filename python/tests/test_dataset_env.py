@@ -157,7 +157,7 @@ def next_row(env: rc.envs.DatasetEnv, start: int) -> dict[str, np.ndarray]:
 def test_numbers_beyond_their_range_are_recorded_and_observed_in_the_space(tmp_path: Path):
     name = "features/beyond_of_dataset"
 
-    @rc.register_feature("beyond_of_dataset", lower=[0.0], upper=[1.0])
+    @rc.features.register_feature("beyond_of_dataset", lower=[0.0], upper=[1.0])
     def beyond(scene: rc.Scene) -> float:
         return 1.3
 

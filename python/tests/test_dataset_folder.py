@@ -12,13 +12,13 @@ import pytest
 
 from command_line import write_run
 from robocell import IoError
+from robocell._generation import job as jobs
+from robocell._generation import report as reports
+from robocell._generation.check import Found
+from robocell._generation.job import Job
+from robocell._generation.observer import Observer
+from robocell._generation.resume import DamagedEpisodesError
 from robocell.data import DatasetLock, remove_leftovers
-from robocell.generate import job as jobs
-from robocell.generate import report as reports
-from robocell.generate.check import Found
-from robocell.generate.job import Job
-from robocell.generate.observer import Observer
-from robocell.generate.resume import DamagedEpisodesError
 
 
 def test_a_folder_is_generated_by_one_run_at_a_time(tmp_path: Path):

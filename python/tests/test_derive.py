@@ -18,9 +18,9 @@ from robocell._core import json_damage
 import robocell
 from command_line import refused, robocell_command
 from exported import hashes, three_episodes
+from robocell._dataset_run import run_of_dataset
 from robocell.data import derive
 from robocell.data.derive import keep, merge, split
-from robocell.dataset_run import run_of_dataset
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,8 @@ from pathlib import Path
 import pytest
 
 from robocell import _core
+from robocell._generation.disk import disk_trouble, flush, require_writable
 from robocell.data import remove_leftovers
-from robocell.generate.disk import disk_trouble, flush, require_writable
 
 
 def test_reports_why_a_folder_cannot_be_written(tmp_path: Path):

@@ -193,7 +193,7 @@ def test_a_closed_environment_raises_closed_error():
 def test_accepts_action_quaternions_of_any_finite_length():
     arms = rc.EnvConfig(
         robots={"arm": rc.models.robot_file("rc7")},
-        control_mode=rc.ControlMode.CARTESIAN_TQUAT,
+        control_mode=rc.envs.ControlMode.CARTESIAN_TQUAT,
         sim={"async_control": True, "frequency": 20},
     )
     seen = []

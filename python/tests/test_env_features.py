@@ -18,19 +18,21 @@ from test_dataset_env import make
 STAY = {"robot": {"tquat": [0, 0.01, -0.02, 0, 0, 0, 1], "gripper": 1}}
 
 
-@rc.register_feature("env_test_tool", shape=(2,), units="m", frame="world", names=["x", "z"])
+@rc.features.register_feature(
+    "env_test_tool", shape=(2,), units="m", frame="world", names=["x", "z"]
+)
 def tool(scene: rc.Scene) -> np.ndarray:
     return scene.robot("robot").tcp_in_world.translation[[0, 2]]
 
 
-@rc.register_feature(
+@rc.features.register_feature(
     "env_test_matrix", shape=(2, 3), names=["a", "b", "c"], lower=[0] * 6, upper=[4] * 6
 )
 def matrix(scene: rc.Scene) -> np.ndarray:
     return np.arange(6).reshape(2, 3)
 
 
-@rc.register_feature("env_test_number", units="m")
+@rc.features.register_feature("env_test_number", units="m")
 def number(scene: rc.Scene) -> float:
     return 0.5
 

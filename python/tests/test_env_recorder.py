@@ -18,8 +18,8 @@ import pytest
 import robocell as rc
 import robocell.gym
 from command_line import robocell_command
+from robocell._dataset_run import run_of_dataset
 from robocell.data import EnvRecorder, env_of_episode, replay_actions
-from robocell.dataset_run import run_of_dataset
 from robocell.gym import VectorGymEnv, pick_cube_config
 
 DEMO = Path(__file__).resolve().parents[2] / "examples" / "demo.yaml"
@@ -478,7 +478,7 @@ class Wait(rc.tasks.Task):
     def instruction(self):
         return "wait"
 
-@rc.register_feature("own_number")
+@rc.features.register_feature("own_number")
 def own_number(scene):
     return 1.0
 """
@@ -523,4 +523,21 @@ def test_replay_errors_of_custom_code_name_the_import_and_line(
     assert "Traceback" not in result.stderr
     result = robocell_command("evaluate", folders["task"], "--policy", "expert")
     assert result.returncode == 2
-    assert "was recorded from an environment, not made by a run" in result.stderr
+    assert "was recorded from an environment, which has no expert" in result.stderr
+
+
+def test_an_environment_of_ones_own_offers_what_it_steps(tmp_path: Path):
+    class Mine:
+        def __init__(self) -> None:
+            self.recordable = rc.Env(config())
+
+    mine = Mine()
+    assert isinstance(mine, rc.data.Recordable)
+    with EnvRecorder(mine, tmp_path) as recorder:
+        mine.recordable.reset(seed=1)
+        mine.recordable.step(DOWN)
+    assert recorder.episodes == ["episode-000000"]
+    mine.recordable.close()
+    mine.recordable = "not an environment"
+    with pytest.raises(rc.ArgumentError, match=r"Mine cannot be recorded: .* needs `recordable`"):
+        EnvRecorder(mine, tmp_path)

@@ -286,12 +286,25 @@ def test_a_guarded_step_needs_no_memory():
     env.close()
 
 
+def shared_below_the_top() -> dict[str, object]:
+    point = np.zeros(2)
+    return {"path": (None, point), "by_name": {"first": None, "last": point}}
+
+
+def a_view() -> dict[str, object]:
+    table = np.zeros((3, 2))
+    return {"table": table, "row": table[1]}
+
+
 @pytest.mark.parametrize(
     ("made", "told"),
     [
         (lambda: {"rng": rc.tasks.Rng.stream(1, "x")}, r"'rng' holds a robocell\..*Rng, which"),
         (lambda: {"best": rc.tasks.TaskVerdict(reward=2)}, r"'best' holds a .*TaskVerdict"),
         (lambda: dict.fromkeys(("one", "two"), np.zeros(3)), "'two' is the same object as 'one'"),
+        (shared_below_the_top, r"'by_name\['last'\]' is the same object as 'path\[1\]'"),
+        (lambda: {"pair": [np.zeros(2)] * 2}, r"'pair\[1\]' is the same object as 'pair\[0\]'"),
+        (a_view, "'row' is the same object as 'table' or shares its numbers"),
     ],
 )
 def test_rejects_attributes_that_would_change_on_restore(made, told: str):

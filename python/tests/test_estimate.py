@@ -9,8 +9,8 @@ import pytest
 
 import robocell
 from command_line import refused, robocell_command, write_run
-from robocell.generate.estimate import Estimate, scaled
-from robocell.generate.probe import Probe, Sample, spread
+from robocell._generation.estimate import Estimate, scaled
+from robocell._generation.probe import Probe, Sample, spread
 
 
 def sample(rows: int, *, frames: int = 0, extra: int = 0, **times: float) -> Sample:

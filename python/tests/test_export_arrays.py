@@ -22,8 +22,10 @@ from numpy.typing import NDArray
 import robocell
 from command_line import refused
 from exported import hashes, three_episodes
-from robocell.export import export_dataset, hdf5, videos
-from robocell.export.robomimic import masks, scaled
+from robocell.export import _hdf5 as hdf5
+from robocell.export import _videos as videos
+from robocell.export import export_dataset
+from robocell.export._robomimic import masks, scaled
 
 ROBOT = "robots/rc7"
 CAMERAS = ("wrist", "exo")
@@ -184,7 +186,7 @@ def test_act_reads_the_episodes(dataset: robocell.Dataset, tmp_path: Path):
 
 KILLED = """
     import os, signal
-    from robocell.export import export_dataset, {module} as module
+    from robocell.export import export_dataset, _{module} as module
 
     begun = []
     blocks = module.blocks
@@ -229,7 +231,7 @@ FULL = """
     import resource
     from pathlib import Path
     import numpy as np
-    from robocell.export.hdf5 import new_file
+    from robocell.export._hdf5 import new_file
 
     resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, resource.RLIM_INFINITY))
     kept = []

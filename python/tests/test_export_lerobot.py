@@ -23,10 +23,13 @@ import robocell
 from command_line import refused, robocell_command
 from exported import hashes, psnr, three_episodes
 from read_back import decoded
-from robocell.export import export_dataset, lerobot_rows, lerobot_v3, lerobot_v21
-from robocell.export.mp4 import Mp4
-from robocell.export.source import choose
-from robocell.export.statistics import Images, Vectors
+from robocell.export import _lerobot_rows as lerobot_rows
+from robocell.export import _lerobot_v3 as lerobot_v3
+from robocell.export import _lerobot_v21 as lerobot_v21
+from robocell.export import export_dataset
+from robocell.export._mp4 import Mp4
+from robocell.export._source import choose
+from robocell.export._statistics import Images, Vectors
 
 FPS = 8  # of episodes with 250/33 rows per second
 SIZE = (48, 64)
@@ -383,7 +386,7 @@ def test_the_command_exports_and_the_card_says_what_is_in_it(
 
 KILLED = """
     import os, signal
-    from robocell.export import card, export_dataset, lerobot_v3
+    from robocell.export import _card as card, export_dataset, _lerobot_v3 as lerobot_v3
 
     lerobot_v3.VIDEO_MB = 0  # a file for each episode
     write = lerobot_v3._write_shard
@@ -555,7 +558,7 @@ def test_what_is_there_is_not_replaced(dataset: robocell.Dataset, tmp_path: Path
 def test_numbers_that_are_none_are_named(
     dataset: robocell.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    from robocell.export import features
+    from robocell.export import _features as features
 
     read = features._column
 
@@ -579,7 +582,7 @@ def test_a_missing_package_is_named_with_the_command_that_installs_it(
 ):
     program = (
         "import sys; sys.modules['pyarrow'] = None\n"
-        "from robocell.cli import load, main\n"
+        "from robocell._cli import load, main\n"
         f"sys.argv = ['robocell', 'export', {str(dataset.folder)!r}, {str(tmp_path / 'out')!r}]\n"
         "main(load(sys.argv[1:]))"
     )

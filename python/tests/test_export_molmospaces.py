@@ -117,7 +117,7 @@ def test_cameras_have_their_poses(dataset: robocell.Dataset, exported: Path):
 
 KILLED = """
     import os, signal
-    from robocell.export import export_dataset, molmospaces
+    from robocell.export import export_dataset, _molmospaces as molmospaces
 
     write = molmospaces._write_trajectory
 

@@ -16,9 +16,9 @@ import robocell
 from command_line import refused, robocell_command
 from exported import psnr, three_episodes
 from robocell.export import export_dataset
-from robocell.export.features import rotation_vectors
-from robocell.export.mp4 import Mp4
-from robocell.export.videos import images
+from robocell.export._features import rotation_vectors
+from robocell.export._mp4 import Mp4
+from robocell.export._videos import images
 
 ROBOT = "robots/rc7"
 

@@ -16,7 +16,7 @@ ROOT = Path(__file__).parents[2]
 
 
 def test_custom_features_are_recorded_and_observed(tmp_path: Path):
-    @rc.register_feature("tcp_height_of_test", units="m", frame="world")
+    @rc.features.register_feature("tcp_height_of_test", units="m", frame="world")
     def height(scene: rc.Scene) -> float:
         return scene.robot("rc7").tcp_in_world.translation[2]
 
@@ -37,13 +37,13 @@ def test_rejects_invalid_features(tmp_path: Path):
     with pytest.raises(rc.SpecError, match="no registered feature 'nothing_of_test'"):
         make(tmp_path / "out", 1, features=["nothing_of_test"])
 
-    @rc.register_feature("wide_of_test", shape=[2])
+    @rc.features.register_feature("wide_of_test", shape=[2])
     def wide(scene: rc.Scene) -> list[float]:
         return [1, 2, 3]
 
     with pytest.raises(rc.ArgumentError, match="feature 'wide_of_test'"):
         make(tmp_path / "wide", 1, features=["wide_of_test"])
     with pytest.raises(TypeError, match="expected a function"):
-        rc.register_feature("a_of_test")(3)
+        rc.features.register_feature("a_of_test")(3)
     with pytest.raises(rc.ArgumentError, match="lower"):
-        rc.register_feature("b_of_test", lower=[0])(lambda scene: 0.0)
+        rc.features.register_feature("b_of_test", lower=[0])(lambda scene: 0.0)

@@ -11,9 +11,9 @@ import mujoco_menagerie
 import pytest
 
 import robocell as rc
-from robocell import fetching
+from robocell import _fetching as fetching
 from robocell.compat.mj_kdl_wrapper import menagerie as guide
-from robocell.compat.mj_kdl_wrapper.fetch import main as fetch_for_the_guide
+from robocell.compat.mj_kdl_wrapper._fetch import main as fetch_for_the_guide
 from toy_robots import shop, version_of
 
 __all__ = ["shop"]  # a fixture

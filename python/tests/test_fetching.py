@@ -16,8 +16,8 @@ import mujoco_menagerie
 import pytest
 
 import robocell as rc
-from robocell import fetching
-from robocell.cli.fetch import fetch as fetch_command
+from robocell import _fetching as fetching
+from robocell._cli.fetch import fetch as fetch_command
 from robocell.compat.mj_kdl_wrapper import menagerie as guide
 from toy_robots import shop, version_of
 

@@ -16,9 +16,9 @@ def wrist() -> tuple[rc.RobotSpec, rc.robots.ToolFrameSpec]:
     from menagerie import require_menagerie
 
     require_menagerie("kinova_gen3", "robotiq_2f85")
-    sensor = rc.AttachmentSpec(mjcf_path="ft_sensor")
+    sensor = rc.robots.AttachmentSpec(mjcf_path="ft_sensor")
     sensor.attach_to = rc.robots.AttachTarget(rc.robots.AttachKind.Site, "pinch_site")
-    gripper = rc.AttachmentSpec(mjcf_path="menagerie:robotiq_2f85", prefix="g_")
+    gripper = rc.robots.AttachmentSpec(mjcf_path="menagerie:robotiq_2f85", prefix="g_")
     gripper.attach_to = rc.robots.AttachTarget(rc.robots.AttachKind.Site, "wrist_ft_site")
     arm = rc.RobotSpec(path="menagerie:kinova_gen3", attachments=[sensor, gripper])
     tool = rc.robots.ToolFrameSpec(tool_body="ft_sensor", tcp_site="g_pinch")

@@ -23,10 +23,10 @@ import robocell
 from command_line import RUN, refused, robocell_command, write_run
 from contents import contents, of_episodes
 from made_once import made_once
-from robocell.generate import report as reports
-from robocell.generate.items import ItemRecord
-from robocell.generate.procfs import children
-from robocell.generate.resume import result_of
+from robocell._generation import report as reports
+from robocell._generation.items import ItemRecord
+from robocell._generation.procfs import children
+from robocell._generation.resume import result_of
 
 IDS = ["s0000_e0000", "s0000_e0001"]
 # One for each of seven workers; so far away that not every first start is in reach.
@@ -277,7 +277,7 @@ def interrupt(run: Path, number: signal.Signals) -> subprocess.CompletedProcess[
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)}
     # A test run in the background may have SIGINT ignored, which children inherit.
     code = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
-    code += "; from robocell.cli import main; main()"
+    code += "; from robocell._cli import main; main()"
     command = [sys.executable, "-c", code, "generate", str(run), "--workers", "1"]
     child = subprocess.Popen(
         [*command, "--episodes", "50", "--set", "episodes_per_scene=50"],

@@ -10,12 +10,12 @@ import pytest
 import typer
 
 from command_line import write_run
-from robocell.generate.job import Result
-from robocell.generate.supervisor import Fatal, Outcome
-from robocell.generate.totals import Totals
+from robocell._generation.job import Result
+from robocell._generation.supervisor import Fatal, Outcome
+from robocell._generation.totals import Totals
 
 # The package has the command under the module's name.
-cli = importlib.import_module("robocell.cli.generate")
+cli = importlib.import_module("robocell._cli.generate")
 
 
 def test_warns_about_a_small_disk_before_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -29,9 +29,9 @@ def test_warns_about_a_small_disk_before_the_run(tmp_path: Path, monkeypatch: py
 
 def test_repair_is_suggested_only_if_it_helps(tmp_path: Path):
     foreign = "'e1' is an episode of another run: repair leaves it alone, move it away yourself"
-    assert cli.in_the_way(foreign, tmp_path).endswith(foreign)
+    assert cli.text_of_damage(foreign, tmp_path).endswith(foreign)
     half = "'e2' is half an episode: episode.json is missing"
-    told = cli.in_the_way(f"{foreign}\n{half}", tmp_path)
+    told = cli.text_of_damage(f"{foreign}\n{half}", tmp_path)
     assert told.endswith(f"{half}\nTo set damaged ones aside: robocell verify --repair {tmp_path}")
 
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
-from robocell.generate.check import graphics_warnings
+from robocell._generation.check import graphics_warnings
 from test_probes import machine_with_a_card
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -69,7 +69,7 @@ def test_a_bad_mujoco_gl_is_reported_only_where_mujoco_is_needed(tmp_path: Path)
     (tmp_path / ".quarantine").mkdir()  # a dataset, and nothing in it
     code = (
         "import sys, robocell\n"
-        "from robocell.cli import main, probes\n"
+        "from robocell._cli import main, probes\n"
         "print(probes.engine())\n"
         "def command(*words):\n"
         "    sys.argv[1:] = words\n"

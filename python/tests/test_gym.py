@@ -146,7 +146,7 @@ def test_any_configuration_has_a_registered_name(tmp_path):
         assert set(env.action_space["robot"].spaces) == {"xyzrpy", "gripper"}
         assert env.reset(seed=0)[0]["robot"]["joints"].shape == (7,)
         env.close()
-    assert own.control_mode == rc.ControlMode.JOINTS, "it stays as it is"
+    assert own.control_mode == rc.envs.ControlMode.JOINTS, "it stays as it is"
     short = gym.make("robocell/Env-v0", config=own, max_episode_steps=1, flat=True)
     short.reset(seed=0)
     assert short.step(np.zeros(8, dtype=np.float32))[3]
@@ -508,7 +508,7 @@ def test_rejects_unknown_render_modes_and_options():
     env.close()
 
 
-@pytest.mark.parametrize("mode", ["joints", rc.ControlMode.JOINTS])
+@pytest.mark.parametrize("mode", ["joints", rc.envs.ControlMode.JOINTS])
 def test_the_registered_environment_supports_joint_control(mode):
     for name in ("robocell/PickCube-v0", "robocell/PickPlace-v0"):
         env = gym.make(name, control_mode=mode)

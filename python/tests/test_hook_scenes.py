@@ -89,13 +89,13 @@ def feature() -> str:
         look("feature", scene)
         return float(scene.data.ncon)
 
-    rc.register_feature("contacts_of_hooks")(read)
+    rc.features.register_feature("contacts_of_hooks")(read)
     return "contacts_of_hooks"
 
 
 def run_that_looks(folder: Path, feature: str) -> rc.RunConfig:
     rc.register_task("looks_at_data")(Looks)
-    rc.register_expert("watches_data")(Watches)
+    rc.tasks.register_expert("watches_data")(Watches)
     run = load(folder)
     run.task, run.expert, run.features = {"kind": "looks_at_data"}, "watches_data", [feature]
     run.output = str(folder / "looks")

@@ -319,7 +319,7 @@ def test_an_invalid_action_ends_the_rollout(tmp_path: Path, action: Any, text: s
 
 @pytest.mark.parametrize("numbers", [[1.0, 2.0, 3.0], [float("nan"), 0.0], None])
 def test_an_invalid_feature_value_ends_the_rollout(tmp_path: Path, numbers: Any):
-    @rc.register_feature("pair_of_hooks", shape=[2])
+    @rc.features.register_feature("pair_of_hooks", shape=[2])
     def pair(scene: rc.Scene) -> Any:
         return numbers
 
@@ -370,7 +370,7 @@ def test_errors_name_the_function_that_makes_a_task(tmp_path: Path):
     "values", [np.zeros(6), np.zeros((3, 2)), [[0.0, 0.0]] * 3, 1.0, [1.0], np.zeros((1, 2, 3))]
 )
 def test_a_feature_of_the_wrong_shape_ends_the_rollout(tmp_path: Path, values: Any):
-    @rc.register_feature("table_of_hooks", shape=[2, 3])
+    @rc.features.register_feature("table_of_hooks", shape=[2, 3])
     def table(scene: rc.Scene) -> Any:
         return values
 
@@ -382,7 +382,7 @@ def test_a_feature_of_the_wrong_shape_ends_the_rollout(tmp_path: Path, values: A
 
 @pytest.mark.parametrize("value", [True, np.True_, np.array(True)])
 def test_a_feature_can_be_boolean(tmp_path: Path, value: Any):
-    rc.register_feature("flag_of_hooks")(lambda scene: value)
+    rc.features.register_feature("flag_of_hooks")(lambda scene: value)
     run = run_of(tmp_path / "run", Touch, features=["flag_of_hooks"], max_attempts=1, keep="all")
     rc.generate.Runner(run, expert=lambda *_: Idle()).run(rc.generate.make_plan(run)[0])
     assert rc.Dataset(run.output)[0]["features/flag_of_hooks"].tolist() == [1, 1, 1]
@@ -390,7 +390,7 @@ def test_a_feature_can_be_boolean(tmp_path: Path, value: Any):
 
 @pytest.mark.parametrize(("shape", "value"), [((), [1.0]), ((1,), 1.0), ((1,), np.ones(1))])
 def test_a_scalar_feature_can_have_shape_one(tmp_path: Path, shape: Any, value: Any):
-    rc.register_feature("one_of_hooks", shape=shape)(lambda scene: value)
+    rc.features.register_feature("one_of_hooks", shape=shape)(lambda scene: value)
     run = run_of(tmp_path / "run", Touch, features=["one_of_hooks"], max_attempts=1, keep="all")
     rc.generate.Runner(run, expert=lambda *_: Idle()).run(rc.generate.make_plan(run)[0])
     assert rc.Dataset(run.output)[0]["features/one_of_hooks"].shape == (3, *shape)
@@ -417,7 +417,7 @@ def test_objects_that_no_scene_can_have_are_refused_before_the_first_episode(
 
 def test_an_instruction_without_words_is_warned_of(tmp_path: Path):
     run = run_of(tmp_path / "run", Mute)
-    rc.register_expert("mute_of_hooks")(lambda run, start: Idle())
+    rc.tasks.register_expert("mute_of_hooks")(lambda run, start: Idle())
     run.expert = "mute_of_hooks"
     (warning,) = (line for line in rc.diagnose.check_run(run) if "words" in line)
     assert "task 'mute_of_hooks': instruction() has no words" in warning
@@ -461,7 +461,7 @@ def test_a_sampler_scene_with_another_timestep_ends_the_rollout(tmp_path: Path):
 
 
 def test_rejects_a_scene_source_with_another_timestep(tmp_path: Path):
-    @rc.register_scene_source("slow_of_hooks")
+    @rc.scenes.register_scene_source("slow_of_hooks")
     class Slow(rc.scenes.SceneSource):
         timestep = 0.003
 
@@ -483,7 +483,7 @@ def test_rejects_a_scene_source_with_another_timestep(tmp_path: Path):
 
 def test_rejects_a_fixed_base_before_the_first_episode(tmp_path: Path):
     rc.register_task("fixed_of_hooks")(Touch)
-    rc.register_expert("fixed_of_hooks")(lambda run, start: Idle())
+    rc.tasks.register_expert("fixed_of_hooks")(lambda run, start: Idle())
     run = load(tmp_path)
     run.task, run.output = {"kind": "fixed_of_hooks"}, str(tmp_path / "fixed")
     run.robot.base = {"kind": "fixed"}

@@ -26,8 +26,8 @@ def test_importing_loads_neither_mujoco_nor_gl_nor_numpy():
 def test_the_command_line_loads_neither_mujoco_nor_numpy():
     """They take longer than the rest; the commands that need them load them."""
     result = run(
-        "import sys, robocell.cli; "
-        "robocell.cli.load([]); "
+        "import sys, robocell._cli; "
+        "robocell._cli.load([]); "
         "bad = {'mujoco', 'numpy', 'h5py', 'matplotlib', 'plotly', 'PIL'} & set(sys.modules); "
         "sys.exit(str(bad) if bad else 0)"
     )
@@ -36,10 +36,10 @@ def test_the_command_line_loads_neither_mujoco_nor_numpy():
 
 def test_loading_a_command_loads_no_other_command():
     result = run(
-        "import sys, robocell.cli; "
-        "robocell.cli.load(['gripper-range', 'robot.yaml']); "
-        "print(*(name for name in robocell.cli.COMMANDS"
-        " if 'robocell.cli.' + name.replace('-', '_') in sys.modules))"
+        "import sys, robocell._cli; "
+        "robocell._cli.load(['gripper-range', 'robot.yaml']); "
+        "print(*(name for name in robocell._cli.COMMANDS"
+        " if 'robocell._cli.' + name.replace('-', '_') in sys.modules))"
     )
     assert result.stdout == "gripper-range\n", result.stderr
 

@@ -111,7 +111,7 @@ def test_rejects_every_call_of_a_second_thread(tmp_path: Path):
         "gripper controller": robot.controller("gripper"),
         "stepper": rc.control.Stepper(scene, [robot]),
         "renderer": rc.render.Renderer(scene),
-        "video": rc.VideoRecorder(scene, tmp_path / "v.mp4", 64, 48),
+        "video": rc.render.VideoRecorder(scene, tmp_path / "v.mp4", 64, 48),
     }
     kinds = ["cartesian_pose", "joint_impedance", "cartesian_impedance", "differential_ik"]
     for kind in kinds:
@@ -145,7 +145,7 @@ def test_arguments_and_kept_handles_count_as_in_use(tmp_path: Path):
         lambda: rc.diagnose.validate_robot(robot),
         lambda: rc.control.Stepper(scene, [robot]),
         lambda: rc.render.Renderer(scene),
-        lambda: rc.VideoRecorder(scene, tmp_path / "v.mp4"),
+        lambda: rc.render.VideoRecorder(scene, tmp_path / "v.mp4"),
         lambda: rc.kinematics.CollisionFilter(robot),
         kept.update,
         lambda: task.reward(scene),

@@ -10,15 +10,15 @@ import yaml
 
 import init_models
 from robocell import SpecError
-from robocell.onboarding import Confidence, Guess, detect, model_text, robot_text
-from robocell.onboarding.actuation import Actuation, Drive
-from robocell.onboarding.hands import find_fingers
-from robocell.onboarding.home import first_contact
-from robocell.onboarding.jaws import is_jaw
-from robocell.onboarding.limbs import Anatomy
-from robocell.onboarding.roots import anatomy_of, find_roots
-from robocell.onboarding.source_model import SourceModel, load_model
-from robocell.onboarding.yaml_text import Raw, comment, flow, name_list
+from robocell._onboarding import Confidence, Guess, detect, model_text, robot_text
+from robocell._onboarding.actuation import Actuation, Drive
+from robocell._onboarding.hands import find_fingers
+from robocell._onboarding.home import first_contact
+from robocell._onboarding.jaws import is_jaw
+from robocell._onboarding.limbs import Anatomy
+from robocell._onboarding.roots import anatomy_of, find_roots
+from robocell._onboarding.source_model import SourceModel, load_model
+from robocell._onboarding.yaml_text import Raw, comment, flow, name_list
 
 
 def source_of(folder: Path, text: str) -> SourceModel:

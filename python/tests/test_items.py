@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from robocell.generate.items import counts_text
+from robocell._generation.items import counts_text
 
 
 def test_counts_are_sorted_by_number_then_name():

@@ -64,7 +64,7 @@ def test_the_built_in_robot_is_the_same_in_kdl():
 @needs_pykdl
 def test_an_arm_with_a_tool_is_the_same_in_kdl(menagerie):
     arm = rc.RobotSpec(path=rc.menagerie.model_path("kinova_gen3"))
-    tool = rc.AttachmentSpec(
+    tool = rc.robots.AttachmentSpec(
         mjcf_path=rc.menagerie.model_path("robotiq_2f85"),
         attach_to=rc.robots.AttachTarget(rc.robots.AttachKind.Site, "pinch_site"),
         prefix="g_",

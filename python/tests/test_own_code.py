@@ -122,10 +122,10 @@ def test_excludes_installed_modules_and_robocell():
 
 REGISTERS = {
     "task": (rc.register_task, "_register_task"),
-    "expert": (rc.register_expert, "_register_expert"),
+    "expert": (rc.tasks.register_expert, "_register_expert"),
     "scene_source": (rc.scenes.register_scene_source, "_register_scene_source"),
     "sampler": (rc.tasks.register_sampler, "_register_sampler"),
-    "feature": (rc.register_feature, "_register_feature"),
+    "feature": (rc.features.register_feature, "_register_feature"),
     "policy": (register_policy, "_register_expert"),
 }
 

@@ -10,32 +10,32 @@ from pathlib import Path
 import pytest
 
 import robocell
-from robocell.generate import own_process as processes
-from robocell.generate.own_process import ask_process, own_process
+from robocell._generation import own_process as processes
+from robocell._generation.own_process import ask_process, own_process
 
 
 def test_files_in_the_working_folder_do_not_shadow_modules(tmp_path: Path):
     for name in ("robocell.py", "json.py", "numpy.py", "argparse.py"):
         (tmp_path / name).write_text("raise SystemExit('the wrong file')")
     for variables in (os.environ, {"PATH": os.environ["PATH"]}):  # also not found by a variable
-        command = [*own_process("robocell.generate.work"), "--help"]
+        command = [*own_process("robocell._generation.work"), "--help"]
         done = subprocess.run(
             command, cwd=tmp_path, env=variables, capture_output=True, text=True, check=False
         )
         assert (done.returncode, done.stderr) == (0, "")
-        assert done.stdout.startswith("usage: robocell.generate.work ")
+        assert done.stdout.startswith("usage: robocell._generation.work ")
 
 
 def test_arguments_are_passed_unchanged():
     folder = Path(robocell.__file__).parents[1]
-    command = own_process("robocell.generate.work")
+    command = own_process("robocell._generation.work")
     assert command[:3] == [sys.executable, "-P", "-c"]
-    assert command[-2:] == [str(folder), "robocell.generate.work"]
+    assert command[-2:] == [str(folder), "robocell._generation.work"]
 
 
 PRINTS = """
 import atexit, os, subprocess, sys
-from robocell.generate.own_process import Asker
+from robocell._generation.own_process import Asker
 print("before", file=sys.stderr)
 asker = Asker()
 atexit.register(print, "bye")

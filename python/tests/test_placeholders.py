@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from robocell._placeholders import Gripper, Groups, camera_of, first_of, groups_of
-from robocell.export.mapping import Mapping
-from robocell.policy_presets import Preset
+from robocell._policy_presets import Preset
+from robocell.export._mapping import Mapping
 
 OPENINGS = ("opening",)
 

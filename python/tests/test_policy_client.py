@@ -20,9 +20,9 @@ import robocell as rc
 from openpi_peer import openpi_server
 from robocell.evaluate import _greeting
 from robocell.policy_server import LostServerError, PolicyClient, PolicyServerError
-from robocell.policy_server import client as client_module
-from robocell.policy_server.client import KEY, MOST_BYTES
-from robocell.policy_server.server import PolicyServer
+from robocell.policy_server import _client as client_module
+from robocell.policy_server._client import KEY, MOST_BYTES
+from robocell.policy_server._server import PolicyServer
 
 CHUNK = np.arange(80, dtype=np.float32).reshape(10, 8)
 OBSERVATION = {

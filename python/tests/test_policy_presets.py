@@ -11,8 +11,8 @@ import pytest
 from PIL import Image
 
 import robocell as rc
-from robocell.policy_presets import Preset, shipped_presets
-from robocell.policy_presets.images import resize_with_pad
+from robocell._policy_presets import Preset, shipped_presets
+from robocell._policy_presets.images import resize_with_pad
 
 CAMERAS = ["wrist", "exo"]
 

@@ -22,16 +22,18 @@ from websockets.sync.client import connect
 import openpi_peer
 import robocell as rc
 from openpi_peer import OpenpiClient
+from robocell._policy_presets import Preset
 from robocell.policy import Policy
-from robocell.policy_presets import Preset
 from robocell.policy_server import (
     PolicyClient,
     PolicyServer,
     PolicyServerError,
     RemotePolicy,
-    server,
 )
-from robocell.policy_server.served import PolicySession, ServedCell, policy_server
+from robocell.policy_server import (
+    _server as server,
+)
+from robocell.policy_server._served import PolicySession, ServedCell, policy_server
 
 ARM, GRIPPER = "robots/a/action/arm", "robots/a/action/gripper"
 

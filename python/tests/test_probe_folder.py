@@ -15,8 +15,8 @@ from pathlib import Path
 import pytest
 
 from command_line import REPOSITORY, environment_with, write_run
-from robocell.generate.probe_folder import LOCK, PREFIX, probe_folder
-from robocell.generate.procfs import children
+from robocell._generation.probe_folder import LOCK, PREFIX, probe_folder
+from robocell._generation.procfs import children
 
 STALLS = REPOSITORY / "tests/reliability/hard_models/replicate_in_replicate.xml"
 SOON_S = 60
@@ -44,7 +44,7 @@ def limit_memory() -> None:
 def start(run: Path, *options: str, **environment: object) -> subprocess.Popen[str]:
     # A test run in the background may have signals ignored, which children inherit.
     code = "import signal; signal.signal(signal.SIGHUP, signal.SIG_DFL)"
-    code += "; from robocell.cli import main; main()"
+    code += "; from robocell._cli import main; main()"
     return subprocess.Popen(
         [sys.executable, "-c", code, "generate", str(run), "--workers", "1", *options],
         env=environment_with(environment),
@@ -73,7 +73,7 @@ def test_the_check_process_ends_with_its_command(tmp_path: Path, number: signal.
     """While the engine is at a model that takes it hours."""
     scenes = {"source": "files", "files": [str(STALLS)]}
     command = start(write_run(tmp_path, scenes=scenes, episodes_per_scene=1))
-    helper = helper_of(command, "robocell.generate.check")
+    helper = helper_of(command, "robocell._generation.check")
     time.sleep(0.5)  # it loads, or is at it by now
     command.send_signal(number)
     _, said = command.communicate(timeout=SOON_S)
@@ -88,7 +88,7 @@ def test_the_check_process_ends_with_its_command(tmp_path: Path, number: signal.
 
 def test_a_dry_run_that_is_ended_leaves_no_folder(tmp_path: Path):
     command = start(write_run(tmp_path), "--dry-run", TMPDIR=tmp_path)
-    helper = helper_of(command, "robocell.generate.probe")
+    helper = helper_of(command, "robocell._generation.probe")
     command.terminate()
     _, said = command.communicate(timeout=SOON_S)
     assert command.returncode == 130, said

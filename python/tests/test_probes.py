@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from robocell.cli import probes
-from robocell.cli.doctor import advice
-from robocell.cli.probes import State
+from robocell._cli import probes
+from robocell._cli.doctor import advice
+from robocell._cli.probes import State
 
 
 def test_the_doctor_does_not_show_an_error_as_a_description(monkeypatch: pytest.MonkeyPatch):

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 
-from robocell.generate.procfs import (
+from robocell._generation.procfs import (
     MemoryWatch,
     _with_parent,
     children,
@@ -78,7 +78,8 @@ def test_peak_memory_lasts_as_long_as_its_process():
 
 def test_the_age_of_a_process_includes_the_time_before_python():
     code = (
-        "import time; from robocell.generate.procfs import age_s; time.sleep(0.5); print(age_s())"
+        "import time; from robocell._generation import procfs; "
+        "time.sleep(0.5); print(procfs.age_s())"
     )
     began = time.monotonic()
     ran = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -7,9 +7,9 @@ import json
 
 from rich.console import Console
 
-from robocell.generate.items import ItemRecord
-from robocell.generate.progress import Bar, JsonLines, PlainLines, beginning, status
-from robocell.generate.totals import Unmade
+from robocell._generation.items import ItemRecord
+from robocell._generation.progress import Bar, JsonLines, PlainLines, beginning, status
+from robocell._generation.totals import Unmade
 from test_totals import RESULT, totals_after_one
 
 

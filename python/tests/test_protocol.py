@@ -3,7 +3,7 @@
 import pytest
 
 import robocell as rc
-from robocell.generate.protocol import Failure, LineReader, ProtocolError, encode
+from robocell._generation.protocol import Failure, LineReader, ProtocolError, encode
 
 
 def test_messages_round_trip_for_any_chunking():

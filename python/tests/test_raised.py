@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 
 import robocell as rc
+from robocell._generation.protocol import Failure
+from robocell._generation.run_source import import_module
 from robocell._raised import (
     LONGEST_MESSAGE,
     is_of_users,
@@ -18,8 +20,6 @@ from robocell._raised import (
     trace_of,
     where,
 )
-from robocell.generate.protocol import Failure
-from robocell.generate.run_source import import_module
 
 
 def test_an_error_without_code_of_a_user_has_no_place():

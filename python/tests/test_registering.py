@@ -20,10 +20,10 @@ from robocell.policy import Policy, maker_of_policy, register_named_policy, regi
 
 REGISTERS: dict[str, Any] = {
     "register_task": rc.register_task,
-    "register_expert": rc.register_expert,
-    "register_scene_source": rc.register_scene_source,
-    "register_sampler": rc.register_sampler,
-    "register_feature": rc.register_feature,
+    "register_expert": rc.tasks.register_expert,
+    "register_scene_source": rc.scenes.register_scene_source,
+    "register_sampler": rc.tasks.register_sampler,
+    "register_feature": rc.features.register_feature,
 }
 BASES = {
     "register_task": ("rc.tasks.Task", "Task"),
@@ -138,14 +138,14 @@ def task_with_fields() -> None:
 
 
 def expert_of_nothing() -> None:
-    @rc.register_expert("of_test")
+    @rc.tasks.register_expert("of_test")
     class Stacker(rc.tasks.Expert):
         def __init__(self) -> None:
             super().__init__()
 
 
 def source_without_fields() -> None:
-    @rc.register_scene_source("of_test")
+    @rc.scenes.register_scene_source("of_test")
     class Lab(rc.scenes.SceneSource):
         Fields = Size
 
@@ -154,12 +154,12 @@ def source_without_fields() -> None:
 
 
 def sampler_of_start() -> None:
-    @rc.register_sampler("of_test")
+    @rc.tasks.register_sampler("of_test")
     def sampler(run: rc.RunConfig, start: Any) -> Any: ...
 
 
 def feature_of_nothing() -> None:
-    @rc.register_feature("of_test")
+    @rc.features.register_feature("of_test")
     def height() -> float:
         return 0.0
 
@@ -311,10 +311,10 @@ def test_classes_with_any_signature_are_registered():
         def __init__(self, *args: Any, **more: Any) -> None:
             super().__init__()
 
-    rc.register_expert("any_of_test")(rc.tasks.PickPlanner)
+    rc.tasks.register_expert("any_of_test")(rc.tasks.PickPlanner)
     rc.register_task("any_of_test")(Push)
     rc.register_task("any_of_test", fields=Size)(lambda fields: Push())
-    rc.register_sampler("any_of_test")(rc.tasks.StartSampler)
+    rc.tasks.register_sampler("any_of_test")(rc.tasks.StartSampler)
 
 
 class HalfAnExpert(rc.tasks.Expert):
@@ -382,7 +382,7 @@ def test_inherited_methods_count_as_defined():
 
     rc.register_task("mixed_of_test")(Mixed)
     rc.register_task("in_parts_of_test")(InParts)
-    rc.register_expert("picks_of_test")(Picks)
+    rc.tasks.register_expert("picks_of_test")(Picks)
 
 
 def test_warns_about_a_misspelt_method_name():
@@ -423,7 +423,7 @@ def test_warns_about_a_misspelt_method_name():
     ["", "m", "1", "rad/s", "N m", "m, 1", "m/s^2", "kg m^2/s", "%", "mm", "deg", "N*m", "m²"],
 )
 def test_accepts_units_of_known_symbols(unit: str):
-    rc.register_feature("unit_of_test", units=unit)(lambda scene: 0.0)
+    rc.features.register_feature("unit_of_test", units=unit)(lambda scene: 0.0)
 
 
 @pytest.mark.parametrize(
@@ -432,21 +432,21 @@ def test_accepts_units_of_known_symbols(unit: str):
 )
 def test_rejects_an_unknown_unit(unit: str, near: str):
     with pytest.raises(rc.ArgumentError, match=rf"no known symbol .* Did you mean '{near}'\?"):
-        rc.register_feature("unit_of_test", units=unit)
+        rc.features.register_feature("unit_of_test", units=unit)
 
 
 @pytest.mark.parametrize(
     "frame", ["", "world", "base of rc7", "TCP of rc7", "body 'cup'", "shared base frame"]
 )
 def test_accepts_frames_of_robocell(frame: str):
-    rc.register_feature("frame_of_test", frame=frame)(lambda scene: 0.0)
+    rc.features.register_feature("frame_of_test", frame=frame)(lambda scene: 0.0)
 
 
 def test_rejects_an_unknown_frame():
     with pytest.raises(rc.ArgumentError, match=r"no frame 'wrold'. Did you mean 'world'\? Frames"):
-        rc.register_feature("frame_of_test", frame="wrold")
+        rc.features.register_feature("frame_of_test", frame="wrold")
     with pytest.raises(rc.ArgumentError, match=r"no frame 'cup'\. Frames are such as"):
-        rc.register_feature("frame_of_test", frame="cup")
+        rc.features.register_feature("frame_of_test", frame="cup")
 
 
 def test_rejects_a_policy_with_required_arguments(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -598,7 +598,7 @@ def test_a_feature_takes_one_number_where_a_list_of_one_would_stand(
         {"shape": 1, "names": "travel", "lower": 0, "upper": 0.012},
         {"shape": (1,), "names": ["travel"], "lower": [0], "upper": np.array([0.012])},
     ):
-        rc.register_feature("one_of_test", **given)(lambda scene: 0.0)
+        rc.features.register_feature("one_of_test", **given)(lambda scene: 0.0)
     assert registered[0] == registered[1]
     assert registered[0][1] == [1]
     assert registered[0][-2:] == ([0.0], [0.012])
@@ -614,4 +614,4 @@ def test_a_feature_takes_one_number_where_a_list_of_one_would_stand(
 )
 def test_a_feature_rejects_what_are_no_numbers(given: dict[str, Any], text: str):
     with pytest.raises(rc.ArgumentError, match=rf"register_feature\('no_of_test'\): {text}"):
-        rc.register_feature("no_of_test", **given)
+        rc.features.register_feature("no_of_test", **given)

@@ -180,9 +180,10 @@ def test_a_recorded_dataset_has_a_report_and_no_run(recorded: Path):
     assert result.returncode == 0
     assert "no report.json" not in result.stderr
     assert "0 % (1 episode)" in result.stdout
-    for policy in ("expert", "replay"):
-        said = refused("evaluate", recorded, "--policy", policy)
-        assert "Evaluate a run, or a dataset that one generated" in said
+    said = refused("evaluate", recorded, "--policy", "expert")
+    assert "which has no expert: experts act in runs" in said
+    said = refused("evaluate", recorded, "--policy", "replay")
+    assert "an environment without a task, so nothing says which rollouts succeed" in said
 
 
 def test_a_replay_does_not_wait_for_real_time(tmp_path: Path):

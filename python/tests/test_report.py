@@ -14,14 +14,14 @@ import pytest
 
 import robocell
 from command_line import refused, robocell_command, write_run
-from robocell.generate import report as reports
-from robocell.generate.check import Found
-from robocell.generate.items import ItemRecord
-from robocell.generate.job import Job
-from robocell.generate.observer import Observer
-from robocell.generate.report import Command, DamagedReportError, RunReport
-from robocell.generate.summary import Summary
-from robocell.generate.totals import (
+from robocell._generation import report as reports
+from robocell._generation.check import Found
+from robocell._generation.items import ItemRecord
+from robocell._generation.job import Job
+from robocell._generation.observer import Observer
+from robocell._generation.report import Command, DamagedReportError, RunReport
+from robocell._generation.summary import Summary
+from robocell._generation.totals import (
     Again,
     Death,
     Totals,
@@ -104,6 +104,26 @@ def test_reports_more_episodes_than_the_last_command_requested():
     assert Summary("r", Path(), 7, totals).rows()["episodes"] == (
         "7 (the last command requested 5)"
     )
+
+
+def test_names_the_shards_that_have_no_report():
+    first, last = (RunReport("demo", "hash", (index, 3), {}) for index in (0, 2))
+    for shard, name in ((first, "a"), (last, "c")):
+        shard.add(command(name, planned=5, seconds=1.0), [made(name)], [name])
+    assert reports.unreported_shards([first, last]) == ["1/3"]
+    totals = reports.whole([first, last])
+    rows = Summary("r", Path(), 12, totals, {}, 2, ["1/3"]).rows()
+    assert rows["episodes"] == "12 on the disk (no report of shard 1/3; the others requested 10)"
+    middle = RunReport("demo", "hash", (1, 3), {})
+    assert reports.unreported_shards([first, middle, last]) == ["1/3"], "it has no command yet"
+    middle.add(command("b", planned=5, seconds=1.0), [made("b")], ["b"])
+    every = [first, middle, last]
+    assert reports.unreported_shards(every) == []
+    complete = Summary("r", Path(), 15, reports.whole(every), {}, 3)
+    assert complete.rows()["episodes"] == "15 of 15"
+    more = Summary("r", Path(), 18, reports.whole(every), {}, 3)
+    assert more.rows()["episodes"] == "18 (the last commands of the shards requested 15)"
+    assert reports.unreported_shards([a_report(("a",)), last]) == [], "the whole run has reported"
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "{}", '{"format": "robocell-report"}', "\0"])

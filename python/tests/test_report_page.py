@@ -16,11 +16,11 @@ import pytest
 import robocell
 from command_line import refused, robocell_command
 from report_dataset import mixed_dataset
+from robocell._generation.items import ItemRecord
+from robocell._report import facts, motion, pictures, rollouts, variation
+from robocell._report.facts import EarlierAttempt, EpisodeFacts
+from robocell._report.page import Contents, thousands, write
 from robocell.evaluate import wilson_interval
-from robocell.generate.items import ItemRecord
-from robocell.report import facts, motion, pictures, rollouts, variation
-from robocell.report.facts import EarlierAttempt, EpisodeFacts
-from robocell.report.page import Contents, thousands, write
 
 HOSTILE = "</script><script>document.title = 'taken'</script><img src=x onerror=alert(1)>"
 

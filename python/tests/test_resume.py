@@ -9,8 +9,9 @@ import pytest
 
 from command_line import write_run
 from robocell import RunConfig
-from robocell.generate import make_plan, resume
-from robocell.generate.resume import DamagedEpisodesError, made_items, result_of
+from robocell._generation import resume
+from robocell._generation.resume import DamagedEpisodesError, made_items, result_of
+from robocell.generate import make_plan
 
 
 def test_attempts_follow_their_numbers(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

@@ -18,8 +18,8 @@ from command_line import (
     write_robot,
     write_run,
 )
-from robocell.cli import reach_map
-from robocell.cli.robot_scene import load_robot
+from robocell._cli import reach_map
+from robocell._cli.robot_scene import load_robot
 
 
 def test_check_of_a_minimal_file_lists_the_elements_of_the_model(tmp_path: Path):

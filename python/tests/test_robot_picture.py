@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import robocell as rc
-from robocell.cli.robot_picture import SIZE_PX, robot_points, view_of
-from robocell.cli.robot_scene import load_robot
-from robocell.cli.robot_table import frames
+from robocell._cli.robot_picture import SIZE_PX, robot_points, view_of
+from robocell._cli.robot_scene import load_robot
+from robocell._cli.robot_table import frames
 
 MAST = """<mujoco><worldbody><body name="mast">
 <geom type="box" size="0.1 0.1 {half}" pos="0 0 {half}"/>

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
-from robocell._rows import Row
+from robocell._row import Row
 
 IMAGE = np.arange(12).reshape(2, 2, 3)
 

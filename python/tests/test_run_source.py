@@ -10,13 +10,13 @@ from pathlib import Path
 import pytest
 
 import robocell as rc
-from robocell.evaluate import evaluate
-from robocell.generate.job import Job
-from robocell.generate.run_source import (
+from robocell._generation.job import Job
+from robocell._generation.run_source import (
     RunSource,
     import_module,
     import_named,
 )
+from robocell.evaluate import evaluate
 
 MODULE = """
 import robocell as rc

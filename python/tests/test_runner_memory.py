@@ -53,7 +53,7 @@ WITH_A_SOURCE = f"""
 import robocell as rc
 
 
-@rc.register_scene_source("source_of_test")
+@rc.scenes.register_scene_source("source_of_test")
 class Mine(rc.scenes.SceneSource):
     def size(self):
         return 1
@@ -73,7 +73,7 @@ WITH_A_REGISTERED_SAMPLER = f"""
 import robocell as rc
 
 
-@rc.register_sampler("sampler_of_test")
+@rc.tasks.register_sampler("sampler_of_test")
 class Mine(rc.tasks.StartSampler):
     def choose_base_placement(self, request, rng):
         return runner and rc.tasks.BasePlacement(0.35, -0.2)

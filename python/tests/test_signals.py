@@ -6,7 +6,7 @@ import threading
 
 import pytest
 
-from robocell.generate.signals import STOP_SIGNALS, interrupted_by_signals, stop_on_signals
+from robocell._generation.signals import STOP_SIGNALS, interrupted_by_signals, stop_on_signals
 
 
 @pytest.mark.parametrize(

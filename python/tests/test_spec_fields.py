@@ -29,7 +29,7 @@ ALL = [v for v in vars(_core).values() if isinstance(v, type) and hasattr(v, "to
 
 class TestFields:
     def test_vectors_are_views_that_write_through(self):
-        gripper = rc.AttachmentSpec()
+        gripper = rc.robots.AttachmentSpec()
         pos = gripper.pos
         gripper.pos[2] = 0.005
         gripper.euler[2] = 15

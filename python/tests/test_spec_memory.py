@@ -74,7 +74,7 @@ def test_a_held_element_keeps_its_contents():
     spec = rc.SceneSpec.from_yaml(
         "timestep: 0.1\nadd_floor: true\nadd_skybox: true\nrobots: [{path: a.xml}]\n"
     )
-    tool = rc.AttachmentSpec(mjcf_path="hand.xml")
+    tool = rc.robots.AttachmentSpec(mjcf_path="hand.xml")
     held = spec.robots[0]
     held.attachments.append(tool)
     marker = Robot()
@@ -89,7 +89,7 @@ def test_a_held_element_keeps_its_contents():
 
 
 def test_a_held_element_of_a_collected_owner_is_whole():
-    robot = Robot(path="a.xml", attachments=[rc.AttachmentSpec(mjcf_path="hand.xml")])
+    robot = Robot(path="a.xml", attachments=[rc.robots.AttachmentSpec(mjcf_path="hand.xml")])
     spec = rc.SceneSpec(robots=[robot, Robot()])
     spec.robots[1].spec = spec
     del spec

@@ -6,7 +6,7 @@ import json
 from pathlib import Path
 
 import robocell
-from robocell.generate.stacks import place_in, without_stacks
+from robocell._generation.stacks import place_in, without_stacks
 
 OWN, MORE = "/mine/tasks.py", "/mine/helper.py"
 ROBOCELL, PYTHON = Path(robocell.__file__).parent / "generate" / "work.py", json.__file__

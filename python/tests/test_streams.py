@@ -17,8 +17,8 @@ import pytest
 
 import robocell
 from command_line import environment_with, robocell_command, write_run
-from robocell.generate import report as reports
-from robocell.generate.streams import Forgiving, reader_is_gone, unforgiving
+from robocell._generation import report as reports
+from robocell._generation.streams import Forgiving, reader_is_gone, unforgiving
 
 LONG_S = 240
 

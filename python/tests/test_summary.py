@@ -7,9 +7,9 @@ from pathlib import Path
 
 from rich.console import Console
 
-from robocell.generate.items import ItemRecord
-from robocell.generate.summary import Summary
-from robocell.generate.totals import (
+from robocell._generation.items import ItemRecord
+from robocell._generation.summary import Summary
+from robocell._generation.totals import (
     Totals,
     Unmade,
     side_by_side,

@@ -18,11 +18,11 @@ from typing import Any
 import pytest
 
 import fake_worker
-from robocell.generate.disk import with_trouble
-from robocell.generate.items import Item, ItemRecord
-from robocell.generate.observer import Observer
-from robocell.generate.supervisor import Limits, Supervisor
-from robocell.generate.totals import Totals, Unmade
+from robocell._generation.disk import with_trouble
+from robocell._generation.items import Item, ItemRecord
+from robocell._generation.observer import Observer
+from robocell._generation.supervisor import Limits, Supervisor
+from robocell._generation.totals import Totals, Unmade
 
 SOON_S = 20.0
 
@@ -260,7 +260,7 @@ def test_a_user_exception_is_shown_without_internal_frames(tmp_path: Path):
     first, *lines = unmade.reason.splitlines()
     assert first.startswith("ValueError: a bug (")
     assert any("fake_worker.py" in line for line in lines), "the lines that lead there"
-    assert not any("Traceback" in line or "generate/worker.py" in line for line in lines)
+    assert not any("Traceback" in line or "_generation/worker.py" in line for line in lines)
 
 
 def test_an_exit_in_user_code_is_an_error_with_file_and_line(tmp_path: Path):
@@ -431,7 +431,7 @@ def test_with_earlier_successes_all_items_are_tried(tmp_path: Path):
 
 
 def test_a_worker_reports_its_failure_with_a_full_log_disk():
-    command = [sys.executable, "-m", "robocell.generate.work", "--", "/no/such/run.yaml"]
+    command = [sys.executable, "-m", "robocell._generation.work", "--", "/no/such/run.yaml"]
     with Path("/dev/full").open("wb") as log:
         worker = subprocess.run(
             command,
@@ -529,7 +529,7 @@ sys.path[:0] = {path!r}
 import test_supervisor as t
 from pathlib import Path
 supervisor = t.supervise(Path({folder!r}), {script!r}, limits=t.Limits(stop_grace_s=5))
-from robocell.generate.signals import stop_on_signals
+from robocell._generation.signals import stop_on_signals
 with stop_on_signals(supervisor.request_stop):
     outcome = supervisor.run()
 sys.exit(130 if outcome.interrupted else 0)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from robocell.generate import report as reports
-from robocell.generate.items import ItemRecord
-from robocell.generate.report import Command, RunReport
-from robocell.generate.summary import Summary
-from robocell.generate.totals import (
+from robocell._generation import report as reports
+from robocell._generation.items import ItemRecord
+from robocell._generation.report import Command, RunReport
+from robocell._generation.summary import Summary
+from robocell._generation.totals import (
     Again,
     Death,
     Totals,

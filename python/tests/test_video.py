@@ -76,7 +76,7 @@ def probe(video: Path) -> dict[str, str]:
     return dict(line.split("=") for line in lines)
 
 
-def record(scene: rc.Scene, video: rc.VideoRecorder, frames: int) -> None:
+def record(scene: rc.Scene, video: rc.render.VideoRecorder, frames: int) -> None:
     """A frame each 16 ms."""
     for _ in range(frames):
         scene.step_n(8)
@@ -90,7 +90,9 @@ def test_a_preset_has_its_size_its_rate_and_every_frame(
     scene: rc.Scene, tmp_path: Path, frames: int
 ):
     path = tmp_path / "sim.mp4"
-    video = rc.VideoRecorder.open_preset(scene, path, rc.render.VideoResolution.R720p, fps=60)
+    video = rc.render.VideoRecorder.open_preset(
+        scene, path, rc.render.VideoResolution.R720p, fps=60
+    )
     video.set_free_camera(2.5, 135.0, -20.0, (0, 0, 0.7))
     record(scene, video, frames)
     video.finish()
@@ -104,7 +106,7 @@ def test_a_preset_has_its_size_its_rate_and_every_frame(
 
 
 def test_every_kind_of_camera(scene: rc.Scene, tmp_path: Path):
-    with rc.VideoRecorder(scene, tmp_path / "a.mp4", 64, 48, fps=30) as video:
+    with rc.render.VideoRecorder(scene, tmp_path / "a.mp4", 64, 48, fps=30) as video:
         video.record_frame()  # the whole model
         video.set_free_camera(3, 90, 0, [0, 0, 0.7])
         video.record_frame()
@@ -141,7 +143,7 @@ def test_cameras_by_name(tmp_path: Path):
         )
     )  # fmt: skip
     path = tmp_path / "a.mp4"
-    with rc.VideoRecorder(scene, path, 64, 48, fps=30) as video:
+    with rc.render.VideoRecorder(scene, path, 64, 48, fps=30) as video:
         names = video.camera_names()
         assert names == ["Current", "Free", "Tracking", "r_exo_camera", "r_wrist_camera", "side"]
         video.set_free_camera(3, 90, 0, [0, 0, 0.7])
@@ -183,7 +185,7 @@ def test_images_accept_the_same_cameras(scene: rc.Scene):
 
 
 def test_cameras_survive_added_and_removed_objects(scene: rc.Scene, tmp_path: Path):
-    with rc.VideoRecorder(scene, tmp_path / "a.mp4", 64, 48, fps=30) as video:
+    with rc.render.VideoRecorder(scene, tmp_path / "a.mp4", 64, 48, fps=30) as video:
         video.set_tracking_camera("ball", distance=3, elevation=0)
         scene.add_object(
             rc.SceneObject(name="post", shape="box", size=[0.05, 0.05, 0.3], rgba=[0, 0, 1, 1],
@@ -210,7 +212,7 @@ def test_cameras_survive_added_and_removed_objects(scene: rc.Scene, tmp_path: Pa
 
 
 def test_errors_name_wrong_cameras_sizes_and_paths(scene: rc.Scene, tmp_path: Path):
-    video = rc.VideoRecorder(scene, tmp_path / "a.mp4", 64, 48)
+    video = rc.render.VideoRecorder(scene, tmp_path / "a.mp4", 64, 48)
     with pytest.raises(
         rc.NotFoundError,
         match=r"a.mp4': no camera 'sied'. Its cameras: Current, Free, Tracking, side. "
@@ -222,9 +224,9 @@ def test_errors_name_wrong_cameras_sizes_and_paths(scene: rc.Scene, tmp_path: Pa
     with pytest.raises(rc.ArgumentError, match="lookat must be 3 numbers, got 2"):
         video.set_free_camera(1, 0, 0, [0, 0])
     with pytest.raises(rc.ArgumentError, match="63"):
-        rc.VideoRecorder(scene, tmp_path / "odd.mp4", 63, 48)
+        rc.render.VideoRecorder(scene, tmp_path / "odd.mp4", 63, 48)
     with pytest.raises(rc.IoError, match="nowhere"):
-        rc.VideoRecorder(scene, tmp_path / "nowhere" / "a.mp4", 64, 48)
+        rc.render.VideoRecorder(scene, tmp_path / "nowhere" / "a.mp4", 64, 48)
     video.record_frame()
     scene.close()
     with pytest.raises(rc.ClosedError, match="video recorder is closed"):
@@ -235,7 +237,7 @@ RECORD = """
 import sys, robocell as rc
 scene = rc.Scene.build(rc.SceneSpec(name="s", timestep=0.002, add_floor=True, add_skybox=False))
 try:
-    rc.VideoRecorder(scene, sys.argv[1], 64, 48).record_frame()
+    rc.render.VideoRecorder(scene, sys.argv[1], 64, 48).record_frame()
 except rc.Error as error:
     print(error)
 """

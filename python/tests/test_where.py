@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import robocell
-from robocell.data.where import Condition
+from robocell.data._where import Condition
 
 FIELDS = {
     "success": True,

@@ -14,7 +14,7 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 import openpi_peer
-from robocell.policy_server.wire import LONGEST_LIST, WireError, pack, unpack
+from robocell.policy_server._wire import LONGEST_LIST, WireError, pack, unpack
 
 PLAIN = ("?", "i1", "i2", "i4", "i8", "u1", "u2", "u4", "u8", "f2", "f4", "f8")
 

@@ -46,8 +46,8 @@ TOPICS = {
 
 def source(topic: str) -> Path:
     """The file of a module of the package."""
-    folder = PACKAGE / topic
-    return folder / "__init__.py" if folder.is_dir() else PACKAGE / f"{topic}.py"
+    package = PACKAGE / topic / "__init__.py"
+    return package if package.is_file() else PACKAGE / f"{topic}.py"
 
 
 def public_names(file: Path) -> list[str]:

@@ -13,7 +13,7 @@ from memory import resident_bytes_from_now
 import robocell
 from made_once import made_once
 from menagerie import require_menagerie
-from robocell.generate.procfs import MemoryWatch
+from robocell._generation.procfs import MemoryWatch
 
 EXAMPLE = ROOT / "examples" / "xarm7_pick.yaml"
 DEMO = ROOT / "examples" / "demo.yaml"

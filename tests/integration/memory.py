@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from pathlib import Path
 
-from robocell.generate.procfs import children
+from robocell._generation.procfs import children
 
 
 def descendants(pid: int) -> list[int]:

@@ -18,7 +18,7 @@ from generated_run import GeneratedRun
 from memory import resident_bytes, resident_bytes_from_now
 
 from command_line import environment_with, new_process
-from robocell.generate.procfs import MemoryWatch
+from robocell._generation.procfs import MemoryWatch
 
 WITHIN = 0.2
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,8 +11,7 @@ import pytest
 from commands import ROOT, generate, refusal, robocell_command
 
 import robocell as rc
-from robocell.data import EnvRecorder
-from robocell.dataset_run import run_of_dataset
+from robocell._dataset_run import run_of_dataset
 from robocell.envs import from_dataset
 from robocell.evaluate import (
     Evaluation,
@@ -20,7 +20,6 @@ from robocell.evaluate import (
     evaluate,
     wilson_interval,
 )
-from robocell.gym import pick_cube_config
 
 DEMO = ROOT / "examples" / "demo.yaml"
 
@@ -144,6 +143,29 @@ def test_evaluations_without_common_starts_are_not_compared():
         compare(mine, evaluation({"s0_e0": True}, seed=2))
     with pytest.raises(rc.ArgumentError, match=r"have no start in common; evaluate both"):
         compare(mine, evaluation({"s0_e1": True}))
+
+
+def test_evaluations_in_different_cells_are_not_compared():
+    cell = {"rates.policy_ms": "40", "task.kind": "pick", "file 'rc7.xml'": "12ab"}
+    mine = replace(evaluation({"s0_e0": True}), cell=cell)
+    assert compare(mine, replace(mine, policy="other")).both == 1
+    other = {"rates.policy_ms": "20", "task.kind": "pick", "file 'rc7.xml'": "34cd", "seed": "1"}
+    with pytest.raises(rc.ArgumentError) as refused:
+        compare(mine, replace(mine, cell=other))
+    assert str(refused.value) == (
+        "'out' and 'out' are evaluations in different cells: rates.policy_ms: 40 and 20, "
+        "file 'rc7.xml', seed: nothing and 1; evaluate both policies in the cell of one dataset or "
+        "run"
+    )
+
+
+def test_an_evaluation_stores_its_cell(dataset: Path, tmp_path: Path):
+    same = evaluate(dataset, "random", episodes=1, output=tmp_path / "same", cameras=False)
+    longer = evaluate(dataset, "expert", episodes=1, output=tmp_path / "longer", max_steps=700)
+    assert same.cell["rates.max_steps"] == "500"
+    assert "expert" not in same.cell
+    with pytest.raises(rc.ArgumentError, match=r"cells: rates\.max_steps: 700 and 500; evaluate"):
+        compare(longer, same)
 
 
 def test_a_stored_evaluation_is_read_again(tmp_path: Path):
@@ -291,13 +313,7 @@ def test_other_weights_are_another_evaluation(dataset: Path, tmp_path: Path):
 
 
 @pytest.mark.parametrize("policy", ["expert", "random", "replay"])
-def test_rejects_a_dataset_that_no_run_generated(policy: str, tmp_path: Path):
-    env = rc.Env(pick_cube_config(relative_to="last_step"))
-    with EnvRecorder(env, tmp_path / "recorded"):
-        env.reset(seed=0)
-        env.step({"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1], "gripper": 1}})
-    said = refusal("evaluate", tmp_path / "recorded", "--policy", policy, "-n", "1")
-    assert "recorded from an environment, not made by a run" in said
+def test_rejects_a_folder_without_episodes(policy: str, tmp_path: Path):
     (tmp_path / "empty").mkdir()
     said = refusal("evaluate", tmp_path / "empty", "--policy", policy, "-n", "1")
     assert "has no episode" in said or "no dataset" in said

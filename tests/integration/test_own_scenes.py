@@ -20,7 +20,7 @@ import robocell as rc
 from robocell.scenes import SceneAnnotations, SupportFace
 
 
-@rc.register_scene_source("desks")
+@rc.scenes.register_scene_source("desks")
 class Desks(rc.scenes.SceneSource):
     @dataclass
     class Fields:
@@ -53,7 +53,7 @@ class Desks(rc.scenes.SceneSource):
         return SceneAnnotations(supports=[SupportFace(face, body="desk", free_area=0.48)])
 
 
-@rc.register_sampler("near")
+@rc.tasks.register_sampler("near")
 class Near(rc.tasks.StartSampler):
     def choose_base_placement(self, request, rng):
         return rc.tasks.BasePlacement(0.35, -0.2)
@@ -191,7 +191,7 @@ class Count(rc.scenes.SceneSource):
 
 @pytest.fixture
 def counted(tmp_path: Path) -> rc.RunConfig:
-    rc.register_scene_source("count_of_test")(Count)
+    rc.scenes.register_scene_source("count_of_test")(Count)
     Count.many, Count.annotated, Count.random = 2, None, False
     file = tmp_path / "count.yaml"
     file.write_text(

@@ -17,8 +17,8 @@ import pytest
 from commands import ROOT, generate, refusal, robocell_command
 
 import robocell as rc
+from robocell._generation.run_source import RunSource
 from robocell._own_code import own_sources
-from robocell.generate.run_source import RunSource
 
 EXAMPLE = ROOT / "examples" / "stack_cubes.py"
 RC7 = ROOT / "models" / "robots" / "rc7" / "rc7.yaml"
@@ -385,9 +385,9 @@ def test_code_files_with_equal_names_are_all_recorded(tmp_path: Path):
     (tmp_path / "b").mkdir()
     for folder in ("a", "b"):
         (tmp_path / folder / "weights.txt").write_text(folder)
-    rc.register_expert("two_files_of_test", files=[tmp_path / f / "weights.txt" for f in "ab"])(
-        lambda run, start: rc.tasks.PickPlanner(run, start)
-    )
+    rc.tasks.register_expert(
+        "two_files_of_test", files=[tmp_path / f / "weights.txt" for f in "ab"]
+    )(lambda run, start: rc.tasks.PickPlanner(run, start))
     run = rc.RunConfig.load(ROOT / "examples" / "demo.yaml")
     run.cameras.streams.clear()
     run.expert, run.output = "two_files_of_test", str(tmp_path / "out")
@@ -448,7 +448,7 @@ import mini_library as lib
 import robocell as rc
 
 rc.register_task("mini")(lib.Mini)
-rc.register_expert("mini")(functools.partial(lib.Opens, opening=1.0))
+rc.tasks.register_expert("mini")(functools.partial(lib.Opens, opening=1.0))
 """
 MINI_RUN = f"""
 run: mini

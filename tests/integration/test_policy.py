@@ -10,7 +10,7 @@ from commands import generate, refusal, robocell_command
 from test_evaluate import DEMO, REPLAYER, dataset, policy_file
 
 import robocell as rc
-from robocell.dataset_run import run_of_dataset
+from robocell._dataset_run import run_of_dataset
 from robocell.evaluate import evaluate
 from robocell.policy import Policy, PolicyExpert
 

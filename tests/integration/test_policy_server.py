@@ -21,10 +21,10 @@ from commands import ROOT, refusal
 
 import robocell as rc
 from openpi_peer import OpenpiClient, openpi_server
+from robocell._generation.supervisor import Limits
+from robocell._policy_options import PolicyOptions
 from robocell.evaluate import Evaluation, default_output, evaluate
-from robocell.generate.supervisor import Limits
 from robocell.policy import expert_of_policy
-from robocell.policy_options import PolicyOptions
 from robocell.policy_server import PolicyClient, PolicyServerError, policy_server
 
 STEPS = 20

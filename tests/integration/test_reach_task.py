@@ -11,7 +11,7 @@ import robocell as rc
 
 EXPERT = """
 
-@rc.register_expert("reach")
+@rc.tasks.register_expert("reach")
 class Straight(rc.tasks.Expert):
     def __init__(self, run, start):
         super().__init__()

@@ -14,8 +14,8 @@ from robot_files import GRASPING_FILES, ROBOT_FILES
 
 import robocell as rc
 from menagerie import require_menagerie
-from robocell.cli.ik_answers import reachable_poses, solve_each
-from robocell.cli.robot_scene import RobotScene, load_robot
+from robocell._cli.ik_answers import reachable_poses, solve_each
+from robocell._cli.robot_scene import RobotScene, load_robot
 from robocell.gym import GymEnv
 
 Array = NDArray[np.float64]

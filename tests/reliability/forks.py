@@ -13,9 +13,9 @@ import sys
 import tempfile
 from typing import Any
 
-from robocell.cli import load, main
-from robocell.generate import job
-from robocell.generate.check import Found
+from robocell._cli import load, main
+from robocell._generation import job
+from robocell._generation.check import Found
 
 COMMAND = load(["generate"])
 

@@ -78,7 +78,7 @@ def children(folder: Path) -> Work:
         nonlocal count
         count += 1
         path = folder / f"{count % 2}.mp4"
-        recorder = robocell.VideoRecorder(scene, path, 32, 24, 30)
+        recorder = robocell.render.VideoRecorder(scene, path, 32, 24, 30)
         recorder.record_frame()
         if count % 2:
             recorder.finish()

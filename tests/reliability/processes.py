@@ -11,7 +11,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from robocell.generate.procfs import children
+from robocell._generation.procfs import children
 
 
 def bare_environment() -> dict[str, str]:
@@ -30,5 +30,5 @@ def program(pid: int) -> str:
 def workers_of(command: subprocess.Popen[str]) -> list[int]:
     """Its workers; the process that looks the run through before there are any is none."""
     return [
-        child for child in children(command.pid) if "robocell.generate.work\0" in program(child)
+        child for child in children(command.pid) if "robocell._generation.work\0" in program(child)
     ]

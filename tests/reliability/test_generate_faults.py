@@ -25,7 +25,7 @@ from storm import Storm
 
 import robocell
 from contents import contents
-from robocell.generate.procfs import children
+from robocell._generation.procfs import children
 
 KILLS = 6
 

@@ -62,7 +62,7 @@ def storm(tmp_path: Path) -> Iterator[Storm]:
     yield Storm(tmp_path)
     for file in tmp_path.glob("stopped*"):
         pid = int(file.read_text())
-        if "robocell.generate.work\0" in program(pid):
+        if "robocell._generation.work\0" in program(pid):
             os.kill(pid, signal.SIGKILL)
 
 

@@ -90,7 +90,7 @@ ENDINGS = {
 scene = leaks.cell()
 renderer = rc.render.Renderer(scene)
 image = renderer.render(rc.render.OrbitCamera(), 32, 24)
-recorder = rc.VideoRecorder(scene, "unfinished.mp4", 32, 24, 30)
+recorder = rc.render.VideoRecorder(scene, "unfinished.mp4", 32, 24, 30)
 recorder.record_frame()
 """,
     "steppers and controllers": """
@@ -179,7 +179,7 @@ class Wait(rc.tasks.Task):
 class Mine(rc.tasks.StartSampler):
     pass
 rc.register_task("wait")(Wait)
-rc.register_sampler("mine")(Mine)
+rc.tasks.register_sampler("mine")(Mine)
 run = rc.RunConfig.load(leaks.DEMO, ["cameras.streams=[]"])
 mine = rc.RunConfig.load(leaks.DEMO, ["cameras.streams=[]", "sampler=mine"])
 waiting = rc.RunConfig.load(leaks.DEMO, ["cameras.streams=[]", "task={kind: wait}"])

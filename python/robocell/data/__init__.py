@@ -43,11 +43,11 @@ from robocell._core import (
 )
 from robocell._elsewhere import no_such, not_in
 from robocell.data._environments import env_of_episode
-from robocell.data._recorder import EnvRecorder
+from robocell.data._recorder import EnvRecorder, Recordable
 
 if TYPE_CHECKING:
-    from robocell.data._rows import rows
-    from robocell.data.steps import Steps, torch_dataset
+    from robocell.data._matrix import rows
+    from robocell.data._steps import Steps, torch_dataset
 
 __all__ = [
     "NO_SEGMENT",
@@ -56,6 +56,7 @@ __all__ = [
     "DatasetLock",
     "EnvRecorder",
     "Episode",
+    "Recordable",
     "RepairResult",
     "ReplayDifference",
     "ReplayResult",
@@ -80,7 +81,7 @@ def __getattr__(name: str) -> Any:
     """Loads the names that need numpy on first use."""
     import importlib
 
-    module = {"rows": "_rows", "Steps": "steps", "torch_dataset": "steps"}.get(name)
+    module = {"rows": "_matrix", "Steps": "_steps", "torch_dataset": "_steps"}.get(name)
     if module is None:
         raise no_such(not_in("robocell.data", name, __all__), name)
     value = getattr(importlib.import_module(f"robocell.data.{module}"), name)

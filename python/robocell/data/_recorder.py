@@ -6,9 +6,22 @@ import json
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
-from typing import Any, Self
+from typing import Any, Protocol, Self, runtime_checkable
 
 from robocell._core import ArgumentError, Env, EnvBatch, RunEnv, _EnvRecorder
+
+
+@runtime_checkable
+class Recordable(Protocol):
+    """An environment around an `rc.Env` or `EnvBatch`, which `EnvRecorder` records.
+
+    Those of `robocell.gym` and `from_dataset` are; one of your own needs this property and no base
+    class. Wrappers of Gymnasium are looked through by their `unwrapped`.
+    """
+
+    @property
+    def recordable(self) -> Env | EnvBatch:
+        """What the environment steps."""
 
 
 class EnvRecorder:
@@ -20,8 +33,8 @@ class EnvRecorder:
     replay` and `replay_actions` reproduce it exactly.
 
     Args:
-        env: An `rc.Env`, an environment of Gymnasium's that robocell made (`robocell.gym`, or
-            `from_dataset` of recorded episodes), or with `copy` an `EnvBatch` or a vector.
+        env: An `rc.Env`, or with `copy` an `EnvBatch`; or any `Recordable` around one, such as the
+            environments of `robocell.gym` and `from_dataset`, in wrappers of Gymnasium too.
         dataset: Folder of the dataset; created if missing.
         prefix: Prefix of the ids: "episode-000000". Recorders of one folder need different ones.
             Default: "episode", or "copy3" for copy 3.
@@ -155,18 +168,24 @@ def _require_storable(value: Any) -> None:
 
 def _core_of(env: Any) -> Env | EnvBatch:
     """Returns the C++ object behind an environment or its wrappers."""
-    core = getattr(getattr(env, "unwrapped", env), "core", None)
-    for candidate in (env, core, getattr(core, "env", None)):  # the last one behind from_dataset
-        if isinstance(candidate, Env | EnvBatch):
-            return candidate
-    if isinstance(env, RunEnv) or isinstance(core, RunEnv):
-        raise ArgumentError(
-            f"{type(env).__name__} is the cell of a run, which EnvRecorder does not record: "
-            "`robocell evaluate RUN_OR_DATASET --policy module:Class --output FOLDER` records what "
-            "a policy does in it, and `robocell generate RUN.yaml` what its expert does"
-        )
+    unwrapped = getattr(env, "unwrapped", env)
+    core = unwrapped.recordable if isinstance(unwrapped, Recordable) else unwrapped
+    if isinstance(core, Env | EnvBatch):
+        return core
+    if isinstance(core, RunEnv):
+        raise ArgumentError(cell_of_a_run(type(env).__name__))
     raise ArgumentError(
         f"{type(env).__name__} cannot be recorded: EnvRecorder takes an rc.Env, an environment of "
         "robocell.gym, one that from_dataset made of recorded episodes, or with `copy` an EnvBatch "
-        "or a vector of robocell.gym"
+        "or a vector of robocell.gym. One of your own needs `recordable`, the rc.Env that it steps "
+        "(robocell.data.Recordable)"
+    )
+
+
+def cell_of_a_run(name: str) -> str:
+    """Returns the message about the cell of a run."""
+    return (
+        f"{name} is the cell of a run, which EnvRecorder does not record: `robocell evaluate "
+        "RUN_OR_DATASET --policy module:Class --output FOLDER` records what a policy does in it, "
+        "and `robocell generate RUN.yaml` what its expert does"
     )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from torch.utils.data import Dataset
 
 from robocell._core import ArgumentError
-from robocell.data.steps import EPISODE, PAD, ROW, Item, Key, Steps
+from robocell.data._steps import EPISODE, PAD, ROW, Item, Key, Steps
 
 MILLIMETRES = np.float32(1000)  # of a metre
 

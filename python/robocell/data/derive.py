@@ -22,10 +22,10 @@ from typing import Any
 
 from robocell import __version__
 from robocell._core import ArgumentError, Dataset, Episode, IoError, json_damage, sign_json
+from robocell._dataset_run import manifest_of_dataset
 from robocell._staging import Staging, staging
 from robocell._suggestions import counted
-from robocell.data.where import Condition, Value, fields
-from robocell.dataset_run import manifest_of_dataset
+from robocell.data._where import Condition, Value, fields
 
 __all__ = ["Derived", "keep", "merge", "split"]
 

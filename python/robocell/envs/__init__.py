@@ -33,12 +33,14 @@ from robocell._core import (
     env_scene_spec,
 )
 from robocell._elsewhere import no_such, not_in
+from robocell.envs._protocols import CellEnv, RecordedCellEnv
 
 if TYPE_CHECKING:
-    from robocell.envs.dataset_env import DatasetEnv, from_dataset
+    from robocell.envs._dataset_env import DatasetEnv, from_dataset
 
 __all__ = [
     "CameraAdderConfig",
+    "CellEnv",
     "ControlMode",
     "DatasetEnv",
     "Env",
@@ -48,6 +50,7 @@ __all__ = [
     "EnvState",
     "ObjectVariation",
     "OnCollision",
+    "RecordedCellEnv",
     "RelativeTo",
     "RunEnv",
     "SimSettings",
@@ -61,7 +64,7 @@ def __getattr__(name: str) -> Any:
     """Loads the names that need Gymnasium on first use."""
     if name not in ("DatasetEnv", "from_dataset"):
         raise no_such(not_in("robocell.envs", name, __all__), name)
-    from robocell.envs import dataset_env
+    from robocell.envs import _dataset_env as dataset_env
 
     value = getattr(dataset_env, name)
     globals()[name] = value

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from robocell import __version__
 from robocell._core import ArgumentError, Dataset, IoError
-from robocell.export.formats import FORMATS, Options, require_format
+from robocell.export._formats import FORMATS, Options, require_format
 
 __all__ = ["FORMATS", "Exported", "export_dataset"]
 
@@ -110,9 +110,9 @@ def export_dataset(
                 f"{option} are {', '.join(fitting)}"
             )
     from robocell._staging import staging
-    from robocell.export.card import card, episodes_json
-    from robocell.export.mapping import Mapping
-    from robocell.export.source import choose, gather
+    from robocell.export._card import card, episodes_json
+    from robocell.export._mapping import Mapping
+    from robocell.export._source import choose, gather
 
     write = form.write
     opened = dataset if isinstance(dataset, Dataset) else Dataset(os.fspath(dataset))

@@ -8,16 +8,16 @@ docs/policy_server.md describes messages, presets and limits.
 
 from __future__ import annotations
 
-from robocell.policy_server.client import (
+from robocell.policy_server._client import (
     LostServerError,
     PolicyClient,
     PolicyServerError,
     Reply,
 )
-from robocell.policy_server.remote_policy import RemotePolicy
-from robocell.policy_server.served import policy_server
-from robocell.policy_server.server import PolicyServer, Session
-from robocell.policy_server.wire import WireError, pack, unpack
+from robocell.policy_server._remote_policy import RemotePolicy
+from robocell.policy_server._served import policy_server
+from robocell.policy_server._server import PolicyServer, Session
+from robocell.policy_server._wire import WireError, pack, unpack
 
 __all__ = [
     "LostServerError",

@@ -39,6 +39,11 @@ std::vector<std::string> Warnings(const EngineWarnings& engine, const RolloutRes
   return warnings;
 }
 
+// Evaluations count the rollouts that an error of the policy ended.
+std::string ResultsOf(const ExpertCalls& calls, const RolloutResult& result) {
+  return calls.failed() && !result.success ? R"({"policy_error": true})" : "{}";
+}
+
 }  // namespace
 
 RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expert, Rng& rng,
@@ -109,7 +114,8 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
                                        .terminated = terminated,
                                        .truncated = truncated,
                                        .end_reason = result.success ? "success" : result.failure,
-                                       .warnings = Warnings(recording.warnings(), result)});
+                                       .warnings = Warnings(recording.warnings(), result),
+                                       .results_json = ResultsOf(calls, result)});
   result.stopped = !result.committed;
   return result;
 }

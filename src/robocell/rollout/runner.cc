@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <optional>
 #include <utility>
 
@@ -32,19 +33,19 @@ double Seconds(std::chrono::steady_clock::time_point since) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - since).count();
 }
 
-// Stands for an expert that could not be made: its rollout ends at once.
+// Stands for an expert that could not be made: its rollout ends at once, with the error.
 class UnmadeExpert final : public Expert {
  public:
-  explicit UnmadeExpert(std::string why) : why_(std::move(why)) {}
-  void Begin(const Scene& /*scene*/, Rng& /*rng*/) override {}
+  explicit UnmadeExpert(std::exception_ptr error) : error_(std::move(error)) {}
+  void Begin(const Scene& /*scene*/, Rng& /*rng*/) override { std::rethrow_exception(error_); }
   Action Act(const Scene& /*scene*/, Rng& /*rng*/) override { return {}; }
   bool done() const override { return true; }
-  std::string failure() const override { return why_; }
+  std::string failure() const override { return ""; }
   int phase() const override { return 0; }
   std::vector<std::string> phase_names() const override { return {}; }
 
  private:
-  std::string why_;
+  std::exception_ptr error_;
 };
 
 // Returns true if a run calls code that is not part of robocell.
@@ -312,9 +313,9 @@ std::shared_ptr<Expert> Runner::State::MakeExpert(const EpisodeStart& start) con
   try {
     return internal::CallHook(Hooks(), "the expert's constructor",
                               [&] { return parts.expert(run, start); });
-  } catch (const HookError& error) {
+  } catch (const HookError&) {
     if (!do_expert_errors_fail()) throw;
-    return std::make_shared<UnmadeExpert>(internal::PolicyError(error));
+    return std::make_shared<UnmadeExpert>(std::current_exception());
   }
 }
 

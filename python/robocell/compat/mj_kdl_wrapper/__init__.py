@@ -16,7 +16,6 @@ from __future__ import annotations
 import difflib
 
 from robocell import (
-    AttachmentSpec,
     RobotSpec,
     Scene,
     SceneSpec,
@@ -26,16 +25,22 @@ from robocell import (
 )
 from robocell._elsewhere import no_such
 from robocell.compat.mj_kdl_wrapper import menagerie
-from robocell.compat.mj_kdl_wrapper.env import Env
-from robocell.compat.mj_kdl_wrapper.log import LogLevel, get_log_level, set_log_level
-from robocell.compat.mj_kdl_wrapper.names import Condim, scene_object_site_name
-from robocell.compat.mj_kdl_wrapper.objects import SceneObject
-from robocell.compat.mj_kdl_wrapper.robot import Robot
-from robocell.compat.mj_kdl_wrapper.video import VideoRecorder
+from robocell.compat.mj_kdl_wrapper._env import Env
+from robocell.compat.mj_kdl_wrapper._log import LogLevel, get_log_level, set_log_level
+from robocell.compat.mj_kdl_wrapper._names import Condim, scene_object_site_name
+from robocell.compat.mj_kdl_wrapper._objects import SceneObject
+from robocell.compat.mj_kdl_wrapper._robot import Robot
+from robocell.compat.mj_kdl_wrapper._video import VideoRecorder
 from robocell.control import CtrlMode
 from robocell.diagnose import mujoco_version
 from robocell.render import CameraSpec, VideoResolution
-from robocell.robots import AttachKind, AttachTarget, ForceTorqueSensorSpec, ToolFrameSpec
+from robocell.robots import (
+    AttachKind,
+    AttachmentSpec,
+    AttachTarget,
+    ForceTorqueSensorSpec,
+    ToolFrameSpec,
+)
 from robocell.scene import ResetContext, ResetInfo, ResetOptions
 
 __all__ = [

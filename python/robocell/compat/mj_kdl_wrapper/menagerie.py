@@ -16,9 +16,19 @@ import os
 import shutil
 from pathlib import Path
 
-from robocell import NotFoundError, fetching, menagerie, models
+from robocell import NotFoundError, menagerie, models
+from robocell import _fetching as fetching
 from robocell._arguments import with_hints
 from robocell._core import override_file
+
+__all__ = [
+    "ASSETS",
+    "GRIPPER_ASSET",
+    "asset_path",
+    "cache_dir",
+    "fetch",
+    "model_path",
+]
 
 ARM, GRIPPER = "kinova_gen3", "robotiq_2f85"
 # Asset -> built-in model, and the variable that puts a file in its place.

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+__all__ = [
+    "BaseCameraSet",
+]
+
 
 class BaseCameraSet:
     """Depth images are uint16: metres times DEPTH_SCALE."""

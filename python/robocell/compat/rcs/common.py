@@ -8,6 +8,10 @@ import numpy as np
 
 import robocell
 
+__all__ = [
+    "Pose",
+]
+
 
 class Pose(robocell.Pose):
     """robocell's Pose; quaternions (xyzw) are normalised, where robocell refuses them."""

@@ -11,6 +11,19 @@ from typing import TypeVar
 
 from robocell.compat.rcs.common import Pose
 
+__all__ = [
+    "CAMERA_PATHS",
+    "DEFAULT_TRANSFORMS",
+    "GRIPPER_MOUNT_OFFSETS",
+    "GRIPPER_PATHS",
+    "GRIPPER_TCP_OFFSETS",
+    "HOME_POSITIONS",
+    "OBJECT_PATHS",
+    "SCENE_PATHS",
+    "Registry",
+    "UnknownNameError",
+]
+
 Value = TypeVar("Value")
 
 

@@ -19,6 +19,14 @@ from robocell.compat.rcs._reading import Above, AtLeast, Form, Path, list_of, mi
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.registries import GRIPPER_PATHS, HOME_POSITIONS
 
+__all__ = [
+    "CameraType",
+    "SimCameraConfig",
+    "SimConfig",
+    "SimGripperConfig",
+    "SimRobotConfig",
+]
+
 TIMESTEP = rc.envs.SimSettings().timestep  # seconds
 MOST_STEPS = 1_000_000  # of the engine, that a step may take
 PAIR = "(lower, upper), two lists with a number for each joint"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import robocell
-from robocell import RelativeTo
+from robocell.envs import RelativeTo
 
 __all__ = ["ControlMode", "RelativeTo"]
 
@@ -11,6 +11,6 @@ __all__ = ["ControlMode", "RelativeTo"]
 class ControlMode:
     """robocell's control modes; one of them is written in another way."""
 
-    JOINTS = robocell.ControlMode.JOINTS
-    CARTESIAN_TRPY = robocell.ControlMode.CARTESIAN_TRPY
-    CARTESIAN_TQuat = robocell.ControlMode.CARTESIAN_TQUAT
+    JOINTS = robocell.envs.ControlMode.JOINTS
+    CARTESIAN_TRPY = robocell.envs.ControlMode.CARTESIAN_TRPY
+    CARTESIAN_TQuat = robocell.envs.ControlMode.CARTESIAN_TQUAT

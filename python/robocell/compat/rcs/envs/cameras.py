@@ -13,6 +13,14 @@ from robocell.compat.rcs._reading import Path
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.sim import CameraType, SimCameraConfig
 
+__all__ = [
+    "FREE_FOVY",
+    "FREE_IN_WORLD",
+    "PAGE_CAMERAS",
+    "camera_of_the_page",
+    "placed_cameras",
+]
+
 # Name -> (pose, whether it is in the frame of a robot's attachment site, else in the root frame).
 PAGE_CAMERAS = {
     "bird_eye": (

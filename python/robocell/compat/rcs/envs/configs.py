@@ -14,6 +14,11 @@ from robocell.compat.rcs.registries import (
 )
 from robocell.compat.rcs.sim import SimCameraConfig, SimConfig, SimGripperConfig, SimRobotConfig
 
+__all__ = [
+    "EmptyWorldFR3",
+    "EmptyWorldFR3Duo",
+]
+
 
 # The page's: its simulation runs until the arm has arrived, and shows that in real time.
 def _sim() -> SimConfig:

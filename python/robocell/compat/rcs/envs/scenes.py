@@ -102,13 +102,13 @@ class SimEnvCreatorConfig(NamedFields):
 
     robot_cfgs: Mapping[str, SimRobotConfig]
     sim_cfg: SimConfig
-    control_mode: rc.ControlMode
+    control_mode: rc.envs.ControlMode
     task_cfg: BaseTaskConfig | None = None
     scene: Path = SCENE_PATHS["empty_world"]
     gripper_cfgs: Mapping[str, SimGripperConfig] | None = None
     camera_cfgs: Mapping[str, SimCameraConfig] | None = None
     max_relative_movement: Annotated[float | Sequence[float], STEP_LIMIT] | None = None
-    relative_to: rc.RelativeTo = RelativeTo.LAST_STEP
+    relative_to: rc.envs.RelativeTo = RelativeTo.LAST_STEP
     robot_to_shared_base_frame: Mapping[str, rc.Pose] | None = None
     add_gravcomp: bool = False
     wrapper_cfg: rc.envs.WrapperConfig = field(default_factory=WrapperConfig)

@@ -13,6 +13,13 @@ from robocell.compat.rcs._reading import Above, Path, outside
 from robocell.compat.rcs.common import Pose
 from robocell.compat.rcs.registries import OBJECT_PATHS
 
+__all__ = [
+    "PICK_AND_PLACE",
+    "BaseTaskConfig",
+    "PickPlaceTaskConfig",
+    "PickTaskConfig",
+]
+
 PICK_AND_PLACE = "pick_and_place"
 
 

@@ -1,0 +1,104 @@
+"""What the disk says about the rollouts of an evaluation, and about the cell that they were in."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from robocell._core import Episode, run_identity
+from robocell._dataset_run import manifest_of_dataset
+from robocell._env_job import EnvJob
+from robocell._generation.job import Job
+from robocell._policy_calls import error_of
+from robocell._suggestions import shortened
+from robocell.policy import POLICY_ERROR
+
+# Fields of a run that belong to the policy or to the number of rollouts.
+OF_THE_POLICY = ("run", "expert", "keep", "episodes", "episodes_per_scene", "seed", "cameras.draw")
+CAMERAS = "cameras."  # of environments: without images it has no streams either
+CODE = "code/"  # begins the names of files of code in a dataset's manifest
+POLICY_ERROR_RESULT = "policy_error"  # src/robocell/rollout/rollout.cc
+
+
+@dataclass(frozen=True)
+class RolloutEnd:
+    """How a rollout ended.
+
+    Attributes:
+        success: Whether it succeeded.
+        reason: Why it ended.
+        rows: Number of its actions.
+        policy_error: Whether an error of the policy or expert ended it.
+    """
+
+    success: bool
+    reason: str
+    rows: int
+    policy_error: bool
+
+
+def rollout_end(dataset: Path, rollout: str) -> RolloutEnd | None:
+    """Returns how a rollout ended; None for one that was not made. Raises IoError if damaged."""
+    error = error_of(dataset, rollout)
+    if not (dataset / rollout / "episode.json").is_file():
+        return RolloutEnd(False, f"{POLICY_ERROR}{error}", 0, True) if error else None
+    episode = Episode(dataset / rollout)
+    results: Mapping[str, Any] = episode.results
+    is_error = bool(error) or bool(results.get(POLICY_ERROR_RESULT))
+    return RolloutEnd(bool(episode.success), str(episode.end_reason), len(episode), is_error)
+
+
+def cell_of(job: Job | EnvJob) -> dict[str, str]:
+    """Returns the fields of a run or environment without the policy's, and hashes of its models."""
+    if isinstance(job, EnvJob):
+        fields = fields_of(job.cell)
+        return {name: value for name, value in fields.items() if not name.startswith(CAMERAS)}
+    fields = fields_of(run_identity(job.run))
+    cell = {name: value for name, value in fields.items() if name not in OF_THE_POLICY}
+    files: Mapping[str, str] = (manifest_of_dataset(job.dataset) or {}).get("files", {})
+    models = {name: hash for name, hash in files.items() if not name.startswith(CODE)}
+    return cell | {f"file '{name}'": hash for name, hash in sorted(models.items())}
+
+
+def fields_of(yaml: str) -> dict[str, str]:
+    """Returns {'rates.policy_ms': '40'} of YAML in block style, as robocell writes it.
+
+    Lists and what cannot be told apart stay one value.
+    """
+    found: dict[str, str] = {}
+    path: list[tuple[int, str]] = []  # indentation and key
+    for line in yaml.splitlines():
+        text = line.strip()
+        if not text or text.startswith("#"):
+            continue
+        indent = len(line) - len(line.lstrip())
+        key, colon, value = text.partition(":")
+        is_field = bool(colon) and not text.startswith("-") and key.strip("'\"").isprintable()
+        while is_field and path and path[-1][0] >= indent:
+            path.pop()
+        if is_field:
+            path.append((indent, key.strip("'\"")))
+        name = ".".join(key for _, key in path) or "?"
+        more = value.strip() if is_field else text
+        if more:
+            found[name] = f"{found[name]} {more}" if name in found else more
+    return found
+
+
+def difference_of(one: Mapping[str, str], other: Mapping[str, str]) -> str:
+    """Returns 'rates.policy_ms: 40 and 20', all names that differ; "" without any."""
+    nothing = "nothing"
+    differing = [name for name in dict.fromkeys([*one, *other]) if one.get(name) != other.get(name)]
+    shown = [
+        name
+        if name.startswith("file ")
+        else f"{name}: {_short(one.get(name, nothing))} and {_short(other.get(name, nothing))}"
+        for name in differing
+    ]
+    return shortened(shown)
+
+
+def _short(value: str) -> str:
+    return value if len(value) <= 40 else f"{value[:37]}..."

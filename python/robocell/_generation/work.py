@@ -1,0 +1,77 @@
+"""The module `robocell._generation.work`: a worker process, which the supervisor starts.
+
+It loads the run itself, and ends if the run, a model file or a version differs from the start of
+the dataset.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from robocell._dataset_run import recorded_attempts, seed_of_dataset
+from robocell._ending import end_in_time
+from robocell._generation.items import Item, ItemRecord
+from robocell._generation.own_process import own_process
+from robocell._generation.run_source import RunSource
+from robocell._generation.worker import MakeEpisode, serve
+from robocell.generate import PlanItem, Runner, StopFlag, make_plan, require_same_run
+
+
+def command(source: RunSource, overrides: Sequence[str]) -> list[str]:
+    """Returns the command that starts a worker for a run."""
+    sets = [f"--set={override}" for override in overrides]
+    options = [*source.options(), *sets, "--", source.run]
+    return [*own_process("robocell._generation.work"), *options]
+
+
+def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
+    source = RunSource.of(arguments).absolute()
+    run = source.load(arguments.set)
+    run.output = str(Path(run.output).absolute())  # a task may change the working folder
+    require_same_run(run)
+    runner = Runner(run)
+    plan = {item.id: item for item in make_plan(run)}
+    if not source.policy:
+        return lambda item: ItemRecord.from_core(runner.run(plan[item.id], stop=stop))
+    from robocell._policy_calls import present
+    from robocell.policy import REPLAY
+
+    if source.policy == REPLAY:
+        _begin_as_recorded(plan.values(), source.run, run.seed)
+
+    def evaluate(item: Item) -> ItemRecord:
+        present.rollout, present.seed, present.calls = item.id, run.seed, []
+        result = runner.run(plan[item.id], stop=stop)
+        if present.calls:
+            present.save(Path(run.output))
+        return ItemRecord.from_core(result)
+
+    return evaluate
+
+
+def _begin_as_recorded(items: Iterable[PlanItem], dataset: str, seed: int) -> None:
+    """Lets items begin at the attempt that the dataset has recorded, if `seed` is the dataset's."""
+    if seed != seed_of_dataset(dataset):
+        return
+    attempts = recorded_attempts(dataset)
+    for item in items:
+        item.first_attempt = attempts.get((item.scene, item.episode), 0)
+
+
+def main() -> int:
+    """Entry point of the process."""
+    parser = argparse.ArgumentParser(prog="robocell._generation.work", description=__doc__)
+    parser.add_argument("--set", action="append", default=[])
+    RunSource.add_options(parser)
+    arguments = parser.parse_args()
+    stop = StopFlag()
+    return serve(lambda: _open_maker(arguments, stop), stop)
+
+
+if __name__ == "__main__":
+    ended_with = main()
+    end_in_time(ended_with)
+    sys.exit(ended_with)

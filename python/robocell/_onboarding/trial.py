@@ -1,0 +1,139 @@
+"""Loads a guessed robot file as every command does, tries the robot out, and fixes what it can.
+
+Edits from findings of `robocell check` are added to the file, with the finding as the reason. A
+gripper that robocell cannot load or measure becomes a generic group, and the reason is noted.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from robocell import Error, Robot, RobotConfig, RobotSpec, Scene, SceneSpec
+from robocell._onboarding.robot_file import robot_text
+from robocell._onboarding.robot_guess import Field, RobotGuess
+from robocell._onboarding.yaml_text import Raw
+from robocell.diagnose import Severity, check_robot
+from robocell.robots import GripperGroup
+
+ROUNDS = 8  # each mends one thing, or several that are independent
+TIMESTEP_S = 0.002
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Result of a trial.
+
+    Attributes:
+        text: The robot file.
+        problem: Reason why it does not load; "" if it does.
+    """
+
+    text: str
+    problem: str = ""
+
+
+def tried(guess: RobotGuess, file: Path) -> Trial:
+    """Loads and fixes the robot file of a guess; `file` is its later path.
+
+    Nothing stays behind: the text is loaded from a file of another name beside it.
+    """
+    problem = ""
+    for _ in range(ROUNDS):
+        text = robot_text(guess, file)
+        with _beside(file, text) as candidate:
+            try:
+                robot = _load(candidate)
+                _measure(robot)
+                problem = ""
+            except Error as error:
+                problem = str(error).replace(str(candidate), str(file))
+                problem = problem.replace(candidate.name, file.name)
+                if not _demote(guess, problem):
+                    return Trial(text, problem)
+                continue
+            if not _take_edits(guess, robot):
+                return Trial(text)
+    return Trial(robot_text(guess, file), problem)
+
+
+@contextmanager
+def _beside(file: Path, text: str) -> Iterator[Path]:
+    candidate = file.with_name(f".{file.stem}.init.yaml")
+    candidate.write_text(text)
+    try:
+        yield candidate
+    finally:
+        candidate.unlink(missing_ok=True)
+
+
+def _load(file: Path) -> Robot:
+    config = RobotConfig.load(file)
+    spec = SceneSpec(name=config.name, timestep=TIMESTEP_S, add_floor=True, add_skybox=False)
+    spec.robots.append(
+        RobotSpec(name=config.name, config=config, control_modes=config.used_modes())
+    )
+    scene = Scene.build(spec)
+    scene.reset()
+    return Robot.of(scene, config.name)
+
+
+def _measure(robot: Robot) -> None:
+    for name in robot.group_names:
+        group = robot.group(name)
+        if isinstance(group, GripperGroup):
+            group.inter_finger_dist_range  # noqa: B018 - measures, and raises when it cannot
+
+
+def _demote(guess: RobotGuess, problem: str) -> bool:
+    """Turns an unusable gripper into a generic group. Returns False for any other problem."""
+    for group in guess.groups:
+        named = re.search(rf"move_groups\.{re.escape(group.name)}\b", problem)
+        named = named or re.search(rf"group '{re.escape(group.name)}'", problem)
+        if named and group.kind == "gripper" and group.other_fields:
+            group.fields, group.other_fields = group.other_fields, None
+            group.comment += (
+                "; its fingers overlap before their actuator is at the end of its range, so `ctrl` "
+                "closes them no farther"
+            )
+            return True
+        if named and group.kind == "gripper":
+            group.kind = "generic"
+            kept = ("joints", "actuators")
+            fields = {key: value for key, value in group.fields.items() if key in kept}
+            group.fields = {"kind": "generic", **fields}
+            reason = _first_sentence(problem)
+            group.comment = f"no gripper, as robocell cannot use it as one: {reason}"
+            guess.notes.append(f"'{group.name}' is not a gripper: {reason}")
+            return True
+    return False
+
+
+def _first_sentence(problem: str) -> str:
+    line = problem.strip().splitlines()[0 if "problems:" not in problem else 1]
+    return re.sub(r"^\s*\S+\.yaml:\d+:\d+: ", "", line).strip()
+
+
+def _take_edits(guess: RobotGuess, robot: Robot) -> bool:
+    """Adds the edits that findings name; False when there is none that is new."""
+    known = {str(field.value) for field in guess.edits}
+    named = [
+        (finding.edit, finding.text)
+        for finding in check_robot(robot)
+        if finding.severity is Severity.WARNING and finding.edit
+    ]
+    # Warnings of the model itself name theirs in the text.
+    for warning in robot.scene.warnings:
+        if found := re.search(r"`edits: \[(.+?)\]`", warning):
+            named.append((found[1], re.sub(r"^\S+:\d+(:\d+)?: ", "", warning)))
+    added = False
+    for edit, text in named:
+        if edit in known:
+            continue
+        guess.edits.append(Field(Raw(edit), f"`robocell check`: {text}"))
+        known.add(edit)
+        added = True
+    return added

@@ -1,0 +1,106 @@
+"""Row: what an expert sees of a state. Its images are drawn when one of them is first read."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robocell._core import Error, NotFoundError
+from robocell._suggestions import did_you_mean, shortened
+
+Array = NDArray[Any]
+
+
+class MissingNameError(NotFoundError, KeyError):
+    """A name that a row lacks: the KeyError of a dict, with robocell's text."""
+
+    __str__ = Exception.__str__  # a KeyError shows its text in quotes
+
+
+class Row(dict[str, Array]):
+    """A dict of numbers and images. Its keys and numbers can be read without drawing anything.
+
+    Args:
+        numbers: Name -> numbers.
+        images: Names of the images.
+        read: Returns name -> image, or None once the row is no longer the present one.
+
+    Images have to be read in see() or act(), while their row is the present one. After the first
+    image of a row was read, all of them are kept.
+    """
+
+    title = "the row"  # in messages
+    without_images = ""  # what to do about images that are not drawn
+
+    def __init__(
+        self,
+        numbers: dict[str, Array],
+        images: Sequence[str],
+        read: Callable[[], dict[str, Array] | None],
+    ) -> None:
+        # Placeholders for images: so keys(), len() and `in` need no code here.
+        super().__init__({**numbers, **dict.fromkeys(images, np.empty(0))})
+        self._unread, self._read = frozenset(images), read
+
+    def _fetch(self) -> None:
+        if not self._unread:
+            return
+        images = self._read()
+        if images is None:
+            raise Error(
+                f"image '{min(self._unread)}' of an earlier row was not read in time: read images "
+                "in see() or act(), while their row is the present one"
+            )
+        self._unread = frozenset()
+        self.update(images)
+
+    def __getitem__(self, name: str) -> Array:
+        if name in self._unread:
+            self._fetch()
+        return super().__getitem__(name)
+
+    def __missing__(self, name: str) -> Array:
+        near = did_you_mean(str(name), self)
+        images = "" if near or "/" in str(name) else self.without_images
+        raise MissingNameError(
+            f"{self.title} has no '{name}'.{near or images} It has: {shortened(sorted(self))}"
+        )
+
+    def __iter__(self) -> Iterator[str]:
+        # Also lets dict(row) and {**row} ask for each value, instead of copying placeholders.
+        return super().__iter__()
+
+    def __setitem__(self, name: str, value: Array) -> None:
+        if name in self._unread:
+            self._fetch()
+        super().__setitem__(name, value)
+
+    def get(self, name: str, default: Any = None) -> Any:
+        """Returns the value, or `default` for an unknown name."""
+        if name in self._unread:
+            self._fetch()
+        return super().get(name, default)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return dict, (dict(self),)
+
+
+def _fetching(name: str) -> Callable[..., Any]:
+    method = getattr(dict, name)
+
+    @functools.wraps(method)
+    def call(self: Row, *arguments: Any, **named: Any) -> Any:
+        self._fetch()
+        return method(self, *arguments, **named)
+
+    return call
+
+
+_READING = ("values", "items", "copy", "__eq__", "__ne__", "__or__", "__ror__", "__repr__")
+_CHANGING = ("__delitem__", "__ior__", "clear", "pop", "popitem", "setdefault", "update")
+for _name in (*_READING, *_CHANGING):
+    setattr(Row, _name, _fetching(_name))

@@ -1,0 +1,92 @@
+"""The environment behind a dataset that `robocell.data.EnvRecorder` made, for `from_dataset`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from robocell._core import (
+    ArgumentError,
+    CameraSystemConfig,
+    Dataset,
+    Env,
+    EnvState,
+    Feature,
+    _recorded_features,
+    _shown_images,
+)
+from robocell.data import env_of_episode
+
+
+def is_recorded(dataset: Dataset) -> bool:
+    """Returns True if an environment recorded the episodes."""
+    metadata: Any = dataset[0].metadata if len(dataset) else {}
+    return "environment" in metadata
+
+
+class RecordedEnv:
+    """An environment whose rows and actions have the names of its episodes' columns."""
+
+    def __init__(self, dataset: Dataset, images: bool) -> None:
+        self.env: Env = env_of_episode(dataset[0], images)
+        self._cell = _recorded_features(self.env)
+        self._observation: dict[str, Any] = {}
+        self.object_kinds: list[str] = []
+
+    @property
+    def cameras(self) -> CameraSystemConfig:
+        """Image streams of the environment."""
+        return self.env.config.cameras
+
+    @property
+    def observed(self) -> list[Feature]:
+        """Features of the rows."""
+        return [*self._cell.observed, *self.env.observed]
+
+    @property
+    def commanded(self) -> list[Feature]:
+        """Features of the actions."""
+        return self.env.commanded
+
+    @property
+    def instruction(self) -> str:
+        """The instruction."""
+        return self.env.instruction
+
+    def reset(self, index: int) -> None:
+        """Resets to the start of seed `index`."""
+        self._observation, _ = self.env.reset(index)
+
+    def begin_at(self, state: EnvState) -> None:
+        """Begins an episode in a state, such as the start of a recorded one."""
+        self._observation = self.env.set_state(state)
+
+    def row(self) -> dict[str, Any]:
+        """Returns the row that would be recorded now."""
+        row: dict[str, Any] = dict(self._cell.read())
+        for path, _, _ in self.env.observation_parts:
+            row["/".join(("observation", *path))] = _at(self._observation, path)
+        row.update(_shown_images(self.env))
+        return row
+
+    def act(self, actions: Mapping[str, Any]) -> tuple[float, bool, bool, dict[str, Any]]:
+        """(reward, terminated, truncated, info) of actions by their names."""
+        action: dict[str, Any] = {}
+        for name, numbers in actions.items():
+            kind, _, rest = name.partition("/")
+            robot, _, command = rest.rpartition("/")
+            if kind != "action" or not robot:
+                raise ArgumentError(
+                    f"action '{name}' is none of this environment; it takes "
+                    f"{', '.join(f.name for f in self.commanded)}"
+                )
+            action.setdefault(robot, {})[command] = numbers
+        self._observation, reward, terminated, truncated, info = self.env.step(action)
+        info.setdefault("is_success", False)
+        return reward, terminated, truncated, info
+
+
+def _at(tree: Any, path: tuple[str, ...]) -> Any:
+    for key in path:
+        tree = tree[key]
+    return tree

@@ -1,0 +1,109 @@
+"""The formats that a dataset can be exported to.
+
+A format is a module with a function `write`, a table of features, and its entry here. `write` gets
+a `Source`, a `Staging`, `Options` and a function that counts episodes, and returns `Written`.
+"""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from robocell._core import NotFoundError
+from robocell._suggestions import did_you_mean
+
+
+@dataclass(frozen=True)
+class Format:
+    """A format.
+
+    Attributes:
+        title: How messages and cards call it.
+        module: The module of `robocell.export` that writes it.
+        table: Its table of features, in the folder `tables`.
+        is_lerobot: Whether it is a LeRobot dataset: videos, statistics, a whole number of frames
+            per second. The others hold images as arrays.
+        reserved: Arrays and groups of arrays that it writes itself.
+    """
+
+    title: str
+    module: str
+    table: str
+    is_lerobot: bool = False
+    reserved: tuple[str, ...] = ()
+
+    @property
+    def write(self) -> Callable[..., Written]:
+        """The function that writes it; its packages are imported now."""
+        written: Callable[..., Written] = importlib.import_module(
+            f"robocell.export._{self.module}"
+        ).write
+        return written
+
+
+@dataclass(frozen=True)
+class Options:
+    """How videos are written.
+
+    Attributes:
+        keyframe_interval: The most frames from one key frame to the next; None keeps those of the
+            episodes.
+    """
+
+    keyframe_interval: int | None = None
+
+
+@dataclass(frozen=True)
+class Written:
+    """What an export has done.
+
+    Attributes:
+        resumed: Number of episodes that an earlier, killed export had written.
+        encoded: Reason for encoding again, by camera; cameras that were copied are missing.
+        codecs: Codec of each camera; empty where images are arrays.
+        notes: Sentences for the card, about this format.
+        statistics: Of all features, where the format has them.
+    """
+
+    resumed: int
+    encoded: dict[str, str]
+    codecs: dict[str, str]
+    notes: tuple[str, ...] = ()
+    statistics: dict[str, Any] | None = None
+
+
+def _lerobot(version: str, module: str) -> Format:
+    own = ("timestamp", "frame_index", "episode_index", "index", "task_index")
+    return Format(f"LeRobot {version}", module, "lerobot.yaml", is_lerobot=True, reserved=own)
+
+
+FORMATS = {
+    "lerobot-v3": _lerobot("v3.0", "lerobot_v3"),
+    "lerobot-v2.1": _lerobot("v2.1", "lerobot_v21"),
+    "robomimic": Format(
+        "robomimic HDF5",
+        "robomimic",
+        "robomimic.yaml",
+        reserved=("actions_abs", "states", "next_obs"),
+    ),
+    "zarr": Format("Diffusion Policy zarr", "replay_buffer", "zarr.yaml"),
+    "aloha": Format("ALOHA HDF5", "aloha", "aloha.yaml"),
+    "molmospaces": Format(
+        "MolmoSpaces HDF5",
+        "molmospaces",
+        "molmospaces.yaml",
+        reserved=("fail", "obs_scene", "obs/sensor_data", "obs/sensor_param"),
+    ),
+}
+
+
+def require_format(name: str) -> Format:
+    """Returns a format; raises NotFoundError, with those that there are, for another name."""
+    if name not in FORMATS:
+        raise NotFoundError(
+            f"no format '{name}'.{did_you_mean(name, FORMATS)} Formats: {', '.join(FORMATS)}. "
+            "docs/data.md shows how to read episodes for another one"
+        )
+    return FORMATS[name]

@@ -1,0 +1,324 @@
+"""Which columns of an episode make up each feature of a training dataset, as written in YAML.
+
+Every format has a table of its own; a preset and a file of the user replace entries of it.
+`Mapping.resolve` applies the table to one episode.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from robocell._core import ArgumentError, Episode, NotFoundError, SpecError
+from robocell._placeholders import (
+    AS_RECORDED,
+    Gripper,
+    Groups,
+    camera_of,
+    expanded,
+    first_of,
+    groups_of,
+    is_opening,
+)
+from robocell._suggestions import did_you_mean, shortened
+from robocell.export._features import DONE, Resolved, Term, feature_of
+from robocell.export._table import (
+    TABLES,
+    chosen_action,
+    gripper_of,
+    listed_actions,
+    merge_table,
+    preset_file,
+    read_table,
+    require_apart,
+    require_names,
+    size_of,
+    template_of,
+    terms_of,
+)
+
+
+@dataclass(frozen=True)
+class Mapping:
+    """The table of features.
+
+    Attributes:
+        place: The file that the table was read from, which begins its error messages.
+        features: Columns of each feature, as patterns.
+        actions: Ready-made columns of the actions, by name.
+        images: Camera of each image feature, as patterns.
+        task: Entry of an episode's metadata that holds the instruction.
+        text: An instruction that replaces it.
+        template: Name of the image feature of a camera, with {camera} in it; "" where a preset
+            names its cameras.
+        image_size: Width and height of exported images; None for those of the episodes.
+        gripper: The numbers of open and closed grippers.
+        cameras: The cameras that `images` may choose from; None for all.
+    """
+
+    place: str
+    features: dict[str, list[Term]]
+    actions: dict[str, list[Term]]
+    images: dict[str, str]
+    task: str
+    text: str | None = None
+    template: str = ""
+    image_size: tuple[int, int] | None = None
+    gripper: Gripper = AS_RECORDED
+    cameras: tuple[str, ...] | None = None
+
+    @classmethod
+    def load(
+        cls,
+        file: Path | None = None,
+        actions: str | None = None,
+        *,
+        table: str = "lerobot.yaml",
+        preset: str | None = None,
+        reserved: Sequence[str] = (),
+    ) -> Mapping:
+        """Reads the table of a format, with the entries of a preset and a file in place of its own.
+
+        Args:
+            file: YAML file with any of the fields of the built-in table.
+            actions: A name of `actions`, or columns separated by commas; it replaces the feature
+                of the actions.
+            table: Name of the built-in table.
+            preset: Name of a built-in preset, or a YAML file; its features and images replace all
+                those of the table.
+            reserved: Arrays and groups of arrays that the format writes itself.
+
+        Raises:
+            SpecError: A file is not such a table.
+            NotFoundError: There are no actions or no preset of this name.
+        """
+        whole = read_table(TABLES / table)
+        place, template = f"mapping '{table}'", template_of(whole["images"])
+        if preset is not None:
+            path = preset_file(preset)
+            place, template = f"preset '{preset}'", ""
+            merge_table(whole, read_table(path), place, replaces=True)
+        if file is not None:
+            place = f"mapping '{file}'"
+            merge_table(whole, read_table(file), place, replaces=False)
+        choices = {name: terms_of(whole["actions"], name, place) for name in whole["actions"]}
+        chosen = whole.get("action_feature", "action")
+        if not isinstance(chosen, str | None):
+            raise SpecError(f"{place}: action_feature is the name of a feature, got {chosen!r}")
+        if actions is not None and chosen is None:
+            raise ArgumentError(
+                f"{place} has actions of several kinds; '{actions}' has nothing to choose"
+            )
+        if actions is not None:
+            whole["features"][chosen] = (
+                actions if actions in choices else listed_actions(actions, choices)
+            )
+        features = {}
+        for name, columns in whole["features"].items():
+            if isinstance(columns, str) and name == chosen:
+                features[name] = chosen_action(columns, choices, place)
+            elif columns is not None:
+                features[name] = terms_of(whole["features"], name, place)
+        require_names([*features, *(whole["images"] or {})], place)
+        named = [("features", name) for name in features]
+        named += [("images", name) for name in whole["images"] or {}]
+        own = [
+            f"{field}.{name}"
+            for field, name in named
+            if any(name == each or name.startswith(f"{each}/") for each in reserved)
+        ]
+        if own:
+            raise SpecError(
+                f"{place}: {own[0]} is written by the export itself; choose another name"
+            )
+        task = whole["task"]
+        text = task.get("text") if isinstance(task, dict) else None
+        if not isinstance(text if isinstance(task, dict) else task, str):
+            raise SpecError(
+                f"{place}: task is an entry of the metadata, 'instruction', or {{text: 'a "
+                f"sentence'}}; got {task!r}"
+            )
+        return cls(
+            place,
+            features,
+            choices,
+            dict(whole["images"] or {}),
+            "" if text else str(task),
+            text,
+            template,
+            size_of(whole.get("image_size"), place),
+            gripper_of(whole.get("gripper"), place),
+        )
+
+    def only_cameras(self, cameras: Sequence[str]) -> Mapping:
+        """Returns the table with only these cameras, each under the format's own name for it.
+
+        A preset keeps its names, and chooses from these cameras.
+        """
+        if not self.template:
+            return replace(self, cameras=tuple(cameras), images=self.images if cameras else {})
+        return replace(
+            self, images={self.template.replace("{camera}", name): name for name in cameras}
+        )
+
+    def resolve(self, episode: Episode) -> Resolved:
+        """Applies the table to an episode.
+
+        Raises:
+            NotFoundError: The episode has no such column or camera; the message has the nearest.
+            ArgumentError: A column cannot be a feature.
+        """
+        groups = _groups(episode)
+        robots = list(groups)
+        known = [*_step_columns(episode), DONE]
+        features = []
+        for name, entries in self.features.items():
+            for own_name, columns, of_robots in _named(name, entries, groups):
+                terms = self._expand(episode, own_name, columns, of_robots, known)
+                if terms:
+                    features.append(feature_of(episode, own_name, terms, robots, self.gripper))
+        images = self._images(episode)
+        require_apart([*(feature.name for feature in features), *images], self.place)
+        return Resolved(
+            features=tuple(features),
+            images=images,
+            task=self._task(episode),
+            robots=tuple(robots),
+        )
+
+    def _expand(
+        self,
+        episode: Episode,
+        feature: str,
+        entries: list[Term],
+        groups: dict[str, Groups],
+        known: list[str],
+    ) -> list[Term]:
+        terms: dict[Term, None] = {}
+        repeated = [entry.column for entry in entries if "{" in entry.column]
+        if repeated and not groups:
+            raise NotFoundError(
+                f"{self.place}: features.{feature}: episode '{episode.folder}' has no robots with "
+                f"actions, as '{repeated[0]}' needs. Name its columns in a file: --mapping FILE"
+            )
+        for entry, name in expanded(entries, groups):
+            for column in self._find(episode, feature, name, known):
+                terms[replace(entry, column=column)] = None
+        return list(terms)
+
+    def _find(self, episode: Episode, feature: str, entry: str, known: list[str]) -> list[str]:
+        """Returns the columns of one entry, without placeholders."""
+        if found := first_of(entry, known):
+            return found
+        if entry.endswith("?"):
+            return []
+        place = f"{self.place}: features.{feature}: episode '{episode.folder}'"
+        name = entry.split("|")[0]
+        if name in episode.columns:
+            table = episode.column(name).table
+            what = f"is of table '{table}'" if table else "is a constant"
+            raise ArgumentError(f"{place}: '{name}' {what}; features are columns of table 'steps'")
+        raise NotFoundError(
+            f"{place} has no column '{name}'.{did_you_mean(name, known)} Its columns: "
+            f"{shortened(_nearest_first(name, known))}"
+        )
+
+    def _images(self, episode: Episode) -> dict[str, str]:
+        images: dict[str, str] = {}
+        every = episode.cameras
+        for name in self.cameras or ():
+            if name not in every:
+                raise NotFoundError(
+                    f"episode '{episode.folder}' has no camera '{name}' with colour images."
+                    f"{did_you_mean(name, every)} Its cameras: {', '.join(every) or 'none'}"
+                )
+        there = [name for name in every if self.cameras is None or name in self.cameras]
+        for feature, camera in self.images.items():
+            if "{camera}" in feature:
+                images |= {feature.replace("{camera}", name): name for name in there}
+                continue
+            found = camera_of(camera, there, images.values())
+            if found is not None:
+                images[feature] = found
+            elif not camera.endswith("?"):
+                name = camera.split("|")[0]
+                raise NotFoundError(
+                    f"{self.place}: images.{feature}: episode '{episode.folder}' has no camera "
+                    f"'{name}' with colour images.{did_you_mean(name, there)} Its cameras: "
+                    f"{', '.join(there) or 'none'}"
+                )
+        described: Any = episode.json
+        for camera in images.values():
+            table = described["cameras"][camera].get("table", "steps")
+            if table != "steps":
+                raise ArgumentError(
+                    f"episode '{episode.folder}': the frames of camera '{camera}' are of table "
+                    f"'{table}', so frame i is not row i of the steps. Leave it out: --cameras"
+                )
+        return images
+
+    def _task(self, episode: Episode) -> str:
+        if self.text is not None:
+            return self.text
+        metadata: Any = episode.metadata or {}
+        task = metadata.get(self.task)
+        if isinstance(task, str) and task:
+            return task
+        texts = [name for name, value in metadata.items() if isinstance(value, str)]
+        raise NotFoundError(
+            f"{self.place}: task: the metadata of episode '{episode.folder}' has no text "
+            f"'{self.task}'.{did_you_mean(self.task, texts)} Its texts: "
+            f'{shortened(texts) or "none"}. A mapping file with `task: {{text: "..."}}` gives one'
+        )
+
+
+def _named(
+    feature: str, entries: list[Term], groups: dict[str, Groups]
+) -> Iterator[tuple[str, list[Term], dict[str, Groups]]]:
+    """Yields a feature with its columns and robots.
+
+    {n} in its name makes a feature of each robot, {group} and {arm} one of each group or arm.
+    """
+    if "{n}" in feature:
+        for index, robot in enumerate(groups):
+            yield feature.replace("{n}", str(index)), entries, {robot: groups[robot]}
+        return
+    placeholder = next((each for each in ("{group}", "{arm}") if each in feature), None)
+    if placeholder is None:
+        yield feature, entries, groups
+        return
+    for robot, own in groups.items():
+        for group in own.arms if placeholder == "{arm}" else (*own.arms, *own.grippers):
+            name = f"{robot}_{group}" if len(groups) > 1 else group
+            columns = [replace(e, column=e.column.replace(placeholder, group)) for e in entries]
+            yield feature.replace(placeholder, name), columns, {robot: own}
+
+
+def _groups(episode: Episode) -> dict[str, Groups]:
+    """Returns the robots of an episode with their arms and grippers, in the order of the run."""
+    columns = set(episode.columns)
+    in_order = dict.fromkeys([*(feature.name for feature in episode.features), *episode.columns])
+    commands = [
+        name
+        for name in in_order
+        if name in columns and name.replace("/action/", "/", 1) + "/target" in columns
+    ]
+    openings = [name for name in commands if is_opening(name, episode.column(name).names)]
+    return groups_of(commands, openings)
+
+
+def _step_columns(episode: Episode) -> list[str]:
+    return [name for name in episode.columns if episode.column(name).table == "steps"]
+
+
+def _nearest_first(name: str, known: Sequence[str]) -> list[str]:
+    """Returns the names, those that share the longest beginning with `name` first."""
+
+    def shared(other: str) -> int:
+        pairs = zip(name, other, strict=False)
+        return sum(1 for _ in itertools.takewhile(lambda pair: pair[0] == pair[1], pairs))
+
+    return sorted(known, key=shared, reverse=True)

@@ -1,0 +1,102 @@
+"""Writes the replay buffer of Diffusion Policy: a zarr group with all episodes one after the other.
+
+`data/<name>` holds the rows of all episodes, `meta/episode_ends` the row after each. The buffer has
+version 2 of the zarr format, which the zarr package reads in its versions 2 and 3.
+"""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from robocell._extras import needed_by
+from robocell._staging import Staging
+from robocell.export._formats import Options, Written
+from robocell.export._images import blocks
+from robocell.export._source import Source
+
+with needed_by("robocell.export", "export"):
+    import numcodecs
+    import zarr
+
+NAME = "replay_buffer.zarr"
+CHUNK_BYTES = 1 << 20  # of numbers; an image is a chunk of its own
+
+
+def write(
+    source: Source, staging: Staging, options: Options, on_episode: Callable[[int], None]
+) -> Written:
+    """Writes a replay buffer into a staging folder.
+
+    A killed export keeps the images of complete episodes; numbers are written again.
+    """
+    ends = np.cumsum([item.rows for item in source.items])
+    place = staging.path(NAME)
+    done = staging.state("images")
+    if done is None:
+        shutil.rmtree(place, ignore_errors=True)
+        done = 0
+    root = zarr.open_group(str(place), mode="a", zarr_format=2)
+    data, meta = root.require_group("data"), root.require_group("meta")
+    images = [_image_array(data, source, camera) for camera in source.cameras]
+    for index, item in enumerate(source.items):
+        if index < done:
+            on_episode(index + 1)
+            continue
+        first = int(ends[index]) - item.rows
+        for camera, array in zip(source.cameras, images, strict=True):
+            for row, block in blocks(source, item, camera):
+                array[first + row : first + row + len(block)] = block
+        staging.keep("images", index + 1)
+        on_episode(index + 1)
+    _write_numbers(source, data)
+    _array(meta, "episode_ends", (len(ends),), np.dtype(np.int64))[:] = ends
+    notes = (
+        f"`{NAME}` is a replay buffer: `data/<feature>` has the rows of all episodes, "
+        "`meta/episode_ends` the row after each.",
+        "The task of an episode is in `meta/robocell/episodes.json`.",
+    )
+    return Written(done, {}, {}, notes)
+
+
+def _image_array(data: Any, source: Source, camera: Any) -> Any:
+    """Returns the array of a camera's images, which a killed export may have begun."""
+    if camera.feature in data:
+        return data[camera.feature]
+    shape = (*source.shape_of(camera), 3)
+    return _array(data, camera.feature, (source.rows, *shape), np.dtype(np.uint8), (1, *shape))
+
+
+def _write_numbers(source: Source, data: Any) -> None:
+    """Writes the features, one episode at a time."""
+    arrays = {
+        feature.name: _array(
+            data, feature.name, (source.rows, feature.size), np.dtype(feature.dtype)
+        )
+        for feature in source.resolved.features
+    }
+    row = 0
+    for item in source.items:
+        episode = source.episode(item)
+        for feature in source.resolved.features:
+            arrays[feature.name][row : row + item.rows] = feature.read(episode)
+        row += item.rows
+
+
+def _array(
+    group: Any, name: str, shape: tuple[int, ...], dtype: Any, chunks: tuple[int, ...] | None = None
+) -> Any:
+    row_bytes = int(np.prod(shape[1:])) * dtype.itemsize
+    rows = max(1, min(shape[0], CHUNK_BYTES // row_bytes))
+    return group.create_array(
+        name,
+        shape=shape,
+        dtype=dtype,
+        chunks=chunks or (rows, *shape[1:]),
+        compressors=numcodecs.Blosc("zstd", clevel=5, shuffle=numcodecs.Blosc.SHUFFLE),
+        fill_value=0,
+        overwrite=True,
+    )

@@ -1,0 +1,274 @@
+"""The episodes of an export, and what they have in common: features, rate, cameras.
+
+Everything that would stop an export is found here, before it writes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from robocell._core import ArgumentError, Dataset, Episode, NotFoundError
+from robocell._placeholders import AS_RECORDED, Gripper
+from robocell._suggestions import did_you_mean, shortened
+from robocell.export._features import Resolved
+from robocell.export._mapping import Mapping
+
+
+@dataclass(frozen=True)
+class Item:
+    """One episode of an export.
+
+    Attributes:
+        id: Its id in the dataset.
+        rows: Its length.
+        task: Its instruction.
+        robots: Its robots, separated by commas.
+        success: Whether the task was done.
+        end_reason: Why it ended.
+        video_bytes: Size of its largest video.
+        digest: Hash of its episode.json, which holds the hashes of all its files.
+    """
+
+    id: str
+    rows: int
+    task: str
+    robots: str
+    success: bool
+    end_reason: str
+    video_bytes: int
+    digest: str
+
+
+@dataclass(frozen=True)
+class Camera:
+    """A camera of an export.
+
+    Attributes:
+        feature: Its name in the training dataset.
+        name: Its name in the episodes.
+        width: In pixels.
+        height: In pixels.
+    """
+
+    feature: str
+    name: str
+    width: int
+    height: int
+
+
+@dataclass(frozen=True)
+class Source:
+    """What is exported.
+
+    Attributes:
+        dataset: The dataset that has the episodes.
+        items: The episodes, in order.
+        resolved: Their features.
+        cameras: Their cameras.
+        rate: Rows per second.
+        left_out: What the episodes have and the export does not contain, in words.
+        image_size: Width and height of exported images; None for those of the cameras.
+        gripper: The numbers of open and closed grippers.
+    """
+
+    dataset: Dataset
+    items: tuple[Item, ...]
+    resolved: Resolved
+    cameras: tuple[Camera, ...]
+    rate: Fraction
+    left_out: tuple[str, ...]
+    image_size: tuple[int, int] | None = None
+    gripper: Gripper = AS_RECORDED
+
+    @property
+    def fps(self) -> int:
+        """The whole number of frames per second that is nearest to the rate."""
+        return max(1, round(self.rate))
+
+    @property
+    def rows(self) -> int:
+        """The rows of all episodes."""
+        return sum(item.rows for item in self.items)
+
+    @property
+    def robot_type(self) -> str | None:
+        """The robots of all episodes; None without any."""
+        return ", ".join(dict.fromkeys(item.robots for item in self.items if item.robots)) or None
+
+    @property
+    def tasks(self) -> list[str]:
+        """The instructions, in the order in which they first appear."""
+        return list(dict.fromkeys(item.task for item in self.items))
+
+    def episode(self, item: Item) -> Episode:
+        """Opens an episode."""
+        return self.dataset[item.id]
+
+    def resized(self, camera: Camera) -> tuple[int, int] | None:
+        """Returns the width and height that images are brought to, or None if they have it."""
+        own = (camera.width, camera.height)
+        return None if self.image_size in (None, own) else self.image_size
+
+    def shape_of(self, camera: Camera) -> tuple[int, int]:
+        """Returns the height and width of exported images."""
+        width, height = self.image_size or (camera.width, camera.height)
+        return height, width
+
+    def video(self, item: Item, camera: Camera) -> Path:
+        """Returns the file with the colour images of a camera in an episode."""
+        episode = self.episode(item)
+        described: Any = episode.json
+        return episode.folder / described["cameras"][camera.name]["file"]
+
+
+def choose(
+    dataset: Dataset, episodes: Sequence[str] | None = None, successes_only: bool = False
+) -> list[str]:
+    """Returns the ids of the episodes to export.
+
+    Args:
+        dataset: The dataset.
+        episodes: Ids, places ("7"), or ranges of places ("0:100"); None for all.
+        successes_only: Leave out the episodes that failed.
+
+    Raises:
+        ArgumentError: There are none.
+        NotFoundError: The dataset has no such episode.
+    """
+    if not len(dataset):
+        raise ArgumentError(
+            f"dataset '{dataset.folder}' has no episodes. `robocell generate` with its run file "
+            "makes them, `robocell report` sums up its attempts"
+        )
+    ids = dataset.ids
+    chosen = ids if episodes is None else _named(dataset, episodes)
+    if successes_only:
+        chosen = [name for name in chosen if dataset[name].success]
+    if not chosen:
+        why = "none of the episodes succeeded" if successes_only else "the selection is empty"
+        raise ArgumentError(
+            f"no episodes of dataset '{dataset.folder}' to export: {why}. It has {len(ids)}: "
+            f"{shortened(ids)}"
+        )
+    return chosen
+
+
+def _named(dataset: Dataset, wanted: Sequence[str]) -> list[str]:
+    ids = dataset.ids
+    chosen: dict[str, None] = {}
+    for name in wanted:
+        first, colon, last = name.partition(":")
+        if name in dataset:
+            found = [name]
+        elif colon and all(not each or each.lstrip("-").isdigit() for each in (first, last)):
+            found = ids[int(first) if first else None : int(last) if last else None]
+        elif name.isdigit() and int(name) < len(ids):
+            found = [ids[int(name)]]
+        else:
+            raise NotFoundError(
+                f"dataset '{dataset.folder}' has no episode '{name}'.{did_you_mean(name, ids)} It "
+                f"has {len(ids)}: {shortened(ids)}. Ranges of places are 0:{len(ids)}"
+            )
+        chosen.update(dict.fromkeys(found))
+    return list(chosen)
+
+
+def gather(dataset: Dataset, ids: Sequence[str], mapping: Mapping) -> Source:
+    """Reads what the episodes are, and checks that they fit in one training dataset.
+
+    Raises:
+        ArgumentError: Two episodes differ in features, rate or cameras.
+        NotFoundError: An episode lacks a column or a camera.
+    """
+    first = dataset[ids[0]]
+    resolved = mapping.resolve(first)
+    rate = _rate(first, resolved)
+    cameras = _cameras(first, resolved)
+    items = []
+    for name in ids:
+        episode = dataset[name]
+        own = mapping.resolve(episode)
+        resolved.require_same(own, episode, first)
+        _require_same(episode, first, "rate", _rate(episode, own), rate)
+        _require_same(episode, first, "sizes of images", _cameras(episode, own), cameras)
+        items.append(_item(episode, own, cameras))
+    left_out = [f"depth of {name}" for name in first.depth_cameras]
+    left_out += [f"segmentation of {name}" for name in first.segmentation_cameras]
+    used = {camera.name for camera in cameras}
+    left_out += [f"camera {name}" for name in first.cameras if name not in used]
+    return Source(
+        dataset,
+        tuple(items),
+        resolved,
+        cameras,
+        rate,
+        tuple(left_out),
+        mapping.image_size,
+        mapping.gripper,
+    )
+
+
+def _require_same(episode: Episode, first: Episode, what: str, own: object, other: object) -> None:
+    if own != other:
+        raise ArgumentError(
+            f"episode '{episode.folder}' cannot be in one dataset with '{first.folder}': its "
+            f"{what}: {own} instead of {other}. Export them apart: --episodes"
+        )
+
+
+def _item(episode: Episode, resolved: Resolved, cameras: Sequence[Camera]) -> Item:
+    described: Any = episode.json
+    if not len(episode):
+        raise ArgumentError(f"episode '{episode.folder}' has no rows. Leave it out: --episodes")
+    videos = [described["cameras"][camera.name] for camera in cameras]
+    for camera, video in zip(cameras, videos, strict=True):
+        if video["frames"] != len(episode):
+            raise ArgumentError(
+                f"episode '{episode.folder}': camera '{camera.name}' has {video['frames']} frames "
+                f"for {len(episode)} rows. Leave it out: --cameras"
+            )
+    sizes = [described["files"][video["file"]]["bytes"] for video in videos]
+    return Item(
+        id=episode.id,
+        rows=len(episode),
+        task=resolved.task,
+        robots=", ".join(resolved.robots),
+        success=episode.success,
+        end_reason=episode.end_reason,
+        video_bytes=max(sizes, default=0),
+        digest=str(described.get("run", {}).get("json_sha256", "")),
+    )
+
+
+def _rate(episode: Episode, resolved: Resolved) -> Fraction:
+    """Returns the rows per second: of a camera, of the run, or of the column `time`."""
+    described: Any = episode.json
+    for camera in (*resolved.images.values(), *episode.cameras):
+        return Fraction(*described["cameras"][camera]["fps"])
+    metadata: Any = episode.metadata or {}
+    hertz = metadata.get("rates", {}).get("policy_hz") if isinstance(metadata, dict) else None
+    if isinstance(hertz, list) and len(hertz) == 2:
+        return Fraction(*hertz)
+    if "time" in episode and len(episode) > 1:
+        time = episode["time"]
+        period = Fraction(float(time[-1] - time[0]) / (len(time) - 1)).limit_denominator(100_000)
+        if period > 0:
+            return 1 / period
+    raise ArgumentError(
+        f"episode '{episode.folder}': its rate is unknown. Episodes have cameras, rates in their "
+        "metadata, or a column 'time'"
+    )
+
+
+def _cameras(episode: Episode, resolved: Resolved) -> tuple[Camera, ...]:
+    described: Any = episode.json
+    return tuple(
+        Camera(
+            feature, name, described["cameras"][name]["width"], described["cameras"][name]["height"]
+        )
+        for feature, name in resolved.images.items()
+    )

@@ -1,0 +1,227 @@
+"""Videos of episodes one after the other in one file, at a new frame rate, without a new encoding.
+
+Frame k of the result is at k / fps, exactly, in a time base of 512 ticks per frame. The encoded
+frames are copied where the sources allow it; else they are encoded again.
+"""
+
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import IO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robocell._core import IoError
+from robocell.export._mp4 import Mp4
+
+TICKS = 512  # per frame
+COPIED = ("h264", "hevc", "av1")
+ENCODED = (
+    "-c:v",
+    "libx264",
+    "-preset",
+    "veryfast",
+    "-crf",
+    "18",
+    "-bf",
+    "0",
+    "-pix_fmt",
+    "yuv420p",
+)
+LARGEST_SIDE = 150  # pixels of the images that statistics look at
+# Robocell's own reader scales in this way, so statistics are those of its frames.
+FLAGS = "flags=bicubic+accurate_rnd+full_chroma_int+bitexact"
+EXACT = ("-vf", f"scale={FLAGS}")
+BLOCK_BYTES = 16 << 20  # of images in memory
+
+
+Size = tuple[int, int]  # width and height
+
+
+def reason_to_encode(
+    sources: Sequence[Mp4], keyframe_interval: int | None = None, size: Size | None = None
+) -> str:
+    """Returns why the frames cannot be copied into one file, or "".
+
+    Args:
+        sources: The videos.
+        keyframe_interval: The most frames from one key frame to the next; None for any.
+        size: The size to bring the images to; None to keep it.
+    """
+    first = sources[0]
+    if size is not None:
+        return f"images of {first.width}x{first.height} are brought to {size[0]}x{size[1]}"
+    if first.codec not in COPIED:
+        return f"codec {first.codec}"
+    if any(each.codec != first.codec or each.setup != first.setup for each in sources):
+        return "episodes were encoded with different settings"
+    if any(each.is_reordered for each in sources):
+        return "frames are stored in another order than shown"
+    longest = max(each.longest_interval for each in sources)
+    if keyframe_interval is not None and longest > keyframe_interval:
+        return f"key frames are {longest} frames apart"
+    return ""
+
+
+def join(
+    sources: Sequence[Path],
+    out: Path,
+    fps: int,
+    encode: bool,
+    keyframe_interval: int | None = None,
+    size: Size | None = None,
+    repeats: int = 0,
+) -> Mp4:
+    """Writes all frames of several videos to one file.
+
+    Args:
+        sources: MP4 files of the same size.
+        out: The file to write.
+        fps: Frame rate of the result, whatever those of the sources are.
+        encode: Encode again, instead of copying.
+        keyframe_interval: Frames from one key frame to the next, when encoding.
+        size: The size to bring the images to, when encoding; None to keep it.
+        repeats: How often the last frame is repeated, when encoding.
+
+    Raises:
+        IoError: ffmpeg is missing or failed.
+    """
+    base = fps * TICKS
+    with tempfile.NamedTemporaryFile("w", suffix=".txt") as listing:
+        for source in sources:
+            quoted = str(source.resolve()).replace("'", "'\\''")
+            print(f"file 'file:{quoted}'", file=listing)
+        listing.flush()
+        arguments = ["-y", "-f", "concat", "-safe", "0", "-i", f"file:{listing.name}", "-an"]
+        if encode:
+            longer = f"tpad=stop={repeats}:stop_mode=clone," if repeats else ""
+            timed = f"{_fitted(size)}{longer}settb=1/{fps},setpts=N"
+            arguments += ["-vf", timed, "-fps_mode", "passthrough", *ENCODED]
+            arguments += ["-enc_time_base", f"1/{fps}", "-g", str(keyframe_interval or 30)]
+            # Every source begins with a key frame, and so does its part of the result.
+            arguments += ["-force_key_frames", "source", "-threads", "1", "-flags", "+bitexact"]
+        else:
+            arguments += ["-c", "copy"]
+        # Packets are in the order of the frames: neither copied nor encoded ones are reordered.
+        setts = f"setts=time_base=1/{base}:pts=N*{TICKS}:dts=N*{TICKS}:duration={TICKS}"
+        arguments += ["-bsf:v", setts]
+        arguments += ["-video_track_timescale", str(base), "-map_metadata", "-1"]
+        arguments += ["-fflags", "+bitexact", "-movflags", "+faststart", "-f", "mp4", f"file:{out}"]
+        with _ffmpeg(arguments, f"write '{out}'", subprocess.DEVNULL):
+            pass
+    return Mp4.read(out)
+
+
+def require_frames(path: Path, video: Mp4, rows: int) -> None:
+    """Raises IoError unless a video that was written has a frame for each row."""
+    if video.frames != rows:
+        raise IoError(
+            f"'{path}' has {video.frames} frames for {rows} rows: a video of an episode is damaged."
+            " `robocell verify --decode-videos DATASET` finds it"
+        )
+
+
+def images(video: Path, facts: Mp4, size: Size | None = None) -> Iterator[NDArray[np.uint8]]:
+    """Yields all frames of a video in blocks (frames, height, width, 3).
+
+    Args:
+        video: The file.
+        facts: What is in it.
+        size: The size to bring the images to; None to keep it.
+
+    Raises:
+        IoError: A frame cannot be decoded.
+    """
+    width, height = size or (facts.width, facts.height)
+    one = width * height * 3
+    scaled = f"{_fitted(size)}scale={FLAGS}" if size else EXACT[1]
+    arguments = ["-threads", "1", "-i", f"file:{video}", "-an", "-vf", scaled]
+    arguments += ["-fps_mode", "passthrough", "-f", "rawvideo", "-pix_fmt", "rgb24", "pipe:1"]
+    done = 0
+    with _ffmpeg(arguments, f"decode '{video}'", subprocess.PIPE) as output:
+        assert output is not None
+        while done < facts.frames:
+            wanted = min(max(1, BLOCK_BYTES // one), facts.frames - done)
+            pixels = output.read(wanted * one)
+            if len(pixels) < wanted * one:
+                raise IoError(f"'{video}': frame {done + len(pixels) // one} cannot be decoded")
+            yield np.frombuffer(pixels, np.uint8).reshape(wanted, height, width, 3)
+            done += wanted
+
+
+def _fitted(size: Size | None) -> str:
+    """Returns filters that bring images to a size: scaled as a whole, black at the borders."""
+    if size is None:
+        return ""
+    box = f"w={size[0]}:h={size[1]}"
+    # Padding is done in RGB: in yuv420p a border begins at even pixels only.
+    return (
+        f"scale={box}:force_original_aspect_ratio=decrease:{FLAGS},format=rgb24,"
+        f"pad={box}:x=(ow-iw)/2:y=(oh-ih)/2:color=black,"
+    )
+
+
+def key_images(video: Path, facts: Mp4) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+    """Yields the key frames of a video: the index of the frame, and every n-th pixel of it.
+
+    Raises:
+        IoError: A key frame cannot be decoded.
+    """
+    step = max(1, -(-max(facts.width, facts.height) // LARGEST_SIDE))
+    size = facts.width * facts.height * 3
+    arguments = ["-skip_frame", "nokey", "-threads", "1", "-i", f"file:{video}", "-an"]
+    arguments += [
+        "-fps_mode",
+        "passthrough",
+        *EXACT,
+        "-f",
+        "rawvideo",
+        "-pix_fmt",
+        "rgb24",
+        "pipe:1",
+    ]
+    with _ffmpeg(arguments, f"decode '{video}'", subprocess.PIPE) as output:
+        assert output is not None
+        for index in facts.key_frames:
+            pixels = output.read(size)
+            if len(pixels) < size:
+                raise IoError(f"'{video}': frame {index} cannot be decoded")
+            image = np.frombuffer(pixels, np.uint8).reshape(facts.height, facts.width, 3)
+            yield index, image[::step, ::step]
+
+
+@contextmanager
+def _ffmpeg(arguments: Sequence[str], task: str, output: int) -> Iterator[IO[bytes] | None]:
+    """Runs ffmpeg while the block reads its output; its failure raises IoError with its words."""
+    program = os.environ.get("ROBOCELL_FFMPEG") or shutil.which("ffmpeg")
+    if program is None:
+        raise IoError(
+            f"cannot {task}: there is no ffmpeg on PATH. Install it (apt-get install ffmpeg), or "
+            "name one in ROBOCELL_FFMPEG"
+        )
+    command = [program, "-hide_banner", "-nostdin", "-loglevel", "error", *arguments]
+    with tempfile.TemporaryFile() as words:
+        try:
+            process = subprocess.Popen(
+                command, stdin=subprocess.DEVNULL, stdout=output, stderr=words
+            )
+        except OSError as error:
+            raise IoError(f"cannot {task}: cannot run '{program}': {error.strerror}") from error
+        try:
+            with process:
+                yield process.stdout
+        except BaseException:
+            process.kill()
+            process.wait()
+            raise
+        if process.returncode != 0:
+            words.seek(0)
+            message = words.read().decode(errors="replace").strip() or f"code {process.returncode}"
+            raise IoError(f"cannot {task}: ffmpeg: {message}")

@@ -1,0 +1,113 @@
+"""A policy behind a socket, for `robocell evaluate --policy ws://127.0.0.1:8000`."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robocell._core import ArgumentError
+from robocell._policy_calls import present
+from robocell._policy_presets import Bound, Preset
+from robocell._suggestions import counted
+from robocell.policy import Action, Context, Observation, Policy
+from robocell.policy_server._client import TIMEOUT_S, PolicyClient, PolicyServerError
+
+PROMPT = "prompt"
+ROLLOUT, RUN_SEED = "rollout", "run_seed"  # the start of a rollout, for servers of robocell
+
+
+class RemotePolicy(Policy):
+    """Sends each observation to a policy server and returns its actions.
+
+    Without a preset the server is sent the row of the dataset by the names of its columns, with
+    the instruction as `prompt`, and names the columns of its actions: `robocell serve-policy` does.
+
+    Args:
+        url: `ws://host:port`.
+        preset: Names and units that the server expects.
+        timeout_s: Longest time of a call.
+    """
+
+    def __init__(
+        self, url: str, preset: Preset | None = None, timeout_s: float = TIMEOUT_S
+    ) -> None:
+        self.client = PolicyClient(url, timeout_s)
+        self.timing: dict[str, float] = {}  # of the last call
+        self._preset = preset
+        self._bound: Bound | None = None
+        self._instruction = ""
+        self._session = 0
+
+    def reset(self, context: Context) -> None:
+        """Begins a rollout at the server."""
+        self._instruction = context.instruction
+        self._session = context.seed
+        info = {PROMPT: context.instruction, "seed": context.seed}
+        # An expert must know the start; others get what every server of RoboArena understands.
+        start = {ROLLOUT: present.rollout, RUN_SEED: present.seed}
+        self.client.reset(info, start)
+        if self._preset is None:
+            return
+        cameras = context.run.cameras
+        streams = [stream.name for stream in cameras.streams] if cameras.draw else []
+        self._bound = self._preset.bind(context.features, streams)
+        self._adapt(self._bound)
+
+    def act(self, observation: Observation) -> Action:
+        """Returns the server's actions."""
+        if self._bound is None:
+            message: dict[str, Any] = {**observation, PROMPT: self._instruction}
+        else:
+            message = self._bound.message(observation, self._instruction)
+        if self.client.metadata.get("needs_session_id") is True:
+            message["session_id"] = np.array([self._session], np.int32)
+        reply = self.client.infer(message)
+        self.timing = {"round_trip_ms": reply.call_ms, "server_ms": reply.server_ms}
+        try:
+            if self._bound is not None:
+                return self._bound.columns(reply.actions)
+            return _by_name(reply.actions, reply.columns)
+        except ArgumentError as error:
+            raise PolicyServerError(f"policy server {self.client.url}: {error}") from error
+
+    def _adapt(self, bound: Bound) -> None:
+        """Follows the configuration of a server of RoboArena."""
+        metadata = self.client.metadata
+        space = metadata.get("action_space")
+        own = bound.preset.action_space
+        if isinstance(space, str) and own and space != own:
+            raise PolicyServerError(
+                f"policy server {self.client.url}: its actions are {space!r}, and those of "
+                f"{bound.preset.place} {own!r}: choose another preset"
+            )
+        if "image_resolution" not in metadata:
+            return
+        wanted = metadata["image_resolution"]  # height and width, or None for no resizing
+        bound.image_size = None
+        if isinstance(wanted, list) and len(wanted) == 2:
+            height, width = wanted
+            if type(height) is int and type(width) is int and 0 < min(wanted) <= max(wanted) < 4097:
+                bound.image_size = width, height
+
+
+def _by_name(actions: NDArray[Any], columns: tuple[tuple[str, int], ...]) -> dict[str, Any]:
+    """Splits actions into the columns that the server names."""
+    width = actions.shape[-1]
+    if not columns:
+        raise ArgumentError(
+            f"the server returned {counted(width, 'number')} per action without their names; say "
+            "what they are with --preset, such as --preset droid"
+        )
+    if sum(size for _, size in columns) != width:
+        raise ArgumentError(
+            f"the server returned {counted(width, 'number')} per action, and names columns of "
+            f"{sum(size for _, size in columns)}"
+        )
+    found: dict[str, Any] = {}
+    start = 0
+    for name, size in columns:
+        found[name] = actions[..., start : start + size]
+        start += size
+    return found
