@@ -35,7 +35,12 @@ RUN = {
     },
     "scenes": {"source": "tabletop"},
     "episodes_per_scene": 2,
-    "cameras": {"resolution": [64, 48], "streams": [{"name": "wrist", "camera": "wrist_camera"}]},
+    # OpenGL starts anew in each process, which takes longer than all images of a run.
+    "cameras": {
+        "resolution": [64, 48],
+        "renderer": {"backend": "soft"},
+        "streams": [{"name": "wrist", "camera": "wrist_camera"}],
+    },
     # Few images: tests hardly ever look at them.
     "rates": {"policy_ms": 198, "control_ms": 2, "sim_ms": 2, "max_steps": 500},
 }
