@@ -101,10 +101,7 @@ def test_every_file_is_under_one_heading():
 @pytest.mark.parametrize("code", [READ, BUILD], ids=["mujoco", "robocell"])
 @pytest.mark.parametrize(
     "model",
-    [
-        pytest.param(name, marks=pytest.mark.proof if "circle" in name else ())
-        for name in CRASHING
-    ],
+    [pytest.param(name, marks=pytest.mark.proof if "circle" in name else ()) for name in CRASHING],
 )
 def test_some_models_crash_the_engine(model: str, code: str):
     assert in_a_process(code, model).returncode == -CRASHING[model]
