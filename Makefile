@@ -104,10 +104,11 @@ check-site: build-python
 	@$(call headline,site and notebooks)
 	@$(build_site)
 
-# What a page promises and `make test` tries in a smaller form.
-check-proofs: build-python
-	@$(call headline,promises of the pages)
-	@$(PYTHON) -m pytest -q -m proof python/tests
+# What the pages promise, and what holds for every robot: `make test` tries some of each kind.
+check-proofs: build
+	@$(call headline,proofs in full)
+	@scripts/fetch_test_robots
+	@$(PYTHON) -m pytest -q -n $(JOBS) --dist worksteal -m proof
 
 # Types come from the extension's stubs, so it is built first.
 check-types: build-python

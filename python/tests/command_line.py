@@ -35,7 +35,12 @@ RUN = {
     },
     "scenes": {"source": "tabletop"},
     "episodes_per_scene": 2,
-    "cameras": {"resolution": [64, 48], "streams": [{"name": "wrist", "camera": "wrist_camera"}]},
+    # OpenGL starts anew in each process, which takes longer than all images of a run.
+    "cameras": {
+        "resolution": [64, 48],
+        "renderer": {"backend": "soft"},
+        "streams": [{"name": "wrist", "camera": "wrist_camera"}],
+    },
     # Few images: tests hardly ever look at them.
     "rates": {"policy_ms": 198, "control_ms": 2, "sim_ms": 2, "max_steps": 500},
 }
@@ -148,6 +153,7 @@ def robocell_command(
     *arguments: object,
     environment: Mapping[str, object] | None = None,
     timeout_s: float = 240,
+    cwd: Path | None = None,
     **options: object,
 ) -> subprocess.CompletedProcess[str]:
     """Runs the command line in a process of its own: a new one where a fork would not be the same.
@@ -156,8 +162,8 @@ def robocell_command(
     """
     found = environment_with(environment or {})
     if options or not command_server().serves(found):
-        return new_process(*arguments, environment=found, timeout_s=timeout_s, **options)
-    return command_server().run(*arguments, environment=found, timeout_s=timeout_s)
+        return new_process(*arguments, environment=found, timeout_s=timeout_s, cwd=cwd, **options)
+    return command_server().run(*arguments, environment=found, timeout_s=timeout_s, folder=cwd)
 
 
 def refused(*arguments: object, code: int = 2) -> str:

@@ -14,8 +14,7 @@ MOST_STEPS = 26  # four of the six picks need fewer
 
 def _make(folder: Path) -> None:
     rates = {**RUN["rates"], "max_steps": MOST_STEPS}  # type: ignore[dict-item]
-    cameras = {**RUN["cameras"], "renderer": {"backend": "soft"}}  # type: ignore[dict-item]
-    changes = {"rates": rates, "cameras": cameras, "episodes_per_scene": 6, "max_attempts": 1}
+    changes = {"rates": rates, "episodes_per_scene": 6, "max_attempts": 1}
     run = write_run(folder, keep="all", **changes)
     result = robocell_command("generate", run, "--progress", "jsonl")
     assert result.returncode in (0, 1), result.stderr

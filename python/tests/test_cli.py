@@ -305,7 +305,7 @@ def test_tables_do_not_wrap_values_longer_than_the_terminal():
 
 
 def test_missing_encoders_and_gl_are_reported_before_creating_files(tmp_path: Path):
-    run = write_run(tmp_path)
+    run = write_run(tmp_path, cameras={**RUN["cameras"], "renderer": {"backend": "auto"}})
     for variable, code, text in (
         ("ROBOCELL_FFMPEG", 3, "records 1 camera stream, on this machine that fails: ROBOCELL_FFM"),
         ("ROBOCELL_GL", 2, "on this machine that fails: environment variable ROBOCELL_GL: no GL"),

@@ -1,4 +1,7 @@
-"""What holds for every ready-made cell (examples/envs) in every scene with every control mode."""
+"""What holds for every ready-made cell (examples/envs) in every scene with every control mode.
+
+Two unlike cells are a part of `make test`; `make check` has them all.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +33,17 @@ SENSED = ("qpos", "qvel", "ctrl", "xpos", "xquat", "site_xpos", "sensordata")
 Leaves = dict[str, np.ndarray]
 
 
-@pytest.fixture(scope="module", params=CELLS, ids=lambda file: file.stem)
+# A robot of robocell's own; one of the Menagerie, with unlimited joints and coupled fingers.
+QUICK = {"rc7", "gen3_2f85"}
+
+
+def each(cells: list[Path]) -> list[Any]:
+    """Parameters: the cells, of which all but the quick ones are proofs."""
+    marks = {True: (), False: pytest.mark.proof}
+    return [pytest.param(file, id=file.stem, marks=marks[file.stem in QUICK]) for file in cells]
+
+
+@pytest.fixture(scope="module", params=each(CELLS))
 def cell(request: pytest.FixtureRequest) -> rc.EnvConfig:
     if request.param.stem != "rc7":
         require_menagerie()
@@ -113,5 +126,6 @@ def test_the_cells_match_the_page():
     page = (Path(__file__).parents[2] / "docs" / "environments.md").read_text()
     assert rc.models.cells() == [file.stem for file in CELLS]
     assert len(CELLS) == 6
+    assert {file.stem for file in CELLS} > QUICK
     for file in CELLS:
         assert f"`{file.stem}`" in page, file

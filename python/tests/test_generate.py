@@ -34,7 +34,7 @@ STREAM = {"name": "wrist", "camera": "wrist_camera", "depth": True}
 LONGER = {
     "episodes_per_scene": 7,
     "start": {**RUN["start"], "base_distance": [0.4, 0.62]},
-    "cameras": {"resolution": [64, 48], "streams": [STREAM]},
+    "cameras": {**RUN["cameras"], "streams": [STREAM]},
 }
 
 
@@ -105,7 +105,7 @@ def processes(dataset: Path) -> set[int]:
     return {episode.json["run"]["process"] for episode in robocell.Dataset(dataset)}
 
 
-@pytest.mark.parametrize("workers", [1, 2])
+@pytest.mark.parametrize("workers", [pytest.param(1, marks=pytest.mark.proof), 2])
 def test_images_rendered_afterwards_have_the_same_bytes(longer: Path, tmp_path: Path, workers: int):
     run = write_run(tmp_path, **LONGER)
     generate(run, tmp_path / "out", "--workers", workers, "--render-kept")
@@ -120,6 +120,7 @@ def test_images_rendered_afterwards_have_the_same_bytes(longer: Path, tmp_path: 
     assert [event["event"] for event in again] == ["started", "finished"], "nothing is made again"
 
 
+@pytest.mark.proof
 def test_seven_workers_produce_the_same_bytes(longer: Path, tmp_path: Path):
     run = write_run(tmp_path, **LONGER)
     generate(run, tmp_path / "out", "--workers", 7)

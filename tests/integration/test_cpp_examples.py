@@ -1,4 +1,8 @@
-"""The examples of the C++ reference compile, run, and print what they show."""
+"""The examples of the C++ reference compile, run, and print what they show.
+
+To compile them takes longer than all else: `make check` does it. `make test` compiles the ten lines
+of the page on installing (test_readme.py) and a plugin (test_plugin.py).
+"""
 
 from __future__ import annotations
 
@@ -10,6 +14,8 @@ from pathlib import Path
 import pytest
 from test_docs_snippets import make_demo
 from test_packaging import BUILD, CONSUMER, ROOT, run
+
+from made_once import made_once
 
 sys.path.append(str(ROOT / "scripts" / "docsite"))
 import cpp_reference
@@ -23,16 +29,18 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The program of all examples, built against an install."""
     if not (BUILD / "librobocell.so").exists():
         pytest.skip("build/release holds no library; run make build")
-    folder = tmp_path_factory.mktemp("cpp_examples")
-    prefix, source, build = (folder / name for name in ("prefix", "source", "build"))
-    run("cmake", "--install", BUILD, "--prefix", prefix)
-    source.mkdir()
-    (source / "main.cc").write_text(cpp_reference.EXAMPLES.read_text())
-    (source / "CMakeLists.txt").write_text((CONSUMER / "CMakeLists.txt").read_text())
-    package = prefix / "lib/cmake/robocell"
-    run("cmake", "-G", "Ninja", "-S", source, "-B", build, f"-Drobocell_DIR={package}")
-    run("cmake", "--build", build)
-    return build / "consumer"
+
+    def make(folder: Path) -> None:
+        prefix, source, build = (folder / name for name in ("prefix", "source", "build"))
+        run("cmake", "--install", BUILD, "--prefix", prefix)
+        source.mkdir()
+        (source / "main.cc").write_text(cpp_reference.EXAMPLES.read_text())
+        (source / "CMakeLists.txt").write_text((CONSUMER / "CMakeLists.txt").read_text())
+        package = prefix / "lib/cmake/robocell"
+        run("cmake", "-G", "Ninja", "-S", source, "-B", build, f"-Drobocell_DIR={package}")
+        run("cmake", "--build", build)
+
+    return made_once(tmp_path_factory, "cpp_examples", make) / "build" / "consumer"
 
 
 @pytest.fixture(scope="module")
@@ -56,6 +64,7 @@ def agrees(shown: str, printed: str) -> bool:
     return printed.startswith(start) if shown.endswith("...") else printed == shown
 
 
+@pytest.mark.proof
 @pytest.mark.parametrize("title", EXAMPLES)
 def test_an_example_prints_its_output(title: str, program: Path, folder: Path):
     done = subprocess.run([program, title], cwd=folder, capture_output=True, text=True, check=False)
@@ -65,6 +74,7 @@ def test_an_example_prints_its_output(title: str, program: Path, folder: Path):
     assert [(a, b) for a, b in zip(shown, printed, strict=True) if not agrees(a, b)] == []
 
 
+@pytest.mark.proof
 def test_the_reference_has_every_example_of_the_program(program: Path):
     assert sorted(EXAMPLES) == run(program).split()
 

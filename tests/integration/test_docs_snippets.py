@@ -6,6 +6,7 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import console_blocks
 import pytest
@@ -17,10 +18,34 @@ from menagerie import require_menagerie
 DOCS = ROOT / "docs"
 PAGES = sorted(page for page in DOCS.rglob("*.md") if page.parent.name != "decisions")
 WITH_COMMANDS = [page for page in PAGES if console_blocks.commands(page)]
+# Pages that take seconds, of which there are quicker ones of the same kind: `make check` runs them.
+LONG = {
+    "the commands": {
+        "concepts/determinism",
+        "concepts/durability",
+        "howto/evaluate_policy",
+        "howto/record_depth",
+        "howto/render_kept",
+        "howto/resume_run",
+        "tutorials/first_dataset",
+        "tutorials/own_robot",
+        "tutorials/own_task",
+        "tutorials/train_and_evaluate",
+    },
+    "the python": {"data", "export"},
+}
 
 
 def name_of(page: Path) -> str:
     return str(page.relative_to(DOCS).with_suffix(""))
+
+
+def each(pages: list[Path], part: str) -> list[Any]:
+    """Parameters: the pages, of which the long ones are proofs."""
+    names = {name_of(page): page for page in pages}
+    assert LONG[part] <= names.keys(), "a page has another name now"
+    marks = {name: [pytest.mark.proof] for name in LONG[part]}
+    return [pytest.param(page, id=name, marks=marks.get(name, ())) for name, page in names.items()]
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -42,7 +67,7 @@ def prepare(page: Path, folder: Path) -> None:
     console_blocks.write_files(page, folder)
 
 
-@pytest.mark.parametrize("page", [p for p in PAGES if blocks(p, "python")], ids=name_of)
+@pytest.mark.parametrize("page", each([p for p in PAGES if blocks(p, "python")], "the python"))
 def test_the_python_of_a_page_runs_from_top_to_bottom(page: Path, tmp_path: Path):
     code = "\n".join(blocks(page, "python"))
     if "fr3_2f85" in code:
@@ -59,7 +84,7 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(page: Path, tmp_path: Path
     assert warnings_of(done.stderr) == ""
 
 
-@pytest.mark.parametrize("page", WITH_COMMANDS, ids=name_of)
+@pytest.mark.parametrize("page", each(WITH_COMMANDS, "the commands"))
 def test_the_commands_of_a_page_print_the_shown_output(page: Path, tmp_path: Path):
     prepare(page, tmp_path)
     for command in console_blocks.commands(page):

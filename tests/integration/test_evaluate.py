@@ -11,6 +11,7 @@ import pytest
 from commands import ROOT, generate, refusal, robocell_command
 
 import robocell as rc
+from made_once import made_once
 from robocell._dataset_run import run_of_dataset
 from robocell.envs import from_dataset
 from robocell.evaluate import (
@@ -64,10 +65,13 @@ class Wrong(Policy):
 
 @pytest.fixture(scope="module")
 def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Two picks without images."""
-    out = tmp_path_factory.mktemp("evaluate") / "picks"
-    generate(DEMO, out, "--episodes", 2, "--set", "cameras.streams=[]")
-    return out
+    """Two picks without images; policies that fail at them need no more than 120 steps."""
+
+    def make(folder: Path) -> None:
+        words = ("--set", "cameras.streams=[]", "--set", "rates.max_steps=120")
+        generate(DEMO, folder / "picks", "--episodes", 2, *words)
+
+    return made_once(tmp_path_factory, "evaluate", make) / "picks"
 
 
 def test_the_interval_is_wilsons():

@@ -17,6 +17,7 @@ import pytest
 from commands import ROOT, generate, refusal, robocell_command
 
 import robocell as rc
+from made_once import made_once
 from robocell._generation.run_source import RunSource
 from robocell._own_code import own_sources
 
@@ -27,11 +28,26 @@ RC7 = ROOT / "models" / "robots" / "rc7" / "rc7.yaml"
 @pytest.fixture
 def run_file(tmp_path: Path) -> Path:
     """A copy of the example, which a test may change."""
-    shutil.copy(EXAMPLE, tmp_path)
+    return copy_example(tmp_path)
+
+
+def copy_example(folder: Path) -> Path:
+    """The example's run file with its module, which need nothing else of their folder."""
+    shutil.copy(EXAMPLE, folder)
     text = (ROOT / "examples" / "stack_cubes.yaml").read_text()
     text = text.replace("../models/robots/rc7/rc7.yaml", str(RC7))
-    (tmp_path / "stack_cubes.yaml").write_text(text)
-    return tmp_path / "stack_cubes.yaml"
+    (folder / "stack_cubes.yaml").write_text(text)
+    return folder / "stack_cubes.yaml"
+
+
+@pytest.fixture(scope="module")
+def stacked(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three episodes of the example, made by one worker. No test may change it."""
+
+    def make(folder: Path) -> None:
+        generate(copy_example(folder), folder / "out", "--workers", 1, "--episodes", 3)
+
+    return made_once(tmp_path_factory, "stacked", make) / "out"
 
 
 def files_of(folder: Path) -> dict[str, bytes]:
@@ -41,9 +57,8 @@ def files_of(folder: Path) -> dict[str, bytes]:
     }
 
 
-def test_any_number_of_workers_stacks_cubes(run_file: Path, tmp_path: Path):
+def test_any_number_of_workers_stacks_cubes(stacked: Path, run_file: Path, tmp_path: Path):
     generate(run_file, tmp_path / "two", "--workers", 2, "--episodes", 3)
-    generate(run_file, tmp_path / "one", "--workers", 1, "--episodes", 3)
     dataset = rc.Dataset(tmp_path / "two")
     assert len(dataset) == 3
     for episode in dataset:
@@ -53,13 +68,13 @@ def test_any_number_of_workers_stacks_cubes(run_file: Path, tmp_path: Path):
         red, blue = episode["objects/red/pose"][-1], episode["objects/blue/pose"][-1]
         assert red[2] - blue[2] == pytest.approx(0.04, abs=0.003)
         assert rc.data.verify_replay(episode).ok
-    assert files_of(tmp_path / "two") == files_of(tmp_path / "one")
+    assert files_of(tmp_path / "two") == files_of(stacked)
 
 
-def test_a_dataset_of_a_custom_task_has_an_environment(run_file: Path, tmp_path: Path):
+def test_a_dataset_of_a_custom_task_has_an_environment(
+    stacked: Path, run_file: Path, tmp_path: Path
+):
     """In an environment of its own, the recorded actions give the recorded rows and success."""
-    out = tmp_path / "out"
-    generate(run_file, out, "--workers", 1, "--episodes", 2)
     script = tmp_path / "act.py"
     script.write_text(
         "import json\nimport sys\nimport numpy as np\nimport robocell as rc\n"
@@ -79,24 +94,23 @@ def test_a_dataset_of_a_custom_task_has_an_environment(run_file: Path, tmp_path:
         "        done, equal = terminated or truncated, equal + 1\n"
         "    print(json.dumps([equal, len(episode), info['is_success'], len(env.observations)]))\n"
     )
-    words = [sys.executable, script, out, run_file.with_name("stack_cubes.py")]
+    words = [sys.executable, script, stacked, run_file.with_name("stack_cubes.py")]
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     acted = [json.loads(line) for line in done.stdout.splitlines()]
-    assert len(acted) == 2
+    assert len(acted) == 3
     for equal, rows, success, observations in acted:
         assert (equal, success) == (rows, True)
         assert observations > 5
 
 
-def test_a_custom_task_can_be_sharded_and_planned(run_file: Path, tmp_path: Path):
+def test_a_custom_task_can_be_sharded_and_planned(stacked: Path, run_file: Path, tmp_path: Path):
     """Shards of one output make what one command makes, and a dry run makes nothing."""
     words = ("--workers", 1, "--episodes", 3)
-    generate(run_file, tmp_path / "whole", *words)
     for shard in ("0/2", "1/2"):
         generate(run_file, tmp_path / "shards", *words, "--shard", shard)
     assert len(files_of(tmp_path / "shards")) == 3
-    assert files_of(tmp_path / "shards") == files_of(tmp_path / "whole")
+    assert files_of(tmp_path / "shards") == files_of(stacked)
     dry = tmp_path / "dry"
     result = robocell_command("generate", run_file, "--output", dry, "--dry-run", *map(str, words))
     assert result.returncode == 0, result.stderr
@@ -127,17 +141,16 @@ def test_a_killed_run_resumes(run_file: Path, tmp_path: Path):
     assert made.items() <= again.items()
 
 
-def test_a_dataset_records_the_hash_of_its_code(run_file: Path, tmp_path: Path):
-    out = tmp_path / "out"
-    generate(run_file, out, "--workers", 1, "--episodes", 1)
+def test_a_dataset_records_the_hash_of_its_code(stacked: Path, run_file: Path, tmp_path: Path):
+    out = shutil.copytree(stacked, tmp_path / "out")
     module = run_file.with_name("stack_cubes.py")
     module.write_text(module.read_text().replace("self.edge / 3", "self.edge / 4"))
-    said = refusal("generate", run_file, "--output", out, "--episodes", "2")
+    said = refusal("generate", run_file, "--output", out, "--episodes", "4")
     assert "code file stack_cubes.py: changed since then" in said
     # Those who read a dataset need no code.
     module.unlink()
     assert robocell_command("verify", out).returncode == 0
-    assert "1 episode" in robocell_command("report", out).stdout
+    assert "3 episodes" in robocell_command("report", out).stdout
 
 
 def test_a_module_can_be_imported_from_the_command_line(run_file: Path, tmp_path: Path):
@@ -323,9 +336,10 @@ def test_overrides_of_a_configuration_keep_the_folders_of_its_files(tmp_path: Pa
     rc.diagnose.check_run(run)
 
 
-def test_a_dataset_environment_requires_the_original_code(run_file: Path, tmp_path: Path):
-    out = tmp_path / "out"
-    generate(run_file, out, "--workers", 1, "--episodes", 1)
+def test_a_dataset_environment_requires_the_original_code(
+    stacked: Path, run_file: Path, tmp_path: Path
+):
+    out = shutil.copytree(stacked, tmp_path / "out")
     module = run_file.with_name("stack_cubes.py")
     words = ("evaluate", out, "--policy", "expert", "-n", "1", "--import", module)
     said = robocell_command(*words, "--output", tmp_path / "same")
@@ -342,12 +356,10 @@ def test_a_dataset_environment_requires_the_original_code(run_file: Path, tmp_pa
     assert robocell_command("replay", out).returncode == 0, "it needs no code"
 
 
-def test_a_missing_task_error_explains_how_to_import_it(run_file: Path, tmp_path: Path):
-    out = tmp_path / "out"
-    generate(run_file, out, "--workers", 1, "--episodes", 1)
-    code = f"from robocell.envs import from_dataset\nfrom_dataset({str(out)!r})"
+def test_a_missing_task_error_explains_how_to_import_it(stacked: Path):
+    code = f"from robocell.envs import from_dataset\nfrom_dataset({str(stacked)!r})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
-    for said in (done.stderr, refusal("evaluate", out, "--policy", "expert")):
+    for said in (done.stderr, refusal("evaluate", stacked, "--policy", "expert")):
         assert "no task 'stack'" in said
         assert "name it with --import my_tasks.py on the command line" in said
         assert "or with imports=['my_tasks.py'] in Python" in said

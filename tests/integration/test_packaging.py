@@ -90,6 +90,7 @@ def test_the_library_exports_the_namespace_robocell_without_internals(build_fold
     assert " t robocell::internal::SolveLanes" in hidden  # it is there, for the library alone
 
 
+@pytest.mark.proof
 def test_a_user_builds_against_the_build_folder(build_folder, tmp_path):
     version, models, _ = build_consumer(build_folder, tmp_path / "build")
     assert (version, Path(models)) == ("0.1.0", ROOT / "models")
@@ -97,6 +98,7 @@ def test_a_user_builds_against_the_build_folder(build_folder, tmp_path):
 
 # The wheel itself takes pip and a network (test_wheel.py, `make check-wheel`). Here its files are
 # put where it has them, around the library that is built already.
+@pytest.mark.proof
 def test_a_user_builds_against_the_layout_of_the_wheel(build_folder, tmp_path):
     layout, package = tmp_path / "layout", tmp_path / "site-packages" / "robocell"
     off = [f"-DROBOCELL_{part}=OFF" for part in ("TESTS", "EXAMPLES", "PYTHON")]

@@ -26,11 +26,14 @@ def run_file(folder: Path, task: str) -> Path:
     return file
 
 
-def test_the_example_puts_objects_on_the_tray(tmp_path: Path):
-    words = ("--set", "cameras.streams=[]", "--episodes", 6)
+@pytest.mark.parametrize("episodes", [2, pytest.param(6, marks=pytest.mark.proof)])
+def test_the_example_puts_objects_on_the_tray(episodes: int, tmp_path: Path):
+    words = ("--set", "cameras.streams=[]", "--episodes", episodes)
     generate(EXAMPLE, tmp_path / "two", "--workers", 2, *words)
     generate(EXAMPLE, tmp_path / "one", "--workers", 1, *words)
-    for episode in rc.Dataset(tmp_path / "two"):
+    made = rc.Dataset(tmp_path / "two")
+    assert len(made) == episodes
+    for episode in made:
         assert episode.success
         kind, goal = episode.metadata["object_kinds"][:2]
         assert goal == "tray"

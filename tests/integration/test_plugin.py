@@ -14,6 +14,7 @@ from commands import ROOT, generate, refusal, robocell_command
 from test_packaging import run
 
 import robocell as rc
+from made_once import made_once
 
 EXAMPLE = ROOT / "examples" / "plugin"
 RC7 = ROOT / "models" / "robots" / "rc7" / "rc7.yaml"
@@ -69,9 +70,11 @@ rc.generate.prepare_dataset(config, validate=False)
 @pytest.fixture(scope="module")
 def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The CMake package of an installed robocell."""
-    folder = tmp_path_factory.mktemp("robocell")
-    run("cmake", "--install", rc.cmake_dir(), "--prefix", folder)
-    return folder / "lib" / "cmake" / "robocell"
+
+    def make(folder: Path) -> None:
+        run("cmake", "--install", rc.cmake_dir(), "--prefix", folder)
+
+    return made_once(tmp_path_factory, "installed", make) / "lib" / "cmake" / "robocell"
 
 
 def build(source: Path, folder: Path, package: Path) -> None:
@@ -82,19 +85,24 @@ def build(source: Path, folder: Path, package: Path) -> None:
 @pytest.fixture(scope="module")
 def plugin(package: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The example, built against an installed robocell."""
-    folder = tmp_path_factory.mktemp("plugin")
-    build(EXAMPLE, folder, package)
-    return folder / "libstack.so"
+
+    def make(folder: Path) -> None:
+        build(EXAMPLE, folder, package)
+
+    return made_once(tmp_path_factory, "plugin", make) / "libstack.so"
 
 
 @pytest.fixture(scope="module")
 def lab(package: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("lab")
-    cmake = (EXAMPLE / "CMakeLists.txt").read_text()
-    (folder / "CMakeLists.txt").write_text(cmake)
-    (folder / "stack.cc").write_text(LAB)
-    build(folder, folder / "build", package)
-    return folder / "build" / "libstack.so"
+    """A plugin whose code is above."""
+
+    def make(folder: Path) -> None:
+        cmake = (EXAMPLE / "CMakeLists.txt").read_text()
+        (folder / "CMakeLists.txt").write_text(cmake)
+        (folder / "stack.cc").write_text(LAB)
+        build(folder, folder / "build", package)
+
+    return made_once(tmp_path_factory, "lab", make) / "build" / "libstack.so"
 
 
 def load_lab(lab: Path, output: Path, **environment: str) -> str:
@@ -108,10 +116,12 @@ def load_lab(lab: Path, output: Path, **environment: str) -> str:
     return done.stdout
 
 
+@pytest.mark.proof
 def test_annotations_of_a_library_source_are_visible_in_python(lab: Path, tmp_path: Path):
     assert load_lab(lab, tmp_path / "out") == "rooms ['kitchen']\n"
 
 
+@pytest.mark.proof
 def test_a_library_that_fails_halfway_stays_registered(lab: Path, tmp_path: Path):
     first, second, rooms = load_lab(lab, tmp_path / "out", LAB_FAILS="1").splitlines()
     assert first.startswith("Error plugin '")

@@ -269,7 +269,7 @@ def test_a_dataset_replays_its_own_actions(dataset: Path, tmp_path: Path):
     assert f"Its own starts are those of --seed {own}" in said.stdout + said.stderr
 
 
-@pytest.mark.parametrize("keep", ["successes", "all"])
+@pytest.mark.parametrize("keep", ["successes", pytest.param("all", marks=pytest.mark.proof)])
 def test_replay_begins_at_the_recorded_attempt(keep: str, tmp_path: Path):
     """Few steps let the first attempts of some episodes fail."""
     out = tmp_path / "out"

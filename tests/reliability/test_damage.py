@@ -87,7 +87,10 @@ def require_named_and_set_aside(victim: Victim, where: str) -> None:
 
 @pytest.mark.parametrize("kind", EVERY)
 @pytest.mark.parametrize("damage", [flip_bit, cut])
-@pytest.mark.parametrize("step", [20, pytest.param(1, marks=pytest.mark.soak)])
+@pytest.mark.parametrize(
+    "step",
+    [50, pytest.param(20, marks=pytest.mark.proof), pytest.param(1, marks=pytest.mark.soak)],
+)
 def test_damage_anywhere_is_reported_and_quarantined(
     step: int, damage: Damage, kind: str, tmp_path: Path, calm: Storm
 ):

@@ -97,8 +97,12 @@ def test_every_file_is_under_one_heading():
     assert all((MODELS / f"{name}.xml").stat().st_size < 1000 for name in headings)
 
 
+# The circles are one kind of crash.
 @pytest.mark.parametrize("code", [READ, BUILD], ids=["mujoco", "robocell"])
-@pytest.mark.parametrize("model", CRASHING)
+@pytest.mark.parametrize(
+    "model",
+    [pytest.param(name, marks=pytest.mark.proof if "circle" in name else ()) for name in CRASHING],
+)
 def test_some_models_crash_the_engine(model: str, code: str):
     assert in_a_process(code, model).returncode == -CRASHING[model]
 
@@ -200,6 +204,8 @@ def require_quarantine(
     return list(unmade.values())
 
 
+# One of them is in test_engine_crash.py.
+@pytest.mark.proof
 def test_models_that_crash_lose_workers_but_not_the_run(tmp_path: Path):
     done = generate_with(tmp_path, list(CRASHING))
     reasons = {name: f"was killed by {number.name}" for name, number in CRASHING.items()}
@@ -212,9 +218,13 @@ def test_models_that_crash_lose_workers_but_not_the_run(tmp_path: Path):
         assert f"{entry['id']} could not be made" in again.stderr
 
 
+# Each of four processes stalls for four seconds.
 @pytest.mark.parametrize(
     "models",
-    [STALLING[:1], pytest.param(STALLING, marks=pytest.mark.soak)],
+    [
+        pytest.param(STALLING[:1], marks=pytest.mark.proof),
+        pytest.param(STALLING, marks=pytest.mark.soak),
+    ],
     ids=["one", "all"],
 )
 def test_models_that_stall_lose_time_but_not_the_run(tmp_path: Path, models: list[str]):
