@@ -28,7 +28,7 @@ TEST(CheckRun, ReturnsWarningsAboutSuspiciousValues) {
   TempDir folder;
   AtomicWrite(folder / "table.xml",
               "<mujoco><option cone='elliptic'/><worldbody><body><geom type='box' size='.4 .4 .01' "
-              "pos='0 0 -.01'/><site name='table_top'/></body></worldbody></mujoco>");
+              "pos='0 0 -.01'/></body></worldbody></mujoco>");
   run.scenes = FilesScenes{.files = {(folder / "table.xml").string()}};
   run.cameras.resolution = {4, 4};
   run.options.cone = FrictionCone::kPyramidal;  // the table and the robot specify another one

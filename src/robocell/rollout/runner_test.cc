@@ -62,7 +62,7 @@ RunnerParts IdleAtFirst(int times) {
 class Refusing : public TaskSampler {
  public:
   SampleResult Sample(const SampleRequest&, Rng&) override {
-    return {.start = {}, .refusal = {Refusal::kNoGrasp, "as told"}};
+    return {.start = {}, .refusal = {kNoGrasp, "as told"}};
   }
 };
 

@@ -33,6 +33,7 @@
 #include "robocell/spec/validate.h"
 #include "robocell/task/base_placement.h"
 #include "robocell/task/sampler_kind.h"
+#include "robocell/task/start_sampler.h"
 #include "robocell/task/task_kind.h"
 
 namespace robocell {
@@ -222,10 +223,7 @@ class SceneValidator {
     const std::vector<int> indices = SceneIndices(run_);
     for (size_t i = 0; i < bases.size(); ++i) {
       if (!checked.insert(internal::SpecBytes(bases[i])).second) continue;
-      good &= Try("scenes", [&] {
-        for (const Support& support : SupportsOf(*source_, indices[i], bases[i]))
-          RequireSteady(bases[i], support);
-      });
+      good &= Try("scenes", [&] { SupportsOf(*source_, indices[i], bases[i]); });
     }
     return good;
   }
@@ -268,8 +266,17 @@ class SceneValidator {
   void ValidateForTask(const Scene& scene, Robot& robot) {
     task_->ValidateScene(run_, scene, robot, problems_, warnings_);
     if (!demands_.scripted_expert) return;
+    Try("task", [&] { ValidateBaseRange(robot); });
     Try(run_.expert.empty() ? "task" : "expert",
         [&] { ExpertKindFor(run_)->Validate(run_, scene, robot, problems_, warnings_); });
+  }
+
+  // Other samplers have places of their own for the base.
+  void ValidateBaseRange(const Robot& robot) {
+    if (!run_.sampler.empty()) return;
+    const std::shared_ptr<TaskSampler> sampler = MakeSampler(run_);
+    if (auto* starts = dynamic_cast<StartSampler*>(sampler.get()))
+      starts->ValidateBaseRange(robot, problems_);
   }
 
   // Validates the starts in each distinct scene.
