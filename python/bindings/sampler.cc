@@ -11,6 +11,7 @@
 #include "signals.h"
 #include "task_trampolines.h"
 #include "robocell/base/error.h"
+#include "robocell/task/grasp_check.h"
 
 namespace nb = nanobind;
 

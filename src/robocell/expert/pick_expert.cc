@@ -76,8 +76,8 @@ void RequirePickParts(const Robot& robot, const SimOptions& options, double time
 class PickRunValidator {
  public:
   PickRunValidator(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
-                   std::vector<std::string>& warnings)
-      : run_(run), scene_(scene), robot_(robot), problems_(problems), warnings_(warnings) {}
+                   Problems& doubts)
+      : run_(run), scene_(scene), robot_(robot), problems_(problems), doubts_(doubts) {}
 
   void Run() {
     WarnOfUnusedGroups();
@@ -97,11 +97,9 @@ class PickRunValidator {
   void WarnOfUnusedGroups() {
     const std::string unused = internal::TellUnusedGroups(robot_);
     if (unused.empty()) return;
-    Problems doubt(run_.locations);
-    doubt.AddAt("robot", fmt::format("has several arms or grippers, and pick tasks act with one of "
+    doubts_.AddAt("robot", fmt::format("has several arms or grippers, and pick tasks act with one of "
                                      "each, the first arm of `move_groups` and its gripper: {}",
                                      unused));
-    warnings_.push_back(LinesOf(doubt).front());
   }
 
   // Warns of kinds of objects that the gripper cannot grasp; drawn sizes may differ.
@@ -117,23 +115,21 @@ class PickRunValidator {
       const int body = FindId(scene.model(), mjOBJ_BODY, object.root_body);
       if (!FindGrasps(scene.model(), scene.data(), body, *shape, robot_.tcp_in_world()).empty())
         continue;
-      Problems doubt(run_.locations);
-      doubt.AddAt(is_named ? "task.object" : "task.objects",
+      doubts_.AddAt(is_named ? "task.object" : "task.objects",
                   fmt::format("gripper '{}' cannot hold '{}' ({}): such starts are refused. {}, or "
                               "take a gripper that fits",
                               robot_.gripper().name(), kind,
                               SizesForGrasp(scene.model(), scene.data(), body, *shape),
                               is_named ? "Name another object"
                                        : "Leave the kind out of task.objects"));
-      warnings_.push_back(LinesOf(doubt).front());
-    }
+      }
   }
 
   const RunConfig& run_;
   const Scene& scene_;
   Robot& robot_;
   Problems& problems_;
-  std::vector<std::string>& warnings_;
+  Problems& doubts_;
 };
 
 template <class Planner>
@@ -144,8 +140,8 @@ class KindOfPicker final : public ExpertKind {
   }
   bool is_built_in() const override { return true; }
   void Validate(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
-                std::vector<std::string>& warnings) const override {
-    PickRunValidator(run, scene, robot, problems, warnings).Run();
+                Problems& doubts) const override {
+    PickRunValidator(run, scene, robot, problems, doubts).Run();
   }
   void ValidateRobot(const Robot& robot, Problems& problems) const override {
     ValidatePickRobot(robot, robot.scene().compiled()->spec().options, robot.scene().timestep(),

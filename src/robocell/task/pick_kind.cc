@@ -108,7 +108,7 @@ class KindOfPick : public TaskKindOf<Config, T> {
     if (!task.object.empty()) RequireRigObject(env, "object", task.object, problems);
   }
   void ValidateScene(const RunConfig& run, const Scene& /*scene*/, Robot& /*robot*/,
-                     Problems& problems, std::vector<std::string>& /*warnings*/) const override {
+                     Problems& problems, Problems& /*doubts*/) const override {
     const Problems::Scope scope(problems, "task");
     RequireObjectOfScenes(run, "object", run.task.As<Config>().object, problems);
   }
@@ -151,8 +151,8 @@ class PickAndPlaceKind final : public KindOfPick<PickAndPlaceTaskConfig, PickAnd
     if (!task.goal_object.empty()) RequireRigObject(env, "goal_object", task.goal_object, problems);
   }
   void ValidateScene(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
-                     std::vector<std::string>& warnings) const override {
-    KindOfPick::ValidateScene(run, scene, robot, problems, warnings);
+                     Problems& doubts) const override {
+    KindOfPick::ValidateScene(run, scene, robot, problems, doubts);
     const Problems::Scope scope(problems, "task");
     RequireObjectOfScenes(run, "goal_object",
                           run.task.As<PickAndPlaceTaskConfig>().goal_object, problems);

@@ -35,9 +35,9 @@ class TaskKind : public KindRules {
   virtual std::string expert() const { return ""; }
 
   // Checks a run with its scene, which holds the run's robot and one of each of Contents(run).
+  // Settings that are valid but probably unintended become `doubts`.
   virtual void ValidateScene(const RunConfig& /*run*/, const Scene& /*scene*/, Robot& /*robot*/,
-                             Problems& /*problems*/, std::vector<std::string>& /*warnings*/) const {
-  }
+                             Problems& /*problems*/, Problems& /*doubts*/) const {}
   // Returns a few contents that together cover all objects that starts in a scene may have, for
   // checks before the first start. Default: what Prepare adds until everything that takes turns
   // (StartTurn) has come, so that a kind which draws rare objects at random overrides it. `base`: the
