@@ -100,7 +100,7 @@ class LevelFaces {
       for (int j = 0; j < kGrid; ++j) {
         const Eigen::Vector3d at(face.half_x * (2 * (i + 0.5) / kGrid - 1),
                                  face.half_y * (2 * (j + 0.5) / kGrid - 1), 0);
-        free += HasRoom(face.frame_to_world * at);
+        free += HasRoom(face.frame_to_world * at, true);
       }
     }
     return 4 * face.half_x * face.half_y * free / (kGrid * kGrid);
@@ -119,7 +119,7 @@ class LevelFaces {
     const UpperFace upper(m_, scene_.data(), g);
     const Support& face = upper.face();
     if (!upper.is_level() || std::min(face.half_x, face.half_y) < kLeastHalf) return std::nullopt;
-    if (!HasRoom(face.frame_to_world.translation())) return std::nullopt;
+    if (!HasRoom(face.frame_to_world.translation(), false)) return std::nullopt;
     return face;
   }
   bool IsMocap(int body) const { return m_->body_mocapid[m_->body_rootid[body]] >= 0; }
@@ -127,8 +127,12 @@ class LevelFaces {
     return std::ranges::any_of(roots,
                                [&](int root) { return internal::IsInSubtree(m_, body, root); });
   }
-  // A robot there moves out of the way.
-  bool HasRoom(const Eigen::Vector3d& top) const {
+  bool IsFree(int body) const {
+    const int root = m_->body_rootid[body];
+    return m_->body_jntnum[root] > 0 && m_->jnt_type[m_->body_jntadr[root]] == mjJNT_FREE;
+  }
+  // A robot there moves out of the way. `with_free`: free objects, which lie there, count.
+  bool HasRoom(const Eigen::Vector3d& top, bool with_free) const {
     constexpr double kOn = 1e-4;  // metres past a surface
     const mjtNum up[3] = {0, 0, 1};
     for (double above = kOn; above <= kRoom;) {
@@ -136,7 +140,8 @@ class LevelFaces {
       int geom = -1;
       const double way = mj_ray(m_, scene_.data(), from.data(), up, nullptr, 1, -1, &geom, nullptr);
       if (way < 0 || above + way > kRoom) return true;
-      if (!IsUnder(m_->geom_bodyid[geom], robots_)) return false;
+      const int body = m_->geom_bodyid[geom];
+      if (!IsUnder(body, robots_) && (with_free || !IsFree(body))) return false;
       above += way + kOn;
     }
     return true;

@@ -24,8 +24,8 @@ struct Support {
 };
 
 // Returns the support of a base scene, in this order:
-// 1. the largest level upper face of a fixed box with 0.3 m of room above its middle, 0.15 to 1.6 m
-//    high
+// 1. the largest level upper face of a fixed box with 0.3 m of room above its middle, free objects
+//    aside, 0.15 to 1.6 m high
 // 2. such a face at any height
 // 3. free level floor, at most 1 m wide
 // Names of sites, geoms and bodies do not matter; a source of scenes may annotate other supports

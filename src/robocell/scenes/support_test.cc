@@ -85,6 +85,19 @@ TEST(Support, IsTheLargestLevelFace) {
                              "no support for objects: no fixed box");
 }
 
+// An object that lies in the middle of a table moves; a column does not.
+TEST(Support, AFreeObjectInTheMiddleLeavesItASupport) {
+  const auto height = [](const std::string& joint) {
+    const Support s = SupportOf(
+        "<geom type='box' size='.4 .4 .01' pos='0 0 -.01'/></body><body name='low' pos='3 0 .2'>"
+        "<geom type='box' size='.2 .2 .01' pos='0 0 -.01'/></body><body pos='1 2 .55'>" +
+        joint + "<geom type='box' size='.05 .05 .05'/>");
+    return s.frame_to_world.translation().z();
+  };
+  EXPECT_NEAR(height("<freejoint/>"), 0.5, 1e-9);
+  EXPECT_NEAR(height(""), 0.2, 1e-9);
+}
+
 // The engine is the oracle: what is put on it stays.
 TEST(Support, HoldsPlacedObjects) {
   TempDir folder;

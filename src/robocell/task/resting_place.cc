@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <Eigen/Geometry>
 
 #include "robocell/base/units.h"
 #include "robocell/math/pose.h"
