@@ -29,6 +29,7 @@ void BindFinding(nb::module_& m) {
       .def_ro("text", &Finding::text, "The finding, its reason, and the next step.")
       .def_ro("edit", &Finding::edit,
               "The entry of the robot file's `edits` that fixes it; '' if there is none.")
+      .def_prop_ro("line", &Line, "Place, subject and text in one line.")
       .def("__str__", &LineWithoutSubject,
            "Returns place and text, as `robocell check` prints them.")
       .def("__repr__", [](const Finding& finding) { return "<Finding " + Line(finding) + ">"; });
@@ -79,7 +80,8 @@ void BindDiagnose(nb::module_& m) {
       "models, cameras, object kinds, names of columns, contradictions between the robot's file "
       "and its model, and what the scripted expert needs of the robot. With `on_this_machine`, "
       "streams are drawn once: IoError without ffmpeg, Error without OpenGL. Writes nothing. "
-      "Returns warnings: configurations that are valid but probably unintended.");
+      "Returns warnings as Findings: configurations that are valid but probably unintended. Their "
+      "subject is a field of the run or the robot.");
 }
 
 }  // namespace robocell::python

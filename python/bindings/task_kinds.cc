@@ -82,12 +82,12 @@ class PythonTaskKind final : public TaskKind {
   }
   // Asks a task that has no scene for its words: those of one that needs a start are not known yet.
   void ValidateScene(const RunConfig& run, const Scene& /*scene*/, Robot& /*robot*/,
-                     Problems& /*problems*/, std::vector<std::string>& warnings) const override {
+                     Problems& /*problems*/, Problems& doubts) const override {
     try {
       const std::shared_ptr<Task> task = Make(run.task);
       const std::string words = task->instruction();  // rule-ok: its error is not reported here
       const std::string why = WhyNoWords(*task, kind_, words);
-      if (!why.empty()) warnings.push_back(why);
+      if (!why.empty()) doubts.AddAt("task", why);
     } catch (const std::exception&) {
       return;  // the first start raises the error
     }

@@ -419,7 +419,10 @@ def test_an_instruction_without_words_is_warned_of(tmp_path: Path):
     run = run_of(tmp_path / "run", Mute)
     rc.tasks.register_expert("mute_of_hooks")(lambda run, start: Idle())
     run.expert = "mute_of_hooks"
-    (warning,) = (line for line in rc.diagnose.check_run(run) if "words" in line)
+    (finding,) = rc.diagnose.check_run(run)
+    assert finding.subject == "task"
+    assert finding.severity == rc.diagnose.Severity.WARNING
+    warning = finding.line
     assert "task 'mute_of_hooks': instruction() has no words" in warning
     assert "such as 'pick up the mug'" in warning
     assert "test_hooks.py:" in warning

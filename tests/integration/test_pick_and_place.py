@@ -51,7 +51,8 @@ def test_the_example_puts_objects_on_the_tray(episodes: int, tmp_path: Path):
     [
         ("{kind: pick_and_place, goals: [try]}", "Did you mean 'tray'?"),
         ("{kind: pick_and_place, objects: [bok]}", "Did you mean 'box'?"),
-        ("{kind: pick_and_place, goal: [0, 0, 0]}", "belongs to environments"),
+        ("{kind: pick_and_place, goal_object: mat}", "task.goal_object: no object 'mat'"),
+        ("{kind: pick_and_place, goal: [0, 0, 0], goals: [tray]}", "leave one of them out"),
         ("{kind: pick_and_place, goal_tolerance: 0}", "task.goal_tolerance"),
         ("{kind: pick_and_place}\nstart: {base_distance: [3, 4]}", "goes beyond"),
     ],

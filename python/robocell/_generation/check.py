@@ -133,7 +133,7 @@ def main() -> int:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # the process that asks has imported the modules, too
             run = RunSource.of(arguments).load(arguments.set)
-        found = check_run(run) + graphics_warnings(run)
+        found = [finding.line for finding in check_run(run)] + graphics_warnings(run)
     except RAISED as error:
         raise_interrupt(error)
         if not isinstance(error, Error | OSError) and not is_of_own_code(error):

@@ -68,8 +68,9 @@ def _result(run: RunConfig, item: PlanItem, episode: Episode) -> ItemRecord:
     kind = next(iter(metadata["object_kinds"]), "")
     earlier: list[dict[str, Any]] = metadata.get("earlier_attempts", [])
     failed = [attempt for attempt in earlier if "failed" in attempt]
+    ended = [attempt for attempt in failed if not attempt.get("raised", False)]
     own_failure = [] if episode.success else [str(episode.end_reason)]
-    rollouts = [*(attempt["object_kind"] for attempt in failed), kind]
+    rollouts = [*(attempt["object_kind"] for attempt in ended), kind]
     refused = [attempt for attempt in earlier if "refused" in attempt]
     kinds = [*(attempt["object_kind"] for attempt in refused), *rollouts]
     return ItemRecord(
@@ -77,7 +78,7 @@ def _result(run: RunConfig, item: PlanItem, episode: Episode) -> ItemRecord:
         success=episode.success,
         complete=True,
         attempts=metadata["attempt"] + 1,
-        accepted=len(failed) + 1,
+        accepted=len(ended) + 1,
         refusals=Counter(attempt["refused"] for attempt in refused),
         failures=Counter([*(attempt["failed"] for attempt in failed), *own_failure]),
         rows=len(episode),

@@ -30,10 +30,10 @@ std::vector<Finding> TryRobotAlone(const RunConfig& run) {
 }
 
 // An error of the trial becomes a problem of the robot.
-void AddRobotWarnings(const RunConfig& run, std::vector<std::string>& warnings) {
+void AddRobotWarnings(const RunConfig& run, std::vector<Finding>& warnings) {
   try {
     for (const Finding& finding : TryRobotAlone(run)) {
-      if (finding.severity == Severity::kWarning) warnings.push_back(LineWithoutSubject(finding));
+      if (finding.severity == Severity::kWarning) warnings.push_back(finding);
     }
   } catch (const IoError&) {
     throw;  // an error of the disk, not of the run
@@ -44,22 +44,24 @@ void AddRobotWarnings(const RunConfig& run, std::vector<std::string>& warnings) 
   }
 }
 
-void AddSmallStreams(const RunConfig& run, std::vector<std::string>& warnings) {
+void AddSmallStreams(const RunConfig& run, std::vector<Finding>& warnings) {
   for (size_t i = 0; i < run.cameras.streams.size(); ++i) {
     const CameraConfig& stream = run.cameras.streams[i];
     const int width = run.cameras.width(stream), height = run.cameras.height(stream);
     if (std::min(width, height) >= kLeastSide) continue;
     warnings.push_back(
-        fmt::format("cameras.streams[{}]: images of '{}' have {} x {} pixels, on which next to "
-                    "nothing is seen; `cameras.resolution` is [width, height] in pixels",
-                    i, stream.name, width, height));
+        {.subject = fmt::format("cameras.streams[{}]", i),
+         .place = run.locations.At(fmt::format("cameras.streams[{}]", i)),
+         .text = fmt::format("images of '{}' have {} x {} pixels, on which next to nothing is seen; "
+                             "`cameras.resolution` is [width, height] in pixels",
+                             stream.name, width, height)});
   }
 }
 
 }  // namespace
 
-std::vector<std::string> CheckRun(const RunConfig& run, const RunDemands& demands) {
-  std::vector<std::string> warnings = ValidateRun(run, demands);
+std::vector<Finding> CheckRun(const RunConfig& run, const RunDemands& demands) {
+  std::vector<Finding> warnings = ValidateRun(run, demands);
   if (demands.scripted_expert) AddRobotWarnings(run, warnings);
   AddSmallStreams(run, warnings);
   return warnings;

@@ -39,6 +39,7 @@ StepOutcome Stepper::Apply(const Action& action) {
     if (applied.ok || !outcome.failed_robot.empty()) continue;
     outcome.failed_robot = name;
     outcome.failed_group = applied.failed_group;
+    outcome.ik = applied.ik;
   }
   return outcome;
 }

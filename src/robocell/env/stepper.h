@@ -32,6 +32,7 @@ struct StepOutcome {
   StepResult step = {};           // result of the policy tick: engine steps done, diverged or not
   std::string failed_robot = {};  // the first whose pose command had no IK solution; it kept its
   std::string failed_group = {};  // target
+  IkResult ik = {};               // how near it came to the pose
   bool ok() const { return step.ok(); }
 };
 

@@ -26,9 +26,9 @@ class ExpertKind {
   virtual bool is_built_in() const { return false; }
   // Checks what the expert needs of the run's robot and reports problems at the paths of the run's
   // fields: `scene` holds the robot and one of each object that the run may use
-  // (TaskKind::Contents). Settings that are valid but probably unintended become warnings.
+  // (TaskKind::Contents). Settings that are valid but probably unintended become `doubts`.
   virtual void Validate(const RunConfig& /*run*/, const Scene& /*scene*/, Robot& /*robot*/,
-                        Problems& /*problems*/, std::vector<std::string>& /*warnings*/) const {}
+                        Problems& /*problems*/, Problems& /*doubts*/) const {}
   // Checks what of this can be known of a robot without a run, one that passed ValidateRobot.
   // Reports problems at the fields of the robot.
   virtual void ValidateRobot(const Robot& /*robot*/, Problems& /*problems*/) const {}

@@ -76,8 +76,8 @@ void RequirePickParts(const Robot& robot, const SimOptions& options, double time
 class PickRunValidator {
  public:
   PickRunValidator(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
-                   std::vector<std::string>& warnings)
-      : run_(run), scene_(scene), robot_(robot), problems_(problems), warnings_(warnings) {}
+                   Problems& doubts)
+      : run_(run), scene_(scene), robot_(robot), problems_(problems), doubts_(doubts) {}
 
   void Run() {
     WarnOfUnusedGroups();
@@ -87,9 +87,9 @@ class PickRunValidator {
     }
     const std::optional<PickRun> pick = PickRunOf(run_.task);
     if (!pick) return;
-    ValidateReach(*pick, BaseRangeOf(run_.start, {}), robot_, problems_);
+    ValidateLift(pick->lift_height, BaseRangeOf(run_.start, {}), robot_, problems_);
     Problems::Scope scope(problems_, "task");
-    AsProblem(problems_, [&] { ValidateGraspable(pick->objects); });
+    AsProblem(problems_, [&] { ValidateGraspable(*pick); });
   }
 
  private:
@@ -97,38 +97,39 @@ class PickRunValidator {
   void WarnOfUnusedGroups() {
     const std::string unused = internal::TellUnusedGroups(robot_);
     if (unused.empty()) return;
-    Problems doubt(run_.locations);
-    doubt.AddAt("robot", fmt::format("has several arms or grippers, and pick tasks act with one of "
+    doubts_.AddAt("robot", fmt::format("has several arms or grippers, and pick tasks act with one of "
                                      "each, the first arm of `move_groups` and its gripper: {}",
                                      unused));
-    warnings_.push_back(LinesOf(doubt).front());
   }
 
   // Warns of kinds of objects that the gripper cannot grasp; drawn sizes may differ.
-  void ValidateGraspable(const NameList& objects) {
+  void ValidateGraspable(const PickRun& pick) {
     Scene scene = scene_;
     const auto shape = GripperShape::Of(robot_.config(), run_.options, scene.timestep());
     scene.Forward();
-    for (const std::string& kind : objects.empty() ? ObjectKinds() : objects.names) {
+    const bool is_named = !pick.object.empty();
+    std::vector<std::string> kinds = pick.objects.empty() ? ObjectKinds() : pick.objects.names;
+    if (is_named) kinds = {pick.object};
+    for (const std::string& kind : kinds) {
       const ObjectRecord& object = scene.compiled()->object(kind);
       const int body = FindId(scene.model(), mjOBJ_BODY, object.root_body);
       if (!FindGrasps(scene.model(), scene.data(), body, *shape, robot_.tcp_in_world()).empty())
         continue;
-      Problems doubt(run_.locations);
-      doubt.AddAt("task.objects",
-                  fmt::format("gripper '{}' cannot hold '{}' ({}): such starts are refused. Leave "
-                              "the kind out of task.objects, or take a gripper that fits",
+      doubts_.AddAt(is_named ? "task.object" : "task.objects",
+                  fmt::format("gripper '{}' cannot hold '{}' ({}): such starts are refused. {}, or "
+                              "take a gripper that fits",
                               robot_.gripper().name(), kind,
-                              SizesForGrasp(scene.model(), scene.data(), body, *shape)));
-      warnings_.push_back(LinesOf(doubt).front());
-    }
+                              SizesForGrasp(scene.model(), scene.data(), body, *shape),
+                              is_named ? "Name another object"
+                                       : "Leave the kind out of task.objects"));
+      }
   }
 
   const RunConfig& run_;
   const Scene& scene_;
   Robot& robot_;
   Problems& problems_;
-  std::vector<std::string>& warnings_;
+  Problems& doubts_;
 };
 
 template <class Planner>
@@ -139,8 +140,8 @@ class KindOfPicker final : public ExpertKind {
   }
   bool is_built_in() const override { return true; }
   void Validate(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
-                std::vector<std::string>& warnings) const override {
-    PickRunValidator(run, scene, robot, problems, warnings).Run();
+                Problems& doubts) const override {
+    PickRunValidator(run, scene, robot, problems, doubts).Run();
   }
   void ValidateRobot(const Robot& robot, Problems& problems) const override {
     ValidatePickRobot(robot, robot.scene().compiled()->spec().options, robot.scene().timestep(),
@@ -172,47 +173,24 @@ bool ValidatePickRobot(const Robot& robot, const SimOptions& options, double tim
   return problems.list().size() == before;
 }
 
-void ValidateReach(const PickRun& task, const BaseRange& base, const Robot& robot,
-                   Problems& problems) {
+void ValidateLift(double lift_height, const BaseRange& base, const Robot& robot,
+                  Problems& problems) {
   // The offset from the bottom of the robot's pedestal, which is what is placed, to its base frame.
   const Eigen::Vector3d up = (robot.base().pose().inverse() * robot.base_in_world()).translation();
-  const double most = kReachShare * robot.reach();
-  const double low = base.height_offset + base.height_noise[0] + up.z(),
-               high = base.height_offset + base.height_noise[1] + up.z();
-  const double height = low > 0 ? low : high < 0 ? -high : 0;  // the least there is
-  const std::string reach = fmt::format(
-      "the robot reaches {} m from its base frame, of which "
-      "{:.0f} % is used",
-      AtMost(robot.reach()), 100 * kReachShare);
-  if (height > most) {
-    problems.AddAt("start.base_height_offset",
-                   fmt::format("{:g} m puts the base frame {:.2f} ... {:.2f} m above the object "
-                               "(with base_height_noise, and {:.2f} m of what the robot stands "
-                               "on), but {}",
-                               base.height_offset, low, high, up.z(), reach));
-    return;
-  }
+  const double high = base.height_offset + base.height_noise[1] + up.z();
   // The arm that stands highest has the least to lift, and the nearest one the farthest to reach.
   const double nearest = std::max(base.distance[0] - up.head<2>().norm(), 0.0);
-  const double lift = GraspMotionsToLift(task.lift_height).lift;
-  if (nearest < robot.reach()) {
-    const double top = high + std::sqrt(robot.reach() * robot.reach() - nearest * nearest);
-    if (lift > top) {
-      problems.AddAt(
-          "task.lift_height",
-          fmt::format("{:g} m is more than the arm can lift: it reaches {:.2f} m from "
-                      "its base frame, at most {:.2f} m above the object, and lifts {:.2f} m more "
-                      "than required; give at most {}",
-                      task.lift_height, robot.reach(), std::max(top, 0.0), lift - task.lift_height,
-                      AtMost(std::max(top - (lift - task.lift_height), 0.0))));
-    }
-  }
-  const double farthest = std::sqrt(most * most - height * height) + up.head<2>().norm();
-  if (base.distance[1] <= farthest) return;
-  problems.AddAt("start.base_distance",
-                 fmt::format("[{:g}, {:g}] m goes beyond {} m, from where the object is out of "
-                             "reach: {}; give [smallest, largest] within that",
-                             base.distance[0], base.distance[1], AtMost(farthest), reach));
+  const double lift = GraspMotionsToLift(lift_height).lift;
+  if (nearest >= robot.reach()) return;
+  const double top = high + std::sqrt(robot.reach() * robot.reach() - nearest * nearest);
+  if (lift <= top) return;
+  problems.AddAt(
+      "task.lift_height",
+      fmt::format("{:g} m is more than the arm can lift: it reaches {:.2f} m from its base frame, "
+                  "at most {:.2f} m above the object, and lifts {:.2f} m more than required; give "
+                  "at most {}",
+                  lift_height, robot.reach(), std::max(top, 0.0), lift - lift_height,
+                  AtMost(std::max(top - (lift - lift_height), 0.0))));
 }
 
 }  // namespace robocell::internal

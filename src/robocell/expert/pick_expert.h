@@ -23,10 +23,9 @@ std::shared_ptr<const ExpertKind> MakePickAndPlaceExpert();
 bool ValidatePickRobot(const Robot& robot, const SimOptions& options, double timestep,
                        Problems& problems);
 
-// Checks whether the places that a pick run proposes for the robot's base can be in its reach at
-// all. Adds problems of start.base_distance, start.base_height_offset and task.lift_height for
-// places and lifts that StartSampler refuses in every start.
-void ValidateReach(const PickRun& task, const BaseRange& base, const Robot& robot,
-                   Problems& problems);
+// Adds a problem of task.lift_height for a lift that no arm in this range of its base can make, so
+// that StartSampler refuses every start.
+void ValidateLift(double lift_height, const BaseRange& base, const Robot& robot,
+                  Problems& problems);
 
 }  // namespace robocell::internal

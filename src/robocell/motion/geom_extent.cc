@@ -110,4 +110,19 @@ RayHit CastRay(const mjModel* m, const mjData* d, const std::vector<int>& geoms,
   return nearest;
 }
 
+double RadiusOf(const mjModel* m, int body) {
+  double radius = 0;
+  for (int b = 0; b < m->nbody; ++b) {
+    if (!IsInSubtree(m, b, body)) continue;
+    double from_root = 0;  // joints in between turn what hangs on them, and do not lengthen it
+    for (int up = b; up != body; up = m->body_parentid[up])
+      from_root += mju_norm3(m->body_pos + 3 * up);
+    for (int i = 0; i < m->body_geomnum[b]; ++i) {
+      const int g = m->body_geomadr[b] + i;
+      radius = std::max(radius, from_root + mju_norm3(m->geom_pos + 3 * g) + m->geom_rbound[g]);
+    }
+  }
+  return radius;
+}
+
 }  // namespace robocell::internal

@@ -20,6 +20,10 @@ bool IsCollisionGeom(const mjModel* model, int geom);
 // Returns the collision geoms of a body's subtree.
 std::vector<int> CollisionGeomsOf(const mjModel* model, int body);
 
+// Returns the distance in metres from the body's origin to the farthest point of its geoms, or an
+// upper bound of it.
+double RadiusOf(const mjModel* model, int body);
+
 // Returns the distance along the unit vector `direction` to a geom of any kind, metres; negative if
 // the ray misses it. `normal` may be null. Rays miss signed distance fields.
 double RayToGeom(const mjModel* model, const mjData* data, int geom, const Eigen::Vector3d& from,

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+
 #include "robocell/mujoco/names.h"
 #include "robocell/testing/pick_scene.h"
 #include "robocell/testing/random_values.h"
@@ -44,6 +46,26 @@ TEST(GeomExtent, TheOppositeDirectionFlipsTheSigns) {
     EXPECT_LT(there.lower, there.upper);
     EXPECT_NEAR(there.lower, -back.upper, 1e-12);
     EXPECT_NEAR(there.upper, -back.lower, 1e-12);
+  }
+}
+
+// No point of a geom lies farther from the body's origin than its radius, along any direction.
+TEST(GeomExtent, TheRadiusBoundsAllGeoms) {
+  Rng rng = Rng::Stream(3, "extent");
+  for (const char* kind : {"box", "sphere", "mug", "bracket"}) {
+    const PickScene pick = MakePickScene(ObjectOnTheTable(kind));
+    const mjModel* m = pick.scene.model();
+    const int body = FindId(m, mjOBJ_BODY, pick.target_body);
+    const double radius = RadiusOf(m, body);
+    double farthest = 0;
+    for (int i = 0; i < 500; ++i) {
+      const Eigen::Vector3d u = RandomDirection(rng);
+      const Eigen::Vector3d origin(pick.scene.data()->xpos + 3 * body);
+      for (const int g : CollisionGeomsOf(m, body))
+        farthest = std::max(farthest, GeomExtent(m, pick.scene.data(), g, u).upper - u.dot(origin));
+    }
+    EXPECT_LE(farthest, radius + 1e-9) << kind;
+    EXPECT_GE(farthest, 0.5 * radius) << kind << ": the bound is of the object's size";
   }
 }
 

@@ -96,7 +96,7 @@ ItemOnDisk LookFor(const RunConfig& run, Attempts& attempts, const PlanItem& ite
       found.broken.push_back(here.look.problem);
     if (here.look.state == internal::EpisodeState::kAbsent) missing.insert(attempt);
     for (size_t i = 0; i < here.earlier.size(); ++i)
-      if (here.earlier[i].refused) missing.erase(static_cast<int>(i));  // it left nothing
+      if (here.earlier[i].left_nothing()) missing.erase(static_cast<int>(i));
     found.success = here.look.success;
     const bool last = found.success || attempt == run.max_attempts - 1;
     if (last && here.episode) found.complete = missing.empty() && found.broken.empty();
@@ -145,8 +145,11 @@ using Json = nlohmann::json;
 
 std::string ToJson(const EarlierAttempts& earlier) {
   Json list = Json::array();
-  for (const auto& [object_kind, refused, reason] : earlier)
-    list.push_back({{"object_kind", object_kind}, {refused ? "refused" : "failed", reason}});
+  for (const EarlierAttempt& attempt : earlier) {
+    Json& entry = list.emplace_back(Json{{"object_kind", attempt.object_kind},
+                                         {attempt.refused ? "refused" : "failed", attempt.reason}});
+    if (attempt.raised) entry["raised"] = true;
+  }
   return list.dump();
 }
 
@@ -158,6 +161,7 @@ EarlierAttempts EarlierAttemptsIn(const std::string& metadata_json) try {
     const bool refused = attempt.contains("refused");
     earlier.push_back({.object_kind = attempt.at("object_kind"),
                        .refused = refused,
+                       .raised = attempt.value("raised", false),
                        .reason = attempt.at(refused ? "refused" : "failed")});
   }
   return earlier;

@@ -44,14 +44,19 @@ std::optional<Episode> KeptAttempt(const RunConfig& run, const PlanItem& item, i
 bool IsComplete(const RunConfig& run, const PlanItem& item);
 
 // The results of earlier attempts at an episode's item: a part of its metadata. A refused attempt
-// leaves no other record, and with `keep: successes` neither does a failed one.
+// and one in which a user's code raised leave no other record, and with `keep: successes` neither
+// does a failed one.
 //
 //   "earlier_attempts": [{"object_kind": "mug", "refused": "too far"},
-//                        {"object_kind": "cup", "failed": "dropped"}]
+//                        {"object_kind": "cup", "failed": "dropped"},
+//                        {"object_kind": "", "failed": "mine.py:3, in act: ...", "raised": true}]
 struct EarlierAttempt {
   std::string object_kind;  // "": unknown
   bool refused = false;     // the start; else the rollout failed
+  bool raised = false;      // it failed by an exception
   std::string reason;
+  // Returns true if it left no episode, even if failures are kept.
+  bool left_nothing() const { return refused || raised; }
 };
 using EarlierAttempts = std::vector<EarlierAttempt>;  // earlier attempts by number
 

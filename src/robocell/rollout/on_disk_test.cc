@@ -10,6 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/data/dataset.h"
 #include "robocell/data/episode_writer.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
@@ -96,13 +97,33 @@ TEST_F(OnDiskTest, KeptFailuresAreCompleteWithTheLastRollout) {
 // For example one that repair moved away.
 TEST_F(OnDiskTest, AMissingFailureBeforeTheSuccessIsRepeated) {
   run.keep = Keep::kAll;
-  Write("e_a02", true, {{"mug", false, "dropped"}, {"mug", true, "too far"}});
+  Write("e_a02", true,
+        {{.object_kind = "mug", .reason = "dropped"},
+         {.object_kind = "mug", .refused = true, .reason = "too far"}});
   EXPECT_TRUE(LookForItem(run, item).success);
   EXPECT_FALSE(IsComplete(run, item));
   EXPECT_THAT(LookForItems(run, {item}).made, IsEmpty());
   Write("e_a00", false);
   EXPECT_TRUE(IsComplete(run, item)) << "attempt 1 was refused and left nothing";
   EXPECT_THAT(LookForItems(run, {item}).made, ElementsAre("e"));
+}
+
+// An attempt in which a user's code raised leaves no episode: nothing is missing without one.
+TEST_F(OnDiskTest, AnAttemptThatRaisedIsNotMissing) {
+  run.keep = Keep::kAll;
+  const EarlierAttempts earlier = {{.raised = true, .reason = "mine.py:3, in act: no"},
+                                   {.object_kind = "mug", .reason = "dropped"}};
+  Write("e_a02", true, earlier);
+  EXPECT_FALSE(IsComplete(run, item)) << "the failure of attempt 1 is missing";
+  Write("e_a01", false, {earlier.front()});
+  EXPECT_TRUE(IsComplete(run, item));
+  EXPECT_THAT(LookForItems(run, {item}).made, ElementsAre("e"));
+  const std::string metadata = Dataset(run.output).Open("e_a02").metadata_json();
+  const EarlierAttempts read = EarlierAttemptsIn(metadata);
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_TRUE(read[0].raised && read[0].left_nothing() && !read[0].refused);
+  EXPECT_EQ(read[0].reason, "mine.py:3, in act: no");
+  EXPECT_FALSE(read[1].left_nothing());
 }
 
 TEST_F(OnDiskTest, ReportsAndIgnoresEpisodesOfAnotherRun) {

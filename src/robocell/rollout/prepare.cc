@@ -256,9 +256,9 @@ void RestoreModels(const RunConfig& run) {
 void PrepareDataset(const RunConfig& run, const PrepareOptions& options) {
   RequireOutput(run);
   if (options.validate) {
-    for (const std::string& warning :
+    for (const Finding& warning :
          ValidateRun(run, {.scripted_expert = false, .on_this_machine = false}))
-      LogWarn(fmt::format("run '{}': {}", run.run, warning));
+      LogWarn(fmt::format("run '{}': {}", run.run, Line(warning)));
   }
   const RunInputs inputs = InputsOf(run);
   CreateFolder(run.output);

@@ -13,12 +13,14 @@
 namespace robocell::internal {
 namespace {
 
+const std::string kNoIkSolution = "no IK solution for ";
+
 // Returns why a rollout ended without success. Commands that could not be followed explain more
 // than the timeout that they cause.
 std::string WhyFailed(const RolloutResult& result, Task& task, const std::string& gave_up,
                       bool truncated) {
   if (!gave_up.empty() && !truncated) return gave_up;
-  if (!result.ik_failures.empty()) return "no IK solution for " + result.ik_failures.begin()->first;
+  if (!result.ik_failures.empty()) return kNoIkSolution + result.ik_failures.begin()->first;
   if (truncated) return "timeout";
   return TaskCalls(task).WhyNotDone();
 }
@@ -34,14 +36,25 @@ std::vector<std::string> Warnings(const EngineWarnings& engine, const RolloutRes
   std::vector<std::string> warnings;
   if (!result.divergence.empty()) warnings.push_back(result.divergence);
   if (engine.total()) warnings.push_back(engine.Text());
-  for (const auto& [group, actions] : result.ik_failures)
-    warnings.push_back(fmt::format("{} x no IK solution for {}", actions, group));
+  for (const auto& [group, none] : result.ik_failures) {
+    warnings.push_back(
+        fmt::format("{} x no IK solution for {}, first at {}", none.actions, group, none.first));
+  }
   return warnings;
 }
 
 // Evaluations count the rollouts that an error of the policy ended.
 std::string ResultsOf(const ExpertCalls& calls, const RolloutResult& result) {
   return calls.failed() && !result.success ? R"({"policy_error": true})" : "{}";
+}
+
+void NoteNoIkSolution(const StepOutcome& step, double time, const std::string& phase,
+                      RolloutResult& result) {
+  NoIkSolution& none = result.ik_failures[step.failed_robot + "/" + step.failed_group];
+  if (none.actions++ > 0) return;
+  none.first = fmt::format("{:.2f} s{}, {:.3f} m and {:.2f} rad from the pose", time,
+                           phase.empty() ? "" : ", in phase '" + phase + "'",
+                           step.ik.position_error, step.ik.rotation_error);
 }
 
 }  // namespace
@@ -77,6 +90,7 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     const StageClock::Stage stage(recording.clock(), result.times.acting);
     if (!recording.LetLook([&] { calls.Do("see", [&] { expert.See(in.Row()); }); }))
       return result.stopped = true, result;
+    const double time = start.scene.time();
     CellStep step;
     if (!recording.LetLook([&] { step = in.cell.Step({.send = send}); }))
       return result.stopped = true, result;
@@ -91,7 +105,10 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     truncated = !terminated && result.rows >= run.rates.max_steps;
     if (!step.ok()) NoteDivergence(step.step, options.episode_id, result);
     const bool ik_failed = !step.failed_robot.empty();
-    if (ik_failed) ++result.ik_failures[step.failed_robot + "/" + step.failed_group];
+    if (ik_failed) {
+      const auto index = static_cast<size_t>(phase);
+      NoteNoIkSolution(step, time, index < phases.size() ? phases[index] : "", result);
+    }
     const bool is_put = recording.PutOutcome({.reward = verdict.reward,
                                               .progress = verdict.progress,
                                               .subtask = verdict.subtask,
@@ -104,6 +121,10 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   }
   if (!result.success && result.failure.empty())
     result.failure = WhyFailed(result, *start.task, calls.failure(), truncated);
+  if (!result.success && result.failure.starts_with(kNoIkSolution)) {
+    LogWarn(fmt::format("episode '{}': {}, first at {}", options.episode_id, result.failure,
+                        result.ik_failures.begin()->second.first));
+  }
   if (!result.success && !options.keep_failures) {
     recording.RequireWritten();
     return result;

@@ -24,15 +24,20 @@ struct RolloutTimes {
   double writing = 0;    // rows and control ticks, and committing
 };
 
+// Pose commands of a group that had no IK solution; the group kept its target.
+struct NoIkSolution {
+  int actions = 0;
+  // The first of them: "0.33 s, in phase 'lift', 0.120 m and 0.30 rad from the pose".
+  std::string first = {};
+};
+
 struct RolloutResult {
   bool success = false;
   bool stopped = false;  // true if the stop request ended it; nothing was stored
   bool committed = false;
   std::string failure;     // why it did not succeed; "" on success
   std::string divergence;  // if it diverged: at what time, and which joint showed it
-  // Number of actions whose pose command had no IK solution, by "robot/group"; the group kept its
-  // target.
-  std::map<std::string, int> ik_failures;
+  std::map<std::string, NoIkSolution> ik_failures;  // by "robot/group"
   int rows = 0;
   RolloutTimes times;
 };

@@ -29,10 +29,23 @@ TEST_F(RolloutTest, CountsAndNamesCommandsWithoutAnIkSolution) {
   const RolloutResult result = Rollout(expert);
   EXPECT_FALSE(result.success);
   EXPECT_EQ(result.failure, "no IK solution for rc7/arm");
-  EXPECT_THAT(result.ik_failures, ElementsAre(Pair("rc7/arm", 3)));
+  ASSERT_THAT(result.ik_failures, ElementsAre(Pair("rc7/arm", ::testing::_)));
+  const NoIkSolution& none = result.ik_failures.at("rc7/arm");
+  EXPECT_EQ(none.actions, 3);
   const Episode episode(folder / "e");
   EXPECT_THAT(episode.Read<uint8_t>("ik_failed"), ElementsAre(1, 0, 1, 0, 1));
-  EXPECT_THAT(episode.warnings(), ElementsAre("3 x no IK solution for rc7/arm"));
+  EXPECT_THAT(episode.warnings(),
+              ElementsAre("3 x no IK solution for rc7/arm, first at " + none.first));
+  // The pose is 50 m away, of which the arm covers its reach.
+  const double reach = Robot::Of(start->scene, "rc7").reach();
+  double time = -1, metres = 0;
+  ASSERT_EQ(std::sscanf(none.first.c_str(), "%lf s", &time), 1) << none.first;
+  const size_t at = none.first.find(" m and ");
+  ASSERT_NE(at, std::string::npos) << none.first;
+  metres = std::stod(none.first.substr(none.first.rfind(' ', at - 1)));
+  EXPECT_EQ(time, 0);
+  EXPECT_NEAR(metres, 50, 2 * reach);
+  EXPECT_THAT(none.first, ::testing::HasSubstr("in phase '"));
   EXPECT_EQ(episode.end_reason(), "no IK solution for rc7/arm");
 }
 

@@ -11,6 +11,7 @@
 #include "robocell/rollout/plan.h"
 #include "robocell/rollout/run_cell.h"
 #include "robocell/rollout/run_renderer.h"
+#include "robocell/rollout/start_draw.h"
 #include "robocell/rollout/validate_run.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/task/sampler_kind.h"
@@ -18,13 +19,6 @@
 
 namespace robocell {
 namespace {
-
-std::string CountsText(const RefusalCounts& reasons) {
-  std::string text;
-  for (const auto& [reason, count] : reasons)
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", reason, Counted(count, "time"));
-  return text;
-}
 
 // An episode: its start, and the cell in it.
 struct Running {
@@ -79,30 +73,26 @@ void RunEnv::Reset(int index, int first_attempt, const StopRequest& stop) {
   const auto count = static_cast<int>(scenes.size());
   const PlanItem item{
       .index = index, .scene = scenes[index % count], .episode = index / count, .id = {}};
-  RefusalCounts reasons;
-  int made = 0;
+  const internal::StartDraw from{run, *state_->sampler, state_->scene_data, !run.sampler.empty()};
+  internal::RefusedStarts refused;
   for (int attempt = first_attempt; attempt < run.max_attempts && !ShouldStop(stop); ++attempt) {
-    Rng rng = AttemptStream(run, item, attempt, "start");
-    SampleResult sample =
-        state_->sampler->Sample({item.scene, item.episode, attempt, stop, state_->scene_data}, rng);
-    if (!sample.start) {
+    SampleResult drawn = internal::DrawStart(from, item, attempt, stop);
+    if (!drawn.start) {
       if (ShouldStop(stop)) break;  // its reason is arbitrary then
-      ++made;
-      ++reasons[sample.refusal.counted_as()];
+      refused.Add(drawn.refusal);
       continue;
     }
-    BindStart(*sample.start, run);
+    BindStart(*drawn.start, run);
     state_->running.reset();
-    state_->running.emplace(run, std::move(*sample.start), state_->renderer.get());
+    state_->running.emplace(run, std::move(*drawn.start), state_->renderer.get());
     return;
   }
-  const std::string refused = reasons.empty() ? "" : ": " + CountsText(reasons);
-  if (made == run.max_attempts - first_attempt) {
+  if (refused.total() == run.max_attempts - first_attempt) {
     throw Error(fmt::format("run '{}': none of {} at start {} was accepted{}", run.run,
-                            Counted(made, "attempt"), index, refused));
+                            Counted(refused.total(), "attempt"), index, refused.Text()));
   }
   throw Error(fmt::format("run '{}': stopped after {} at start {}, before one was accepted{}",
-                          run.run, Counted(made, "attempt"), index, refused));
+                          run.run, Counted(refused.total(), "attempt"), index, refused.Text()));
 }
 
 CellRow RunEnv::Row() {

@@ -22,6 +22,7 @@
 #include "robocell/rollout/run_inputs.h"
 #include "robocell/rollout/run_origin.h"
 #include "robocell/rollout/run_renderer.h"
+#include "robocell/rollout/start_draw.h"
 #include "robocell/rollout/validate_run.h"
 #include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_kind.h"
@@ -98,8 +99,10 @@ struct Runner::State {
   // Returns the text of the exception being handled; "" if it is not from a user's code.
   std::string WhatUsersCodeRaised() const;
   bool has_samplers_hooks() const { return own_sampler || !run.sampler.empty(); }
-  int raised = 0;               // errors in a row
-  bool start_accepted = false;  // true once the present attempt has a start
+  internal::RefusedStarts refused;  // of the present item
+  int raised = 0;                   // errors in a row
+  bool start_accepted = false;      // true once the present attempt has a start
+  std::string object_kind;          // of that start
 };
 
 // Returns the lock for writing into the dataset, as long as it is the one that the run was checked
@@ -216,12 +219,6 @@ void Drop(ItemResult& result) {
   ++result.undecided;
 }
 
-int MostFrequent(const std::map<std::string, int>& counts) {
-  int most = 0;
-  for (const auto& [what, count] : counts) most = std::max(most, count);
-  return most;
-}
-
 // Returns the kind of object that the episode's sampler named; "" if it named none.
 std::string ObjectKindOf(const Episode& episode) {
   const auto kinds =
@@ -243,7 +240,7 @@ void AddKept(ItemResult& result, const Episode& episode, EarlierAttempts& earlie
   }
   if (result.success) return;
   ++result.failures[episode.end_reason()];
-  earlier.push_back({result.object_kind, false, episode.end_reason()});
+  earlier.push_back({.object_kind = result.object_kind, .reason = episode.end_reason()});
 }
 
 // Adds a rollout to the sums.
@@ -266,12 +263,8 @@ void AddTo(ItemResult& result, const internal::RolloutResult& rollout) {
 void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest& stop,
                             EarlierAttempts& earlier, ItemResult& result) {
   const auto began = std::chrono::steady_clock::now();
-  Rng start_rng = AttemptStream(run, item, attempt, "start");
-  const auto draw = [&] {
-    return sampler->Sample({item.scene, item.episode, attempt, stop, parts.scene_data}, start_rng);
-  };
-  SampleResult sample =
-      has_samplers_hooks() ? internal::CallHook(*sampler, "sample", draw) : draw();
+  SampleResult sample = internal::DrawStart(
+      {run, *sampler, parts.scene_data, has_samplers_hooks()}, item, attempt, stop);
   result.seconds_sampling += Seconds(began);
   if (ShouldStop(stop)) return Drop(result);
   RequireUnchangedModels();
@@ -288,14 +281,17 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
     count_redrawn();
     count_kind();
     ++result.attempts;
-    const std::string refused = sample.refusal.counted_as();
-    earlier.push_back({sample.object_kind(), true, refused});
-    const int count = ++result.refusals[refused];
-    if (sample.refusal.reason == Refusal::kNoReachableBasePose) ++result.out_of_reach;
-    if (count >= MostFrequent(result.refusals)) result.advice = sample.refusal.detail;
+    earlier.push_back({.object_kind = sample.object_kind(),
+                       .refused = true,
+                       .reason = sample.refusal.counted_as()});
+    refused.Add(sample.refusal);
+    result.refusals = refused.counts();
+    result.out_of_reach = refused.out_of_reach();
+    result.advice = refused.detail();
     return;
   }
   start_accepted = true;
+  object_kind = sample.object_kind();
   BindStart(*sample.start, run);
   const std::shared_ptr<Expert> expert = MakeExpert(*sample.start);
   Rng expert_rng = AttemptStream(run, item, attempt, "expert");
@@ -304,7 +300,8 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
   AddTo(result, rollout);
   if (result.stopped) return;
   if (!rollout.committed) RequireUnchangedModels();  // failures count too
-  if (!rollout.success) earlier.push_back({sample.object_kind(), false, rollout.failure});
+  if (!rollout.success)
+    earlier.push_back({.object_kind = sample.object_kind(), .reason = rollout.failure});
   count_redrawn();
   count_kind();
 }
@@ -333,6 +330,7 @@ void Runner::State::TryAttempt(const PlanItem& item, int attempt, const StopRequ
                                EarlierAttempts& earlier, ItemResult& result) {
   constexpr int kMostRaised = 3;
   start_accepted = false;
+  object_kind.clear();
   try {
     Attempt(item, attempt, stop, earlier, result);
     raised = 0;
@@ -349,7 +347,7 @@ void Runner::State::TryAttempt(const PlanItem& item, int attempt, const StopRequ
     LogWarn(fmt::format("episode '{}', attempt {}: {}", item.id, attempt, told));
     ++result.attempts;
     ++result.failures[told];
-    earlier.push_back({result.object_kind, false, told});
+    earlier.push_back({.object_kind = object_kind, .raised = true, .reason = told});
   }
 }
 
@@ -366,6 +364,7 @@ ItemResult Runner::Run(const PlanItem& item, const StopRequest& stop) {
   }
   EarlierAttempts earlier;
   state_->raised = 0;
+  state_->refused = {};
   const auto is_made = [&] {
     return result.success || (run.keep == Keep::kFirst && result.accepted > 0);
   };

@@ -17,6 +17,7 @@
 #include "robocell/data/episode_reader.h"
 #include "robocell/expert/pick_planner.h"
 #include "robocell/rollout/on_disk.h"
+#include "robocell/task/grasp_check.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/pick_scene.h"
@@ -62,7 +63,7 @@ RunnerParts IdleAtFirst(int times) {
 class Refusing : public TaskSampler {
  public:
   SampleResult Sample(const SampleRequest&, Rng&) override {
-    return {.start = {}, .refusal = {Refusal::kNoGrasp, "as told"}};
+    return {.start = {}, .refusal = {kNoGrasp, "as told"}};
   }
 };
 
@@ -309,6 +310,45 @@ TEST(Runner, KeepsFailuresOnRequestAndAddsOnlyMissingEpisodes) {
   EXPECT_EQ(earlier[1]["failed"], "idle");
   EXPECT_EQ(earlier[1]["object_kind"], result.object_kind);
   EXPECT_EQ(metadata("s0000_e0000_a00")["earlier_attempts"].size(), 0u);
+}
+
+// A user's code raises in the first attempt, fails in the second, and the process ends before the
+// item is made.
+TEST(Runner, ResumesAnItemWhoseFirstAttemptRaised) {
+  TempDir folder;
+  RunConfig run = Blind("demo.yaml", folder / "out");
+  run.output = (folder / "all").string();
+  run.keep = Keep::kAll;
+  PrepareDataset(run);
+  const PlanItem item = MakePlan(run)[0];
+  const auto parts = [](int raises, int idles) {
+    return RunnerParts{
+        .sampler = {},
+        .expert = [raises, idles](const RunConfig& of,
+                                  const EpisodeStart& start) mutable -> std::shared_ptr<Expert> {
+          if (raises-- > 0) throw std::runtime_error("out of ideas");
+          if (idles-- > 0) return std::make_unique<Idle>();
+          return MakePickPlanner(of, start);
+        }};
+  };
+  const ItemResult made = Runner(run, parts(1, 1)).Run(item);
+  EXPECT_TRUE(made.success && made.complete);
+  EXPECT_EQ(made.kept, 2);
+  EXPECT_TRUE(IsComplete(run, item)) << "the attempt that raised left nothing";
+  const ItemResult again = Runner(run, parts(0, 0)).Run(item);
+  EXPECT_TRUE(again.resumed && again.success);
+  EXPECT_EQ(again.attempts, 0);
+  const std::vector<std::string> ids = Dataset(run.output).ids();
+  ASSERT_EQ(ids.size(), 2u);
+  const std::string steps = ReadFile(folder / "all" / ids[1] / "steps.h5");
+
+  std::filesystem::remove_all(folder / "all" / ids[1]);
+  const ItemResult resumed = Runner(run, parts(1, 0)).Run(item);  // it raises again
+  EXPECT_TRUE(resumed.success && resumed.complete);
+  EXPECT_EQ(resumed.kept, 1);
+  EXPECT_EQ(resumed.failures, made.failures);
+  EXPECT_EQ(ReadFile(folder / "all" / ids[1] / "steps.h5"), steps);
+  EXPECT_TRUE(IsComplete(run, item));
 }
 
 TEST(Runner, GeneratesTheSameEpisodesForAnyRenderSetting) {

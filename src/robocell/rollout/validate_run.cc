@@ -33,6 +33,7 @@
 #include "robocell/spec/validate.h"
 #include "robocell/task/base_placement.h"
 #include "robocell/task/sampler_kind.h"
+#include "robocell/task/start_sampler.h"
 #include "robocell/task/task_kind.h"
 
 namespace robocell {
@@ -173,10 +174,22 @@ std::string Title(const RunConfig& run) { return "run '" + run.run + "'"; }
 class SceneValidator {
  public:
   SceneValidator(const RunConfig& run, const RunDemands& demands, Problems& problems)
-      : run_(run), demands_(demands), problems_(problems) {}
+      : run_(run), demands_(demands), problems_(problems), doubts_(run.locations) {}
 
-  // Returns the warnings of the scene.
-  const std::vector<std::string>& warnings() const { return warnings_; }
+  // Returns the warnings of the scene, and those of task and expert.
+  std::vector<Finding> Warnings() const {
+    std::vector<Finding> warnings;
+    for (const std::string& line : compile_warnings_) {
+      auto [place, text] = SplitPlace(line);
+      warnings.push_back({.place = std::move(place), .text = std::move(text)});
+    }
+    for (const Problem& doubt : doubts_.list()) {
+      warnings.push_back({.subject = doubts_.Shown(doubt.path),
+                          .place = doubt.source,
+                          .text = doubt.message});
+    }
+    return warnings;
+  }
 
   void Run() {
     std::vector<SceneSpec> bases;
@@ -190,7 +203,7 @@ class SceneValidator {
     std::optional<Scene> scene;
     if (!Try("task", [&] { Scene::Build(WithContents(bases.front(), false)); })) return;
     if (!Try("robot", [&] { scene = Scene::Build(WithContents(bases.front())); })) return;
-    warnings_ = scene->compiled()->warnings();
+    compile_warnings_ = scene->compiled()->warnings();
     ValidateCameras(*scene);
     std::optional<Robot> robot;
     if (!Try("robot", [&] { robot = Robot::Of(*scene, run_.robot.config.name); })) return;
@@ -222,10 +235,7 @@ class SceneValidator {
     const std::vector<int> indices = SceneIndices(run_);
     for (size_t i = 0; i < bases.size(); ++i) {
       if (!checked.insert(internal::SpecBytes(bases[i])).second) continue;
-      good &= Try("scenes", [&] {
-        for (const Support& support : SupportsOf(*source_, indices[i], bases[i]))
-          RequireSteady(bases[i], support);
-      });
+      good &= Try("scenes", [&] { SupportsOf(*source_, indices[i], bases[i]); });
     }
     return good;
   }
@@ -266,10 +276,19 @@ class SceneValidator {
   }
 
   void ValidateForTask(const Scene& scene, Robot& robot) {
-    task_->ValidateScene(run_, scene, robot, problems_, warnings_);
+    task_->ValidateScene(run_, scene, robot, problems_, doubts_);
     if (!demands_.scripted_expert) return;
+    Try("task", [&] { ValidateBaseRange(robot); });
     Try(run_.expert.empty() ? "task" : "expert",
-        [&] { ExpertKindFor(run_)->Validate(run_, scene, robot, problems_, warnings_); });
+        [&] { ExpertKindFor(run_)->Validate(run_, scene, robot, problems_, doubts_); });
+  }
+
+  // Other samplers have places of their own for the base.
+  void ValidateBaseRange(const Robot& robot) {
+    if (!run_.sampler.empty()) return;
+    const std::shared_ptr<TaskSampler> sampler = MakeSampler(run_);
+    if (auto* starts = dynamic_cast<StartSampler*>(sampler.get()))
+      starts->ValidateBaseRange(robot, problems_);
   }
 
   // Validates the starts in each distinct scene.
@@ -294,7 +313,8 @@ class SceneValidator {
   std::shared_ptr<SceneSource> source_;
   const RunDemands& demands_;
   Problems& problems_;
-  std::vector<std::string> warnings_;
+  Problems doubts_;
+  std::vector<std::string> compile_warnings_;
 };
 
 // Turns an exception of a check into a problem of the robot.
@@ -322,13 +342,13 @@ void ValidateRunFields(const RunConfig& run, const RunDemands& demands) {
   FieldProblems(run, demands).Throw(Title(run));
 }
 
-std::vector<std::string> ValidateRun(const RunConfig& run, const RunDemands& demands) {
+std::vector<Finding> ValidateRun(const RunConfig& run, const RunDemands& demands) {
   Problems problems = FieldProblems(run, demands);
   problems.Throw(Title(run));
   SceneValidator scene(run, demands, problems);
   scene.Run();
   problems.Throw(Title(run));
-  return scene.warnings();
+  return scene.Warnings();
 }
 
 bool ValidateRobot(const Robot& robot, Problems& problems) {

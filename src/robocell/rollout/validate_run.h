@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "robocell/robot/robot.h"
+#include "robocell/scene/inspection/finding.h"
 #include "robocell/spec/problems.h"
 #include "robocell/spec/run_config.h"
 
@@ -22,9 +23,10 @@ struct RunDemands {
 };
 
 // Throws SpecError with all problems, and IoError or Error if streams are recorded and this machine
-// lacks an encoder or OpenGL. Returns the warnings of compiling the scene, of the task and of its
-// expert. Writes nothing. More advice: diagnose/check_run.h.
-std::vector<std::string> ValidateRun(const RunConfig& run, const RunDemands& demands = {});
+// lacks an encoder or OpenGL. Returns warnings: those of compiling the scene, and those of the task
+// and of its expert, whose subject is a field of the run. Writes nothing. More advice:
+// diagnose/check_run.h.
+std::vector<Finding> ValidateRun(const RunConfig& run, const RunDemands& demands = {});
 
 // Checks the part that needs no model.
 void ValidateRunFields(const RunConfig& run, const RunDemands& demands = {});

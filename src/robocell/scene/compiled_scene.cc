@@ -4,11 +4,16 @@
 #include <mujoco/mujoco.h>
 
 #include <atomic>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "robocell/base/error.h"
 #include "robocell/base/function_name.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/model_watch.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
 #include "robocell/scene/pool.h"
 
 namespace robocell {
@@ -23,6 +28,27 @@ const Record& Find(const std::vector<Record>& records, const std::string& name, 
     names.push_back(record.name);
   }
   throw NotFoundError(NoSuchName("scene '" + scene + "'", kind, name, names));
+}
+
+// Returns the object that has a body of this name or of a near one, in words; "" if none has.
+std::string PartNamed(const mjModel* m, const std::vector<ObjectRecord>& objects,
+                      const std::string& name) {
+  std::map<std::string, std::string> owners;
+  std::vector<std::string> names, bodies;
+  for (const ObjectRecord& object : objects) {
+    names.push_back(object.name);
+    const int root = m ? FindId(m, mjOBJ_BODY, object.root_body) : -1;
+    for (int body = root; body > 0 && body < m->nbody; ++body) {
+      if (!internal::IsInSubtree(m, body, root)) continue;
+      bodies.push_back(ElementName(m, mjOBJ_BODY, body));
+      owners.emplace(bodies.back(), object.name);
+    }
+  }
+  if (const auto same = owners.find(name); same != owners.end())
+    return fmt::format(" '{}' is a body of object '{}'", name, same->second);
+  const std::vector<std::string> near = NearestNames(name, bodies, 1);
+  if (near.empty() || !NearestNames(name, names, 1).empty()) return "";
+  return fmt::format(" Object '{}' has a body '{}'", owners.at(near.front()), near.front());
 }
 
 }  // namespace
@@ -156,7 +182,11 @@ const RobotRecord& CompiledScene::robot(const std::string& name) const {
 }
 
 const ObjectRecord& CompiledScene::object(const std::string& name) const {
-  return Find(objects_, name, "object", scene_spec_.name);
+  try {
+    return Find(objects_, name, "object", scene_spec_.name);
+  } catch (const NotFoundError& error) {
+    throw NotFoundError(error.what() + PartNamed(model_, objects_, name));
+  }
 }
 
 void CompiledScene::AdoptModelKeeper(std::shared_ptr<void> keeper) {

@@ -2,10 +2,20 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
 
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/scene/scene.h"
+#include "robocell/scenes/scene_source.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
+#include "robocell/testing/source_dir.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell {
 namespace {
@@ -27,6 +37,56 @@ TEST(FilesSource, FindsFilesInTheirRoot) {
                              "scene source 'files': no scene 5; it has 2 (0 ... 1)");
   ExpectThrow<NotFoundError>([] { MakeBaseScene(ExampleRun("demo.yaml"), -1); },
                              "no scene -1; it has any from 0 on");
+}
+
+// The engine's own reading of the file is the oracle.
+TEST(FilesSource, ScenesAreTheFilesThatTheEngineReads) {
+  RunConfig run = ExampleRun("demo.yaml");
+  TempDir folder;
+  AtomicWrite(folder / "two.xml",
+              "<mujoco><worldbody><geom name='top' type='box' size='.3 .2 .1' pos='.1 0 .5'/>"
+              "<body name='ball' pos='0 0 1'><freejoint/><geom type='sphere' size='.05'/></body>"
+              "</worldbody></mujoco>");
+  const std::string table = SourceDir() + "/models/scenes/tabletop.xml";
+  const std::string two = (folder / "two.xml").string();
+  run.scenes = FilesScenes{.files = {table, two}};
+  for (int index = 0; index < 2; ++index) {
+    const Scene scene = Scene::Build(MakeBaseScene(run, index));
+    char error[500] = "";
+    mjModel* read = mj_loadXML((index == 0 ? table : two).c_str(), nullptr, error, sizeof error);
+    ASSERT_NE(read, nullptr) << error;
+    const std::shared_ptr<mjModel> keep(read, &mj_deleteModel);
+    for (int body = 1; body < read->nbody; ++body) {
+      const char* name = mj_id2name(read, mjOBJ_BODY, body);
+      const int same = mj_name2id(scene.model(), mjOBJ_BODY, name);
+      ASSERT_GE(same, 0) << name;
+      EXPECT_EQ(scene.model()->body_mass[same], read->body_mass[body]) << name;
+    }
+    EXPECT_EQ(scene.model()->ngeom, read->ngeom);
+    EXPECT_EQ(scene.timestep(), run.rates.timestep().value()) << "the run's, not the file's";
+  }
+}
+
+// Relative names count from the folder of the run file, unless `root` is another one.
+TEST(FilesSource, RelativeFilesAreBesideTheRunFile) {
+  TempDir folder;
+  std::filesystem::create_directories(folder / "a");
+  std::filesystem::create_directories(folder / "b");
+  const auto write = [&](const std::string& in, const char* body) {
+    AtomicWrite(folder / in / "lab.xml", "<mujoco><worldbody><body name='" + std::string(body) +
+                                             "'/></worldbody></mujoco>");
+  };
+  write("a", "beside");
+  write("b", "in_root");
+  RunConfig run = ExampleRun("demo.yaml");
+  run.source_dir = (folder / "a").string();
+  const auto has = [&](const char* body) {
+    return mj_name2id(Scene::Build(MakeBaseScene(run, 0)).model(), mjOBJ_BODY, body) >= 0;
+  };
+  run.scenes = FilesScenes{.files = {"lab.xml"}};
+  EXPECT_TRUE(has("beside"));
+  run.scenes = FilesScenes{.files = {"lab.xml"}, .root = (folder / "b").string()};
+  EXPECT_TRUE(has("in_root"));
 }
 
 }  // namespace

@@ -162,12 +162,26 @@ struct Linking {
   Mistakes& mistakes;
   Measured measured;
 
-  std::string NoReference(const std::string& reference) const {
+  std::string NoReference(const std::string& reference, size_t except) {
     std::vector<std::string> known = NamesOf(start);
-    for (const std::string& name : base->Names()) {
-      if (std::ranges::find(known, name) == known.end()) known.push_back(name);
+    const auto add = [&](const Landmarks& marks) {
+      for (const std::string& name : marks.Names()) {
+        if (std::ranges::find(known, name) == known.end()) known.push_back(name);
+      }
+    };
+    add(*base);
+    for (size_t i = 0; i < start.objects.size(); ++i) {
+      if (i != except) add(*measured.Of(i));
     }
     return NoSuchName("", "object or body", reference, known);
+  }
+
+  // Returns the object of the start that has a body of this name: a drawer of a cabinet.
+  std::optional<size_t> WithPart(const std::string& body, size_t except) {
+    for (size_t i = 0; i < start.objects.size(); ++i) {
+      if (i != except && measured.Of(i)->Has(body)) return i;
+    }
+    return std::nullopt;
   }
 
   // The link of an object; unset when it has no entry, a wrong one, or one by kind that refers to
@@ -202,7 +216,11 @@ struct Linking {
       link.marks = base;
       link.mark = reference;
     } else if (!start.may_come(reference) && !IsKind(reference, start)) {
-      return wrong(PlaceMistakeKind::kNoSuchReference, NoReference(reference));
+      link.other = WithPart(reference, i);
+      if (!link.other)
+        return wrong(PlaceMistakeKind::kNoSuchReference, NoReference(reference, i));
+      link.marks = measured.Of(*link.other);
+      link.mark = reference;
     }
     if (link.marks) {
       if (const auto no = WhyNoPlace(link)) return wrong(no->kind, no->why);

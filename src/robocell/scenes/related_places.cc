@@ -162,7 +162,7 @@ std::optional<std::string> RelatedPlaces::Put(std::vector<LevelArea> grounds,
 std::optional<std::string> RelatedPlaces::WhyNotKept(
     const Scene& scene, const std::vector<SceneObject>& objects) const {
   for (const PlaceLink& link : links_) {
-    const std::string reference = link.other ? objects[*link.other].name : link.place.reference();
+    const std::string& reference = link.mark;
     const Relation relation = link.place.relation();
     // A source of scenes may declare hollows that the geometry does not have.
     if (relation == Relation::kInside &&

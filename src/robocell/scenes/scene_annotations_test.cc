@@ -55,7 +55,7 @@ TEST(SceneAnnotations, ObjectsReduceTheFreeAreaOfATable) {
   SceneSpec spec{.name = "table", .base = "tabletop", .add_floor = true};
   const double before = DeriveAnnotations(spec).supports.front().free_area;
   spec.objects.push_back(Primitive("block", Shape::kBox, {0.12, 0.2, 0.05}));
-  spec.objects.back().pos = {0.12, 0.2, 0.51};
+  spec.objects.back().pos = {0.125, 0.205, 0.51};  // beside the middle of the table
   spec.objects.back().fixed = true;
   const double after = DeriveAnnotations(spec).supports.front().free_area;
   EXPECT_NEAR(before - after, 0.24 * 0.4, 0.05);

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <span>
-#include <string>
 #include <vector>
 #include <Eigen/Core>
 
@@ -22,19 +21,15 @@ struct Support {
   double half_x = 0, half_y = 0;
   double thickness = 0;
   LevelArea area() const { return {frame_to_world, half_x, half_y, thickness}; }
-  std::string moved_body = {};  // the moving body that carries it; "" for a fixed support
 };
 
 // Returns the support of a base scene, in this order:
-// 1. the box marked by a site `table_top`, or by the only site with a prefix before that name
-//    (`shop_table_top`, `shop/table_top`): the level face with the site on it, as large as the
-//    largest box of the site's body
-// 2. the largest level upper face of a fixed box with 0.3 m of room above its middle, 0.15 to 1.6 m
-//    high
-// 3. such a face at any height
-// 4. free level floor, at most 1 m wide
-// Parked objects offer no support. Throws NotFoundError without face and floor; SpecError if the
-// site is ambiguous, has no box, is not on the upper face, or the face is not level.
+// 1. the largest level upper face of a fixed box with 0.3 m of room above its middle, free objects
+//    aside, 0.15 to 1.6 m high
+// 2. such a face at any height
+// 3. free level floor, at most 1 m wide
+// Names of sites, geoms and bodies do not matter; a source of scenes may annotate other supports
+// (scene_source.h). Parked objects offer no support. Throws NotFoundError without face and floor.
 Support FindSupport(const SceneSpec& base);
 
 // The free parts of floors (free_floor.h), largest first, on which objects may stand where no face
@@ -46,9 +41,5 @@ std::vector<Support> FindFloors(const Scene& scene, std::span<const std::string>
 struct SupportFace;
 // Returns all level upper faces of fixed boxes with room above: FindSupport's first, then by size.
 std::vector<SupportFace> FindSupportFaces(const Scene& scene);
-
-// Throws SpecError if the support of this scene can move, for example a table with a free joint on
-// nothing.
-void RequireSteady(const SceneSpec& base, const Support& support);
 
 }  // namespace robocell

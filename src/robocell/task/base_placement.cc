@@ -2,15 +2,22 @@
 
 #include <fmt/format.h>
 
+#include <mujoco/mujoco.h>
+
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <string>
 #include <vector>
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
+#include "robocell/kinematics/chain.h"
+#include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/low_discrepancy.h"
 #include "robocell/motion/clearance.h"
 #include "robocell/motion/robot_outline.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/render/stream_camera.h"
 #include "robocell/scenes/visibility.h"
 
@@ -20,6 +27,17 @@ namespace {
 constexpr double kWidening = 0.15;        // share of the range that each further attempt spreads by
 constexpr int kBearings = 72;             // directions in which a base pose is searched
 constexpr double kRangeTolerance = 1e-6;  // metres
+constexpr double kHandLength = 0.15;      // m from a TCP to the farthest point of its gripper
+
+bool CanMove(const mjModel* m, int body) {
+  return m->body_weldid[body] != 0 || m->body_mocapid[m->body_rootid[body]] >= 0;
+}
+
+// Formats a length rounded down to the millimetre, so that a field with the printed value is
+// accepted.
+std::string AtMost(double metres) {
+  return fmt::format("{:.3f}", std::floor(1000 * metres) / 1000);
+}
 
 // Reflects a number into [0, 1] at the ends.
 double Reflected(double u) {
@@ -50,6 +68,33 @@ void RequireSound(const BaseRange& range) {
   if (std::isfinite(range.height_offset)) return;
   throw ArgumentError(fmt::format(
       "the height_offset of a base range is {}; it must be finite metres", range.height_offset));
+}
+
+void ValidateBaseRange(const BaseRange& base, const Robot& robot, Problems& problems) {
+  // The offset from the bottom of the robot's pedestal, which is what is placed, to its base frame.
+  const Eigen::Vector3d up = (robot.base().pose().inverse() * robot.base_in_world()).translation();
+  const double most = kReachShare * robot.reach();
+  const double low = base.height_offset + base.height_noise[0] + up.z(),
+               high = base.height_offset + base.height_noise[1] + up.z();
+  const double height = low > 0 ? low : high < 0 ? -high : 0;  // the least there is
+  const std::string reach = fmt::format(
+      "the robot reaches {} m from its base frame, of which "
+      "{:.0f} % is used",
+      AtMost(robot.reach()), 100 * kReachShare);
+  if (height > most) {
+    problems.AddAt("start.base_height_offset",
+                   fmt::format("{:g} m puts the base frame {:.2f} ... {:.2f} m above the object "
+                               "(with base_height_noise, and {:.2f} m of what the robot stands "
+                               "on), but {}",
+                               base.height_offset, low, high, up.z(), reach));
+    return;
+  }
+  const double farthest = std::sqrt(most * most - height * height) + up.head<2>().norm();
+  if (base.distance[1] <= farthest) return;
+  problems.AddAt("start.base_distance",
+                 fmt::format("[{:g}, {:g}] m goes beyond {} m, from where the object is out of "
+                             "reach: {}; give [smallest, largest] within that",
+                             base.distance[0], base.distance[1], AtMost(farthest), reach));
 }
 
 void RequireFinite(const BasePlacement& placement) {
@@ -114,6 +159,29 @@ std::optional<Refusal> ValidateBaseReach(const Robot& robot, const Pose& target)
   if (distance <= kReachShare * robot.reach()) return std::nullopt;
   return Refusal{Refusal::kNoReachableBasePose,
                  fmt::format("{:.2f} m away, reach is {:.2f} m", distance, robot.reach())};
+}
+
+std::string WhyOutOfReach(const std::vector<Robot>& robots, const Eigen::Vector3d& place, double lowest,
+                          double slack) {
+  double nearest = std::numeric_limits<double>::infinity();
+  std::string why;
+  for (const Robot& robot : robots) {
+    const Chain& chain = robot.chain();
+    const Scene scene = robot.scene();
+    const int base = FindId(scene.model(), mjOBJ_BODY, chain.base_body());
+    if (base < 0 || CanMove(scene.model(), base)) return "";
+    const ChainModel& links = chain.model();
+    const double reach = links.joints[0].fixed.translation.norm() + links.reach_bound;
+    const Eigen::Vector3d from = scene.body_pose(chain.base_body()).translation();
+    const double height = std::clamp(from.z(), std::min(lowest, place.z()), place.z());
+    const double away = (from - Eigen::Vector3d(place.x(), place.y(), height)).norm();
+    if (!(away > reach + kHandLength + slack)) return "";
+    if (away - reach >= nearest) continue;
+    nearest = away - reach;
+    why = fmt::format("it is {:.2f} m from robot '{}', which reaches {:.2f} m", away, robot.name(),
+                      robot.reach());
+  }
+  return why;
 }
 
 std::optional<Refusal> ValidateBaseClearance(const Scene& scene, const Robot& robot,

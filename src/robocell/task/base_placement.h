@@ -16,11 +16,13 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "robocell/base/rng.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scenes/support.h"
+#include "robocell/spec/problems.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/types.h"
 #include "robocell/task/refusal.h"
@@ -42,6 +44,10 @@ BaseRange BaseRangeOf(const StartConfig& start, const BaseRange& of_task);
 // Throws ArgumentError for numbers that are not finite, a distance below 0, and a smallest number
 // above its largest.
 void RequireSound(const BaseRange& range);
+
+// Adds problems of start.base_distance and start.base_height_offset for a range that goes beyond the
+// robot's reach: StartSampler refuses all starts from there.
+void ValidateBaseRange(const BaseRange& range, const Robot& robot, Problems& problems);
 
 struct BasePlacement {
   double distance = 0;  // horizontal distance from the target
@@ -70,6 +76,11 @@ std::optional<Refusal> ValidateBaseDistance(const Robot& robot, const Pose& targ
                                             const BaseRange& range);
 // Refuses a target beyond kReachShare of the robot's reach.
 std::optional<Refusal> ValidateBaseReach(const Robot& robot, const Pose& target_in_world);
+// Returns "" if one of the robots may reach to within `slack` of a place in the world, or of a
+// point straight below it down to the height `lowest` (metres); else the distance of the nearest
+// robot. The bound is the length of the stretched arm. Robots with a movable base reach everything.
+std::string WhyOutOfReach(const std::vector<Robot>& robots, const Eigen::Vector3d& place,
+                          double lowest, double slack);
 // Refuses a robot that stands closer than `clearance` to anything else.
 std::optional<Refusal> ValidateBaseClearance(const Scene& scene, const Robot& robot,
                                              double clearance);

@@ -9,6 +9,8 @@
 #include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/robot/testing/robots.h"
+#include "robocell/spec/problems.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
 
@@ -161,6 +163,62 @@ TEST(BasePlacement, FurtherTrialsSpreadWithinTheRanges) {
   }
   EXPECT_LE(near, 0.15 * 0.4 + 1e-9);
   EXPECT_GE(far, 0.5 * 0.4);
+}
+
+// Returns the problem reported for a range, for the robot of the demo, whose reach is about 0.8 m.
+std::string RangeProblem(const BaseRange& range) {
+  static const PickScene kScene = MakePickScene(ObjectOnTheTable("box"));
+  Problems problems;
+  ValidateBaseRange(range, kScene.robot, problems);
+  if (problems.empty()) return "";
+  EXPECT_EQ(problems.list().size(), 1u);
+  return problems.list()[0].path + ": " + problems.list()[0].message;
+}
+
+TEST(BasePlacement, RangesWithinTheReachPass) {
+  EXPECT_EQ(RangeProblem({.distance = {0.3, 0.5}, .height_offset = -0.25}), "");
+}
+
+TEST(BasePlacement, ReportsTheMaximumForADistanceBeyondTheReach) {
+  const std::string problem = RangeProblem({.distance = {0.3, 5}});
+  const std::string begin = "start.base_distance: [0.3, 5] m goes beyond ";
+  ASSERT_EQ(problem.substr(0, begin.size()), begin);
+  const double most = std::stod(problem.substr(begin.size()));
+  EXPECT_EQ(RangeProblem({.distance = {0.3, most}}), "") << "the printed value is accepted";
+  EXPECT_NE(RangeProblem({.distance = {0.3, most + 0.002}}), "");
+  // From there a target is refused, the second way to find it out.
+  const PickScene scene = MakePickScene(ObjectOnTheTable("box"));
+  const Pose base = scene.robot.base_in_world();
+  const auto refused = [&](double distance) {
+    const Pose target(base.translation() + Eigen::Vector3d(distance, 0, 0));
+    return ValidateBaseReach(scene.robot, target).has_value();
+  };
+  EXPECT_FALSE(refused(kReachShare * scene.robot.reach() - 1e-6));
+  EXPECT_TRUE(refused(kReachShare * scene.robot.reach() + 1e-6));
+}
+
+TEST(BasePlacement, ReportsAHeightBeyondTheReach) {
+  const std::string problem = RangeProblem({.height_offset = 7});
+  EXPECT_TRUE(problem.starts_with("start.base_height_offset: 7 m puts the base frame ")) << problem;
+  // The noise may bring the height back into reach.
+  EXPECT_EQ(RangeProblem({.distance = {0.1, 0.2}, .height_offset = 2, .height_noise = {-2, 0}}),
+            "");
+}
+
+// The bound is that of the stretched arm: what it reaches at all is within it.
+TEST(BasePlacement, OutOfReachMeansBeyondTheLengthOfTheArm) {
+  SceneSpec spec{.name = "room", .timestep = 0.002, .add_floor = true, .add_skybox = true};
+  spec.robots.push_back({.name = "arm", .config = Rc7(), .prefix = "arm_", .base = BaseConfig{}});
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  const Robot arm = Robot::Of(scene, "arm");
+  const double anywhere = -HUGE_VAL;
+  const Eigen::Vector3d base = arm.base_in_world().translation();
+  EXPECT_EQ(WhyOutOfReach({arm}, arm.tcp_in_world().translation(), anywhere, 0), "");
+  EXPECT_EQ(WhyOutOfReach({arm}, base + Eigen::Vector3d(0.4, 0, 0.3), anywhere, 0), "");
+  const Eigen::Vector3d far = base + Eigen::Vector3d(2 * arm.reach() + 1, 0, 0);
+  EXPECT_NE(WhyOutOfReach({arm}, far, anywhere, 0), "");
+  EXPECT_EQ(WhyOutOfReach({arm}, far, anywhere, 2 * arm.reach() + 2), "") << "within the slack";
 }
 
 }  // namespace

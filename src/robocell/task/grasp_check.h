@@ -24,6 +24,10 @@ namespace robocell {
 
 class GripperShape;
 
+// The reasons of refusals (refusal.h). A grasp that no base pose reaches is counted as such.
+inline constexpr const char* kNoGrasp = "no grasp";
+inline constexpr const char* kGraspsInCollision = "something is in the way of every grasp";
+
 // Refuses a grasp in reach that is of no use to the task. It may change the planning scene.
 using GraspCondition = std::function<std::optional<Refusal>(PlanningScene&, const GraspMotion&)>;
 

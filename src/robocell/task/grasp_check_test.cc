@@ -33,7 +33,7 @@ TEST(GraspCheck, RefusesAnObjectThatDoesNotFitWithItsSizes) {
   block.pos = Vec3{0, 0, 0.5505};
   const auto refusal = Check(MakePickScene(block));
   ASSERT_TRUE(refusal.has_value());
-  EXPECT_EQ(refusal->reason, Refusal::kNoGrasp);
+  EXPECT_EQ(refusal->reason, kNoGrasp);
   EXPECT_THAT(refusal->detail, ::testing::HasSubstr("too large, too small or too flat"));
 }
 

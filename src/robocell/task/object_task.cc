@@ -11,9 +11,10 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
+#include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scenes/catalogue.h"
-#include "robocell/task/goal_feasibility.h"
+#include "robocell/task/base_placement.h"
 #include "robocell/task/held.h"
 
 namespace robocell {
@@ -39,7 +40,40 @@ ObjectTask::ObjectTask(ObjectOfTask object)
   if (draws_objects_) all_.clear();
 }
 
+namespace internal {
+
+std::vector<DrawnObject> DrawnObjects(const Scene& scene, const TaskSetting& setting,
+                                      const std::string& prefix) {
+  std::vector<DrawnObject> drawn;
+  for (const SceneObject& object : scene.spec().objects) {
+    if (object.name.starts_with(prefix) && !setting.objects.contains(object.name))
+      drawn.push_back({object.name, object.name.substr(prefix.size())});
+  }
+  return drawn;
+}
+
+Feature PlaceFeature(const char* name, const char* description) {
+  return {.column = {.name = name,
+                     .shape = {3},
+                     .units = "m",
+                     .frame = "shared base frame",
+                     .names = {"x", "y", "z"},
+                     .description = description},
+          .role = FeatureRole::kPrivileged,
+          .lower = std::vector<double>(3, -kFarthestObject),
+          .upper = std::vector<double>(3, kFarthestObject)};
+}
+
+}  // namespace internal
+
 std::vector<std::string> ObjectTask::ChooseKinds(Rng& rng) {
+  if (is_prepared_once()) {
+    if (!fields_.kinds.empty()) return fields_.kinds;
+    std::vector<std::string> kinds = ObjectKinds();
+    rng.Shuffle(kinds);
+    kinds.resize(std::min(kinds.size(), 1 + kMostBeside));
+    return kinds;
+  }
   const std::vector<std::string> allowed = fields_.kinds.empty() ? ObjectKinds() : fields_.kinds;
   std::vector<std::string> kinds = {turn().Choose(allowed)};
   // The other objects are of other kinds: "pick up the mug" has to mean one object.
@@ -55,12 +89,15 @@ void ObjectTask::Prepare(SceneSpec& spec, Rng& rng) {
   if (!draws_objects_) return;
   const std::vector<std::string> kinds = ChooseKinds(rng);
   if (kinds.empty()) throw ArgumentError("choose_kinds() must return at least the target's kind");
-  fields_.name = NameOfDrawn(0);
+  const auto name = [&](size_t i) {
+    return is_prepared_once() ? internal::kTargetPrefix + kinds[i] : NameOfDrawn(i);
+  };
+  fields_.name = name(0);
   fields_.word = kinds.front();
   all_.clear();
   kinds_.clear();
   for (size_t i = 0; i < kinds.size(); ++i) {
-    const SceneObject object = MakeCatalogueObject(kinds[i], NameOfDrawn(i), rng);
+    const SceneObject object = MakeCatalogueObject(kinds[i], name(i), rng);
     kinds_[object.name] = kinds[i];
     all_.push_back(object.name);
     spec.objects.push_back(object);
@@ -68,12 +105,18 @@ void ObjectTask::Prepare(SceneSpec& spec, Rng& rng) {
 }
 
 void ObjectTask::AddDrawn(SceneSpec& spec, const SceneObject& object, const std::string& kind) {
-  const size_t target = spec.objects.size() - all_.size();
+  const size_t drawn = draws_objects_ ? all_.size() : 0;
+  const size_t target = spec.objects.size() - drawn;
   spec.objects.push_back(object);
-  for (size_t i = spec.objects.size() - 1; i > target + 1; --i)
+  for (size_t i = spec.objects.size() - 1; i > target + 1 && drawn > 0; --i)
     std::swap(spec.objects[i], spec.objects[i - 1]);
   all_.insert(all_.begin() + 1, object.name);
   kinds_[object.name] = kind;
+}
+
+void ObjectTask::Observed(const std::string& object, const std::string& kind) {
+  if (std::ranges::find(all_, object) == all_.end()) all_.push_back(object);
+  kinds_[object] = kind;
 }
 
 std::string ObjectTask::kind_of(const std::string& object) const {
@@ -96,8 +139,43 @@ std::vector<StartContents> ObjectTask::PossibleContents(const std::vector<std::s
   return possible;
 }
 
-void ObjectTask::Bind(const Scene& scene, const TaskSetting& setting) {
-  place_ = setting.place;
+// Another task of the same fields prepared the scene.
+void ObjectTask::FindCandidates(const Scene& scene, const TaskSetting& setting) {
+  candidates_.clear();
+  for (auto& [name, kind] : internal::DrawnObjects(scene, setting, internal::kTargetPrefix))
+    candidates_.push_back(
+        {name, kind, BodyHandle(scene, scene.compiled()->object(name).root_body)});
+  if (candidates_.empty()) {
+    throw ArgumentError(
+        fmt::format("{}: the scene has none of the objects that the task draws; name one as "
+                    "task.object, or let the task prepare the scene",
+                    place_));
+  }
+  all_.clear();
+  for (const Candidate& each : candidates_) Observed(each.name, each.kind);
+  Choose(0);
+}
+
+void ObjectTask::Choose(size_t candidate) {
+  const Candidate& target = candidates_.at(candidate);
+  chosen_ = candidate;
+  fields_.name = target.name;
+  fields_.word = target.kind;
+  object_ = target.body;
+}
+
+void ObjectTask::DrawTarget(Rng& rng) {
+  if (!candidates_.empty()) Choose(rng.UniformInt(candidates_.size()));
+}
+
+std::vector<std::string> ObjectTask::resting_objects() const {
+  if (candidates_.empty()) return {fields_.name};
+  std::vector<std::string> names;
+  for (const Candidate& each : candidates_) names.push_back(each.name);
+  return names;
+}
+
+void ObjectTask::RequireMovable(const Scene& scene) const {
   const ObjectRecord& object = scene.compiled()->object(fields_.name);
   if (!object.free_joint) {
     const mjModel* m = scene.model();
@@ -109,14 +187,22 @@ void ObjectTask::Bind(const Scene& scene, const TaskSetting& setting) {
                       place_, fields_.name, ElementName(m, mjOBJ_JOINT, m->body_jntadr[root])));
     }
     throw ArgumentError(fmt::format(
-        "{}: task.object '{}' is fixed, so that no robot can pick it; set fixed: false in "
-        "root_frame_objects.{}",
-        place_, fields_.name, fields_.name));
+        "{}: task.object '{}' is fixed, so that no robot can pick it; set fixed: false in {}",
+        place_, fields_.name, is_run_ ? "its scene" : "root_frame_objects." + fields_.name));
   }
-  object_.emplace(scene, object.root_body);
+}
+
+void ObjectTask::Bind(const Scene& scene, const TaskSetting& setting) {
+  place_ = setting.place;
+  is_run_ = setting.is_run;
   root_ = scene.root_frame_to_world();
+  if (draws_objects_ && (is_prepared_once() || fields_.name.empty() || !candidates_.empty()))
+    FindCandidates(scene, setting);
+  RequireMovable(scene);
+  object_.emplace(scene, scene.compiled()->object(fields_.name).root_body);
   const auto offset = setting.objects.find(fields_.name);
-  offset_ = offset == setting.objects.end() ? Pose() : offset->second;
+  offset_ = offset == setting.objects.end() ? root_.inverse() * object_->pose_in_world()
+                                            : offset->second;
   robots_.clear();
   for (const std::string& robot : setting.robots)
     robots_.push_back(Robot::Of(scene.inner(), robot));
@@ -124,18 +210,25 @@ void ObjectTask::Bind(const Scene& scene, const TaskSetting& setting) {
 
 std::optional<Refusal> ObjectTask::Arrange(Scene& scene, Rng& /*rng*/) {
   constexpr double kMayFall = -std::numeric_limits<double>::infinity();
-  const std::string why = internal::WhyOutOfReach(robots_, ObjectInWorld(), kMayFall,
+  const std::string why = WhyOutOfReach(robots_, ObjectInWorld(), kMayFall,
                                                   internal::RadiusOf(scene.model(), object_->id()));
   if (why.empty()) return std::nullopt;
   return Refusal{.reason = fmt::format("'{}' is out of reach", fields_.name), .detail = why};
 }
 
 std::optional<Refusal> ObjectTask::CheckStart(const Scene& scene) {
-  if (!draws_objects_ || robots_.empty()) return std::nullopt;
-  return grasps_.Check(scene, robots_.front(), object_->name(), fields_.lift_height,
-                       [&](PlanningScene& planning, const GraspMotion& motion) {
-                         return RefuseGrasp(scene, planning, motion);
-                       });
+  if (!checks_grasps()) return std::nullopt;
+  std::optional<Refusal> refused;
+  for (const Robot& robot : robots_) {  // one that has a grasp is enough
+    auto refusal = grasps_[robot.name()].Check(
+        scene, robot, object_->name(), fields_.lift_height,
+        [&](PlanningScene& planning, const GraspMotion& motion) {
+          return RefuseGrasp(scene, planning, motion);
+        });
+    if (!refusal) return std::nullopt;
+    if (!refused) refused = std::move(refusal);
+  }
+  return refused;
 }
 
 void ObjectTask::Begin(const Scene& scene) {
@@ -155,10 +248,26 @@ TaskVerdict ObjectTask::Judge(const Scene& scene) {
   return {.reward = progress, .success = success, .progress = progress};
 }
 
-std::vector<double> ObjectTask::memory() const { return {start_.x(), start_.y(), start_.z()}; }
+std::vector<Feature> ObjectTask::signals() const {
+  if (candidates_.empty()) return {};
+  return {internal::PlaceFeature("target", "Where the object is that is to be picked up.")};
+}
+
+void ObjectTask::Observe(const Scene& scene, std::span<double> out) const {
+  if (candidates_.empty()) return;
+  const Eigen::Vector3d target = scene.shared_base_frame_to_world().inverse() * ObjectInWorld();
+  std::copy_n(target.data(), 3, out.begin());
+}
+
+std::vector<double> ObjectTask::memory() const {
+  std::vector<double> memory = {start_.x(), start_.y(), start_.z()};
+  if (!candidates_.empty()) memory.push_back(static_cast<double>(chosen_));
+  return memory;
+}
 
 void ObjectTask::Recall(std::span<const double> memory) {
   start_ = {memory[0], memory[1], memory[2]};
+  if (!candidates_.empty()) Choose(static_cast<size_t>(memory[3]));
 }
 
 Pose ObjectTask::Around(const Pose& offset, const Vec2& spread, Rng& rng) {

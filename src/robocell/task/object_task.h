@@ -1,9 +1,11 @@
 // ObjectTask: the common part of tasks about one object: where it is put, how high it was lifted,
 // who holds it.
 //
-// An environment names the object. A run names none: each start has a target of a kind of the
-// catalogue that takes its turn, and up to two objects of other kinds beside it, which the stages of
-// the start place (start_sampler.h); a start from which no grasp is in reach is refused.
+// The task names an object of the scene, or draws objects of the catalogue. In a run each start has
+// a drawn target of a kind that takes its turn, and up to two objects of other kinds beside it. The
+// scene of an environment has one object of each kind, and each start draws which one is the
+// target. The stages of the start place the drawn objects; a start from which no grasp of a drawn
+// object is in reach is refused, and in runs also one of a named object.
 #pragma once
 
 #include <map>
@@ -44,21 +46,26 @@ class ObjectTask : public Task {
   void Bind(const Scene& scene, const TaskSetting& setting) override;
   // Refuses starts that no robot can reach.
   std::optional<Refusal> Arrange(Scene& scene, Rng& rng) override;
-  // With drawn objects, refuses a start in which no grasp is in reach, or none that is of use.
+  // In runs and with drawn objects, refuses a start in which no robot has a grasp in reach, or none
+  // that is of use.
   std::optional<Refusal> CheckStart(const Scene& scene) override;
   void Begin(const Scene& scene) override;
   // Returns the reward 1 at success, else the largest progress so far.
   TaskVerdict Judge(const Scene& scene) override;
   std::vector<std::string> objects() const override { return all_; }
   std::string kind_of(const std::string& object) const override;
-  std::vector<std::string> resting_objects() const override { return {fields_.name}; }
+  std::vector<std::string> resting_objects() const override;
   // Returns the kinds of the objects to draw, the target's first: the one whose turn it is, and up
-  // to two others, so that the words mean one object.
+  // to two others, so that the words mean one object. For a scene that serves all starts
+  // (is_prepared_once): the kinds of the task's fields, by default three of the catalogue.
   virtual std::vector<std::string> ChooseKinds(Rng& rng);
   // Returns contents that together have each of `kinds` as the target, with all others beside it:
   // those that one start has are named as there, and further ones by their kind.
   static std::vector<StartContents> PossibleContents(const std::vector<std::string>& kinds);
-  // Returns the position where the episode began.
+  // Where each start draws the target: its position.
+  std::vector<Feature> signals() const override;
+  void Observe(const Scene& scene, std::span<double> out) const override;
+  // Returns the position where the episode began, and the number of a target that each start draws.
   std::vector<double> memory() const override;
   void Recall(std::span<const double> memory) override;
 
@@ -67,8 +74,12 @@ class ObjectTask : public Task {
   // Returns the progress of a state without success, less than 1.
   virtual double Progress() const = 0;
 
-  // Returns true if the task draws its objects, as in runs.
+  // Returns true if the task draws its objects: it names none.
   bool draws_objects() const { return draws_objects_; }
+  // Returns true if a start is refused without a grasp in reach.
+  bool checks_grasps() const { return draws_objects_ || is_run_; }
+  // Draws which of the objects is the target, if one scene serves all starts.
+  void DrawTarget(Rng& rng);
   // Refuses a grasp in reach after which the task could not go on.
   virtual std::optional<Refusal> RefuseGrasp(const Scene& /*scene*/, PlanningScene& /*planning*/,
                                              const GraspMotion& /*motion*/) {
@@ -76,6 +87,8 @@ class ObjectTask : public Task {
   }
   // Adds an object to those that were drawn, after the target.
   void AddDrawn(SceneSpec& spec, const SceneObject& object, const std::string& kind);
+  // Has another object of the scene observed.
+  void Observed(const std::string& object, const std::string& kind);
 
   const ObjectOfTask& fields() const { return fields_; }
   std::string word() const { return fields_.word.empty() ? fields_.name : fields_.word; }
@@ -100,11 +113,23 @@ class ObjectTask : public Task {
   bool IsLifted(const Scene& scene) const;
 
  private:
+  // An object of a scene that serves all starts, which may be drawn as the target.
+  struct Candidate {
+    std::string name, kind;
+    BodyHandle body;
+  };
+  void FindCandidates(const Scene& scene, const TaskSetting& setting);
+  void Choose(size_t candidate);
+  void RequireMovable(const Scene& scene) const;
+
   ObjectOfTask fields_;
   bool draws_objects_;
+  bool is_run_ = false;
+  std::vector<Candidate> candidates_;  // none if the scene has one target
+  size_t chosen_ = 0;                  // among candidates_
   std::vector<std::string> all_;
   std::map<std::string, std::string> kinds_;  // of the drawn objects, by name
-  GraspCheck grasps_;
+  std::map<std::string, GraspCheck> grasps_;  // of each robot
   std::string place_ = "task";
   Pose root_, offset_;
   std::optional<BodyHandle> object_;
@@ -114,5 +139,19 @@ class ObjectTask : public Task {
 
 // Returns 1 at distance 0 (m), falling to 0 far away.
 double Near(double distance);
+
+namespace internal {
+// The objects that Prepare adds to a scene that serves all starts are named by their kind.
+inline constexpr const char* kTargetPrefix = "target_";
+inline constexpr const char* kGoalPrefix = "goal_";
+struct DrawnObject {
+  std::string name, kind;
+};
+// Returns the objects of a scene with that prefix that the setting does not have itself.
+std::vector<DrawnObject> DrawnObjects(const Scene& scene, const TaskSetting& setting,
+                                      const std::string& prefix);
+// Returns a feature of a place, x y z in the shared base frame.
+Feature PlaceFeature(const char* name, const char* description);
+}  // namespace internal
 
 }  // namespace robocell

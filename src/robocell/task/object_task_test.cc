@@ -176,8 +176,7 @@ class OneHouseAfterTheOther : public StartSampler {
   SceneSpec MakeBaseScene(int house) override {
     AtomicWrite(folder_ / "house.xml",
                 fmt::format("<mujoco><worldbody><body name='table' pos='0 0 {}'>"
-                            "<geom type='box' size='.4 .4 .02' pos='0 0 -.02'/>"
-                            "<site name='table_top'/></body></worldbody></mujoco>",
+                            "<geom type='box' size='.4 .4 .02' pos='0 0 -.02'/></body></worldbody></mujoco>",
                             Height(house)));
     SceneSpec spec{.name = "house", .timestep = 0.002, .add_floor = true, .add_skybox = false};
     spec.base = (folder_ / "house.xml").string();

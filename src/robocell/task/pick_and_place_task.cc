@@ -14,10 +14,11 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/scenes/catalogue.h"
-#include "robocell/task/goal_feasibility.h"
+#include "robocell/task/base_placement.h"
 #include "robocell/task/grasp_candidates.h"
 #include "robocell/task/held.h"
 #include "robocell/task/place_motion.h"
+#include "robocell/task/resting_place.h"
 
 namespace robocell {
 namespace {
@@ -27,10 +28,11 @@ constexpr double kRestTurn = 0.2;    // rad/s
 constexpr int kTries = 1000;
 constexpr const char* kGoal = "goal";  // name of a drawn goal object in the scene
 constexpr const char* kTray = "tray";
+constexpr const char* kNoWayToPlace = "the object cannot be put down at the goal";  // a refusal
 
 std::vector<std::string> NamedObjects(const PickAndPlaceTaskConfig& fields) {
-  if (fields.object.empty()) return {};
-  std::vector<std::string> objects = {fields.object};
+  std::vector<std::string> objects;
+  if (!fields.object.empty()) objects.push_back(fields.object);
   if (!fields.goal_object.empty()) objects.push_back(fields.goal_object);
   return objects;
 }
@@ -66,63 +68,113 @@ PickAndPlaceTask::PickAndPlaceTask(const PickAndPlaceTaskConfig& fields)
                   .kinds = fields.objects.names,
                   .all = NamedObjects(fields)}),
       task_(fields),
+      draws_goal_(!fields.goal && fields.goal_object.empty()),
       goal_word_(fields.goal_object) {}
 
 void PickAndPlaceTask::Prepare(SceneSpec& spec, Rng& rng) {
   ObjectTask::Prepare(spec, rng);
-  if (!draws_objects()) return;
+  if (!draws_goal()) {
+    if (has_goal_object()) Observed(task_.goal_object, task_.goal_object);
+    return;
+  }
   const std::vector<std::string> kinds = GoalKindsOf(task_);
+  if (is_prepared_once()) {
+    for (const std::string& kind : kinds) {
+      const std::string name = internal::kGoalPrefix + kind;
+      spec.objects.push_back(MakeGoalObject(kind, name, rng));
+      Observed(name, kind);
+    }
+    return;
+  }
   goal_word_ = kinds[rng.UniformInt(kinds.size())];
   task_.goal_object = kGoal;
   AddDrawn(spec, MakeGoalObject(goal_word_, kGoal, rng), goal_word_);
 }
 
-std::vector<StartContents> PickAndPlaceTask::PossibleContents(
-    const std::vector<std::string>& kinds, const std::vector<std::string>& goals) {
-  const std::vector<StartContents> picks = ObjectTask::PossibleContents(kinds);
+std::vector<StartContents> PickAndPlaceTask::WithGoals(const std::vector<StartContents>& picks,
+                                                       const std::vector<std::string>& goals) {
   Rng rng = Rng::Stream(0, "check");
   std::vector<StartContents> possible;
   for (size_t i = 0; i < std::max(goals.size(), picks.size()); ++i) {
     StartContents& contents = possible.emplace_back(picks[i % picks.size()]);
+    const std::ptrdiff_t after_target = contents.objects.empty() ? 0 : 1;
     const std::string& goal = goals[i % goals.size()];
-    contents.objects.insert(contents.objects.begin() + 1, MakeGoalObject(goal, kGoal, rng));
-    contents.kinds.insert(contents.kinds.begin() + 1, goal);
+    contents.objects.insert(contents.objects.begin() + after_target,
+                            MakeGoalObject(goal, kGoal, rng));
+    contents.kinds.insert(contents.kinds.begin() + after_target, goal);
   }
   return possible;
 }
 
+// Another task of the same fields prepared the scene.
+void PickAndPlaceTask::FindGoals(const Scene& scene, const TaskSetting& setting) {
+  goals_.clear();
+  for (auto& [name, kind] : internal::DrawnObjects(scene, setting, internal::kGoalPrefix)) {
+    goals_.push_back({name, kind, BodyHandle(scene, scene.compiled()->object(name).root_body)});
+    Observed(name, kind);
+  }
+  if (goals_.empty()) {
+    throw ArgumentError(
+        fmt::format("{}: the scene has no goal object of the task; set task.goal, where the object "
+                    "is to be put, or task.goal_object, or let the task prepare the scene",
+                    place()));
+  }
+  ChooseGoal(0);
+}
+
+void PickAndPlaceTask::ChooseGoal(size_t candidate) {
+  const GoalCandidate& goal = goals_.at(candidate);
+  chosen_goal_ = candidate;
+  task_.goal_object = goal.name;
+  goal_word_ = goal.kind;
+  goal_body_ = goal.body;
+}
+
 void PickAndPlaceTask::Bind(const Scene& scene, const TaskSetting& setting) {
   ObjectTask::Bind(scene, setting);
-  if (!has_goal_object()) {
-    if (!task_.goal)
-      throw ArgumentError(place() + ": task.goal is required: where the object is to be put");
+  if (task_.goal && !has_goal_object()) {
     goal_offset_ = Pose(ToEigen(*task_.goal));
     return;
   }
+  if (draws_goal() && (is_prepared_once() || !has_goal_object() || !goals_.empty()))
+    return FindGoals(scene, setting);
+  Observed(task_.goal_object, goal_word_);
   const std::string& id = task_.goal_object;
   const ObjectRecord& object = scene.compiled()->object(id);
   goal_body_.emplace(scene, object.root_body);
   const auto offset = setting.objects.find(id);
-  goal_offset_ = offset == setting.objects.end() ? Pose() : offset->second;
+  goal_offset_ = offset == setting.objects.end() ? root().inverse() * goal_body_->pose_in_world()
+                                                 : offset->second;
   if (object.free_joint || task_.goal_spread == Vec2{0, 0}) return;
-  throw ArgumentError(
-      fmt::format("{}: task.goal_spread moves task.goal_object '{}', which is fixed; set fixed: "
-                  "false in root_frame_objects.{}, or leave goal_spread out",
-                  place(), id, id));
+  throw ArgumentError(fmt::format(
+      "{}: task.goal_spread moves task.goal_object '{}', which is fixed; set fixed: false in {}, or "
+      "leave goal_spread out",
+      place(), id, setting.is_run ? "its scene" : "root_frame_objects." + id));
 }
 
+// The stages of the start place what is drawn; the rest is put here. CheckStart compares their
+// distance.
 BodyPoses PickAndPlaceTask::Starts(Rng& rng) {
-  if (draws_objects()) return {};
+  DrawTarget(rng);
+  if (!goals_.empty()) ChooseGoal(rng.UniformInt(goals_.size()));
+  const bool moves_goal = !draws_goal() && task_.goal_spread != Vec2{0, 0};
   const Pose goal_in_object = has_goal_object() && task_.goal ? Pose(ToEigen(*task_.goal)) : Pose();
   for (int i = 0; i < kTries; ++i) {
-    const Pose start = Start(rng);
-    const Pose target = Around(goal_offset_, task_.goal_spread, rng);
-    const Eigen::Vector3d goal = (target * goal_in_object).translation();
-    if ((goal - start.translation()).head<2>().norm() < task_.goal_distance) continue;
+    BodyPoses starts;
+    Eigen::Vector3d start = Eigen::Vector3d::Zero(), goal = start;
+    if (!draws_objects()) {
+      const Pose pose = Start(rng);
+      start = pose.translation();
+      starts.emplace_back(object().name(), root() * pose);
+    }
+    if (!draws_goal()) {
+      const Pose pose = Around(goal_offset_, task_.goal_spread, rng);
+      goal = (pose * goal_in_object).translation();
+      if (has_goal_object() && moves_goal)
+        starts.emplace_back(goal_body_->name(), root() * pose);
+    }
+    if (is_named() && (goal - start).head<2>().norm() < task_.goal_distance) continue;
     if (!has_goal_object()) goal_ = goal;
-    BodyPoses starts = {{object().name(), root() * start}};
-    if (has_goal_object() && task_.goal_spread != Vec2{0, 0})
-      starts.emplace_back(goal_body_->name(), root() * target);
     return starts;
   }
   throw ArgumentError(
@@ -133,15 +185,14 @@ BodyPoses PickAndPlaceTask::Starts(Rng& rng) {
 
 std::optional<Refusal> PickAndPlaceTask::Arrange(Scene& scene, Rng& rng) {
   if (auto refusal = ObjectTask::Arrange(scene, rng)) return refusal;
-  if (draws_objects()) return std::nullopt;
-  if (!is_possible_) RequirePossible(scene);
+  if (is_named() && !is_possible_) RequirePossible(scene);
   is_possible_ = true;
   return CheckDrawnGoal(scene);
 }
 
 std::optional<Refusal> PickAndPlaceTask::CheckStart(const Scene& scene) {
-  if (!draws_objects()) return std::nullopt;
   if (auto refusal = ObjectTask::CheckStart(scene)) return refusal;
+  if (is_named()) return std::nullopt;  // Starts keeps the distance
   Begin(scene);
   const Eigen::Vector3d way = GoalInWorld() - ObjectInWorld();
   if (way.head<2>().norm() >= task_.goal_distance) return std::nullopt;
@@ -158,12 +209,13 @@ std::optional<Refusal> PickAndPlaceTask::RefuseGrasp(const Scene& scene, Plannin
                       PosesAbout(PlaceOver(GoalInWorld()), object), motion.up.back(),
                       {.gap = motion.grasp.width});
   if (places.Next()) return std::nullopt;
-  return Refusal{Refusal::kNoWayToPlace, places.Reasons()};
+  return Refusal{kNoWayToPlace, places.Reasons()};
 }
 
 std::vector<std::string> PickAndPlaceTask::resting_objects() const {
   std::vector<std::string> resting = ObjectTask::resting_objects();
-  if (has_goal_object() && task_.goal_spread != Vec2{0, 0}) resting.push_back(task_.goal_object);
+  if (!draws_goal() && has_goal_object() && task_.goal_spread != Vec2{0, 0})
+    resting.push_back(task_.goal_object);
   return resting;
 }
 
@@ -204,7 +256,7 @@ void PickAndPlaceTask::RequirePossible(const Scene& scene) {
   const double spread = 2 * std::hypot(task_.goal_spread[0], task_.goal_spread[1]);
   const double slack = internal::RadiusOf(m, object().id()) + task_.goal_tolerance + spread;
   const Eigen::Vector3d at = GoalInWorld();
-  if (const std::string why = internal::WhyOutOfReach(robots(), at, at.z(), slack); !why.empty()) {
+  if (const std::string why = WhyOutOfReach(robots(), at, at.z(), slack); !why.empty()) {
     throw ArgumentError(fmt::format(
         "{}: {} is out of reach: {}. Move the goal or the robot (robot_to_shared_base_frame)",
         place(), goal, why));
@@ -290,32 +342,31 @@ std::string PickAndPlaceTask::instruction() const {
 }
 
 std::vector<Feature> PickAndPlaceTask::signals() const {
-  return {{.column = {.name = "goal",
-                      .shape = {3},
-                      .units = "m",
-                      .frame = "shared base frame",
-                      .names = {"x", "y", "z"},
-                      .description = "Where the object is to be put."},
-           .role = FeatureRole::kPrivileged,
-           .lower = std::vector<double>(3, -kFarthestObject),
-           .upper = std::vector<double>(3, kFarthestObject)}};
+  std::vector<Feature> signals = {
+      internal::PlaceFeature("goal", "Where the object is to be put.")};
+  for (Feature& target : ObjectTask::signals()) signals.push_back(std::move(target));
+  return signals;
 }
 
 void PickAndPlaceTask::Observe(const Scene& scene, std::span<double> out) const {
   const Eigen::Vector3d goal = scene.shared_base_frame_to_world().inverse() * GoalInWorld();
   std::copy_n(goal.data(), 3, out.begin());
+  ObjectTask::Observe(scene, out.subspan(3));
 }
 
 std::vector<double> PickAndPlaceTask::memory() const {
   std::vector<double> memory = ObjectTask::memory();
   memory.insert(memory.end(), {goal_.x(), goal_.y(), goal_.z(), was_lifted_ ? 1.0 : 0.0});
+  if (!goals_.empty()) memory.push_back(static_cast<double>(chosen_goal_));
   return memory;
 }
 
 void PickAndPlaceTask::Recall(std::span<const double> memory) {
   ObjectTask::Recall(memory);
-  goal_ = {memory[3], memory[4], memory[5]};
-  was_lifted_ = memory[6] != 0;
+  const std::span<const double> own = memory.subspan(ObjectTask::memory().size());
+  goal_ = {own[0], own[1], own[2]};
+  was_lifted_ = own[3] != 0;
+  if (!goals_.empty()) ChooseGoal(static_cast<size_t>(own[4]));
 }
 
 }  // namespace robocell

@@ -1,11 +1,11 @@
 // PickAndPlaceTask: pick an object up and put it down at a goal: a place in the root frame, or one
-// on another object wherever that is, by default in the middle on top of it. A run draws its objects
-// (object_task.h) and a goal object of one of the kinds in `goals`, in the middle of which the robot
-// can put the target down. Success: the object
-// was lifted, held only by robots, and is now at rest at the goal with no robot touching it. The
-// reward, 0 to 1, gives a quarter for a TCP near the object, a quarter for having lifted it, and
-// half, once it was lifted, for its nearness to the goal; at success it is 1. The goal is observed
-// as `goal`, x y z in the shared base frame.
+// on another object wherever that is, by default in the middle on top of it. Without a goal the task
+// draws a goal object of one of the kinds in `goals`, as it draws its objects (object_task.h); in
+// the middle of it the robot can put the target down. Success: the object was lifted, held only by
+// robots, and is now at rest at the goal with no robot touching it. The reward, 0 to 1, gives a
+// quarter for a TCP near the object, a quarter for having lifted it, and half, once it was lifted,
+// for its nearness to the goal; at success it is 1. The goal is observed as `goal`, x y z in the
+// shared base frame.
 //
 // The lift is checked after each step.
 #pragma once
@@ -21,9 +21,9 @@ namespace robocell {
 
 class PickAndPlaceTask final : public ObjectTask {
  public:
-  // Returns the kinds of objects that a run uses as goals: those that it names, else a tray.
+  // Returns the kinds of objects that are drawn as goals: those that the task names, else a tray.
   static std::vector<std::string> GoalKindsOf(const PickAndPlaceTaskConfig& task);
-  // Returns the kinds that a run may name: the catalogue and the built-in equipment.
+  // Returns the kinds that a task may name: the catalogue and the built-in equipment.
   static std::vector<std::string> AllGoalKinds();
   // Returns a movable object of one of these kinds, without a pose. Throws NotFoundError that lists
   // the kinds.
@@ -32,16 +32,17 @@ class PickAndPlaceTask final : public ObjectTask {
   explicit PickAndPlaceTask(const PickAndPlaceTaskConfig& fields);
 
   void Prepare(SceneSpec& spec, Rng& rng) override;
-  // Throws ArgumentError without a goal, or if goal_spread would move an object that cannot move.
+  // Throws ArgumentError without a goal that was named or drawn, or if goal_spread would move an
+  // object that cannot move.
   void Bind(const Scene& scene, const TaskSetting& setting) override;
   // Throws ArgumentError if no start is as far from the goal as goal_distance requires.
   BodyPoses Starts(Rng& rng) override;
   // Includes the goal object if each episode places it.
   std::vector<std::string> resting_objects() const override;
-  // Throws ArgumentError if the object can come to rest at no goal of this task, or if no robot can
-  // bring it there; this is checked once, with the first start. Refuses a drawn goal whose support
-  // differs from that of its place, so that another one is drawn. With drawn objects, CheckStart
-  // finds out more.
+  // With a named object and goal, throws ArgumentError if the object can come to rest at no goal of
+  // this task, or if no robot can bring it there; this is checked once, with the first start.
+  // Refuses a place of the goal whose support differs from that of task.goal, so that another one
+  // is drawn.
   std::optional<Refusal> Arrange(Scene& scene, Rng& rng) override;
   // Also refuses a target that lies nearer to its goal than goal_distance.
   std::optional<Refusal> CheckStart(const Scene& scene) override;
@@ -54,9 +55,9 @@ class PickAndPlaceTask final : public ObjectTask {
   void Recall(std::span<const double> memory) override;
   // Returns where the object's root is to rest. The scene is the one that Begin saw, then or later.
   Eigen::Vector3d GoalInWorld() const;
-  // Returns what ObjectTask::PossibleContents returns, each with a goal object, of all kinds in turn.
-  static std::vector<StartContents> PossibleContents(const std::vector<std::string>& kinds,
-                                                     const std::vector<std::string>& goals);
+  // Returns `picks` (ObjectTask::PossibleContents), each with a goal object, of all kinds in turn.
+  static std::vector<StartContents> WithGoals(const std::vector<StartContents>& picks,
+                                              const std::vector<std::string>& goals);
 
  protected:
   // Refuses a target that cannot be put down at the goal as it was grasped.
@@ -66,6 +67,12 @@ class PickAndPlaceTask final : public ObjectTask {
  private:
   bool IsDone(const Scene& scene) override;
   double Progress() const override;
+  // Returns true if the task draws a goal object: it names no goal.
+  bool draws_goal() const { return draws_goal_; }
+  // Returns true if neither object nor goal is drawn.
+  bool is_named() const { return !draws_objects() && !draws_goal(); }
+  void FindGoals(const Scene& scene, const TaskSetting& setting);
+  void ChooseGoal(size_t candidate);
   bool has_goal_object() const { return !task_.goal_object.empty(); }
   Eigen::Vector3d TopOfGoalObject(const Scene& scene) const;
   void RequirePossible(const Scene& scene);
@@ -74,7 +81,15 @@ class PickAndPlaceTask final : public ObjectTask {
   bool IsPutDown(const Scene& scene) const;
   bool IsAtRest(const Scene& scene) const;
 
+  struct GoalCandidate {
+    std::string name, kind;
+    BodyHandle body;
+  };
+
   PickAndPlaceTaskConfig task_;
+  bool draws_goal_;
+  std::vector<GoalCandidate> goals_;  // none if the scene has one goal
+  size_t chosen_goal_ = 0;            // among goals_
   std::string goal_word_;
   std::optional<BodyHandle> goal_body_;  // body of goal_object
   Pose goal_offset_;                     // its place, or that of the goal, in the root frame

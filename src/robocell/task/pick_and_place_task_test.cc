@@ -49,14 +49,14 @@ TEST(PickAndPlaceTask, AGoalOnAnObjectIsTheRestPose) {
   }
 }
 
-TEST(PickAndPlaceTask, RequiresAGoal) {
+TEST(PickAndPlaceTask, RequiresAGoalThatIsNamedOrPrepared) {
   SceneSpec spec{.name = "test", .timestep = 0.002, .add_floor = true, .add_skybox = false};
   Rng rng = Rng::Stream(3, "goal");
   spec.objects.push_back(MakeCatalogueObject("box", "thing", rng));
   Scene scene = Scene::Build(spec);
   PickAndPlaceTask task({.object = "thing"});
   ExpectThrow<ArgumentError>([&] { task.Bind(scene, {.place = "here", .robots = {}}); },
-                             "here: task.goal is required");
+                             "here: the scene has no goal object of the task; set task.goal");
 }
 
 RunConfig PlaceRun() { return RunConfig::Load(SourceDir() + "/examples/pick_and_place.yaml"); }

@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "robocell/base/suggestions.h"
 #include "robocell/scenes/catalogue.h"
+#include "robocell/scenes/scene_source.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/pick_and_place_task.h"
 #include "robocell/task/pick_task.h"
@@ -17,20 +19,23 @@
 namespace robocell::internal {
 namespace {
 
-// Rejects a field that only environments have, in a run that chooses `chosen`.
-void RequireUnsetInRun(const char* field, bool is_default, const char* chosen, Problems& problems) {
-  if (is_default) return;
-  problems.AddAt(field, fmt::format("belongs to environments, whose objects have ids and places; a "
-                                    "run chooses {}: leave it out",
-                                    chosen));
+// Rejects two fields that answer the same question.
+void RequireOnlyOne(const char* field, bool is_set, const char* other, bool is_other_set,
+                    const char* what, Problems& problems) {
+  if (!is_set || !is_other_set) return;
+  problems.AddAt(field, fmt::format("are the kinds that {} is drawn from, and `{}` names it "
+                                    "already: leave one of them out",
+                                    what, other));
 }
 
-// Rejects a field that only runs have, in an environment.
-void RequireUnsetInEnv(const char* field, bool is_default, Problems& problems) {
-  if (is_default) return;
-  problems.AddAt(field,
-                 "belongs to runs, which choose objects and put the robot beside them; in an "
-                 "environment the rig says where they are: leave it out");
+// Rejects a field that moves an object from its place, for one that has no place of its own.
+void RequireNamed(const char* field, bool is_default, bool is_named, const char* names,
+                  Problems& problems) {
+  if (is_default || is_named) return;
+  problems.AddAt(field, fmt::format("is about the place that {} has in the scene, and none is "
+                                    "named: what is drawn lies anywhere on a support. Leave it "
+                                    "out",
+                                    names));
 }
 
 // Requires an object that moves with the rig, as a task does.
@@ -45,6 +50,26 @@ void RequireRigObject(const EnvConfig& env, const char* field, const std::string
                                     "task goes with the rig, and so do its objects: move it to "
                                     "root_frame_objects",
                                     object));
+}
+
+// Requires an object that all scenes of a run have themselves.
+void RequireObjectOfScenes(const RunConfig& run, const char* field, const std::string& object,
+                           Problems& problems) {
+  if (object.empty()) return;
+  const std::shared_ptr<SceneSource> source = MakeSceneSource(run);
+  for (const int index : SceneIndices(run)) {
+    std::vector<std::string> known;
+    for (const SceneObject& each : MakeBaseScene(run, *source, index).objects)
+      known.push_back(each.name);
+    if (std::ranges::find(known, object) != known.end()) continue;
+    const std::string scene = fmt::format("scene {} of source '{}'", index, run.scenes.kind());
+    if (!known.empty()) return problems.AddAt(field, NoSuchName(scene, "object", object, known));
+    return problems.AddAt(
+        field, fmt::format("no object '{}': {} has no objects, which a source puts into "
+                           "SceneSpec.objects. Leave `{}` out, so that the task draws objects of "
+                           "the catalogue, or take a source whose scenes have the object",
+                           object, scene, field));
+  }
 }
 
 // Rejects a length that no arm reaches. What a run's arm can do is found with the robot.
@@ -73,44 +98,45 @@ class KindOfPick : public TaskKindOf<Config, T> {
   bool is_built_in() const override { return true; }
 
   void ValidateRun(const RunConfig& run, Problems& problems) const override {
-    const auto& task = run.task.As<Config>();
-    const Config plain;
     const Problems::Scope scope(problems, "task");
-    constexpr const char* kObjects = "its objects among the kinds in `objects`";
-    RequireUnsetInRun("object", task.object == plain.object, kObjects, problems);
-    RequireUnsetInRun("spread", task.spread == plain.spread, kObjects, problems);
-    RequireUnsetInRun("rotate", task.rotate == plain.rotate, kObjects, problems);
-    RequireKinds("objects", task.objects, ObjectKinds(), problems);
+    ValidateTask(run.task.As<Config>(), problems);
   }
   void ValidateEnv(const EnvConfig& env, Problems& problems) const override {
     const auto& task = env.task->As<Config>();
-    const std::vector<std::string> ids = env.root_frame_objects.keys();
     const Problems::Scope scope(problems, "task");
-    ValidateNotEmpty(task.object, "object",
-                     ids.empty()
-                         ? "what is to be picked, by its id in root_frame_objects, where "
-                           "nothing is yet"
-                         : "what is to be picked, one of root_frame_objects: " + ListNames(ids),
-                     problems);
+    ValidateTask(task, problems);
     if (!task.object.empty()) RequireRigObject(env, "object", task.object, problems);
-    RequireMetres("lift_height", task.lift_height, problems);
-    for (const double most : task.spread) RequireMetres("spread", most, problems);
-    RequireUnsetInEnv("objects", task.objects.empty(), problems);
+  }
+  void ValidateScene(const RunConfig& run, const Scene& /*scene*/, Robot& /*robot*/,
+                     Problems& problems, Problems& /*doubts*/) const override {
+    const Problems::Scope scope(problems, "task");
+    RequireObjectOfScenes(run, "object", run.task.As<Config>().object, problems);
   }
   std::vector<StartContents> PossibleContents(const RunConfig& run, int /*scene*/,
                                               const SceneSpec& /*base*/,
                                               const Task::KnownScene& /*known*/) const override {
-    return ObjectTask::PossibleContents(KindsOf(run));
+    return Picks(run.task.As<Config>());
   }
   std::string ReachAdvice(const RunConfig& run) const override {
     return internal::ReachAdvice(run);
   }
 
  protected:
-  // Returns the kinds that a run draws its objects from.
-  static std::vector<std::string> KindsOf(const RunConfig& run) {
-    const NameList& objects = run.task.As<Config>().objects;
-    return objects.empty() ? ObjectKinds() : objects.names;
+  // The rules of runs and environments.
+  virtual void ValidateTask(const Config& task, Problems& problems) const {
+    const Config plain;
+    const bool is_named = !task.object.empty();
+    RequireOnlyOne("objects", !task.objects.empty(), "object", is_named, "the object", problems);
+    RequireNamed("spread", task.spread == plain.spread, is_named, "`object`", problems);
+    RequireNamed("rotate", task.rotate == plain.rotate, is_named, "`object`", problems);
+    RequireKinds("objects", task.objects, ObjectKinds(), problems);
+    RequireMetres("lift_height", task.lift_height, problems);
+    for (const double most : task.spread) RequireMetres("spread", most, problems);
+  }
+  // Returns the drawn objects that a start may have; one without any if the task names its object.
+  static std::vector<StartContents> Picks(const Config& task) {
+    if (!task.object.empty()) return {StartContents()};
+    return ObjectTask::PossibleContents(task.objects.empty() ? ObjectKinds() : task.objects.names);
   }
 };
 
@@ -118,39 +144,43 @@ using PickKind = KindOfPick<PickTaskConfig, PickTask>;
 
 class PickAndPlaceKind final : public KindOfPick<PickAndPlaceTaskConfig, PickAndPlaceTask> {
  public:
-  void ValidateRun(const RunConfig& run, Problems& problems) const override {
-    KindOfPick::ValidateRun(run, problems);
-    const auto& task = run.task.As<PickAndPlaceTaskConfig>();
-    const PickAndPlaceTaskConfig plain;
-    const Problems::Scope scope(problems, "task");
-    constexpr const char* kGoals = "what they are put on among the kinds in `goals`";
-    RequireUnsetInRun("goal", task.goal == plain.goal, kGoals, problems);
-    RequireUnsetInRun("goal_object", task.goal_object == plain.goal_object, kGoals, problems);
-    RequireUnsetInRun("goal_spread", task.goal_spread == plain.goal_spread, kGoals, problems);
-    RequireKinds("goals", task.goals, PickAndPlaceTask::AllGoalKinds(), problems);
-  }
   void ValidateEnv(const EnvConfig& env, Problems& problems) const override {
     KindOfPick::ValidateEnv(env, problems);
     const auto& task = env.task->As<PickAndPlaceTaskConfig>();
     const Problems::Scope scope(problems, "task");
-    for (const double most : task.goal_spread) RequireMetres("goal_spread", most, problems);
-    RequireMetres("goal_tolerance", task.goal_tolerance, problems);
-    RequireMetres("goal_distance", task.goal_distance, problems);
-    RequireUnsetInEnv("goals", task.goals.empty(), problems);
     if (!task.goal_object.empty()) RequireRigObject(env, "goal_object", task.goal_object, problems);
-    if (!task.goal && task.goal_object.empty()) {
-      problems.AddAt("goal",
-                     "is required: where the object is to be put, for example [0.4, 0.2, 0], or "
-                     "goal_object, what it is to be put on");
-    }
-    if (!task.goal_object.empty() && task.goal_object == task.object)
-      problems.AddAt("goal_object", "is the object that is to be put there; name another one");
+  }
+  void ValidateScene(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
+                     Problems& doubts) const override {
+    KindOfPick::ValidateScene(run, scene, robot, problems, doubts);
+    const Problems::Scope scope(problems, "task");
+    RequireObjectOfScenes(run, "goal_object",
+                          run.task.As<PickAndPlaceTaskConfig>().goal_object, problems);
   }
   std::vector<StartContents> PossibleContents(const RunConfig& run, int /*scene*/,
                                               const SceneSpec& /*base*/,
                                               const Task::KnownScene& /*known*/) const override {
-    return PickAndPlaceTask::PossibleContents(
-        KindsOf(run), PickAndPlaceTask::GoalKindsOf(run.task.As<PickAndPlaceTaskConfig>()));
+    const auto& task = run.task.As<PickAndPlaceTaskConfig>();
+    const std::vector<StartContents> picks = Picks(task);
+    if (task.goal || !task.goal_object.empty()) return picks;
+    return PickAndPlaceTask::WithGoals(picks, PickAndPlaceTask::GoalKindsOf(task));
+  }
+
+ protected:
+  void ValidateTask(const PickAndPlaceTaskConfig& task, Problems& problems) const override {
+    KindOfPick::ValidateTask(task, problems);
+    const PickAndPlaceTaskConfig plain;
+    const bool is_named = task.goal || !task.goal_object.empty();
+    RequireOnlyOne("goals", !task.goals.empty(), task.goal ? "goal" : "goal_object", is_named,
+                   "the goal", problems);
+    RequireNamed("goal_spread", task.goal_spread == plain.goal_spread, is_named,
+                 "`goal` or `goal_object`", problems);
+    RequireKinds("goals", task.goals, PickAndPlaceTask::AllGoalKinds(), problems);
+    for (const double most : task.goal_spread) RequireMetres("goal_spread", most, problems);
+    RequireMetres("goal_tolerance", task.goal_tolerance, problems);
+    RequireMetres("goal_distance", task.goal_distance, problems);
+    if (!task.goal_object.empty() && task.goal_object == task.object)
+      problems.AddAt("goal_object", "is the object that is to be put there; name another one");
   }
 };
 

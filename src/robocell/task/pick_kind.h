@@ -1,5 +1,5 @@
-// The kinds of tasks pick and pick_and_place, for the registry of kinds (task_kind.h): what of their
-// fields belongs to runs and what to environments, and what a run's scenes may hold.
+// The kinds of tasks pick and pick_and_place, for the registry of kinds (task_kind.h): the rules of
+// their fields in runs and environments, and what a run's scenes may hold.
 #pragma once
 
 #include <memory>

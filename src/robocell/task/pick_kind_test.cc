@@ -3,11 +3,26 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "robocell/base/error.h"
+#include "robocell/scene/scene.h"
 #include "robocell/scenes/catalogue.h"
+#include "robocell/scenes/scene_source.h"
 #include "robocell/spec/testing/duo_env.h"
 #include "robocell/spec/testing/messages.h"
 #include "robocell/spec/testing/pour_task.h"
+#include "robocell/spec/yaml.h"
+#include "robocell/task/base_placement.h"
 #include "robocell/task/pick_task_config.h"
+#include "robocell/task/start_sampler.h"
+#include "robocell/task/task_kind.h"
 #include "robocell/testing/pick_scene.h"
 
 namespace robocell {
@@ -41,9 +56,7 @@ TEST(PickKind, RejectsInvalidObjectsAndGoalsOfATask) {
   EnvConfig env = Duo();
   env.root_frame_objects["cube"] = Thing();
   env.task = PickAndPlaceTaskConfig{.object = "cube"};
-  EXPECT_EQ(Message(env),
-            "it is not valid: task.goal: is required: where the object is to be put, for example "
-            "[0.4, 0.2, 0], or goal_object, what it is to be put on");
+  EXPECT_EQ(Message(env), "") << "the goal is drawn";
   auto& task = env.task->As<PickAndPlaceTaskConfig>();
   task.goal = Vec3{0, 0, 0.02};
   task.goal_object = "cub";
@@ -68,23 +81,57 @@ TEST(PickKind, DoubtsLengthsOfAnEnvironmentThatLookLikeMillimetres) {
   EXPECT_EQ(Message(env), "it is not valid: task.goal_distance: " + doubt);
 }
 
-TEST(PickKind, RejectsTaskFieldsOfRuns) {
+// What `task:` says in an environment with the object "cube", and in a run.
+struct Told {
+  std::string in_env, in_run;
+};
+
+Told ToldOf(const std::string& task) {
+  Told told;
   EnvConfig env = Duo();
   env.root_frame_objects["cube"] = Thing();
-  env.task = PickTaskConfig{.object = "cube", .objects = {"box"}};
-  EXPECT_THAT(Message(env), HasSubstr("task.objects: belongs to runs"));
-  env.task = PickAndPlaceTaskConfig{
-      .object = "cube", .goal = Vec3{0, 0, 0.1}, .objects = {"mug"}, .goals = {"tray"}};
-  EXPECT_THAT(Message(env), HasSubstr("task.objects: belongs to runs"));
-  EXPECT_THAT(Message(env), HasSubstr("task.goals: belongs to runs"));
+  env.root_frame_objects["mat"] = Thing();
+  const std::string text = kRunHead + "task: " + task + "\n";
+  env.task = FromYamlUnchecked<RunConfig>(text).task;
+  told.in_env = Message(env);
+  told.in_run = ParseError<RunConfig>(text);
+  return told;
 }
 
-TEST(PickKind, RejectsEnvironmentFieldsInARun) {
-  EXPECT_THAT(ParseError<RunConfig>(kRunHead + "task: {kind: pick_and_place, goal: [0, 0, 0]}\n"),
-              HasSubstr("yaml:4:36: task.goal: belongs to environments, whose objects have ids and "
-                        "places; a run chooses what they are put on among the kinds in `goals`"));
-  EXPECT_THAT(ParseError<RunConfig>(kRunHead + "task: {kind: pick_and_place, object: cube}\n"),
-              HasSubstr("task.object: belongs to environments"));
+// The same block has the same rules in both.
+TEST(PickKind, NamesOrDrawsInRunsAndEnvironmentsAlike) {
+  for (const char* task :
+       {"{kind: pick}", "{kind: pick, objects: [box, mug]}", "{kind: pick, object: cube}",
+        "{kind: pick, object: cube, spread: [0.05, 0.1], rotate: false}", "{kind: pick_and_place}",
+        "{kind: pick_and_place, objects: [box], goals: [tray]}",
+        "{kind: pick_and_place, object: cube, goals: [tray]}",
+        "{kind: pick_and_place, objects: [box], goal: [0.4, 0, 0.02]}",
+        "{kind: pick_and_place, object: cube, goal_object: mat, goal_spread: [0.1, 0.1]}"}) {
+    const Told told = ToldOf(task);
+    EXPECT_EQ(told.in_env, "") << task;
+    EXPECT_EQ(told.in_run, "") << task;
+  }
+  const std::vector<std::pair<const char*, const char*>> rejected = {
+      {"{kind: pick, object: cube, objects: [box]}",
+       "task.objects: are the kinds that the object is drawn from, and `object` names it already: "
+       "leave one of them out"},
+      {"{kind: pick, spread: [0.1, 0]}",
+       "task.spread: is about the place that `object` has in the scene, and none is named"},
+      {"{kind: pick, rotate: false}", "task.rotate: is about the place that `object` has"},
+      {"{kind: pick_and_place, goal: [0, 0, 0], goals: [tray]}",
+       "task.goals: are the kinds that the goal is drawn from, and `goal` names it already"},
+      {"{kind: pick_and_place, goal_object: mat, goals: [tray]}", "`goal_object` names it already"},
+      {"{kind: pick_and_place, goal_spread: [0.1, 0]}",
+       "task.goal_spread: is about the place that `goal` or `goal_object` has"},
+      {"{kind: pick_and_place, object: cube, goal_object: cube}",
+       "task.goal_object: is the object that is to be put there"},
+      {"{kind: pick, objects: [bok]}", "Did you mean 'box'?"},
+      {"{kind: pick, lift_height: 50}", "50 m is more than any arm reaches"}};
+  for (const auto& [task, text] : rejected) {
+    const Told told = ToldOf(task);
+    EXPECT_THAT(told.in_env, HasSubstr(text)) << task;
+    EXPECT_THAT(told.in_run, HasSubstr(text)) << task;
+  }
 }
 
 TEST(PickKind, ReportsUnknownObjectKindsAtTheirPlace) {
@@ -104,6 +151,115 @@ TEST(PickKind, HasOneObjectOfEachKind) {
   const std::vector<SceneObject> contents = FindTaskKind("pick")->Contents(run);
   ASSERT_EQ(contents.size(), 1u);
   EXPECT_EQ(contents[0].name, "mug");
+}
+
+// A source whose scenes have a cube on a table, and scene 1 a ball instead.
+struct ShelfConfig {
+  static constexpr const char* kKind = "cube_of_pick_test";
+  static constexpr const char* kTypeName = "ShelfConfig";
+  template <class V>
+  static void Fields(V&& /*v*/) {}
+};
+
+class Shelf final : public SceneSource {
+ public:
+  explicit Shelf(const ShelfConfig& /*fields*/) {}
+  std::optional<int> size() const override { return 2; }
+  SceneSpec Make(int index) override {
+    SceneSpec spec{.base = "tabletop", .add_floor = true, .add_skybox = true};
+    SceneObject object = ObjectOnTheTable("box");
+    object.name = index == 0 ? "cube" : "ball";
+    spec.objects.push_back(std::move(object));
+    return spec;
+  }
+};
+
+RunConfig RunOnShelf(TaskSpec task, int scene) {
+  static const bool kRegistered = [] {
+    RegisterSceneSource<ShelfConfig>(
+        std::make_shared<SceneSourceKindOf<ShelfConfig, Shelf>>());
+    return true;
+  }();
+  (void)kRegistered;
+  RunConfig run = ExampleRun("demo.yaml");
+  run.scenes = ShelfConfig{};
+  run.scenes.houses = {{scene}};
+  run.task = std::move(task);
+  return run;
+}
+
+// The kind's own check of a run's scenes.
+std::string ProblemsOf(const RunConfig& run) {
+  PickScene scene = MakePickScene(ObjectOnTheTable("box"));
+  Problems problems, doubts;
+  FindTaskKind(run.task.kind())->ValidateScene(run, scene.scene, scene.robot, problems, doubts);
+  return problems.empty() ? "" : problems.Text("it");
+}
+
+TEST(PickKind, ANamedObjectIsInAllScenesOfTheRun) {
+  EXPECT_EQ(ProblemsOf(RunOnShelf(PickTaskConfig{.object = "cube"}, 0)), "");
+  RunConfig both = RunOnShelf(PickTaskConfig{.object = "cube"}, 0);
+  both.scenes.houses = {{0, 1}};
+  EXPECT_THAT(ProblemsOf(both), HasSubstr("task.object: scene 1 of source 'cube_of_pick_test': no "
+                                          "object 'cube'. Its objects: ball"));
+  RunConfig table = ExampleRun("demo.yaml");
+  table.task = PickTaskConfig{.object = "cube"};
+  EXPECT_THAT(ProblemsOf(table),
+              HasSubstr("task.object: no object 'cube': scene 0 of source 'tabletop' has no objects, "
+                        "which a source puts into SceneSpec.objects. Leave `object` out"));
+  EXPECT_THAT(ProblemsOf(RunOnShelf(
+                  PickAndPlaceTaskConfig{.object = "cube", .goal_object = "mat"}, 0)),
+              HasSubstr("task.goal_object: scene 0 of source"));
+}
+
+// The start of a run with a named object: the object lies where the scene has it, moved by `spread`,
+// the robot stands in range of it, and it can be grasped and lifted there.
+TEST(PickKind, ARunPicksTheObjectOfItsScene) {
+  const RunConfig run =
+      RunOnShelf(PickTaskConfig{.object = "cube", .spread = {0.05, 0.03}}, 0);
+  const Vec3 own = Shelf({}).Make(0).objects[0].pos.value();
+  const BaseRange range = BaseRangeOf(run.start, {});
+  int accepted = 0;
+  double farthest = 0;
+  StartSampler sampler(run);
+  for (int episode = 0; episode < 8; ++episode) {
+    Rng rng = Rng::Stream(7, "named", episode);
+    const SampleResult result = sampler.Sample({.episode = episode}, rng);
+    if (!result.start) continue;
+    ++accepted;
+    const EpisodeStart& start = *result.start;
+    EXPECT_EQ(start.target_object, "cube");
+    EXPECT_EQ(start.object_kinds, std::vector<std::string>{"cube"});
+    EXPECT_EQ(start.scene.object_names(), std::vector<std::string>{"cube"});
+    EXPECT_EQ(start.task->instruction(), "pick up the cube");
+    const Eigen::Vector3d at =
+        start.scene.body_pose(start.scene.compiled()->object("cube").root_body).translation();
+    const Eigen::Vector3d way = at - ToEigen(own);
+    EXPECT_LE(std::abs(way.x()), 0.05 + 0.002);
+    EXPECT_LE(std::abs(way.y()), 0.03 + 0.002);
+    farthest = std::max(farthest, way.head<2>().norm());
+    const double distance = (start.base_in_world.translation() - at).head<2>().norm();
+    EXPECT_GE(distance, range.distance[0] - 0.01);
+    EXPECT_LE(distance, range.distance[1] + 0.01);
+  }
+  EXPECT_GE(accepted, 4);
+  EXPECT_GT(farthest, 0.01) << "the spread is drawn";
+}
+
+TEST(PickKind, ARunPutsANamedObjectOnADrawnTray) {
+  const RunConfig run = RunOnShelf(PickAndPlaceTaskConfig{.object = "cube"}, 0);
+  StartSampler sampler(run);
+  int accepted = 0;
+  for (int attempt = 0; attempt < 12 && accepted == 0; ++attempt) {
+    Rng rng = Rng::Stream(7, "named goal", attempt);
+    const SampleResult result = sampler.Sample({.attempt = attempt}, rng);
+    if (!result.start) continue;
+    ++accepted;
+    EXPECT_EQ(result.start->target_object, "cube");
+    EXPECT_EQ(result.start->object_kinds, (std::vector<std::string>{"cube", "tray"}));
+    EXPECT_EQ(result.start->task->instruction(), "pick up the cube and put it on the tray");
+  }
+  EXPECT_EQ(accepted, 1);
 }
 
 }  // namespace

@@ -2,8 +2,8 @@
 // robots hold it, and nothing else touches it (held.h). The reward, 0 to 1, is half for a TCP near
 // the object and half for its height; at success it is 1.
 //
-// In an environment the object lies around its place in the root frame, turned about the root
-// frame's z; a run draws its objects (object_task.h).
+// A named object lies around its place in the root frame, turned about the root frame's z; without
+// one the task draws its objects (object_task.h).
 #pragma once
 
 #include <string>
@@ -33,7 +33,7 @@ class PickTask : public ObjectTask {
                     .all = std::move(all_objects)}) {}
 
   BodyPoses Starts(Rng& rng) override {
-    if (draws_objects()) return {};
+    if (draws_objects()) return DrawTarget(rng), BodyPoses();
     return {{object().name(), root() * Start(rng)}};
   }
   std::string instruction() const override { return "pick up the " + word(); }

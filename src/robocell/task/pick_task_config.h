@@ -1,5 +1,5 @@
-// The fields of the built-in kinds of tasks, pick and pick_and_place. Runs and environments use some
-// of them each; pick_kind.h checks which.
+// The fields of the built-in kinds of tasks, pick and pick_and_place, in runs and environments. The
+// scene's own object and goal are named; otherwise objects of the catalogue are drawn.
 #pragma once
 
 #include <optional>
@@ -15,13 +15,13 @@ namespace robocell {
 // one or two centimetres, and scripted experts lift by ten.
 inline constexpr double kLiftHeight = 0.05;
 
-// Visits the fields that every task has which picks an object up: those of environments and the
-// lift, followed by those of runs.
+// Visits the fields that every task has which picks an object up: a named object and the lift,
+// followed by drawn objects.
 template <class T, class V>
 void PickedObjectFields(V&& v) {
   v("object", &T::object,
-    "The object, by its id in an environment's root_frame_objects. Unset in a run, which takes "
-    "kinds of `objects`.");
+    "The object, by its id in an environment's root_frame_objects, or by its name in a run's "
+    "scenes. Unset: drawn from `objects`.");
   v("spread", &T::spread,
     "Random offset of `object` from its place, uniform between plus and minus these, along x and y "
     "of the root frame, metres.",
@@ -32,9 +32,10 @@ void PickedObjectFields(V&& v) {
     Bound::kPositive);
 }
 template <class T, class V>
-void PickRunFields(V&& v) {
+void DrawnObjectFields(V&& v) {
   v("objects", &T::objects,
-    "In runs: kinds of objects, by their names in the catalogue. Unset: all of them.");
+    "Without `object`: kinds that it is drawn from, by their names in the catalogue. Unset: all of "
+    "them, in an environment three.");
 }
 
 struct PickTaskConfig {
@@ -50,7 +51,7 @@ struct PickTaskConfig {
   static void Fields(V&& v) {
     using T = PickTaskConfig;
     PickedObjectFields<T>(v);
-    PickRunFields<T>(v);
+    DrawnObjectFields<T>(v);
   }
 };
 
@@ -77,7 +78,7 @@ struct PickAndPlaceTaskConfig {
       "Goal of the object's root, metres, in the root frame, or with goal_object in the frame of "
       "that object's root. Unset with goal_object: on top of it, in the middle.");
     v("goal_object", &T::goal_object,
-      "The object that carries the goal, by its id in root_frame_objects. The goal moves with it.");
+      "The object that carries the goal, named as `object`. The goal moves with it.");
     v("goal_spread", &T::goal_spread,
       "Random offset of the goal, or of goal_object, from its place, as `spread`.",
       Bound::kNonNegative);
@@ -89,9 +90,9 @@ struct PickAndPlaceTaskConfig {
       "Smallest horizontal distance between object and goal when an episode begins, metres.",
       Bound::kNonNegative);
     v("goals", &T::goals,
-      "In runs: kinds of objects that carry the goal, of the catalogue or built-in equipment with "
-      "a free joint. Unset: `tray`.");
-    PickRunFields<T>(v);
+      "Without `goal` and `goal_object`: kinds of objects that the goal is drawn from, of the "
+      "catalogue or built-in equipment with a free joint. Unset: `tray`.");
+    DrawnObjectFields<T>(v);
   }
 };
 
@@ -99,6 +100,7 @@ class TaskSpec;
 
 // The common fields of both kinds in a run.
 struct PickRun {
+  std::string object = {};
   NameList objects;
   double lift_height;
 };

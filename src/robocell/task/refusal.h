@@ -11,16 +11,14 @@ namespace robocell {
 // Counts of reasons, by Refusal::counted_as().
 using RefusalCounts = std::map<std::string, int>;
 
-// Reasons are few and counted, details are for reading. A custom task may have its own reasons;
-// those of the stages that all tasks share are listed here.
+// Reasons are few and counted, details are for reading. Tasks have reasons of their own, which
+// stand beside what refuses (grasp_check.h); those of the stages that all tasks share are listed
+// here.
 struct Refusal {
   static constexpr const char* kNoFreePlace = "no free place for the objects";
   static constexpr const char* kUnsettled = "objects did not come to rest";
   static constexpr const char* kNoReachableBasePose = "no base pose reaches the object";
   static constexpr const char* kBaseInCollision = "no base pose is free of collisions";
-  static constexpr const char* kNoGrasp = "no grasp";
-  static constexpr const char* kGraspsInCollision = "something is in the way of every grasp";
-  static constexpr const char* kNoWayToPlace = "the object cannot be put down at the goal";
   static constexpr const char* kCameraConstraint = "camera constraint";
   static constexpr const char* kInvalidScene = "invalid scene";
 
@@ -37,6 +35,8 @@ struct Refusal {
   RefusalCounts redrawn = {};
   std::string object_kind = {};  // kind of the target, if already chosen
   std::string stage = {};        // stage that refused; "" for samplers without stages
+  // True if it holds wherever objects and base are: the same start is not drawn again.
+  bool holds_everywhere = false;
 
   // Returns the key for counting: "base: no base pose reaches the object".
   std::string counted_as() const { return stage.empty() ? reason : stage + ": " + reason; }

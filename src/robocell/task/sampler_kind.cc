@@ -65,7 +65,7 @@ void RequireTimestep(const Scene& scene, const RunConfig& run) {
 void BindStart(EpisodeStart& start, const RunConfig& run) {
   RequireTimestep(start.scene, run);
   if (start.is_bound) return;
-  TaskSetting setting{.place = "run '" + run.run + "'", .robots = {}};
+  TaskSetting setting{.place = "run '" + run.run + "'", .robots = {}, .is_run = true};
   for (const Robot& robot : RobotsOf(start.scene)) {
     if (robot.has_arm()) setting.robots.push_back(robot.name());
   }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <set>
 #include <utility>
 
@@ -54,6 +55,23 @@ void AddParkedRobot(SceneSpec& spec, const RobotConfig& robot) {
                          .prefix = "robot_0/",
                          .pos = ToVec3(kParked),
                          .control_modes = robot.used_modes()});
+}
+
+// Returns the first object of the task, or of its contents; "" without any. Its kind becomes the
+// first of `kinds`, those of the contents.
+std::string TargetOf(Task& task, const StartContents& contents, std::vector<std::string>& kinds) {
+  internal::TaskCalls calls(task);
+  const std::vector<std::string> observed = calls.Objects();
+  if (observed.empty()) return contents.objects.empty() ? "" : contents.objects[0].name;
+  const std::string& target = observed.front();
+  for (size_t i = 0; i < contents.objects.size(); ++i) {
+    if (contents.objects[i].name != target) continue;
+    const auto own = kinds.begin() + static_cast<std::ptrdiff_t>(i);
+    std::rotate(kinds.begin(), own, own + 1);
+    return target;
+  }
+  kinds.insert(kinds.begin(), calls.KindOf(target));
+  return target;
 }
 
 // Returns the world poses of the objects that keep theirs.
@@ -236,6 +254,12 @@ void StartSampler::ValidateStarts(std::span<const int> scenes, Problems& problem
   for (const Problem& problem : found.list()) problems.AddProblem(problem);
 }
 
+void StartSampler::ValidateBaseRange(const Robot& robot, Problems& problems) {
+  if (run_.robot.config.base.kind == BaseKind::kFixed) return;
+  if (kind_->Contents(run_).empty() && MakeTask()->objects().empty()) return;
+  robocell::ValidateBaseRange(base_range(), robot, problems);
+}
+
 void StartSampler::ValidateRepeats(int scene, Problems& problems) {
   const auto prepared = [&] {
     SceneSpec spec = MakeBaseScene(scene);
@@ -307,7 +331,8 @@ struct StartSampler::Setup {
   std::optional<internal::RelatedPlaces> related;
   Scene scene;
   Robot robot;
-  std::string target_body;  // "" for a task without objects
+  std::string target;       // first of the task's objects; "" for a task without any
+  std::string target_body;
   Pose middle;              // middle of the support
   StopRequest stop;
   RefusalCounts redrawn = {};
@@ -326,8 +351,16 @@ struct StartSampler::Setup {
     const std::string& body = scene.compiled()->object(objects[i].name).root_body;
     return scene.body_pose(body).is_close(objects[i].pose(), kSamePlace, kSamePlace);
   }
+  // Returns where the target lies before the task moves it: in its place that was drawn, its own, or
+  // that of the scene.
+  Pose PlacedTarget() const {
+    for (size_t i = 0; i < objects.size(); ++i) {
+      if (objects[i].name == target) return own_poses[i].value_or(objects[i].pose());
+    }
+    return Target();
+  }
   // Returns the pose beside which the robot stands.
-  Pose target() const { return target_body.empty() ? middle : scene.body_pose(target_body); }
+  Pose Target() const { return target_body.empty() ? middle : scene.body_pose(target_body); }
 };
 
 std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& support,
@@ -340,10 +373,7 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
     if (auto refusal = PutObjects(support, setup.related, setup.objects, rng)) return refusal;
     moved = internal::TaskCalls(*setup.task).Starts(rng);
     std::erase_if(moved, [&](const auto& body) { return setup.IsRelated(body.first); });
-    if (setup.objects.empty())
-      target = setup.middle;
-    else
-      target = setup.own_poses.front().value_or(setup.objects.front().pose());
+    target = setup.PlacedTarget();
     for (const auto& [body, pose] : moved) {
       if (body == setup.target_body) target = pose;
     }
@@ -374,7 +404,7 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
 // A task that moves its target again may take it out of the range that it required.
 std::optional<Refusal> StartSampler::ValidateDistance(const Setup& setup,
                                                       const Pose& proposed_for) {
-  const Pose target = setup.target();
+  const Pose target = setup.Target();
   if ((target.translation() - proposed_for.translation()).norm() < kMoved) return std::nullopt;
   return ValidateBaseDistance(setup.robot, target, base_range());
 }
@@ -405,7 +435,7 @@ std::optional<Refusal> StartSampler::Arrange(Setup& setup, const Support& suppor
                                              const BasePlacement& placement, Rng& rng) {
   std::optional<Refusal> refusal = ArrangeOnce(setup, support, placement, rng);
   for (int t = 1; t < kArrangements && refusal && !ShouldStop(setup.stop); ++t) {
-    if (refusal->reason == Refusal::kNoGrasp) break;  // no base pose changes that
+    if (refusal->holds_everywhere) break;
     ++setup.redrawn[refusal->counted_as()];
     refusal = ArrangeOnce(setup, support, placement, rng);
   }
@@ -431,8 +461,7 @@ std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const Support& s
                                                   const BasePlacement& placement, Rng& rng) {
   if (auto refusal = Arrange(setup, support, placement, rng)) return refusal;
   const std::vector<std::string> resting = RestingObjects(setup);
-  const bool target_rests = !setup.contents.empty() &&
-                            std::ranges::find(resting, setup.contents[0].name) != resting.end();
+  const bool target_rests = std::ranges::find(resting, setup.target) != resting.end();
   const std::string unsettled = internal::Settle(
       setup.scene, {&setup.robot, 1}, target_rests ? setup.target_body : "",
       {.sim_steps = run_.rates.sim_steps(), .resting = resting, .stop = setup.stop});
@@ -457,28 +486,26 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   const Support support = FindSupportOf(spec, request.scene, support_rng);
   const size_t before = spec.objects.size();
   StartContents contents = AddContents(request, spec, rng);
-  const std::vector<std::string>& kinds = contents.kinds;
-  const std::string kind = kinds.empty() ? "" : kinds.front();
+  std::vector<std::string> kinds = contents.kinds;
+  const std::string first = kinds.empty() ? "" : kinds.front();
   const BasePlacement placement = ChooseBasePlacement(request, rng);
   RequireFinite(placement);
-  std::vector<std::string> names;
-  for (const SceneObject& object : contents.objects) names.push_back(object.name);
   const std::optional<internal::RelatedPlaces> related =
       RelationsOf(spec, before, request.scene, contents);
   std::vector<SceneObject> objects = contents.objects;
   if (auto refusal = PutObjects(support, related, objects, rng)) {
-    refusal->object_kind = kind;
+    refusal->object_kind = first;
     return {.start = {}, .refusal = *std::move(refusal)};
   }
   ReplaceObjects(spec, before, objects);
   AddParkedRobot(spec, run_.robot.config);
   Scene scene = Scene::Build(spec, request.scene_data);
   scene.Reset({.seed = rng.Fork("home").NextBits()});
-  const std::string target = names.empty() ? "" : names.front();
   const std::shared_ptr<Task> task = task_;
   internal::TaskCalls(*task).Bind(
-      scene, {.place = "run '" + run_.run + "'", .robots = {run_.robot.config.name}});
+      scene, {.place = "run '" + run_.run + "'", .robots = {run_.robot.config.name}, .is_run = true});
   internal::TaskCalls(*task).RequireObjects(scene, contents.objects);
+  const std::string target = TargetOf(*task, contents, kinds);
   Setup setup{task,
               contents.objects,
               OwnPosesOf(contents.objects, scene),
@@ -486,12 +513,13 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
               related,
               scene,
               Robot::Of(scene, run_.robot.config.name),
+              target,
               target.empty() ? "" : scene.compiled()->object(target).root_body,
               support.frame_to_world,
               request.stop};
   if (auto refusal = PrepareStart(setup, support, placement, rng)) {
     refusal->redrawn = setup.redrawn;
-    refusal->object_kind = kind;
+    refusal->object_kind = kinds.empty() ? "" : kinds.front();
     return {.start = {}, .refusal = *refusal};
   }
   return {.start = EpisodeStart{.scene = scene,

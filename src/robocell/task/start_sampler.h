@@ -46,6 +46,9 @@ class StartSampler : public TaskSampler {
   // Adds problems for a robot that cannot be placed, a task that does not repeat what it prepares,
   // and placements, of `start.places` and of the task, that no start can satisfy.
   void ValidateStarts(std::span<const int> scenes, Problems& problems) override;
+  // Adds problems of a base range, of `start` or of the task, that goes beyond the reach of the
+  // run's robot. Without an object to reach there are none.
+  void ValidateBaseRange(const Robot& robot, Problems& problems);
   const RunConfig& run() const { return run_; }
   const std::shared_ptr<SceneSource>& source() const override { return source_; }
   void DropSource() override { source_.reset(); }

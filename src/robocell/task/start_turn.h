@@ -4,7 +4,9 @@
 //   const std::string kind = turn().Choose({"box", "mug", "nut"});   // in Task::Prepare
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -14,6 +16,9 @@ struct StartTurn {
   uint64_t seed = 0;  // the run's
   int scene = 0;      // index of the scene in the source
   int episode = 0;    // number of the episode in that scene
+  // If set, becomes the largest number of options that took turns: after that many episodes each of
+  // them has come.
+  std::shared_ptr<size_t> longest = {};
 
   // Returns the option whose turn it is. Options take turns in a Latin square of scenes and
   // episodes: each of K comes once in any K episodes of a scene that start at a multiple of K, and

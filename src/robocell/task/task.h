@@ -43,6 +43,9 @@ struct TaskSetting {
   std::vector<std::string> robots;  // names of the robots that act
   // Poses of objects in the root frame, by name, unless the task moves them.
   std::map<std::string, Pose> objects = {};
+  // True in a run, which puts the robot beside the target: a start that cannot be done is drawn
+  // again, with other places.
+  bool is_run = false;
 };
 
 // The goal of the robots. The same class serves environments, generated datasets and evaluation.
@@ -56,6 +59,10 @@ struct TaskSetting {
 //
 // A task declares its contributions to the observation as signals(), which Observe reads
 // (features/declared_features.h).
+namespace internal {
+class TaskCalls;  // calls the hooks (task_calls.h)
+}
+
 class Task : public DeclaresFeatures {
  public:
   // Adds objects, sites or cameras to the scene. It may be called on a Task with the same fields
@@ -112,13 +119,11 @@ class Task : public DeclaresFeatures {
   // Returns whose turn it is, from Prepare on: the number of the start in its run. In an environment,
   // which is prepared once, that of the first.
   const StartTurn& turn() const { return turn_; }
+  // Returns true if one scene serves all starts, as in an environment: Prepare adds everything that
+  // they choose among, and each start chooses in Starts. Available as turn() is.
+  bool is_prepared_once() const { return is_prepared_once_; }
   // Provides the annotations of a scene.
   using KnownScene = std::function<std::shared_ptr<const SceneAnnotations>()>;
-  // Calls Prepare with these annotations; for code that builds scenes. Throws HookError if it added
-  // an object twice or one in millimetres, or changed the timestep. `kind` names the task in
-  // messages; "" for a task without a kind.
-  void PrepareIn(const KnownScene& known, SceneSpec& spec, Rng& rng, const std::string& kind = "",
-                 const StartTurn& turn = {});
 
   // Returns what the task remembers of the episode, for restoring saved states. Places in it are in
   // the root frame, so that they also hold for a rig that stands elsewhere.
@@ -132,7 +137,9 @@ class Task : public DeclaresFeatures {
   virtual bool HoldsElsewhere(std::span<const double> /*memory*/) const { return true; }
 
  private:
+  friend class internal::TaskCalls;
   StartTurn turn_;
+  bool is_prepared_once_ = false;
   const KnownScene* known_scene_ = nullptr;  // known scene during Prepare
   mutable std::shared_ptr<const SceneAnnotations> annotations_;
 };

@@ -24,8 +24,11 @@ class TaskCalls {
  public:
   explicit TaskCalls(Task& task) : task_(task) {}
 
+  // Calls Prepare with these annotations. Throws HookError if it added an object twice or one in
+  // millimetres, or changed the timestep. `kind` names the task in messages; "" for a task without
+  // one. Without a turn the scene serves all starts (Task::is_prepared_once).
   void Prepare(const Task::KnownScene& known, SceneSpec& spec, Rng& rng, const std::string& kind,
-               const StartTurn& turn = {});
+               const std::optional<StartTurn>& turn = {});
   void Bind(const Scene& scene, const TaskSetting& setting);
 
   BodyPoses Starts(Rng& rng);
@@ -42,6 +45,7 @@ class TaskCalls {
   // Returns the free objects of a scene that have to lie still.
   std::vector<std::string> RestingObjects(const Scene& scene);
   Map<ObjectPlace> Places();
+  std::vector<std::string> Objects();
   std::string KindOf(const std::string& object);
 
   std::string Instruction();

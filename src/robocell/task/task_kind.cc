@@ -32,15 +32,16 @@ std::shared_ptr<TaskSampler> TaskKind::MakeSampler(const RunConfig& run) const {
 std::vector<StartContents> TaskKind::PossibleContents(const RunConfig& run, int scene,
                                                       const SceneSpec& base,
                                                       const Task::KnownScene& known) const {
-  constexpr int kTurns = 16;
+  constexpr size_t kLeastTurns = 16;  // for what is drawn at random
   const auto seed = static_cast<uint64_t>(run.seed);
   std::vector<StartContents> possible;
   std::set<std::vector<std::string>> seen;
-  for (int episode = 0; episode < kTurns; ++episode) {
+  const auto longest = std::make_shared<size_t>(kLeastTurns);
+  for (int episode = 0; static_cast<size_t>(episode) < *longest; ++episode) {
     SceneSpec spec = base;
     Rng rng = Rng::Stream(seed, "possible contents", scene, episode);
     StartContents contents = PrepareContents(
-        *Make(run.task), {.known = known, .kind = run.task.kind(), .turn = {seed, scene, episode}},
+        *Make(run.task), {.known = known, .kind = run.task.kind(), .turn = {seed, scene, episode, longest}},
         spec, rng);
     std::vector<std::string> names = contents.kinds;
     for (const SceneObject& object : contents.objects) names.push_back(object.name);

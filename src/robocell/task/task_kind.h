@@ -35,12 +35,13 @@ class TaskKind : public KindRules {
   virtual std::string expert() const { return ""; }
 
   // Checks a run with its scene, which holds the run's robot and one of each of Contents(run).
+  // Settings that are valid but probably unintended become `doubts`.
   virtual void ValidateScene(const RunConfig& /*run*/, const Scene& /*scene*/, Robot& /*robot*/,
-                             Problems& /*problems*/, std::vector<std::string>& /*warnings*/) const {
-  }
+                             Problems& /*problems*/, Problems& /*doubts*/) const {}
   // Returns a few contents that together cover all objects that starts in a scene may have, for
-  // checks before the first start. Default: what Prepare adds in the first turns, so that a kind
-  // whose objects come rarely overrides it. `base`: the scene without them.
+  // checks before the first start. Default: what Prepare adds until everything that takes turns
+  // (StartTurn) has come, so that a kind which draws rare objects at random overrides it. `base`: the
+  // scene without them.
   virtual std::vector<StartContents> PossibleContents(const RunConfig& run, int scene,
                                                       const SceneSpec& base,
                                                       const Task::KnownScene& known) const;

@@ -9,6 +9,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/hook_error.h"
+#include "robocell/task/task_calls.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -45,11 +46,11 @@ TEST(Task, QueriesAnnotationsOnceAndKeepsThem) {
   Looking task(true);
   SceneSpec spec;
   Rng rng = Rng::Stream(1, "task");
-  task.PrepareIn(house.known, spec, rng);
+  internal::TaskCalls(task).Prepare(house.known, spec, rng, "");
   EXPECT_EQ(task.rooms, 1u);
   EXPECT_EQ(task.annotations().rooms[0].name, "kitchen");
   EXPECT_EQ(house.asked, 1);
-  task.PrepareIn(house.known, spec, rng);
+  internal::TaskCalls(task).Prepare(house.known, spec, rng, "");
   EXPECT_EQ(house.asked, 2) << "it may be another scene";
 }
 
@@ -58,7 +59,7 @@ TEST(Task, WithoutAnnotationsCostsNothing) {
   Looking task(false);
   SceneSpec spec;
   Rng rng = Rng::Stream(1, "task");
-  task.PrepareIn(house.known, spec, rng);
+  internal::TaskCalls(task).Prepare(house.known, spec, rng, "");
   EXPECT_EQ(house.asked, 0);
   ExpectThrow<Error>([&] { (void)task.annotations(); }, "in prepare() first");
 }
@@ -70,7 +71,7 @@ TEST(Task, AFailedPreparationChangesNothing) {
   const Task::KnownScene fails = []() -> std::shared_ptr<const SceneAnnotations> {
     throw IoError("no file");
   };
-  ExpectThrow<IoError>([&] { task.PrepareIn(fails, spec, rng); }, "no file");
+  ExpectThrow<IoError>([&] { internal::TaskCalls(task).Prepare(fails, spec, rng, ""); }, "no file");
   ExpectThrow<Error>([&] { (void)task.annotations(); }, "in prepare() first");
 }
 
@@ -95,7 +96,7 @@ class Adding final : public Task {
     spec.objects.push_back({.name = "table", .shape = Shape::kBox, .size = Vec3{20, 20, 0.1}});
     Rng rng = Rng::Stream(1, "task");
     const auto nothing = [] { return std::make_shared<const SceneAnnotations>(); };
-    return ExpectThrow<HookError>([&] { PrepareIn(nothing, spec, rng, "mine"); },
+    return ExpectThrow<HookError>([&] { internal::TaskCalls(*this).Prepare(nothing, spec, rng, "mine"); },
                                   "task 'mine': prepare() added ");
   }
 
@@ -138,7 +139,7 @@ TEST(Task, LeavesTheObjectsOfTheScene) {
     spec.objects.push_back({.name = "table", .shape = Shape::kBox, .size = Vec3{1, 1, 0.1}});
     Rng rng = Rng::Stream(1, "task");
     const auto nothing = [] { return std::make_shared<const SceneAnnotations>(); };
-    ExpectThrow<HookError>([&] { task.PrepareIn(nothing, spec, rng, "mine"); },
+    ExpectThrow<HookError>([&] { internal::TaskCalls(task).Prepare(nothing, spec, rng, "mine"); },
                            "task 'mine': prepare() moved or removed object 'table' of scene 'lab'; "
                            "leave those that are there where they are, and append others");
   }

@@ -1,4 +1,4 @@
-#include "robocell/task/goal_feasibility.h"
+#include "robocell/task/resting_place.h"
 
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <Eigen/Geometry>
 
 #include "robocell/base/units.h"
 #include "robocell/math/pose.h"
@@ -31,7 +32,6 @@ constexpr double kStillTurn = 0.1;    // rad/s
 constexpr double kInside = 0.002;     // m; contacts at rest are less deep
 constexpr double kLost = 0.05;        // m beyond the tolerance, from which it does not come back
 constexpr double kAside = 0.8;        // share of the tolerance for a try beside the place
-constexpr double kHandLength = 0.15;  // m from a TCP to the farthest point of its gripper
 
 // The object's rotations to try: as it is, turned about the vertical, and lying on each side.
 std::array<Eigen::Quaterniond, 8> Turns() {
@@ -180,10 +180,6 @@ class Trial {
   double tolerance_;
 };
 
-bool CanMove(const mjModel* m, int body) {
-  return m->body_weldid[body] != 0 || m->body_mocapid[m->body_rootid[body]] >= 0;
-}
-
 }  // namespace
 
 std::string WhyNoRest(const Scene& scene, int object, std::span<const RestPlace> places,
@@ -201,29 +197,6 @@ std::string WhyNoRest(const Scene& scene, int object, std::span<const RestPlace>
     }
   }
   return trial.Fate(places.front());
-}
-
-std::string WhyOutOfReach(const std::vector<Robot>& robots, const Vector3d& place, double lowest,
-                          double slack) {
-  double nearest = std::numeric_limits<double>::infinity();
-  std::string why;
-  for (const Robot& robot : robots) {
-    const Chain& chain = robot.chain();
-    const Scene scene = robot.scene();
-    const int base = FindId(scene.model(), mjOBJ_BODY, chain.base_body());
-    if (base < 0 || CanMove(scene.model(), base)) return "";
-    const ChainModel& links = chain.model();
-    const double reach = links.joints[0].fixed.translation.norm() + links.reach_bound;
-    const Vector3d from = scene.body_pose(chain.base_body()).translation();
-    const double height = std::clamp(from.z(), std::min(lowest, place.z()), place.z());
-    const double away = (from - Vector3d(place.x(), place.y(), height)).norm();
-    if (!(away > reach + kHandLength + slack)) return "";
-    if (away - reach >= nearest) continue;
-    nearest = away - reach;
-    why = fmt::format("it is {:.2f} m from robot '{}', which reaches {:.2f} m", away, robot.name(),
-                      robot.reach());
-  }
-  return why;
 }
 
 double HeightOverSupport(const Scene& scene, const Vector3d& place, int without) {
@@ -252,21 +225,6 @@ double HeightOverSupport(const Scene& scene, const Vector3d& place, int without)
     from += kOn * down;
   }
   return std::numeric_limits<double>::infinity();
-}
-
-double RadiusOf(const mjModel* m, int body) {
-  double radius = 0;
-  for (int b = 0; b < m->nbody; ++b) {
-    if (!IsInSubtree(m, b, body)) continue;
-    double from_root = 0;  // joints in between turn what hangs on them, and do not lengthen it
-    for (int up = b; up != body; up = m->body_parentid[up])
-      from_root += mju_norm3(m->body_pos + 3 * up);
-    for (int i = 0; i < m->body_geomnum[b]; ++i) {
-      const int g = m->body_geomadr[b] + i;
-      radius = std::max(radius, from_root + mju_norm3(m->geom_pos + 3 * g) + m->geom_rbound[g]);
-    }
-  }
-  return radius;
 }
 
 }  // namespace robocell::internal

@@ -1,5 +1,5 @@
-// Checks whether a goal is possible at all: an object can come to rest there, and a robot can bring
-// it there. Both checks only find what no episode could do: a goal that passes may still be hard.
+// Finds out whether an object can come to rest at a place at all. This only finds what no episode
+// could do: a place that passes may still be a hard goal.
 //
 //   if (const std::string why = WhyNoRest(scene, "cube", at, 0.03); !why.empty()) ...
 //       // "there it is 35 mm inside table"
@@ -10,7 +10,6 @@
 #include <vector>
 #include <Eigen/Core>
 
-#include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
 
 namespace robocell::internal {
@@ -28,19 +27,9 @@ struct RestPlace {
 std::string WhyNoRest(const Scene& scene, int object, std::span<const RestPlace> places,
                       double tolerance);
 
-// Returns "" if one of the robots may reach to within `slack` of a place in the world, or of a
-// point straight below it down to the height `lowest` (metres); else the distance of the nearest
-// robot. The bound is the length of the stretched arm. Robots with a movable base reach everything.
-std::string WhyOutOfReach(const std::vector<Robot>& robots, const Eigen::Vector3d& place,
-                          double lowest, double slack);
-
 // Returns the height in metres of a place in the world above the nearest collision geometry under
 // it: negative inside something, infinite above nothing. Robots and the subtree of the body
 // `without` do not count.
 double HeightOverSupport(const Scene& scene, const Eigen::Vector3d& place, int without);
-
-// Returns the distance in metres from the body's origin to the farthest point of its geoms, or an
-// upper bound of it.
-double RadiusOf(const mjModel* model, int body);
 
 }  // namespace robocell::internal
