@@ -7,6 +7,7 @@ observations and actions are vectors in the order of the chosen names, as in
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -24,6 +25,7 @@ from robocell._core import (
     ArgumentError,
     CameraSystemConfig,
     Dataset,
+    Env,
     Feature,
     NotFoundError,
     RunConfig,
@@ -31,14 +33,17 @@ from robocell._core import (
     make_plan,
 )
 from robocell._suggestions import did_you_mean, fitting
+from robocell.data import env_of_episode
 from robocell.dataset_run import plan_numbers, run_of_dataset
-from robocell.envs.recorded_env import RecordedEnv, is_recorded
+from robocell.envs.named_env import OWN, NamedEnv, is_recorded
 from robocell.generate.run_source import import_named
 
 __all__ = ["DatasetEnv", "from_dataset"]
 
 # Number of episodes whose features are compared: features that all of them have are observed.
 LOOKED_AT = 50
+# Share by which a step may last longer or shorter than a row: whole engine steps.
+RATE_SLACK = 0.02
 
 
 def from_dataset(
@@ -50,18 +55,21 @@ def from_dataset(
     cameras: bool = True,
     flat: bool = False,
     imports: Sequence[str] = (),
+    env: Env | None = None,
 ) -> DatasetEnv:
     """Makes the environment of a dataset: its cell, task, rates, cameras and schema.
+
+    With `env`, an environment of your own acts and observes by the schema of the dataset.
 
     Args:
         dataset: A dataset, or its folder.
         observations: Names of columns and image streams to observe; "*" stands for any part of a
             name, as in `robocell.data.rows`. Default: all columns that every episode has and that
             exist outside simulation too, and all streams; for a recorded environment, its
-            observations.
+            observations (`observation/...`).
         actions: Names of the action columns that each step takes, all of them. A group without one
-            keeps its target. Default: the absolute target of each group; for a recorded
-            environment, its actions.
+            keeps its target. Default: the absolute target of each group (`robots/...`); for a
+            recorded environment, its own actions (`action/...`). Both kinds act in it.
         privileged: True adds columns that only simulation has, such as poses of objects, to the
             default.
         cameras: False renders no images.
@@ -69,6 +77,8 @@ def from_dataset(
             the order of the names, without images.
         imports: Modules to import first, which register the task or features. A dataset never
             imports modules by itself.
+        env: An environment that has the robots and the objects of the task under the names that the
+            dataset uses. Its own task judges, and start i is that of seed i.
 
     Raises:
         ArgumentError: `dataset` is a file, or a list of columns is empty.
@@ -93,18 +103,20 @@ def from_dataset(
     named = [imports] if isinstance(imports, str) else imports
     modules = [import_named(module, Path.cwd()) for module in named]
     shared = _shared_features(opened)
-    core = _core_of(opened, cameras and not flat, modules)
-    streams = _image_names(opened, core)
+    images = cameras and not flat
+    core = _core_of(opened, images, modules) if env is None else _core_of_own(opened, env)
+    streams = _image_names(opened, core) if images else []
+    own = is_recorded(opened)
     if observations is None:
-        observations = [*_default_observations(core, shared, privileged), *streams]
+        observations = [*_default_observations(own, shared, privileged), *streams]
     if actions is None:
-        actions = _default_actions(core, shared)
+        actions = _default_actions(own, shared)
     seen = _names_of("observation", observations, opened, shared, streams)
     done = _names_of("action", actions, opened, shared, streams)
     return DatasetEnv(core, shared, seen, done, flat)
 
 
-def _image_names(dataset: Dataset, core: _RunCell | RecordedEnv) -> list[str]:
+def _image_names(dataset: Dataset, core: _RunCell | NamedEnv) -> list[str]:
     """Returns the recorded images that the cell draws: "wrist", "wrist.depth"."""
     cameras = core.cameras
     drawn = {stream.name for stream in cameras.streams} if cameras.draw else set()
@@ -140,47 +152,64 @@ class _RunCell(RunEnv):
         return self.run.cameras
 
 
-def _core_of(dataset: Dataset, images: bool, modules: Sequence[str]) -> _RunCell | RecordedEnv:
+def _core_of(dataset: Dataset, images: bool, modules: Sequence[str]) -> _RunCell | NamedEnv:
     if is_recorded(dataset):
-        return RecordedEnv(dataset, images)
+        return NamedEnv(env_of_episode(dataset[0], images))
     run = run_of_dataset(dataset.folder, modules)
     if not images:
         run.cameras.draw = False  # the streams still belong to the start
     return _RunCell(run, dataset)
 
 
+def _core_of_own(dataset: Dataset, env: Env) -> NamedEnv:
+    """Returns the caller's environment; warns if its steps last longer or shorter than rows."""
+    metadata: Any = dataset[0].metadata
+    row_ms, sim = metadata["rates"].get("policy_ms"), env.config.sim
+    step_ms = 1000 / sim.frequency if sim.async_control else None
+    if row_ms is not None and (step_ms is None or abs(step_ms / row_ms - 1) > RATE_SLACK):
+        took = "until the arms have arrived" if step_ms is None else f"{step_ms:.4g} ms"
+        warnings.warn(
+            f"environment '{env.config.name}': its steps last {took}, and a row of "
+            f"'{dataset.folder}' {row_ms:.4g} ms; set `sim: {{async_control: true, frequency: "
+            f"{1000 / row_ms:.6g}}}`",
+            stacklevel=3,
+        )
+    return NamedEnv(env)
+
+
 def _default_observations(
-    core: _RunCell | RecordedEnv, features: Mapping[str, Feature], privileged: bool
+    own: bool, features: Mapping[str, Feature], privileged: bool
 ) -> list[str]:
     roles = ("observation", "privileged") if privileged else ("observation",)
     names = [name for name, feature in features.items() if feature.role in roles]
-    if isinstance(core, RecordedEnv):  # what its policy saw, not all that there is
+    if own:  # what the policy of the environment saw, not all that there is
         return [name for name in names if name.startswith("observation/")]
     return names
 
 
-def _default_actions(core: _RunCell | RecordedEnv, features: Mapping[str, Feature]) -> list[str]:
+def _default_actions(own: bool, features: Mapping[str, Feature]) -> list[str]:
     names = _names(features, "action")
-    if isinstance(core, RecordedEnv):
-        return [name for name in names if name.startswith("action/")]
+    if own and (asked := [name for name in names if name.startswith(OWN)]):
+        return asked
     return [name for name in names if f"{name}_relative" in features]
 
 
 class DatasetEnv(gymnasium.Env[Any, Any]):
-    """An environment made by `from_dataset`; `core` is its RunEnv.
+    """An environment made by `from_dataset`; `core` is the cell in which it acts.
 
     `reset(seed=i)` goes to start i of the dataset's run, and later resets continue from there.
     Start i is that of item i of the run's plan: the first starts are those of the dataset's
     episodes again, those after failed rollouts included. Numbers beyond the plan are new starts, as
     are items without an episode: the first one that the sampler accepts. In a dataset of
-    `EnvRecorder` start i is that of seed i. The spaces have the ranges of the dataset's schema.
+    `EnvRecorder`, and in an environment of your own, start i is that of seed i. The spaces have the
+    ranges of the dataset's schema.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012  (as in Gymnasium)
 
     def __init__(
         self,
-        core: _RunCell | RecordedEnv,
+        core: _RunCell | NamedEnv,
         features: Mapping[str, Feature],
         observations: list[str],
         actions: list[str],

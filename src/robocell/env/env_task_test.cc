@@ -11,6 +11,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/hook_error.h"
 #include "robocell/base/units.h"
+#include "robocell/env/arm_target.h"
 #include "robocell/env/env.h"
 #include "robocell/env/testing/envs.h"
 #include "robocell/mujoco/owners.h"
@@ -48,13 +49,13 @@ class EnvTaskTest : public ::testing::Test {
 
   static Pose Object(const Env& env, size_t object = 0) {
     const VectorPart part = env.layout().objects[object].tquat;
-    return PoseOfAction(ControlMode::kCartesianTquat,
-                        env.observation().subspan(part.begin, part.size));
+    return internal::PoseOfAction(ControlMode::kCartesianTquat,
+                                  env.observation().subspan(part.begin, part.size));
   }
 
   static EnvStep MoveTo(Env& env, const Pose& tcp_in_shared, double gripper) {
     std::vector<double> action(8);
-    PutTquat(tcp_in_shared, action);
+    internal::PutTquat(tcp_in_shared, action);
     action[7] = gripper;
     return env.Step(action);
   }
