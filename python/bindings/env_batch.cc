@@ -142,9 +142,9 @@ nb::dict BatchMotions(EnvBatch& batch) {
   return robots;
 }
 
-// Returns a number of each copy's last step: (count,).
+// Returns a number of the verdict on each copy's last step: (count,).
 template <class Out, class T>
-nb::object BatchNumbers(const EnvBatch& batch, T EnvStep::*member) {
+nb::object BatchNumbers(const EnvBatch& batch, T TaskVerdict::*member) {
   std::vector<Out> numbers;
   for (int i = 0; i < batch.size(); ++i) numbers.push_back(batch.last_step(i).*member);
   return NewArray<Out>(numbers, {numbers.size()});
