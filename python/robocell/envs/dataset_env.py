@@ -33,9 +33,8 @@ from robocell._core import (
     make_plan,
 )
 from robocell._suggestions import did_you_mean, fitting
-from robocell.data import env_of_episode
 from robocell.dataset_run import plan_numbers, run_of_dataset
-from robocell.envs.named_env import OWN, NamedEnv, is_recorded
+from robocell.envs.recorded_env import OWN, RecordedEnv, is_recorded
 from robocell.generate.run_source import import_named
 
 __all__ = ["DatasetEnv", "from_dataset"]
@@ -116,7 +115,7 @@ def from_dataset(
     return DatasetEnv(core, shared, seen, done, flat)
 
 
-def _image_names(dataset: Dataset, core: _RunCell | NamedEnv) -> list[str]:
+def _image_names(dataset: Dataset, core: _RunCell | RecordedEnv) -> list[str]:
     """Returns the recorded images that the cell draws: "wrist", "wrist.depth"."""
     cameras = core.cameras
     drawn = {stream.name for stream in cameras.streams} if cameras.draw else set()
@@ -152,16 +151,16 @@ class _RunCell(RunEnv):
         return self.run.cameras
 
 
-def _core_of(dataset: Dataset, images: bool, modules: Sequence[str]) -> _RunCell | NamedEnv:
+def _core_of(dataset: Dataset, images: bool, modules: Sequence[str]) -> _RunCell | RecordedEnv:
     if is_recorded(dataset):
-        return NamedEnv(env_of_episode(dataset[0], images))
+        return RecordedEnv(dataset, images)
     run = run_of_dataset(dataset.folder, modules)
     if not images:
         run.cameras.draw = False  # the streams still belong to the start
     return _RunCell(run, dataset)
 
 
-def _core_of_own(dataset: Dataset, env: Env) -> NamedEnv:
+def _core_of_own(dataset: Dataset, env: Env) -> RecordedEnv:
     """Returns the caller's environment; warns if its steps last longer or shorter than rows."""
     metadata: Any = dataset[0].metadata
     row_ms, sim = metadata["rates"].get("policy_ms"), env.config.sim
@@ -174,7 +173,7 @@ def _core_of_own(dataset: Dataset, env: Env) -> NamedEnv:
             f"{1000 / row_ms:.6g}}}`",
             stacklevel=3,
         )
-    return NamedEnv(env)
+    return RecordedEnv(dataset, True, env)
 
 
 def _default_observations(
@@ -195,7 +194,7 @@ def _default_actions(own: bool, features: Mapping[str, Feature]) -> list[str]:
 
 
 class DatasetEnv(gymnasium.Env[Any, Any]):
-    """An environment made by `from_dataset`; `core` is the cell in which it acts.
+    """An environment made by `from_dataset`; `core` is its RunEnv.
 
     `reset(seed=i)` goes to start i of the dataset's run, and later resets continue from there.
     Start i is that of item i of the run's plan: the first starts are those of the dataset's
@@ -209,7 +208,7 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
 
     def __init__(
         self,
-        core: _RunCell | NamedEnv,
+        core: _RunCell | RecordedEnv,
         features: Mapping[str, Feature],
         observations: list[str],
         actions: list[str],

@@ -1,4 +1,4 @@
-"""Environments whose rows and actions have the names of columns in datasets, for `from_dataset`."""
+"""The environment behind a dataset that `robocell.data.EnvRecorder` made, for `from_dataset`."""
 
 from __future__ import annotations
 
@@ -13,8 +13,7 @@ from robocell._core import (
     Feature,
     _recorded_features,
 )
-
-OWN = "action/"  # begins the names of an environment's own actions
+from robocell.data import env_of_episode
 
 
 def is_recorded(dataset: Dataset) -> bool:
@@ -23,16 +22,15 @@ def is_recorded(dataset: Dataset) -> bool:
     return "environment" in metadata
 
 
-class NamedEnv:
-    """An environment whose rows and actions have the names of columns in datasets.
+OWN = "action/"  # begins the names of an environment's own actions
 
-    Actions are the environment's own (`action/left/joints`) or those of its cell
-    (`robots/left/action/arm`), as in the episodes that it records.
-    """
 
-    def __init__(self, env: Env) -> None:
-        self.env = env
-        self._cell = _recorded_features(env)
+class RecordedEnv:
+    """An environment whose rows and actions have the names of its episodes' columns."""
+
+    def __init__(self, dataset: Dataset, images: bool, env: Env | None = None) -> None:
+        self.env: Env = env_of_episode(dataset[0], images) if env is None else env
+        self._cell = _recorded_features(self.env)
         self._observation: dict[str, Any] = {}
         self.object_kinds: list[str] = []
 
@@ -48,8 +46,8 @@ class NamedEnv:
 
     @property
     def commanded(self) -> list[Feature]:
-        """Features of the actions."""
-        return [*self._cell.commanded, *self.env.commanded]
+        """Features of the actions: the environment's own, and those of its cell."""
+        return [*self.env.commanded, *self._cell.commanded]
 
     @property
     def instruction(self) -> str:
