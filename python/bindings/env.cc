@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -19,13 +20,21 @@
 #include "signals.h"
 #include "values.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/data/episode_schema.h"
 #include "robocell/env/env_scene.h"
+#include "robocell/features/cell_features.h"
 
 namespace robocell::python {
 
 using namespace nb::literals;
 
 std::string Place(const Env& env) { return "environment '" + env.config().name + "'"; }
+
+std::vector<int32_t> BodyIds(std::span<const uint16_t> segments) {
+  std::vector<int32_t> ids(segments.begin(), segments.end());
+  std::ranges::replace(ids, int32_t{kNoSegment}, -1);
+  return ids;
+}
 
 int VisitEnv(const Env& env, visitproc visit, void* arg) {
   Py_VISIT(TargetOfTask(env));
@@ -110,9 +119,8 @@ void PutCommands(const Env& env, const RobotLayout& robot, const FieldPath& path
   if (robot.has_gripper) out[robot.gripper_action] = ToGripper(gripper, FieldPath(path, "gripper"));
 }
 
-std::vector<double> ToAction(const Env& env, nb::handle value) {
+std::vector<double> ToAction(const Env& env, const nb::dict& action) {
   const FieldPath path("action");
-  const nb::dict action = ToDict(value, path, "a dict of robots");
   const std::vector<nb::object> robots = RobotsOf(env, path, action);
   std::vector<double> out(static_cast<size_t>(env.layout().action.size()));
   for (size_t i = 0; i < robots.size(); ++i) {
@@ -188,7 +196,7 @@ void AddTaskParts(const EnvLayout& layout, const Sliced& part, nb::dict& out) {
 }
 
 // Returns {rgb | depth | segmentation: {data, intrinsics, extrinsics}, time}.
-nb::dict FrameDict(const EnvFrame& frame) {
+nb::dict FrameDict(const CellImage& frame) {
   nb::dict out;
   const auto h = static_cast<size_t>(frame.height), w = static_cast<size_t>(frame.width);
   const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> intrinsics = frame.camera.intrinsics();
@@ -202,8 +210,8 @@ nb::dict FrameDict(const EnvFrame& frame) {
   };
   if (!frame.rgb.empty()) add("rgb", NewArray<uint8_t>(frame.rgb, {h, w, 3}));
   if (!frame.depth_mm.empty()) add("depth", NewArray<uint16_t>(frame.depth_mm, {h, w, 1}));
-  if (!frame.segmentation.empty())
-    add("segmentation", NewArray<int32_t>(frame.segmentation, {h, w, 1}));
+  if (!frame.bodies.empty())
+    add("segmentation", NewArray<int32_t>(BodyIds(frame.bodies), {h, w, 1}));
   out["time"] = NumberCopy({&frame.time, 1});
   return out;
 }
@@ -248,7 +256,7 @@ nb::dict Observation(const Env& env) {
   AddTaskParts(env.layout(), part, out);
   if (env.frames().empty()) return out;
   nb::dict frames;
-  for (const EnvFrame& frame : env.frames()) frames[frame.stream.c_str()] = FrameDict(frame);
+  for (const CellImage& frame : env.frames()) frames[frame.name.c_str()] = FrameDict(frame);
   out["frames"] = frames;
   return out;
 }
@@ -313,13 +321,29 @@ nb::tuple ResetEnv(Env& env, std::optional<uint64_t> seed, std::optional<Keyfram
   return nb::make_tuple(Observation(env), info);
 }
 
+// Returns true for {"robots/left/action/arm": numbers}, the names of action columns in datasets.
+bool HasNames(const nb::dict& action) {
+  std::string name;
+  for (const auto& [key, value] : action) {
+    if (nb::try_cast(key, name) && name.starts_with("robots/")) return true;
+  }
+  return false;
+}
+
 nb::tuple StepEnv(Env& env, nb::handle action) {
-  const std::vector<double> numbers = ToAction(env, action);
+  const nb::dict given = ToDict(action, FieldPath("action"), "a dict of robots");
+  const bool by_name = HasNames(given);
+  std::vector<double> numbers;
+  std::map<std::string, std::vector<double>> commands;
+  if (by_name)
+    commands = ToNumbersByName(given);
+  else
+    numbers = ToAction(env, given);
   const InUse use(env, &Place, "stepped");
   EnvStep step;
   {
     const nb::gil_scoped_release release;
-    step = env.Step(numbers, SparsePoll());
+    step = by_name ? env.Act(commands, SparsePoll()) : env.Step(numbers, SparsePoll());
   }
   const bool diverged = step.reason == EndReason::kDiverged;
   return nb::make_tuple(Observation(env), step.reward, step.success, diverged, Info(env, step));
@@ -399,7 +423,11 @@ void BindEnv(nb::module_& m) {
            "max_target_lead\n\ninfo['collisions'] lists contacts, by robot and body. With a task "
            "there are info['is_success'], which terminates, 'progress', 'subtask' and "
            "'instruction'.\n\nWrong keys, sizes and numbers that are not finite raise "
-           "ArgumentError before anything moves; numbers beyond their range are clipped. While "
+           "ArgumentError before anything moves; numbers beyond their range are clipped.\n\nAn "
+           "action "
+           "may also have the names of action columns in datasets, {'robots/left/action/arm': "
+           "numbers}: the targets that the columns describe, without the limits of actions. Groups "
+           "without one keep their target.\n\nWhile "
            "another thread steps the environment, every call is an Error. Ctrl-C ends a step "
            "halfway; then only reset helps.\n\nExamples:\n"
            "    >>> observation, info = env.reset(seed=0)\n"
@@ -407,6 +435,28 @@ void BindEnv(nb::module_& m) {
            "    >>> observation, reward, terminated, truncated, info = env.step(action)\n"
            "    >>> terminated, truncated\n"
            "    (False, False)")
+      .def(
+          "row",
+          [](Env& e) {
+            const InUse use(e, &Place, "read");
+            CellFeatures& features = e.features();
+            {
+              const nb::gil_scoped_release release;
+              const SceneUse::Claim claim(e.scene().use(), "Env.row");
+              features.ReadState();
+            }
+            nb::dict row = ToArrays(features.observed(), features.state());
+            for (const CellImage& frame : e.frames()) PutImage(row, frame);
+            return row;
+          },
+          nb::sig("def row(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
+          "Returns the present state by the names of columns in datasets: {name: numbers or "
+          "image}.\n\nThe images are those of the last observation. With `step`, which takes the "
+          "names of action columns too, a policy that was trained on a dataset acts here."
+          "\n\nExamples:\n"
+          "    >>> observation, info = env.reset(seed=0)\n"
+          "    >>> target = env.row()[\"robots/robot/arm/target\"]\n"
+          "    >>> step = env.step({\"robots/robot/action/arm\": target + 0.01})")
       .def("save", &Env::Save, "name"_a,
            "Keeps the present state under a name; restore(name) returns to it.")
       .def(

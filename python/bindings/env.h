@@ -2,6 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "bindings.h"
 #include "robocell/env/env.h"
@@ -30,6 +34,9 @@ inline constexpr std::array kMotionFields = {
     MotionField{"joint_taken_back", &ArmMotion::joint_taken_back},
     MotionField{"position_taken_back", &ArmMotion::position_taken_back},
     MotionField{"rotation_taken_back", &ArmMotion::rotation_taken_back}};
+
+// Returns ids of bodies in the form of observations: -1 where there is no surface.
+std::vector<int32_t> BodyIds(std::span<const uint16_t> segments);
 
 // Returns the last observation, as dictionaries of copies.
 nb::dict Observation(const Env& env);

@@ -38,28 +38,27 @@ nb::object Observations(const EnvBatch& batch) {
 
 // Joins one image of each copy, one after another.
 template <class T>
-nb::object Stacked(EnvBatch& batch, size_t stream, std::vector<T> EnvFrame::*image,
-                   std::vector<size_t> shape) {
+std::vector<T> Joined(EnvBatch& batch, size_t stream, std::vector<T> CellImage::*image) {
   std::vector<T> all;
   for (int i = 0; i < batch.size(); ++i) {
     const std::vector<T>& one = batch.env(i).frames()[stream].*image;
     all.insert(all.end(), one.begin(), one.end());
   }
-  return NewArray<T>(all, std::move(shape));
+  return all;
 }
 
 // Returns the frame of a stream of all copies: like that of one, with the copies as the first axis.
 nb::dict BatchFrame(EnvBatch& batch, size_t stream) {
   std::vector<double> intrinsics, extrinsics, time;
   for (int i = 0; i < batch.size(); ++i) {
-    const EnvFrame& frame = batch.env(i).frames()[stream];
+    const CellImage& frame = batch.env(i).frames()[stream];
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> in = frame.camera.intrinsics();
     const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> ex = frame.camera.extrinsics();
     intrinsics.insert(intrinsics.end(), in.data(), in.data() + in.size());
     extrinsics.insert(extrinsics.end(), ex.data(), ex.data() + ex.size());
     time.push_back(frame.time);
   }
-  const EnvFrame& first = batch.env(0).frames()[stream];
+  const CellImage& first = batch.env(0).frames()[stream];
   const auto n = CopyCount(batch), h = static_cast<size_t>(first.height),
              w = static_cast<size_t>(first.width);
   nb::dict out;
@@ -70,19 +69,21 @@ nb::dict BatchFrame(EnvBatch& batch, size_t stream) {
     image["extrinsics"] = NumberCopy(extrinsics, {n, 4, 4});
     out[kind] = image;
   };
-  if (!first.rgb.empty()) add("rgb", Stacked(batch, stream, &EnvFrame::rgb, {n, h, w, 3}));
+  if (!first.rgb.empty())
+    add("rgb", NewArray<uint8_t>(Joined(batch, stream, &CellImage::rgb), {n, h, w, 3}));
   if (!first.depth_mm.empty())
-    add("depth", Stacked(batch, stream, &EnvFrame::depth_mm, {n, h, w, 1}));
-  if (!first.segmentation.empty())
-    add("segmentation", Stacked(batch, stream, &EnvFrame::segmentation, {n, h, w, 1}));
+    add("depth", NewArray<uint16_t>(Joined(batch, stream, &CellImage::depth_mm), {n, h, w, 1}));
+  if (!first.bodies.empty())
+    add("segmentation",
+        NewArray<int32_t>(BodyIds(Joined(batch, stream, &CellImage::bodies)), {n, h, w, 1}));
   out["time"] = NumberCopy(time, {n, 1});
   return out;
 }
 
 nb::dict BatchFrames(EnvBatch& batch) {
   nb::dict out;
-  const std::vector<EnvFrame>& frames = batch.env(0).frames();
-  for (size_t i = 0; i < frames.size(); ++i) out[frames[i].stream.c_str()] = BatchFrame(batch, i);
+  const std::vector<CellImage>& frames = batch.env(0).frames();
+  for (size_t i = 0; i < frames.size(); ++i) out[frames[i].name.c_str()] = BatchFrame(batch, i);
   return out;
 }
 
@@ -141,9 +142,9 @@ nb::dict BatchMotions(EnvBatch& batch) {
   return robots;
 }
 
-// Returns a number of each copy's last step: (count,).
+// Returns a number of the verdict on each copy's last step: (count,).
 template <class Out, class T>
-nb::object BatchNumbers(const EnvBatch& batch, T EnvStep::*member) {
+nb::object BatchNumbers(const EnvBatch& batch, T TaskVerdict::*member) {
   std::vector<Out> numbers;
   for (int i = 0; i < batch.size(); ++i) numbers.push_back(batch.last_step(i).*member);
   return NewArray<Out>(numbers, {numbers.size()});

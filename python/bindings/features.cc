@@ -88,7 +88,8 @@ nb::dict FeatureFunctions() {
   return nb::cast<nb::dict>(nb::module_::import_("robocell._core").attr(kFeatures));
 }
 
-// Returns the numbers of features, one after another, as arrays by their names.
+}  // namespace
+
 nb::dict ToArrays(const FeatureSchema& schema, std::span<const double> numbers) {
   nb::dict arrays;
   for (const Feature& feature : schema.features()) {
@@ -101,8 +102,6 @@ nb::dict ToArrays(const FeatureSchema& schema, std::span<const double> numbers) 
   }
   return arrays;
 }
-
-}  // namespace
 
 namespace {
 
@@ -427,20 +426,6 @@ void BindFeatures(nb::module_& m) {
       },
       "env"_a, nb::sig("def _recorded_features(env: Env) -> CellFeatures"),
       "Returns the features of an environment's cell that its episodes record.");
-  m.def(
-      "_shown_images",
-      [](const Env& env) {
-        nb::dict images;
-        CellImage image;
-        for (const EnvFrame& frame : env.frames()) {
-          CopyFrame(frame, image);
-          PutImage(images, image);
-        }
-        return images;
-      },
-      "env"_a,
-      "Returns the frames that an environment shows, as episodes have them: {\"top\", "
-      "\"top.depth\", \"top.segmentation\": array}.");
   m.def(
       "_register_feature",
       [](const std::string& name, nb::object function, std::vector<int64_t> shape,

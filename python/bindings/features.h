@@ -11,6 +11,7 @@
 
 #include "values.h"
 #include "robocell/data/feature_schema.h"
+#include "robocell/features/cell_images.h"
 
 namespace robocell::python {
 
@@ -22,6 +23,10 @@ nanobind::object Ravel(nanobind::handle value);
 // A single number may be a row of one. Throws ArgumentError with both shapes for another one.
 void PutValues(nanobind::handle value, const std::vector<int64_t>& shape, const FieldPath& path,
                std::span<double> out);
+// Returns the numbers of features, one after another, as arrays by their names.
+nanobind::dict ToArrays(const FeatureSchema& schema, std::span<const double> numbers);
+// Adds an image of a cell: {name, name + ".depth", name + ".segmentation": array}.
+void PutImage(nanobind::dict& arrays, const CellImage& image);
 // A list of Feature objects.
 nanobind::list FeatureList(const FeatureSchema& schema);
 

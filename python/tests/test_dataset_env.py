@@ -12,6 +12,7 @@ from gymnasium.utils.env_checker import check_env
 import robocell as rc
 from robocell.envs import from_dataset
 from robocell.evaluate import evaluate
+from robocell.gym import pick_cube_config
 from robocell.policy import Policy
 from test_task import Idle
 
@@ -321,6 +322,99 @@ def test_absolute_targets_replay_bitwise_and_other_actions_closely(
             if terminated:
                 break
         assert info["is_success"]
+
+
+def recorded_cube(folder: Path) -> rc.Dataset:
+    """Two episodes that an environment recorded, with relative actions of its own."""
+    env = rc.Env(pick_cube_config(relative_to="last_step"))
+    down = {"robot": {"tquat": [0, 0.02, -0.02, 0, 0, 0, 1], "gripper": 1}}
+    close = {"robot": {"tquat": [0.01, 0, 0, 0, 0, 0, 1], "gripper": 0}}
+    with rc.data.EnvRecorder(env, folder, images=False):
+        for seed in (0, 1):
+            env.reset(seed=seed)
+            for action in (down, down, close, down):
+                env.step(action)
+    env.close()
+    return rc.Dataset(folder)
+
+
+def test_a_recorded_environment_replays_its_canonical_actions_bitwise(tmp_path: Path):
+    dataset = recorded_cube(tmp_path)
+    names = [f.name for f in dataset[0].features if f.role in ("observation", "privileged")]
+    done = ["robots/robot/action/arm", "robots/robot/action/gripper"]
+    env = from_dataset(dataset, names, done)
+    for seed, episode in enumerate(dataset):
+        row, _ = env.reset(seed=seed)
+        columns = {name: np.asarray(episode[name]) for name in [*names, *done]}
+        for i in range(len(episode)):
+            for name in names:
+                assert np.array_equal(columns[name][i], row[name]), (name, i)
+            row, reward, *_ = env.step({name: columns[name][i] for name in done})
+            assert reward == episode["reward"][i]
+    flat = from_dataset(dataset, ["robots/robot/arm/qpos"], done, flat=True)
+    vector, _ = flat.reset(seed=1)  # the last episode again, as vectors
+    for action in rc.data.rows(dataset[1:], done):
+        vector, *_ = flat.step(action)
+    assert np.array_equal(vector, row["robots/robot/arm/qpos"])
+
+
+def test_a_recorded_environment_takes_actions_of_one_kind(tmp_path: Path):
+    dataset = recorded_cube(tmp_path)
+    own = "action/robot/tquat"
+    assert from_dataset(dataset).actions == [own, "action/robot/gripper"]
+    mixed = from_dataset(dataset, actions=[own, "robots/robot/action/gripper"])
+    mixed.reset(seed=0)
+    with pytest.raises(rc.ArgumentError, match=f"'{own}' and 'robots/robot/action/gripper' are of"):
+        mixed.step({own: [0, 0, 0, 0, 0, 0, 1], "robots/robot/action/gripper": 1})
+
+
+def own_cell(**fields: object) -> rc.Env:
+    """The robot of the dataset before an object of its name, in an environment of its own."""
+    config = rc.EnvConfig(
+        robots={"rc7": rc.models.robot_file("rc7")},
+        root_frame_objects={
+            "target": {
+                "shape": "cylinder",
+                "size": [0.02, 0.04, 0],
+                "mass": 0.1,
+                "offset": {"pos": [0.45, 0, 0.04]},
+            }
+        },
+        task={"kind": "pick", "object": "target"},
+        sim={"async_control": True, "frequency": 500 / 33},
+        **fields,
+    )
+    return rc.Env(config)
+
+
+def test_an_environment_of_ones_own_has_the_schema_of_a_dataset(dataset: rc.Dataset):
+    seen = ["robots/rc7/arm/qpos", "robots/rc7/objects/target/pose_in_tcp", "robots/rc7/opening"]
+    done = [ARM, GRIPPER]
+    cell = own_cell()
+    env = from_dataset(dataset, seen, done, flat=True, env=cell)
+    vector, info = env.reset(seed=0)
+    assert vector.shape == rc.data.rows(dataset, seen)[0].shape
+    assert info["instruction"]
+    action = np.append(vector[:7] + 0.02, 0.0)
+    for _ in range(20):
+        vector, *_, info = env.step(action)
+    assert np.abs(vector[:7] - action[:7]).max() < 0.01
+    row = cell.row()
+    assert np.array_equal(vector, np.concatenate([np.ravel(row[name]) for name in seen]))
+    assert row["robots/rc7/arm/target"] == pytest.approx(action[:7], abs=0)
+    assert info["is_success"] is False
+    with pytest.raises(rc.NotFoundError, match=r"Did you mean 'robots/rc7/action/arm'\?"):
+        cell.step({"robots/rc7/action/amr": action[:7]})
+    cell.close()
+
+
+def test_an_environment_of_ones_own_is_compared_with_the_dataset(dataset: rc.Dataset):
+    other = rc.Env(rc.EnvConfig(robots={"arm": rc.models.robot_file("rc7")}))
+    with pytest.warns(UserWarning, match=r"until the arms have arrived, and a row .* 66 ms"):
+        env = from_dataset(dataset, ["robots/rc7/arm/qpos"], cameras=False, env=other)
+    with pytest.raises(rc.NotFoundError, match="'robots/rc7/arm/qpos' is in the dataset and not"):
+        env.reset(seed=0)
+    other.close()
 
 
 def test_the_random_policy_acts_on_any_group_name(dataset: rc.Dataset, tmp_path: Path):

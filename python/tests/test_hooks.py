@@ -251,7 +251,7 @@ def test_environments_reject_the_same_verdicts(
     run_env.reset(0)
     at = place(task.judge)
     assert said(lambda: run_env.act({})) == f"run '{run.run}': {text} {at}"
-    with pytest.raises(rc.Error, match="the episode is over; call Reset"):
+    with pytest.raises(rc.Error, match="the episode is over; call reset"):
         run_env.act({})
     config = rc.EnvConfig(
         robots={"robot": rc.models.robot_file("rc7")}, task=run.task, name="duo", add_floor=True

@@ -319,7 +319,7 @@ def test_the_scene_of_an_environment_that_another_thread_uses(waiting: rc.EnvCon
     scene = env.scene
     Waiting.door = Door()
     with Waiting.door.held(lambda: env.reset(seed=1)):
-        assert refused(scene.step).startswith(IN_USE.format("Env::Reset"))
+        assert refused(scene.step).startswith(IN_USE.format("Env.reset"))
         assert "environment 'cell' is being reset by another thread" in refused(lambda: env.scene)
     Waiting.door = None
     with resetting(scene):
@@ -335,7 +335,7 @@ def test_the_scene_of_a_batch_of_environments(waiting: rc.EnvConfig):
     scene = batch.scene
     Waiting.door = Door()
     with Waiting.door.held(lambda: batch.reset(seeds=[1])):
-        assert refused(scene.step).startswith(IN_USE.format("Env::Reset"))
+        assert refused(scene.step).startswith(IN_USE.format("Env.reset"))
     Waiting.door = None
     with resetting(scene):
         for call in (lambda: batch.reset(seeds=[1]), batch.close):

@@ -191,3 +191,21 @@ def test_an_object_without_a_place_is_an_error_of_its_hook(
         return
     with pytest.raises(rc.ArgumentError, match=text):
         begin()
+
+
+def test_a_model_of_prepare_that_is_missing_names_the_line(tmp_path: Path):
+    @rc.tasks.register_task("of_a_missing_cup")
+    class OfAMissingCup(rc.tasks.Task):
+        def prepare(self, spec, rng):
+            spec.objects.append(rc.scene.SceneObject(name="cup", mjcf_path="nowhere.xml"))
+
+        def judge(self, scene):
+            return rc.tasks.TaskVerdict()
+
+        def instruction(self):
+            return "drink"
+
+    rc7 = rc.models.robot_file("rc7")
+    line = r"test_prepared_objects.py:\d+, in prepare: object 'cup': model file "
+    with pytest.raises(rc.NotFoundError, match=line + "'nowhere.xml' not found"):
+        rc.Env(rc.EnvConfig(robots={"robot": rc7}, task={"kind": "of_a_missing_cup"}))

@@ -7,6 +7,7 @@ observations and actions are vectors in the order of the chosen names, as in
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -36,12 +37,14 @@ from robocell._generation.run_source import import_named
 from robocell._suggestions import did_you_mean, fitting
 from robocell.data._recorder import cell_of_a_run
 from robocell.envs._protocols import CellEnv
-from robocell.envs._recorded_env import RecordedEnv, is_recorded
+from robocell.envs._recorded_env import OWN, RecordedEnv, is_recorded
 
 __all__ = ["DatasetEnv", "from_dataset"]
 
 # Number of episodes whose features are compared: features that all of them have are observed.
 LOOKED_AT = 50
+# Share by which a step may last longer or shorter than a row: whole engine steps.
+RATE_SLACK = 0.02
 
 
 def from_dataset(
@@ -53,18 +56,21 @@ def from_dataset(
     cameras: bool = True,
     flat: bool = False,
     imports: Sequence[str] = (),
+    env: Env | None = None,
 ) -> DatasetEnv:
     """Makes the environment of a dataset: its cell, task, rates, cameras and schema.
+
+    With `env`, an environment of your own acts and observes by the schema of the dataset.
 
     Args:
         dataset: A dataset, or its folder.
         observations: Names of columns and image streams to observe; "*" stands for any part of a
             name, as in `robocell.data.rows`. Default: all columns that every episode has and that
             exist outside simulation too, and all streams; for a recorded environment, its
-            observations.
+            observations (`observation/...`).
         actions: Names of the action columns that each step takes, all of them. A group without one
-            keeps its target. Default: the absolute target of each group; for a recorded
-            environment, its actions.
+            keeps its target. Default: the absolute target of each group (`robots/...`); for a
+            recorded environment, its own actions (`action/...`). Both kinds act in it.
         privileged: True adds columns that only simulation has, such as poses of objects, to the
             default.
         cameras: False renders no images.
@@ -72,6 +78,8 @@ def from_dataset(
             the order of the names, without images.
         imports: Modules to import first, which register the task or features. A dataset never
             imports modules by itself.
+        env: An environment that has the robots and the objects of the task under the names that the
+            dataset uses. Its own task judges, and start i is that of seed i.
 
     Raises:
         ArgumentError: `dataset` is a file, or a list of columns is empty.
@@ -96,8 +104,9 @@ def from_dataset(
     named = [imports] if isinstance(imports, str) else imports
     modules = [import_named(module, Path.cwd()) for module in named]
     shared = _shared_features(opened)
-    core = _core_of(opened, cameras and not flat, modules)
-    streams = _image_names(opened, core)
+    images = cameras and not flat
+    core = _core_of(opened, images, modules) if env is None else _core_of_own(opened, env)
+    streams = _image_names(opened, core) if images else []
     own = is_recorded(opened)
     if observations is None:
         observations = [*_default_observations(own, shared, privileged), *streams]
@@ -153,6 +162,22 @@ def _core_of(dataset: Dataset, images: bool, modules: Sequence[str]) -> _RunCell
     return _RunCell(run, dataset)
 
 
+def _core_of_own(dataset: Dataset, env: Env) -> RecordedEnv:
+    """Returns the caller's environment; warns if its steps last longer or shorter than rows."""
+    metadata: Any = dataset[0].metadata
+    row_ms, sim = metadata["rates"].get("policy_ms"), env.config.sim
+    step_ms = 1000 / sim.frequency if sim.async_control else None
+    if row_ms is not None and (step_ms is None or abs(step_ms / row_ms - 1) > RATE_SLACK):
+        took = "until the arms have arrived" if step_ms is None else f"{step_ms:.4g} ms"
+        warnings.warn(
+            f"environment '{env.config.name}': its steps last {took}, and a row of "
+            f"'{dataset.folder}' {row_ms:.4g} ms; set `sim: {{async_control: true, frequency: "
+            f"{1000 / row_ms:.6g}}}`",
+            stacklevel=3,
+        )
+    return RecordedEnv(dataset, True, env)
+
+
 def _default_observations(
     own: bool, features: Mapping[str, Feature], privileged: bool
 ) -> list[str]:
@@ -165,8 +190,8 @@ def _default_observations(
 
 def _default_actions(own: bool, features: Mapping[str, Feature]) -> list[str]:
     names = _names(features, "action")
-    if own:
-        return [name for name in names if name.startswith("action/")]
+    if own and (asked := [name for name in names if name.startswith(OWN)]):
+        return asked
     return [name for name in names if f"{name}_relative" in features]
 
 
@@ -177,7 +202,8 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
     Start i is that of item i of the run's plan: the first starts are those of the dataset's
     episodes again, those after failed rollouts included. Numbers beyond the plan are new starts, as
     are items without an episode: the first one that the sampler accepts. In a dataset of
-    `EnvRecorder` start i is that of seed i. The spaces have the ranges of the dataset's schema.
+    `EnvRecorder`, and in an environment of your own, start i is that of seed i. The spaces have the
+    ranges of the dataset's schema.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012  (as in Gymnasium)

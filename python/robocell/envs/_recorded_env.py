@@ -13,7 +13,6 @@ from robocell._core import (
     EnvState,
     Feature,
     _recorded_features,
-    _shown_images,
 )
 from robocell.data import env_of_episode
 
@@ -24,11 +23,14 @@ def is_recorded(dataset: Dataset) -> bool:
     return "environment" in metadata
 
 
+OWN = "action/"  # begins the names of an environment's own actions
+
+
 class RecordedEnv:
     """An environment whose rows and actions have the names of its episodes' columns."""
 
-    def __init__(self, dataset: Dataset, images: bool) -> None:
-        self.env: Env = env_of_episode(dataset[0], images)
+    def __init__(self, dataset: Dataset, images: bool, env: Env | None = None) -> None:
+        self.env: Env = env_of_episode(dataset[0], images) if env is None else env
         self._cell = _recorded_features(self.env)
         self._observation: dict[str, Any] = {}
         self.object_kinds: list[str] = []
@@ -45,8 +47,8 @@ class RecordedEnv:
 
     @property
     def commanded(self) -> list[Feature]:
-        """Features of the actions."""
-        return self.env.commanded
+        """Features of the actions: the environment's own, and those of its cell."""
+        return [*self.env.commanded, *self._cell.commanded]
 
     @property
     def instruction(self) -> str:
@@ -63,24 +65,24 @@ class RecordedEnv:
 
     def row(self) -> dict[str, Any]:
         """Returns the row that would be recorded now."""
-        row: dict[str, Any] = dict(self._cell.read())
+        row: dict[str, Any] = dict(self.env.row())
         for path, _, _ in self.env.observation_parts:
             row["/".join(("observation", *path))] = _at(self._observation, path)
-        row.update(_shown_images(self.env))
         return row
 
     def act(self, actions: Mapping[str, Any]) -> tuple[float, bool, bool, dict[str, Any]]:
         """(reward, terminated, truncated, info) of actions by their names."""
-        action: dict[str, Any] = {}
-        for name, numbers in actions.items():
-            kind, _, rest = name.partition("/")
-            robot, _, command = rest.rpartition("/")
-            if kind != "action" or not robot:
-                raise ArgumentError(
-                    f"action '{name}' is none of this environment; it takes "
-                    f"{', '.join(f.name for f in self.commanded)}"
-                )
-            action.setdefault(robot, {})[command] = numbers
+        own = [name for name in actions if name.startswith(OWN)]
+        if own and len(own) < len(actions):
+            (other, *_) = (name for name in actions if name not in own)
+            raise ArgumentError(
+                f"actions '{own[0]}' and '{other}' are of two kinds: those of the environment "
+                "(action/...) and those of its cell (robots/...); give actions of one kind"
+            )
+        action: dict[str, Any] = {} if own else dict(actions)
+        for name in own:
+            robot, _, command = name.removeprefix(OWN).rpartition("/")
+            action.setdefault(robot, {})[command] = actions[name]
         self._observation, reward, terminated, truncated, info = self.env.step(action)
         info.setdefault("is_success", False)
         return reward, terminated, truncated, info

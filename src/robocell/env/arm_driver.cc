@@ -14,7 +14,7 @@
 #include "robocell/robot/arrival.h"
 #include "robocell/robot/controller.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // In Cartesian modes joints may lead by this many times as much as poses, for a small displacement
@@ -49,6 +49,18 @@ bool AreFinite(std::span<const double> values) {
 
 bool IsNoMotion(const Pose& delta) { return delta.translation().isZero(0) && delta.angle() == 0; }
 
+// Removes a command from an action and returns it, if there is one.
+std::optional<GroupCommand> TakeCommand(Action& action, const std::string& robot,
+                                        const std::string& group) {
+  const auto of_robot = action.find(robot);
+  if (of_robot == action.end()) return std::nullopt;
+  const auto found = of_robot->second.find(group);
+  if (found == of_robot->second.end()) return std::nullopt;
+  std::optional<GroupCommand> command = std::move(found->second);
+  of_robot->second.erase(found);
+  return command;
+}
+
 // Steps are found to be without solution, and to be over, by the joint positions that are sent.
 void RequireJointPositions(const EnvConfig& config, const Robot& robot) {
   const Controller& controller = robot.controller(robot.arm().name());
@@ -71,48 +83,47 @@ std::vector<bool> TurnFreely(const Robot& robot) {
 
 }  // namespace
 
-std::vector<double> ArmDriver::Memory::numbers() const {
-  std::vector<double> out(3 * 7);
-  PutTquat(sent, std::span(out).first(7));
-  PutTquat(origin, std::span(out).subspan(7, 7));
-  PutTquat(seen, std::span(out).last(7));
+void PutMemory(const ArmMemory& memory, std::vector<double>& out) {
+  out.push_back(static_cast<double>(memory.commanded.size()));
+  for (const Pose* pose : {&memory.sent, &memory.origin, &memory.seen}) {
+    out.resize(out.size() + 7);
+    PutTquat(*pose, std::span(out).last(7));
+  }
   for (const std::vector<double>* q :
-       {&sent_joints, &origin_joints, &commanded, &pending_joints, &seen_joints})
+       {&memory.sent_joints, &memory.origin_joints, &memory.commanded, &memory.pending_joints,
+        &memory.seen_joints})
     out.insert(out.end(), q->begin(), q->end());
-  out.insert(out.end(), {sent_opening, commanded_opening, fingers.is_still ? 1.0 : 0.0,
-                         fingers.window_start, fingers.still_windows});
-  for (const std::array<double, 3>* move : {&pending.shift, &pending.turn})
+  const FingerMemory& fingers = memory.fingers;
+  out.insert(out.end(),
+             {memory.sent_opening, memory.commanded_opening, fingers.is_still ? 1.0 : 0.0,
+              fingers.window_start, fingers.still_windows});
+  for (const std::array<double, 3>* move : {&memory.pending.shift, &memory.pending.turn})
     out.insert(out.end(), move->begin(), move->end());
-  return out;
+  PutList(fingers.window, out);
 }
 
-ArmDriver::Memory ArmDriver::Memory::FromNumbers(size_t joints, std::span<const double>& numbers) {
-  const auto take = [&](size_t count) {
-    const std::span<const double> taken = numbers.first(count);
-    numbers = numbers.subspan(count);
-    return taken;
-  };
+ArmMemory ReadArmMemory(NumberReader& reader) {
+  const size_t joints = reader.Count();
   const auto pose = [&] {
-    const std::span<const double> p = take(7);
+    const std::span<const double> p = reader.Take(7);
     return Pose({p[0], p[1], p[2]}, Quaternion{p[3], p[4], p[5], p[6]});
   };
-  Memory memory;
+  ArmMemory memory;
   memory.sent = pose();
   memory.origin = pose();
   memory.seen = pose();
-  memory.sent_joints = PositionsOf(take(joints));
-  memory.origin_joints = PositionsOf(take(joints));
-  memory.commanded = PositionsOf(take(joints));
-  memory.pending_joints = PositionsOf(take(joints));
-  memory.seen_joints = PositionsOf(take(joints));
-  const std::span<const double> rest = take(5);
+  for (std::vector<double>* q : {&memory.sent_joints, &memory.origin_joints, &memory.commanded,
+                                 &memory.pending_joints, &memory.seen_joints})
+    *q = PositionsOf(reader.Take(joints));
+  const std::span<const double> rest = reader.Take(5);
   memory.sent_opening = rest[0];
   memory.commanded_opening = rest[1];
   memory.fingers.is_still = rest[2] != 0;
   memory.fingers.window_start = rest[3];
   memory.fingers.still_windows = rest[4];
   for (std::array<double, 3>* move : {&memory.pending.shift, &memory.pending.turn})
-    std::ranges::copy(take(3), move->begin());
+    std::ranges::copy(reader.Take(3), move->begin());
+  memory.fingers.window = reader.List();
   return memory;
 }
 
@@ -123,8 +134,8 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
       lead_(config.target_lead()),
       binary_gripper_(config.wrappers.binary_gripper),
       robot_(std::move(robot)),
-      watch_(internal::ArrivalTolerances(robot_, robot_.arm().name()), robot_.scene().timestep(),
-             internal::LargestDelay(robot_, robot_.arm().name())),
+      watch_(ArrivalTolerances(robot_, robot_.arm().name()), robot_.scene().timestep(),
+             LargestDelay(robot_, robot_.arm().name())),
       still_(watch_.tolerances().size()),
       pos_(still_),
       vel_(still_),
@@ -136,8 +147,8 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
       layout_(std::move(layout)),
       joint_limits_(CommandLimits(robot_)),
       turns_freely_(TurnFreely(robot_)),
-      base_moves_(internal::BaseTravel(robot_).has_value()),
-      fixed_base_(internal::BaseInSharedFrame(robot_)) {
+      base_moves_(BaseTravel(robot_).has_value()),
+      fixed_base_(BaseInSharedFrame(robot_)) {
   if (gripper_) fingers_.emplace(*gripper_);
   RequireJointPositions(config, robot_);
   for (const ChainJoint& joint : robot_.chain().joints()) {
@@ -159,7 +170,7 @@ std::vector<Robot> ArmDriver::robots() const {
 
 void ArmDriver::Reset() {
   controller_ = robot_.shared_controller(robot_.arm().name());
-  fixed_base_ = internal::BaseInSharedFrame(robot_);
+  fixed_base_ = BaseInSharedFrame(robot_);
   memory_.sent_joints = PositionsOf(controller_->commanded_joint_pos());
   memory_.sent = base_in_shared() * robot_.FkFrame(memory_.sent_joints);
   if (gripper_) memory_.sent_opening = Opening(gripper_->controller(gripper()->name()).target()[0]);
@@ -178,28 +189,32 @@ void ArmDriver::SetOriginToCurrent() {
 }
 
 Pose ArmDriver::base_in_shared() const {
-  return base_moves_ ? internal::BaseInSharedFrame(robot_) : fixed_base_;
+  return base_moves_ ? BaseInSharedFrame(robot_) : fixed_base_;
 }
 
-ArmDriver::Memory ArmDriver::memory() const {
-  Memory memory = memory_;
+ArmMemory ArmDriver::memory() const {
+  ArmMemory memory = memory_;
   if (fingers_) memory.fingers = fingers_->memory();
   memory.commanded = PositionsOf(robot_.controller(robot_.arm().name()).commanded_joint_pos());
   if (gripper_) memory.commanded_opening = gripper_->controller(gripper()->name()).target()[0];
   return memory;
 }
 
-void ArmDriver::Recall(const Memory& memory) {
+void ArmDriver::Recall(const ArmMemory& memory) {
   memory_ = memory;
   if (fingers_) fingers_->Recall(memory.fingers);
   controller_ = robot_.shared_controller(robot_.arm().name());
   sent_ = {};
   WatchFromNow();
-  robot_.Apply({{robot_.arm().name(), GroupCommand::Joints(memory.commanded)}});
-  // Copies the target to the bit: a controller that adds steps computed it as a sum.
-  std::ranges::copy(memory.commanded, controller_->command_port().begin());
+  DriveTo(memory.commanded);
   if (gripper_)
     gripper_->Apply({{gripper()->name(), GroupCommand::Opening(memory.commanded_opening)}});
+}
+
+void ArmDriver::DriveTo(std::span<const double> joints) {
+  robot_.Apply({{robot_.arm().name(), GroupCommand::Joints(PositionsOf(joints))}});
+  // A controller that adds steps computed its target as a sum.
+  std::ranges::copy(joints, controller_->command_port().begin());
 }
 
 void ArmDriver::RequireAction(std::span<const double> action, const std::string& place) const {
@@ -339,11 +354,11 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
   bool bounded = false;
   if (!keeps && GetPresentTargets()) {
     PendingMove move;
-    move.Add(last, NextPose(last, given));
+    AddMove(move, last, NextPose(last, given));
     bounded = BoundJoints(joints, pending_joints, seen_joints);
     if (bounded) {
       last = TcpAt(joints);
-      pending.Add(memory_.sent, last);
+      AddMove(pending, memory_.sent, last);
     }
     last = LastPose(last, move, pending, seen);
   }
@@ -351,7 +366,7 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
   const Pose target = base_in_shared().inverse() * next;
   bool solved = false;
   if (bounded) {
-    const IkResult ik = internal::IkStep(robot_.chain(), target, joints);
+    const IkResult ik = IkStep(robot_.chain(), target, joints);
     solved = ik.success;
     if (solved) commands[arm] = GroupCommand::Joints(PositionsOf(ik.q));
   } else {
@@ -363,7 +378,7 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
     const bool small =
         relative_to_ == RelativeTo::kLastStep || IsSmallStep(robot_.FkFrame(joints), target);
     if (!small) return false;
-    const IkResult near = internal::IkTowards(robot_.chain(), target, joints);
+    const IkResult near = IkTowards(robot_.chain(), target, joints);
     if (!near.success) return false;
     sent_.position_shortfall = near.position_error;
     sent_.rotation_shortfall = near.rotation_error;
@@ -372,7 +387,7 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
   }
   sent_.position_taken_back = (memory_.sent.translation() - last.translation()).norm();
   sent_.rotation_taken_back = AngleBetween(memory_.sent.quaternion(), last.quaternion());
-  pending.Add(last, next);
+  AddMove(pending, last, next);
   const std::span<const double> driven = controller_->commanded_joint_pos();
   for (size_t i = 0; i < joints.size(); ++i) pending_joints[i] += driven[i] - joints[i];
   memory_.pending_joints = std::move(pending_joints);
@@ -393,6 +408,34 @@ bool ArmDriver::Send(std::span<const double> action) {
   return mode_ == ControlMode::kJoints ? SendJoints(own, commands) : SendPose(own, commands);
 }
 
+bool ArmDriver::SendOwn(Action& action) {
+  controller_ = robot_.shared_controller(robot_.arm().name());
+  sent_ = {};
+  WatchFromNow();
+  if (gripper_) {
+    if (const auto opening = TakeCommand(action, gripper_->name(), gripper()->name())) {
+      RobotAction own;
+      SendGripper(opening->values.at(0), own);
+      if (!own.empty()) gripper_->Apply(own);
+    }
+  }
+  const auto command = TakeCommand(action, robot_.name(), robot_.arm().name());
+  if (!command) return true;
+  const std::vector<double> before = PositionsOf(controller_->commanded_joint_pos());
+  if (command->kind == GroupCommand::kJoints)
+    DriveTo(command->values);
+  else if (!robot_.Apply({{robot_.arm().name(), *command}}).ok)
+    return false;
+  // What an action after this one starts from.
+  const std::span<const double> driven = controller_->commanded_joint_pos();
+  for (size_t i = 0; i < before.size(); ++i) memory_.pending_joints[i] += driven[i] - before[i];
+  memory_.sent_joints = PositionsOf(driven);
+  const Pose next = TcpAt(driven);
+  AddMove(memory_.pending, memory_.sent, next);
+  memory_.sent = next;
+  return true;
+}
+
 void ArmDriver::WatchFromNow() {
   robot_.arm().GetJointPos(pos_);
   watch_.Begin(pos_, robot_.scene().time());
@@ -408,8 +451,8 @@ void ArmDriver::Watch(double time) {
 bool ArmDriver::IsHeldAwayByGravity() {
   if (!GetSteadyTarget(watch_.pos(), still_, steady_)) return false;
   const std::vector<double>& tolerances = watch_.tolerances();
-  if (!internal::AreWithin(steady_, controller_->commanded_joint_pos(), tolerances)) return false;
-  return !internal::AreWithin(steady_, watch_.pos(), tolerances);
+  if (!AreWithin(steady_, controller_->commanded_joint_pos(), tolerances)) return false;
+  return !AreWithin(steady_, watch_.pos(), tolerances);
 }
 
 ArmStatus ArmDriver::Status(double time) {
@@ -464,4 +507,4 @@ void ArmDriver::Observe(std::span<double> observation) const {
         binary_gripper_ ? memory_.sent_opening : std::clamp(gripper()->opening(), 0.0, 1.0);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

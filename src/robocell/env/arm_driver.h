@@ -10,27 +10,15 @@
 #include "robocell/env/arm_target.h"
 #include "robocell/env/arm_watch.h"
 #include "robocell/env/env_layout.h"
+#include "robocell/env/env_state.h"
+#include "robocell/env/env_step.h"
 #include "robocell/env/finger_watch.h"
+#include "robocell/env/number_list.h"
 #include "robocell/env/target_lead.h"
+#include "robocell/robot/action.h"
 #include "robocell/robot/robot.h"
 
-namespace robocell {
-
-// The motion that an arm has left when a step ends.
-struct ArmMotion {
-  // The largest value of any joint: distance to its target, rad or m, and speed, per second. Speeds
-  // are means over the last two engine steps: servos at their force limit may chatter.
-  double joint_error = 0, joint_speed = 0;
-  // The TCP's distance to where the joint targets put it, m and rad, and its speed, m/s and rad/s.
-  double position_error = 0, rotation_error = 0;
-  double linear_speed = 0, angular_speed = 0;
-  // Distance between the target and the commanded pose, m and rad: not zero when the pose had no
-  // solution nearby and the arm went towards it in damped steps.
-  double position_shortfall = 0, rotation_shortfall = 0;
-  // Distance by which the action's start target was taken back because it led the arm by more than
-  // max_target_lead: the largest value of any joint, rad or m, or of the pose, m and rad.
-  double joint_taken_back = 0, position_taken_back = 0, rotation_taken_back = 0;
-};
+namespace robocell::internal {
 
 // The state of an arm and its gripper relative to their targets.
 enum class ArmStatus {
@@ -40,31 +28,14 @@ enum class ArmStatus {
   kArrived,  // near and at rest
 };
 
+// Appends an arm's memory to the numbers of a state: how many joints, their numbers and the others,
+// and those of the fingers.
+void PutMemory(const ArmMemory& memory, std::vector<double>& out);
+// Reads it. Throws ArgumentError for other numbers.
+ArmMemory ReadArmMemory(NumberReader& reader);
+
 class ArmDriver {
  public:
-  // The driver's memory: targets of arm and gripper, the origin of relative actions, and the
-  // windows of time over which the gripper is watched.
-  struct Memory {
-    Pose sent, origin;
-    std::vector<double> sent_joints, origin_joints;
-    std::vector<double> commanded;  // joints that the arm's controller drives to
-    double sent_opening = 1, commanded_opening = 1;
-    FingerWatch::Memory fingers = {};
-    // The part of the target's moves that the arm has not carried out yet, and the arm's position
-    // at the last update.
-    PendingMove pending = {};
-    std::vector<double> pending_joints = {};
-    Pose seen = {};
-    std::vector<double> seen_joints = {};
-
-    // Returns all numbers except fingers.window, whose length depends on the gripper.
-    std::vector<double> numbers() const;
-    // Reads the memory of an arm with `joints` joints and removes its numbers from the front of
-    // `numbers`.
-    static Memory FromNumbers(size_t joints, std::span<const double>& numbers);
-    static size_t CountOfNumbers(size_t joints) { return 3 * 7 + 5 * joints + 5 + 6; }
-  };
-
   // `robot` is one of the configuration's, `layout` its part of the vectors. Throws ArgumentError
   // if the arm's controller takes no joint positions.
   ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout);
@@ -85,14 +56,18 @@ class ArmDriver {
   // the arm then keeps its target. A small step to a pose without a solution nearby, for example
   // beside a singularity, is made in damped steps as far as these get.
   bool Send(std::span<const double> action);
+  // Takes the commands of the arm and its gripper out of `action` and sends them as they are: no
+  // limit of actions applies. A part without a command keeps its target. Returns false if a pose
+  // has no solution.
+  bool SendOwn(Action& action);
   // Observes the arm after every engine step, at simulated `time`. No allocation.
   void Watch(double time);
   // Returns the arm's state relative to its target at the last Watch. No allocation.
   ArmStatus Status(double time);
   ArmMotion motion() const;
   // The memory that belongs to a state of the scene. To restore it, set the scene's state first.
-  Memory memory() const;
-  void Recall(const Memory& memory);
+  ArmMemory memory() const;
+  void Recall(const ArmMemory& memory);
   // Writes its parts of the whole vector. Poses are in the shared base frame.
   void Observe(std::span<double> observation) const;
 
@@ -100,6 +75,8 @@ class ArmDriver {
   // Returns the opening that a number of an action commands.
   double Opening(double value) const;
   void SendGripper(double value, RobotAction& own);
+  // Drives the arm to joints to the bit, also with a controller that adds steps to a sum.
+  void DriveTo(std::span<const double> joints);
   bool SendJoints(std::span<const double> command, RobotAction& commands);
   bool SendPose(std::span<const double> command, RobotAction& commands);
   // Returns the last target `sent`, less the part of `pending` that leads the arm by more than
@@ -149,9 +126,9 @@ class ArmDriver {
   bool base_moves_;
   Pose fixed_base_;  // in the shared base frame, since the last reset; unless base_moves_
 
-  Memory memory_;
+  ArmMemory memory_;
   ArmMotion sent_;                          // motion of the last Send: shortfall, taken-back target
   std::shared_ptr<Controller> controller_;  // the arm's controller at the last Send
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

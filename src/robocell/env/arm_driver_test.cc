@@ -13,7 +13,7 @@
 #include "robocell/math/rotation.h"
 #include "robocell/testing/menagerie.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Numbers = std::vector<double>;
@@ -328,4 +328,4 @@ TEST(EnvTargetLead, ABlockedPandaHasASmallLead) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

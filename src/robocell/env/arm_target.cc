@@ -5,7 +5,7 @@
 
 #include "robocell/base/units.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kShortest = 1e-6;  // shortest quaternion that has a direction
@@ -63,7 +63,7 @@ void ObserveTquat(const Pose& pose, std::span<double> out) {
 }
 
 double ObservedTurn(double position, double most) {
-  return std::abs(position) <= most ? position : std::remainder(position, 2 * internal::kPi);
+  return std::abs(position) <= most ? position : std::remainder(position, 2 * kPi);
 }
 
 Pose PoseOfAction(ControlMode mode, std::span<const double> action) {
@@ -75,4 +75,4 @@ Pose PoseOfAction(ControlMode mode, std::span<const double> action) {
   return Pose(translation, Normalised(q));
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,7 @@
 #include "robocell/math/pose.h"
 #include "robocell/spec/env_action.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Returns the TCP moved by `delta`: translated along the axes of the pose's reference frame, and
 // rotated about its own origin around these same axes.
@@ -37,4 +37,4 @@ double ObservedTurn(double position, double most);
 // normalised; one of length zero is not a rotation.
 Pose PoseOfAction(ControlMode mode, std::span<const double> action);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,7 @@
 #include "robocell/base/units.h"
 #include "robocell/testing/random_values.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 TEST(ArmTarget, MovesAlongAndTurnsAroundTheAxesOfTheFrame) {
@@ -116,4 +116,4 @@ TEST(ArmTarget, ApproachesExtremelyFarTargetsByTheLimit) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,7 @@
 
 #include "robocell/robot/arrival.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // s. A joint at rest is so slow that it would take this long to move by its tolerance; also the
@@ -65,7 +65,7 @@ void ArmWatch::Look(std::span<const double> q, std::span<const double> wanted, d
 }
 
 bool ArmWatch::IsNear(std::span<const double> wanted) const {
-  return internal::AreWithin(seen_[0], wanted, tolerances_);
+  return AreWithin(seen_[0], wanted, tolerances_);
 }
 
 double ArmWatch::Velocity(size_t joint) const {
@@ -101,4 +101,4 @@ bool ArmWatch::HasHardlyMoved(std::span<const double> wanted, double window) con
   return true;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-namespace robocell {
+namespace robocell::internal {
 
 class ArmWatch {
  public:
@@ -59,4 +59,4 @@ class ArmWatch {
   bool at_rest_ = false;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

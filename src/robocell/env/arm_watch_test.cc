@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kNearEnoughToWatch = 0.002, kWatchStep = 0.002;
@@ -90,4 +90,4 @@ TEST(ArmWatch, AChatteringJointIsAtRestWheneverItsWindowsBegin) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

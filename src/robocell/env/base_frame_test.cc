@@ -9,6 +9,7 @@
 #include <cmath>
 
 #include "robocell/base/files.h"
+#include "robocell/env/arm_target.h"
 #include "robocell/env/env.h"
 #include "robocell/scene/testing/scenes.h"
 
@@ -59,8 +60,8 @@ gravcomp: true
   }
   Pose Observed(const Env& env) {
     const VectorPart& part = env.layout().robots[0].tquat;
-    return PoseOfAction(ControlMode::kCartesianTquat,
-                        std::span(env.observation()).subspan(part.begin, part.size));
+    return internal::PoseOfAction(ControlMode::kCartesianTquat,
+                                  std::span(env.observation()).subspan(part.begin, part.size));
   }
   static std::vector<double> Tquat(const Pose& pose) {
     std::vector<double> out(pose.translation().begin(), pose.translation().end());
@@ -102,6 +103,15 @@ TEST_F(BaseFrame, AStateKeepsTheTargetsOfTheJointsBelowTheBase) {
   for (int i = 0; i < first.scene().model()->nq; ++i)
     EXPECT_EQ(first.scene().data()->qpos[i], second.scene().data()->qpos[i]) << i;
   EXPECT_NEAR(second.scene().data()->qpos[0], 0.7, 0.02) << "the rail";
+}
+
+TEST_F(BaseFrame, CommandsByNameMoveTheJointsBelowTheBase) {
+  Env env(Config(RelativeTo::kLastStep));
+  env.Reset();
+  env.Act({{"robots/r/action/drive", {0.2, 0.3}}});
+  env.Act({{"robots/r/action/arm_relative", {0.1, 0, 0, 0, 0, 0}}});
+  EXPECT_NEAR(env.scene().data()->qpos[0], 0.2, 0.01) << "the rail keeps its target";
+  EXPECT_NEAR(env.scene().data()->qpos[1], 0.3, 0.01);
 }
 
 TEST_F(BaseFrame, RangesHoldAtAnyBasePose) {

@@ -9,16 +9,7 @@
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/gripper_group.h"
 
-namespace robocell {
-
-std::string Describe(const Collision& collision) {
-  return fmt::format(
-      "robot '{}' ({}) touches {}", collision.robot, collision.body,
-      collision.other_robot.empty()
-          ? collision.other_body
-          : fmt::format("robot '{}' ({})", collision.other_robot, collision.other_body));
-}
-
+namespace robocell::internal {
 namespace {
 
 void AddPair(std::pair<int, int> bodies, CollisionMonitor::Memory& to) {
@@ -33,10 +24,10 @@ CollisionMonitor::CollisionMonitor(std::vector<Watched> watched)
 }
 
 void CollisionMonitor::MarkHand(const MoveGroup& gripper, bool counts) {
-  const auto* fingers = dynamic_cast<const internal::ActuatedGripper*>(&gripper);
+  const auto* fingers = dynamic_cast<const ActuatedGripper*>(&gripper);
   if (!fingers) return;
   const mjModel* m = scene_.model();
-  const std::vector<bool> of_hand = internal::SubtreeMask(m, fingers->hand_body());
+  const std::vector<bool> of_hand = SubtreeMask(m, fingers->hand_body());
   for (int g = 0; g < m->ngeom; ++g) {
     if (!of_hand[m->geom_bodyid[g]]) continue;
     of_gripper_[g] = true;
@@ -111,7 +102,7 @@ void CollisionMonitor::Look() {
     if (contact.exclude != 0 || a < 0 || b < 0 || (owner_[a] < 0 && owner_[b] < 0)) continue;
     std::pair<int, int> bodies(m->geom_bodyid[a], m->geom_bodyid[b]);
     const bool same_robot = body_owner_[bodies.first] == body_owner_[bodies.second];
-    if (same_robot && internal::AreNeighbours(m, bodies.first, bodies.second)) continue;
+    if (same_robot && AreNeighbours(m, bodies.first, bodies.second)) continue;
     if (same_robot && of_gripper_[a] && of_gripper_[b]) continue;
     if (harmless_.contains({a, b}) || harmless_.contains({b, a})) continue;
     if (owner_[a] < 0) std::swap(bodies.first, bodies.second);
@@ -142,4 +133,4 @@ std::vector<Collision> CollisionMonitor::found() const {
   return out;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -18,21 +18,10 @@
 #include <utility>
 #include <vector>
 
+#include "robocell/env/env_step.h"
 #include "robocell/robot/robot.h"
 
-namespace robocell {
-
-struct Collision {
-  std::string robot;        // name in the scene
-  std::string body;         // the robot's body, full name
-  std::string other_robot;  // "" if the other body belongs to no robot
-  std::string other_body;
-
-  bool operator==(const Collision&) const = default;
-};
-
-// Describes it for messages: "robot 'left' (robotleft_fr3_link5) touches table_top".
-std::string Describe(const Collision& collision);
+namespace robocell::internal {
 
 class CollisionMonitor {
  public:
@@ -78,4 +67,4 @@ class CollisionMonitor {
   Memory found_;                            // since Begin
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

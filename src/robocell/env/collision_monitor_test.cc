@@ -11,7 +11,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::IsEmpty;
@@ -102,4 +102,4 @@ TEST(HandCollisions, AreReportedForNamedGeoms) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

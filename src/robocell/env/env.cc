@@ -10,13 +10,15 @@
 #include "robocell/base/function_name.h"
 #include "robocell/base/log.h"
 #include "robocell/base/suggestions.h"
-#include "robocell/env/cell.h"
+#include "robocell/env/env_impl.h"
 #include "robocell/env/env_scene.h"
 #include "robocell/robot/unused_groups.h"
 #include "robocell/robot/validate_config.h"
+#include "robocell/scene/require_keyframe.h"
 #include "robocell/spec/locations.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/task_calls.h"
+#include "robocell/task/task_features.h"
 #include "robocell/task/task_judge.h"
 #include "robocell/task/task_kind.h"
 
@@ -31,25 +33,26 @@ std::vector<Robot> ArmsOf(const EnvConfig& config, const Scene& scene) {
   return robots;
 }
 
-std::vector<ArmDriver> DriversOf(const EnvConfig& config, const Scene& scene,
-                                 const EnvLayout& layout) {
-  std::vector<ArmDriver> drivers;
+std::vector<internal::ArmDriver> DriversOf(const EnvConfig& config, const Scene& scene,
+                                           const EnvLayout& layout) {
+  std::vector<internal::ArmDriver> drivers;
   for (const RobotLayout& robot : layout.robots)
     drivers.emplace_back(config, Robot::Of(scene, robot.robot), robot);
   return drivers;
 }
 
-std::vector<Robot> RobotsOfDrivers(const std::vector<ArmDriver>& drivers) {
+std::vector<Robot> RobotsOfDrivers(const std::vector<internal::ArmDriver>& drivers) {
   std::vector<Robot> robots;
-  for (const ArmDriver& driver : drivers) {
+  for (const internal::ArmDriver& driver : drivers) {
     for (const Robot& robot : driver.robots()) robots.push_back(robot);
   }
   return robots;
 }
 
-std::vector<CollisionMonitor::Watched> WatchedOf(const std::vector<ArmDriver>& drivers) {
-  std::vector<CollisionMonitor::Watched> watched;
-  for (const ArmDriver& driver : drivers) {
+std::vector<internal::CollisionMonitor::Watched> WatchedOf(
+    const std::vector<internal::ArmDriver>& drivers) {
+  std::vector<internal::CollisionMonitor::Watched> watched;
+  for (const internal::ArmDriver& driver : drivers) {
     std::vector<Robot> robots = driver.robots();
     robots.erase(robots.begin());
     watched.push_back({driver.robot(), std::move(robots)});
@@ -106,29 +109,49 @@ void TellOfStep(const std::vector<EnvObserver*>& observers, const EnvStep& step)
 
 }  // namespace
 
-const char* ToString(EndReason reason) {
-  switch (reason) {
-    case EndReason::kDiverged:
-      return "diverged";
-    case EndReason::kCollision:
-      return "collision";
-    case EndReason::kIkFailed:
-      return "ik_failed";
-    case EndReason::kArrived:
-      return "arrived";
-    case EndReason::kSettled:
-      return "settled";
-    case EndReason::kTimeout:
-      break;
-  }
-  return "timeout";
-}
-
 Env::Env(const EnvConfig& config, const DataFactory& factory)
     : Env(config, Scene::FromCompiled(CompileEnvScene(config), factory)) {}
 
 Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
-         const std::shared_ptr<SharedDrawing>& drawing)
+         const std::shared_ptr<internal::SharedDrawing>& drawing)
+    : state_(std::make_unique<State>(std::move(config), std::move(scene), copy, drawing)) {}
+
+Env::~Env() = default;
+Env::Env(Env&&) noexcept = default;
+
+const EnvConfig& Env::config() const { return state_->config(); }
+const EnvLayout& Env::layout() const { return state_->layout(); }
+const Scene& Env::scene() const { return state_->scene(); }
+void Env::Reset(const EnvResetOptions& options) { state_->Reset(options); }
+EnvStep Env::Step(std::span<const double> action, const std::function<void()>& poll) {
+  return state_->Step(action, poll);
+}
+EnvStep Env::Act(const std::map<std::string, std::vector<double>>& commands,
+                 const std::function<void()>& poll) {
+  return state_->Act(commands, poll);
+}
+void Env::WantReset() { state_->WantReset(); }
+void Env::RequireAction(std::span<const double> action) const { state_->RequireAction(action); }
+std::span<const double> Env::observation() const { return state_->observation(); }
+CellFeatures& Env::features() { return state_->features(); }
+const std::vector<ArmMotion>& Env::motions() const { return state_->motions(); }
+const std::vector<CellImage>& Env::frames() const { return state_->cameras().frames(); }
+void Env::DrawFrames() { state_->DrawFrames(); }
+std::string Env::instruction() const { return state_->instruction(); }
+void Env::Save(const std::string& name) { state_->Save(name); }
+void Env::Restore(const std::string& name) { state_->Restore(name); }
+void Env::Forget(const std::string& name) { state_->Forget(name); }
+std::vector<std::string> Env::saved() const { return state_->saved(); }
+EnvState Env::state() const { return state_->state(); }
+void Env::SetState(const EnvState& state, StateFrame frame) { state_->SetState(state, frame); }
+void Env::AddObserver(EnvObserver* observer) { state_->AddObserver(observer); }
+void Env::RemoveObserver(EnvObserver* observer) { state_->RemoveObserver(observer); }
+void Env::SetOriginToCurrent(const std::string& robot) { state_->SetOriginToCurrent(robot); }
+const std::shared_ptr<Task>& Env::task() const { return state_->task(); }
+void Env::DropTask() { state_->DropTask(); }
+
+Env::State::State(EnvConfig config, Scene scene, std::optional<int> copy,
+                  const std::shared_ptr<internal::SharedDrawing>& drawing)
     : config_(Checked(std::move(config))),
       scene_(std::move(scene)),
       variations_(config_, scene_.inner()),
@@ -136,18 +159,18 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
       signals_(scene_.inner(), Lent(task_), "task"),
       chosen_(MadeOf(config_, "features",
                      [&] {
-                       return ChosenFeatures(scene_.inner(), RobotsOf(scene_.inner()),
-                                             config_.features.names);
+                       return internal::ChosenFeatures(scene_.inner(), RobotsOf(scene_.inner()),
+                                                       config_.features.names);
                      })),
       layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_), task_.get(), signals_, chosen_)),
       objects_(ObservedObjects(layout_, scene_)),
       arms_(DriversOf(config_, scene_.inner(), layout_)),
-      cell_(std::make_shared<internal::Cell>(scene_.inner(), RobotsOfDrivers(arms_),
-                                             StepperRates{.control_ticks = 1, .sim_steps = 1},
-                                             task_.get(), place())),
+      cell_(scene_.inner(), RobotsOfDrivers(arms_), {.control_ticks = 1, .sim_steps = 1},
+            task_.get(), place()),
       collisions_(WatchedOf(arms_)),
-      cameras_(MadeOf(config_, "cameras.streams",
-                      [&] { return EnvCameras(scene_.inner(), StreamsOf(config_), drawing); })),
+      cameras_(MadeOf(
+          config_, "cameras.streams",
+          [&] { return internal::EnvCameras(scene_.inner(), StreamsOf(config_), drawing); })),
       seeds_(copy ? Rng::Stream(0, kSeedPurpose, *copy) : Rng::Stream(0, kSeedPurpose)),
       observation_(layout_.observation.size()),
       motions_(arms_.size()),
@@ -156,7 +179,7 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
   if (is_first) {
     for (const std::string& warning : scene_.compiled()->warnings())
       LogWarn(fmt::format("{}: {}", place(), warning));
-    for (const ArmDriver& arm : arms_) {
+    for (const internal::ArmDriver& arm : arms_) {
       TellUndriven(arm.robot());
       RequireDistances(arm);
     }
@@ -165,7 +188,7 @@ Env::Env(EnvConfig config, Scene scene, std::optional<int> copy,
 }
 
 // Openings are shares of this distance, in actions and observations.
-void Env::RequireDistances(const ArmDriver& arm) const {
+void Env::State::RequireDistances(const internal::ArmDriver& arm) const {
   for (const Robot& robot : arm.robots()) {
     Problems problems(robot.config().locations);
     internal::ValidateDistances(robot, problems);
@@ -173,7 +196,7 @@ void Env::RequireDistances(const ArmDriver& arm) const {
   }
 }
 
-void Env::TellUndriven(const Robot& robot) const {
+void Env::State::TellUndriven(const Robot& robot) const {
   const std::string unused = internal::TellUnusedGroups(robot);
   if (unused.empty()) return;
   LogWarn(fmt::format(
@@ -184,21 +207,23 @@ void Env::TellUndriven(const Robot& robot) const {
       place(), robot.name(), unused, internal::CppAndPythonName("Robot::Apply")));
 }
 
-void Env::Reset(const EnvResetOptions& options) {
-  const SceneUse::Claim claim(scene_.use(), "Env::Reset");
+void Env::State::Reset(const EnvResetOptions& options) {
+  const SceneUse::Claim claim(scene_.use(), "Env.reset");
+  if (options.keyframe) internal::RequireKeyframe(scene_, *options.keyframe);
   if (options.seed) seeds_ = Rng::Stream(*options.seed, kSeedPurpose);
   std::vector<std::vector<double>> kept;
   if (!config_.wrappers.home_on_reset && !options.keyframe && phase_ == Phase::kReady) {
-    for (const ArmDriver& arm : arms_) kept.push_back(arm.robot().arm().joint_pos());
+    for (const internal::ArmDriver& arm : arms_) kept.push_back(arm.robot().arm().joint_pos());
   }
   const bool is_first = phase_ == Phase::kUnready;
   phase_ = Phase::kBroken;  // until the reset is complete
+  features_.reset();        // a robot may have other groups now
   const uint64_t seed = seeds_.NextBits();
   Rng variation = Rng::Stream(seed, "env variation");
   variations_.Draw(variation);
   if (const auto refused = MakeStart(seed, options.keyframe, kept))
     throw ArgumentError(NoStart(*refused));
-  cell_->Begin();
+  cell_.Begin();
   if (task_ && is_first) internal::WarnOfNoWords(*task_, config_.task->kind(), instruction());
   collisions_.Forget();
   ticks_ = 0;
@@ -207,31 +232,32 @@ void Env::Reset(const EnvResetOptions& options) {
   motions_.assign(arms_.size(), {});
   Observe();
   phase_ = Phase::kReady;
-  for (EnvObserver* observer : *observers_) observer->OnStart();
+  for (EnvObserver* observer : observers_) observer->OnStart();
 }
 
-void Env::AddObserver(EnvObserver* observer) {
-  observers_->push_back(observer);
-  cell_->set_on_control_tick([all = observers_](const mjModel* model, const mjData* data) {
-    for (EnvObserver* each : *all) each->OnControlTick(model, data);
+void Env::State::AddObserver(EnvObserver* observer) {
+  observers_.push_back(observer);
+  cell_.set_on_control_tick([this](const mjModel* model, const mjData* data) {
+    for (EnvObserver* each : observers_) each->OnControlTick(model, data);
   });
 }
 
-void Env::RemoveObserver(EnvObserver* observer) {
-  std::erase(*observers_, observer);
-  if (observers_->empty()) cell_->set_on_control_tick({});
+void Env::State::RemoveObserver(EnvObserver* observer) {
+  std::erase(observers_, observer);
+  if (observers_.empty()) cell_.set_on_control_tick({});
 }
 
-std::string Env::instruction() const {
+std::string Env::State::instruction() const {
   return task_ ? internal::TaskCalls(*task_).Instruction() : "";
 }
 
-void Env::DropTask() {
-  cell_->DropTask();
+void Env::State::DropTask() {
+  features_.reset();
+  cell_.DropTask();
   task_.reset();
 }
 
-void Env::RequireReady() const {
+void Env::State::RequireReady() const {
   switch (phase_) {
     case Phase::kReady:
       return;
@@ -244,26 +270,47 @@ void Env::RequireReady() const {
   }
 }
 
-void Env::RequireAction(std::span<const double> action) const {
+void Env::State::RequireAction(std::span<const double> action) const {
   RequireReady();
   if (action.size() != static_cast<size_t>(layout_.action.size())) {
     throw ArgumentError(fmt::format("{}: expected an action of {}, got {}", place(),
                                     Counted(layout_.action.size(), "number"), action.size()));
   }
-  for (const ArmDriver& arm : arms_) arm.RequireAction(action, place());
+  for (const internal::ArmDriver& arm : arms_) arm.RequireAction(action, place());
 }
 
-std::vector<std::string> Env::Send(std::span<const double> action) {
+CellFeatures& Env::State::features() {
+  if (!features_) {
+    const Scene scene = scene_.inner();
+    features_.emplace(FeaturesOfCell(scene, RobotsOf(scene), Lent(task_),
+                                     internal::OwnAmong(config_.features.names)));
+  }
+  return *features_;
+}
+
+std::vector<std::string> Env::State::Send(std::span<const double> action) {
   std::vector<std::string> failed;
-  for (ArmDriver& arm : arms_) {
+  for (internal::ArmDriver& arm : arms_) {
     if (!arm.Send(action)) failed.push_back(arm.layout().robot);
+  }
+  return failed;
+}
+
+std::vector<std::string> Env::State::Send(Action action) {
+  std::vector<std::string> failed;
+  for (internal::ArmDriver& arm : arms_) {
+    if (!arm.SendOwn(action)) failed.push_back(arm.layout().robot);
+  }
+  for (const auto& [name, commands] : action) {  // of groups that no action of its own moves
+    if (commands.empty()) continue;
+    if (!Robot::Of(scene_.inner(), name).Apply(commands).ok) failed.push_back(name);
   }
   return failed;
 }
 
 // Returns the ticks to the next multiple of 1/frequency since the reset, without drift; or at most
 // the time that motions may take.
-int64_t Env::TicksOfStep() const {
+int64_t Env::State::TicksOfStep() const {
   const SimSettings& sim = config_.sim;
   if (!sim.async_control)
     return std::max<int64_t>(1, TicksUntil(sim.max_convergence_time, scene_.timestep()));
@@ -272,38 +319,40 @@ int64_t Env::TicksOfStep() const {
 }
 
 // Returns the status of the arm that is farthest from having arrived.
-ArmStatus Env::StatusOfAll() {
-  ArmStatus status = ArmStatus::kArrived;
-  for (ArmDriver& arm : arms_) status = std::min(status, arm.Status(scene_.time()));
+internal::ArmStatus Env::State::StatusOfAll() {
+  internal::ArmStatus status = internal::ArmStatus::kArrived;
+  for (internal::ArmDriver& arm : arms_) status = std::min(status, arm.Status(scene_.time()));
   return status;
 }
 
-double Env::TimeSinceReset() const { return static_cast<double>(ticks_) * scene_.timestep(); }
-
-// Called after every engine step.
-bool Env::ShouldEnd() {
-  ++ticks_;
-  cameras_.Tick(TimeSinceReset());
-  for (ArmDriver& arm : arms_) arm.Watch(scene_.time());
-  collided_ = collisions_.FindNew() || collided_;
-  if (collided_ && EndsAtCollision()) return true;
-  return !config_.sim.async_control && StatusOfAll() != ArmStatus::kMoving;
+double Env::State::TimeSinceReset() const {
+  return static_cast<double>(ticks_) * scene_.timestep();
 }
 
-bool Env::EndsAtCollision() const {
+// Called after every engine step.
+bool Env::State::ShouldEnd() {
+  ++ticks_;
+  cameras_.Tick(TimeSinceReset());
+  for (internal::ArmDriver& arm : arms_) arm.Watch(scene_.time());
+  collided_ = collisions_.FindNew() || collided_;
+  if (collided_ && EndsAtCollision()) return true;
+  return !config_.sim.async_control && StatusOfAll() != internal::ArmStatus::kMoving;
+}
+
+bool Env::State::EndsAtCollision() const {
   return config_.sim.on_collision != OnCollision::kReport && !held_;
 }
 
-EndReason Env::ReasonOf(const StepResult& step, const EnvStep& out) {
+EndReason Env::State::ReasonOf(const StepResult& step, const EnvStep& out) {
   if (!step.ok()) return EndReason::kDiverged;
   if (held_ || (collided_ && EndsAtCollision())) return EndReason::kCollision;
   if (!out.ik_failed.empty()) return EndReason::kIkFailed;
   switch (StatusOfAll()) {
-    case ArmStatus::kArrived:
+    case internal::ArmStatus::kArrived:
       return EndReason::kArrived;
-    case ArmStatus::kSettled:
+    case internal::ArmStatus::kSettled:
       return EndReason::kSettled;
-    case ArmStatus::kMoving:
+    case internal::ArmStatus::kMoving:
       break;
   }
   return EndReason::kTimeout;
@@ -311,29 +360,42 @@ EndReason Env::ReasonOf(const StepResult& step, const EnvStep& out) {
 
 // If a robot has collided, goes back to the beginning of the step, which is then simulated again
 // with the arms held at their previous targets.
-bool Env::GoBack(const EnvState& before, EnvStep& out) {
+bool Env::State::GoBack(const EnvState& before, EnvStep& out) {
   if (!collided_) return false;
   out.collisions = collisions_.found();
   RecallCell(before);  // the task has not been asked since
   collisions_.Begin();
   cameras_.GoBackToMark();
   held_ = true;
-  for (EnvObserver* observer : *observers_) observer->OnTakenBack();
+  for (EnvObserver* observer : observers_) observer->OnTakenBack();
   return true;
 }
 
-EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
-  const SceneUse::Claim claim(scene_.use(), "Env::Step");
+EnvStep Env::State::Step(std::span<const double> action, const Poll& poll) {
+  const SceneUse::Claim claim(scene_.use(), "Env.step");
   RequireAction(action);
+  for (EnvObserver* observer : observers_) observer->OnAction(action);
+  return Make([&] { return Send(action); }, poll);
+}
+
+EnvStep Env::State::Act(const std::map<std::string, std::vector<double>>& commands,
+                        const Poll& poll) {
+  const SceneUse::Claim claim(scene_.use(), "Env.step");
+  RequireReady();
+  const Action action = features().ToAction(commands);
+  for (EnvObserver* observer : observers_) observer->OnCommands(action);
+  return Make([&] { return Send(action); }, poll);
+}
+
+EnvStep Env::State::Make(const SendCommands& send, const Poll& poll) {
   EnvStep out;
   collided_ = held_ = false;
   const bool guarded = config_.sim.on_collision == OnCollision::kGuard;
   const std::optional<EnvState> before = guarded ? std::optional(CellState()) : std::nullopt;
-  for (EnvObserver* observer : *observers_) observer->OnAction(action);
   phase_ = Phase::kBroken;  // until the state is complete
   collisions_.Begin();
   internal::CellCommand command;
-  command.send = [&] { return out.ik_failed = Send(action), StepOutcome(); };
+  command.send = [&] { return out.ik_failed = send(), StepOutcome(); };
   command.most_ticks = TicksOfStep();
   command.done = [&] {
     if (poll) poll();
@@ -343,35 +405,32 @@ EnvStep Env::Step(std::span<const double> action, const Poll& poll) {
     cameras_.Mark();
     command.goes_back = [&] { return GoBack(*before, out); };
   }
-  const internal::CellStep step = cell_->Step(command);
+  const internal::CellStep step = cell_.Step(command);
   out.reason = ReasonOf(step.step, out);
   out.message = step.step.message;
   if (!held_) out.collisions = collisions_.found();
   out.time = TimeSinceReset();
   if (out.reason == EndReason::kDiverged) {
     phase_ = Phase::kDiverged;
-    TellOfStep(*observers_, out);
+    TellOfStep(observers_, out);
     return out;
   }
   for (size_t i = 0; i < arms_.size(); ++i) motions_[i] = arms_[i].motion();
-  out.reward = step.verdict.reward;
-  out.progress = step.verdict.progress;
-  out.subtask = step.verdict.subtask;
-  out.success = step.verdict.success;
+  static_cast<TaskVerdict&>(out) = step.verdict;
   Observe();  // after the verdict: signals may use it
   if (config_.sim.realtime) pacer_.Wait(out.time, poll);
   phase_ = Phase::kReady;
-  TellOfStep(*observers_, out);
+  TellOfStep(observers_, out);
   return out;
 }
 
-void Env::Observe() {
-  for (const ArmDriver& arm : arms_) arm.Observe(observation_);
+void Env::State::Observe() {
+  for (const internal::ArmDriver& arm : arms_) arm.Observe(observation_);
   const Pose world_to_shared = scene_.shared_base_frame_to_world().inverse();
   for (size_t i = 0; i < objects_.size(); ++i) {
     const VectorPart& part = layout_.objects[i].tquat;
     const std::span<double> out = std::span(observation_).subspan(part.begin, part.size);
-    ObserveTquat(world_to_shared * objects_[i].pose_in_world(), out);
+    internal::ObserveTquat(world_to_shared * objects_[i].pose_in_world(), out);
     for (double& x : out.first(3)) x = std::clamp(x, -kFarthestObject, kFarthestObject);
   }
   if (task_) ReadInto(signals_, layout_.all_signals);
@@ -379,7 +438,7 @@ void Env::Observe() {
   if (draws_) cameras_.Draw(TimeSinceReset());
 }
 
-void Env::ReadInto(FeatureSource& source, const VectorPart& part) {
+void Env::State::ReadInto(FeatureSource& source, const VectorPart& part) {
   if (part.size == 0) return;
   source.Read(std::span(observation_).subspan(part.begin, part.size));
   const VectorRange& range = layout_.observation;
@@ -387,8 +446,8 @@ void Env::ReadInto(FeatureSource& source, const VectorPart& part) {
     observation_[i] = std::clamp(observation_[i], range.lower[i], range.upper[i]);
 }
 
-void Env::SetOriginToCurrent(const std::string& robot) {
-  for (ArmDriver& arm : arms_) {
+void Env::State::SetOriginToCurrent(const std::string& robot) {
+  for (internal::ArmDriver& arm : arms_) {
     if (arm.layout().robot == robot) return arm.SetOriginToCurrent();
   }
   throw NotFoundError(NoSuchName(place(), "robot", robot, config_.robots.keys()));

@@ -34,38 +34,21 @@
 #include <string>
 #include <vector>
 
-#include "robocell/base/rng.h"
-#include "robocell/env/arm_driver.h"
-#include "robocell/env/collision_monitor.h"
-#include "robocell/env/env_cameras.h"
 #include "robocell/env/env_layout.h"
 #include "robocell/env/env_observer.h"
 #include "robocell/env/env_state.h"
-#include "robocell/env/object_variations.h"
-#include "robocell/env/pacer.h"
-#include "robocell/features/declared_features.h"
-#include "robocell/scene/body_handle.h"
-#include "robocell/scenes/start_inspector.h"
+#include "robocell/env/env_step.h"
+#include "robocell/features/cell_images.h"
+#include "robocell/scene/scene.h"
 #include "robocell/spec/env_config.h"
 #include "robocell/task/task.h"
 
 namespace robocell {
 
-// Reasons for the end of a step; the first that applies is reported.
-enum class EndReason { kDiverged, kCollision, kIkFailed, kArrived, kSettled, kTimeout };
-const char* ToString(EndReason reason);
-
-struct EnvStep {
-  EndReason reason = EndReason::kTimeout;
-  double time = 0;           // simulated s since the reset
-  std::string message = {};  // description of a divergence
-  double reward = 0;         // reward of the task; 0 without one
-  double progress = 0;       // progress of the task, 0 ... 1
-  int subtask = 0;           // index of the task's subtask during the action
-  bool success = false;
-  std::vector<std::string> ik_failed = {};  // names of robots
-  std::vector<Collision> collisions = {};   // new contacts in this step
-};
+class CellFeatures;
+namespace internal {
+struct SharedDrawing;
+}
 
 struct EnvResetOptions {
   // Unset: the next seed of the stream that the last seed began; that is 0 at first, and a
@@ -75,45 +58,54 @@ struct EnvResetOptions {
   std::optional<KeyframeChoice> keyframe = {};
 };
 
-namespace internal {
-class Cell;
-class PreparedObjects;
-}  // namespace internal
-
 class Env {
  public:
   explicit Env(const EnvConfig& config, const DataFactory& factory = {});
   // Uses an existing scene of EnvSceneSpec(config). `copy`: number of this copy of several. With
   // `drawing`, images are drawn when DrawFrames is called.
   Env(EnvConfig config, Scene scene, std::optional<int> copy = {},
-      const std::shared_ptr<SharedDrawing>& drawing = nullptr);
+      const std::shared_ptr<internal::SharedDrawing>& drawing = nullptr);
+  ~Env();
+  Env(Env&&) noexcept;
 
-  const EnvConfig& config() const { return config_; }
-  const EnvLayout& layout() const { return layout_; }
-  const Scene& scene() const { return scene_; }
+  const EnvConfig& config() const;
+  const EnvLayout& layout() const;
+  const Scene& scene() const;
 
+  // Throws NotFoundError for a keyframe that no robot has, before anything changes.
   void Reset(const EnvResetOptions& options = {});
   // `action` has layout().action.size() numbers. Throws Error before the first Reset and after a
   // divergence. `poll` is called after each engine step, and often while a step waits for real
   // time; its exception ends the step halfway.
   EnvStep Step(std::span<const double> action, const std::function<void()>& poll = {});
+  // The same with commands by the names of features().commanded(), which are the names of action
+  // columns in datasets: {{"robots/left/action/arm", q}}. Groups without a command keep their
+  // target. Neither `relative_to` nor max_relative_movement and max_target_lead apply: the recorded
+  // targets of an episode give its states again, to the bit. Throws NotFoundError with the nearest
+  // names, and ArgumentError for two commands of one group, before anything moves.
+  EnvStep Act(const std::map<std::string, std::vector<double>>& commands,
+              const std::function<void()>& poll = {});
   // Requires a Reset or a restored state before the next step, as after an error halfway: for
   // callers that step several environments together, when another one has failed.
-  void WantReset() { phase_ = Phase::kBroken; }
+  void WantReset();
   // Throws what Step would throw for this action, without moving anything.
   void RequireAction(std::span<const double> action) const;
   // Returns the observation after the last Reset or Step, layout().observation.size() numbers; a
   // step that diverged keeps the previous observation.
-  std::span<const double> observation() const { return observation_; }
+  std::span<const double> observation() const;
+  // Returns the features of the cell under the names that datasets have, for observations of the
+  // present state and for Act; valid until the next Reset.
+  CellFeatures& features();
 
   // Returns each robot's remaining motion at the end of the last step, in the order of
   // layout().robots; zeros after a reset.
-  const std::vector<ArmMotion>& motions() const { return motions_; }
+  const std::vector<ArmMotion>& motions() const;
 
-  // Returns the last frame of each image stream.
-  const std::vector<EnvFrame>& frames() const { return cameras_.frames(); }
+  // Returns the last frame of each image stream, with the time since the reset at which it was
+  // taken. Images that the stream does not take are empty.
+  const std::vector<CellImage>& frames() const;
   // Draws the pending frames; only needed with a SharedDrawing, otherwise they are already drawn.
-  void DrawFrames() { cameras_.Draw(TimeSinceReset()); }
+  void DrawFrames();
   // Returns the task in words; "" without a task.
   std::string instruction() const;
 
@@ -147,83 +139,12 @@ class Env {
 
   // Return and drop the environment's only reference to the task (null without one), for owners
   // in another language. Without its task an environment cannot be used any more.
-  const std::shared_ptr<Task>& task() const { return task_; }
+  const std::shared_ptr<Task>& task() const;
   void DropTask();
 
  private:
-  enum class Phase { kUnready, kReady, kDiverged, kBroken };
-
-  struct Snapshot {
-    uint64_t generation = 0;  // generation of the scene
-    EnvState state;
-  };
-
-  BodyPoses TaskStarts(Rng& rng);
-  void ResetToStart(const ResetOptions& options);
-  void TryStart(bool is_first);
-  void FindPreparedObjects(bool is_first);
-  void PutPrepared(Rng& rng);
-  void MakeInspector();
-  std::optional<Refusal> MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& keyframe,
-                                   const std::vector<std::vector<double>>& kept_joints);
-  std::string NoStart(const Refusal& most_often) const;
-  std::string NoPlace() const;
-  void RequireRest(const std::string& doubt);
-  void WarnOfStart();
-  std::string AdviceFor(const RobotOverlap& overlap) const;
-  void RequireReady() const;
-  Snapshot& RequireSnapshot(const std::string& name);
-  std::vector<std::string> Send(std::span<const double> action);
-  void RequireState(const EnvState& state) const;
-  void RequireFrame(const EnvState& state, StateFrame frame) const;
-  void RecallCell(const EnvState& state);
-  void RecallOthers();
-  void MoveToRoot(const Pose& from);
-  using Poll = std::function<void()>;
-  bool GoBack(const EnvState& before, EnvStep& out);
-  int64_t TicksOfStep() const;
-  double TimeSinceReset() const;
-  bool ShouldEnd();
-  ArmStatus StatusOfAll();
-  EndReason ReasonOf(const StepResult& step, const EnvStep& out);
-  bool EndsAtCollision() const;
-  void Observe();
-  void ReadInto(FeatureSource& source, const VectorPart& part);
-  std::string place() const { return "environment '" + config_.name + "'"; }
-  // Warns of arms and grippers that no action reaches.
-  void RequireDistances(const ArmDriver& arm) const;
-  // Returns the state without the task's memory, which a step that is taken back does not change.
-  EnvState CellState() const;
-  void TellUndriven(const Robot& robot) const;
-
-  EnvConfig config_;
-  Scene scene_;  // the only handle: all others here are inner() ones, as collectors rely on
-  ObjectVariations variations_;
-  std::shared_ptr<Task> task_;
-  DeclaredFeatures signals_;  // of the task
-  ChosenFeatures chosen_;
-  EnvLayout layout_;
-  std::vector<BodyHandle> objects_;  // bodies of layout_.objects
-  std::vector<ArmDriver> arms_;
-  std::shared_ptr<internal::PreparedObjects> prepared_;  // null when no place is drawn
-  std::vector<std::string> resting_;                     // objects that have to rest at the start
-  std::optional<StartInspector> start_inspector_;        // with such objects
-  std::shared_ptr<internal::Cell> cell_;
-  CollisionMonitor collisions_;
-  EnvCameras cameras_;
-  std::map<std::string, Snapshot> saved_;
-  // Shared with the callback at control ticks, which stays in place when an Env is moved.
-  std::shared_ptr<std::vector<EnvObserver*>> observers_ =
-      std::make_shared<std::vector<EnvObserver*>>();
-  RealTimePacer pacer_;
-  Phase phase_ = Phase::kUnready;
-  Rng seeds_;
-  std::vector<double> observation_;
-  std::vector<ArmMotion> motions_;
-  int64_t ticks_ = 0;      // engine steps since the reset
-  bool collided_ = false;  // true if a robot collided in this step
-  bool draws_ = true;
-  bool held_ = false;  // this step, by the guard
+  class State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace robocell

@@ -160,7 +160,7 @@ EndReason SendOneOf(Env& env, size_t arm, const Pose& there) {
   for (size_t i = 0; i < 2; ++i) {
     const auto seen = env.observation().begin() + env.layout().robots[i].tquat.begin;
     Numbers tquat(seen, seen + 7);
-    if (i == arm) PutTquat(there, tquat);
+    if (i == arm) internal::PutTquat(there, tquat);
     action.insert(action.end(), tquat.begin(), tquat.end());
     action.push_back(1);
   }
@@ -175,7 +175,8 @@ TEST(EnvArrival, ArmsSentToOnePoseAgreeWithinTheirJointTolerances) {
   int both = 0;
   for (int i = 0; i < 20; ++i) {
     const Pose down = Pose::FromRpy({0.35, 0, 0.3}, {internal::kPi, 0, 0});
-    const Pose there = MovedBy(down, Pose::FromRpy(RandomVector(rng, 0.1), RandomVector(rng, 0.5)));
+    const Pose there =
+        internal::MovedBy(down, Pose::FromRpy(RandomVector(rng, 0.1), RandomVector(rng, 0.5)));
     int arrived = 0;
     Eigen::Vector3d place[2];
     double tolerance = 0;

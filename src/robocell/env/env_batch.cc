@@ -13,6 +13,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/base/worker_threads.h"
+#include "robocell/env/env_cameras.h"
 #include "robocell/env/env_scene.h"
 
 namespace robocell {
@@ -32,8 +33,8 @@ void RequireBatch(const EnvConfig& config, int count, std::optional<int> max_epi
 }
 
 // Colours are written to a copy of the first model; without variations all copies use the first.
-std::shared_ptr<SharedDrawing> NewDrawing(const EnvConfig& config, const mjModel* model) {
-  auto drawing = std::make_shared<SharedDrawing>();
+std::shared_ptr<internal::SharedDrawing> NewDrawing(const EnvConfig& config, const mjModel* model) {
+  auto drawing = std::make_shared<internal::SharedDrawing>();
   drawing->renderer = MakeRenderer(
       {.backend = config.cameras.renderer.backend, .quality = config.cameras.renderer.quality});
   if (!config.variations.empty()) drawing->model = CopyModel(model);
@@ -102,7 +103,7 @@ EnvBatch::EnvBatch(const EnvConfig& config, int count, int threads,
   RequireBatch(config, count, max_episode_steps);
   const std::shared_ptr<CompiledScene> compiled = CompileEnvScene(config);
   const bool shared = config.variations.empty();
-  const std::shared_ptr<SharedDrawing> drawing =
+  const std::shared_ptr<internal::SharedDrawing> drawing =
       config.cameras.drawn().empty() ? nullptr : NewDrawing(config, compiled->model());
   compiled->Freeze();
   for (int i = 0; i < count; ++i) {
@@ -130,7 +131,7 @@ void EnvBatch::RequireOpen() const {
 
 void EnvBatch::Close() {
   std::deque<SceneUse::Claim> claims;
-  for (const auto& env : envs_) claims.emplace_back(env->scene().use(), "EnvBatch::Close");
+  for (const auto& env : envs_) claims.emplace_back(env->scene().use(), "EnvBatch.close");
   workers_.reset();
   for (const std::unique_ptr<Env>& env : envs_) Scene(env->scene()).Close();
 }
@@ -148,7 +149,7 @@ std::vector<uint8_t> EnvBatch::Draw(const CameraView& camera, int width, int hei
   const size_t one = size_t{3} * static_cast<size_t>(width) * static_cast<size_t>(height);
   std::vector<uint8_t> rgb(one * envs_.size());
   for (size_t i = 0; i < envs_.size(); ++i) {
-    const SceneUse::Claim claim(envs_[i]->scene().use(), "EnvBatch::Draw");
+    const SceneUse::Claim claim(envs_[i]->scene().use(), "EnvBatch.draw");
     pictures_->TakeColours(envs_[i]->scene().model());
     pictures_->renderer->Render(envs_[i]->scene().data(),
                                 {.camera = camera, .width = width, .height = height},
@@ -160,7 +161,7 @@ std::vector<uint8_t> EnvBatch::Draw(const CameraView& camera, int width, int hei
 void EnvBatch::DrawFrames() {
   if (envs_.front()->frames().empty()) return;
   for (const auto& env : envs_) {
-    const SceneUse::Claim claim(env->scene().use(), "EnvBatch::DrawFrames");
+    const SceneUse::Claim claim(env->scene().use(), "EnvBatch.step");
     env->DrawFrames();
   }
 }

@@ -29,8 +29,9 @@
 namespace robocell {
 
 namespace internal {
+struct SharedDrawing;
 class WorkerThreads;
-}
+}  // namespace internal
 
 struct BatchStep {
   std::vector<double> reward;
@@ -92,7 +93,7 @@ class EnvBatch {
   std::vector<int> episode_steps_;
   std::vector<double> observations_;
   BatchStep step_;
-  std::shared_ptr<SharedDrawing> pictures_;
+  std::shared_ptr<internal::SharedDrawing> pictures_;
   std::unique_ptr<internal::WorkerThreads> workers_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
+#include "robocell/env/arm_target.h"
 #include "robocell/env/testing/envs.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/names.h"
@@ -163,7 +164,7 @@ TEST(EnvBatch, ImagesMatchSingleEnvironmentsWithVaryingObjects) {
     EnvBatch batch(config, 2, 2);
     batch.Reset(std::vector<std::optional<uint64_t>>{1, 2});
     std::vector<double> action(8);
-    PutTquat(Pose::FromRpy({0.4, 0, 0.3}, {internal::kPi, 0, 0}), action);
+    internal::PutTquat(Pose::FromRpy({0.4, 0, 0.3}, {internal::kPi, 0, 0}), action);
     std::vector<double> actions = action;
     actions.insert(actions.end(), action.begin(), action.end());
     batch.Step(actions);
@@ -171,7 +172,7 @@ TEST(EnvBatch, ImagesMatchSingleEnvironmentsWithVaryingObjects) {
       Env single(config);
       single.Reset({.seed = i + 1});
       single.Step(action);
-      const EnvFrame &seen = batch.env(i).frames()[0], &alone = single.frames()[0];
+      const CellImage &seen = batch.env(i).frames()[0], &alone = single.frames()[0];
       EXPECT_EQ(seen.rgb, alone.rgb) << varied << i;
       EXPECT_EQ(seen.depth_mm, alone.depth_mm);
       EXPECT_EQ(seen.time, alone.time);

@@ -9,19 +9,22 @@
 #include "robocell/base/error.h"
 #include "robocell/render/stream_camera.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Rounding of a time multiplied by a rate: the engine's clock, a sum of steps such as 1/480 s, is
 // off by that much after hours.
 constexpr double kRounding = 1e-6;
 
-EnvFrame FrameOf(const CameraConfig& stream, int width, int height) {
-  EnvFrame frame{.stream = stream.name, .width = width, .height = height};
+CellImage FrameOf(const CameraConfig& stream, int width, int height) {
+  CellImage frame;
+  frame.name = stream.name;
+  frame.width = width;
+  frame.height = height;
   const size_t pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
   if (stream.rgb) frame.rgb.resize(3 * pixels);
   if (stream.depth) frame.depth_mm.resize(pixels);
-  if (stream.segmentation) frame.segmentation.resize(pixels);
+  if (stream.segmentation) frame.bodies.resize(pixels);
   return frame;
 }
 
@@ -35,17 +38,6 @@ void RequireRate(const CameraConfig& stream, double timestep) {
 }
 
 }  // namespace
-
-void CopyFrame(const EnvFrame& frame, CellImage& image) {
-  image.name = frame.stream;
-  image.width = frame.width;
-  image.height = frame.height;
-  image.camera = frame.camera;
-  image.rgb = frame.rgb;
-  image.depth_mm = frame.depth_mm;
-  image.bodies.resize(frame.segmentation.size());
-  ToSegments(frame.segmentation, image.bodies);
-}
 
 void SharedDrawing::TakeColours(const mjModel* copy) {
   if (model) std::copy_n(copy->geom_rgba, 4 * copy->ngeom, model->geom_rgba);
@@ -74,7 +66,7 @@ void EnvCameras::Bind() {
   const mjModel* m = scene_.model();
   for (Stream& stream : streams_) {
     const CameraConfig& config = stream.config;
-    stream.view = internal::ViewOfStream(scene_, config);
+    stream.view = ViewOfStream(scene_, config);
     stream.qpos.resize(m->nq);
     stream.mocap_pos.resize(3 * m->nmocap);
     stream.mocap_quat.resize(4 * m->nmocap);
@@ -112,14 +104,17 @@ void EnvCameras::Tick(double time) {
   }
 }
 
-void EnvCameras::DrawOne(Stream& stream, EnvFrame& frame) {
+void EnvCameras::DrawOne(Stream& stream, CellImage& frame) {
   if (shared_) shared_->TakeColours(scene_.model());
   std::copy(stream.qpos.begin(), stream.qpos.end(), scratch_->qpos);
   std::copy(stream.mocap_pos.begin(), stream.mocap_pos.end(), scratch_->mocap_pos);
   std::copy(stream.mocap_quat.begin(), stream.mocap_quat.end(), scratch_->mocap_quat);
+  ids_.resize(frame.bodies.size());
+  frame.view = stream.view;
   frame.camera = renderer_->Render(
       scratch_.get(), {.camera = stream.view, .width = frame.width, .height = frame.height},
-      {.rgb = frame.rgb, .depth_mm = frame.depth_mm, .segmentation = frame.segmentation});
+      {.rgb = frame.rgb, .depth_mm = frame.depth_mm, .segmentation = ids_});
+  ToSegments(ids_, frame.bodies);
   frame.time = stream.time;
   stream.pending = false;
 }
@@ -132,4 +127,4 @@ void EnvCameras::Draw(double time) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -8,7 +8,7 @@
 //   cameras.Reset();
 //   ... per engine step: cameras.Tick(time) ...
 //   cameras.Draw(time);
-//   for (const EnvFrame& frame : cameras.frames()) ...
+//   for (const CellImage& frame : cameras.frames()) ...
 //
 // With a SharedDrawing (copies of one environment that one renderer draws in turn) its owner calls
 // Draw, on one thread at a time.
@@ -28,21 +28,7 @@
 #include "robocell/scene/scene.h"
 #include "robocell/spec/camera_spec.h"
 
-namespace robocell {
-
-// The last frame of a stream. Images that the stream does not take are empty.
-struct EnvFrame {
-  std::string stream;
-  int width = 0, height = 0;
-  double time = 0;                    // simulated s since the reset
-  CameraModel camera;                 // camera of the image: intrinsics, extrinsics
-  std::vector<uint8_t> rgb;           // rows from the top
-  std::vector<uint16_t> depth_mm;     // 0 where there is no surface
-  std::vector<int32_t> segmentation;  // body ids, -1 where there is no surface
-};
-
-// Copies a frame to the form of a cell's images, which episodes and policies have.
-void CopyFrame(const EnvFrame& frame, CellImage& image);
+namespace robocell::internal {
 
 // One renderer for copies of one model.
 struct SharedDrawing {
@@ -68,7 +54,8 @@ class EnvCameras {
   void Tick(double time);
   // Draws the stored frames, and those that are taken with every observation.
   void Draw(double time);
-  const std::vector<EnvFrame>& frames() const { return frames_; }
+  // Returns the last frame of each stream. Images that the stream does not take are empty.
+  const std::vector<CellImage>& frames() const { return frames_; }
 
   // Remembers the frames that are due, to return to them after a look ahead.
   void Mark() { marked_ = streams_; }
@@ -87,7 +74,7 @@ class EnvCameras {
   // Looks cameras up again after a rebuild of the scene.
   void Bind();
   void Keep(Stream& stream, double time);
-  void DrawOne(Stream& stream, EnvFrame& frame);
+  void DrawOne(Stream& stream, CellImage& frame);
 
   Scene scene_;
   uint64_t generation_ = 0;
@@ -95,7 +82,8 @@ class EnvCameras {
   std::shared_ptr<Renderer> renderer_;
   DataPtr scratch_;
   std::vector<Stream> streams_, marked_;
-  std::vector<EnvFrame> frames_;
+  std::vector<CellImage> frames_;
+  std::vector<int32_t> ids_;  // bodies, as the renderer returns them
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
+#include "robocell/data/episode_schema.h"
 #include "robocell/env/env.h"
 #include "robocell/env/testing/envs.h"
 #include "robocell/testing/expect_throw.h"
@@ -37,15 +38,15 @@ TEST(EnvImages, DepthIsInMillimetres) {
   Env env(config);
   env.Reset();
   ASSERT_EQ(env.frames().size(), 2u);
-  const EnvFrame& top = env.frames()[0];
+  const CellImage& top = env.frames()[0];
   EXPECT_EQ(top.rgb.size(), 32u * 24 * 3);
   ASSERT_EQ(top.depth_mm.size(), 32u * 24);
   for (const uint16_t mm : top.depth_mm) EXPECT_NEAR(mm, 1500, 2);
-  EXPECT_TRUE(top.segmentation.empty());
-  const EnvFrame& up = env.frames()[1];  // sees nothing
+  EXPECT_TRUE(top.bodies.empty());
+  const CellImage& up = env.frames()[1];  // sees nothing
   EXPECT_TRUE(up.rgb.empty());
   for (const uint16_t mm : up.depth_mm) EXPECT_EQ(mm, 0);
-  for (const int32_t body : up.segmentation) EXPECT_EQ(body, -1);
+  for (const uint16_t body : up.bodies) EXPECT_EQ(body, kNoSegment);
 }
 
 TEST(EnvImages, DepthSaturates) {
@@ -126,7 +127,7 @@ TEST(EnvImages, RequireAnExistingCamera) {
   config.cameras.streams[1].camera = "wrist_camera";  // of the robot
   Env env(config);
   env.Reset();
-  EXPECT_EQ(env.frames()[1].stream, "hand");
+  EXPECT_EQ(env.frames()[1].name, "hand");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
 #include "robocell/env/base_frame.h"
+#include "robocell/features/chosen_features.h"
 #include "robocell/features/robot_features.h"
 #include "robocell/task/task_features.h"
 
@@ -95,7 +96,7 @@ class Builder {
     }
   }
 
-  void AddFeatures(const ChosenFeatures& chosen) {
+  void AddFeatures(const internal::ChosenFeatures& chosen) {
     out_.all_features = {static_cast<int>(out_.observed.size()), static_cast<int>(chosen.size())};
     for (size_t i = 0; i < chosen.keys().size(); ++i) {
       const Feature& feature = chosen.features()[i];
@@ -265,7 +266,7 @@ std::vector<Interval> CommandLimits(const Robot& robot) {
 }
 
 EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots, const Task* task,
-                        const FeatureSource& signals, const ChosenFeatures& chosen) {
+                        const FeatureSource& signals, const internal::ChosenFeatures& chosen) {
   Builder builder(config);
   const std::vector<std::string> names = config.robots.keys();
   for (size_t i = 0; i < robots.size(); ++i) builder.Add(names[i], robots[i]);

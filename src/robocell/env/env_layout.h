@@ -14,12 +14,16 @@
 #include <vector>
 
 #include "robocell/data/feature_schema.h"
-#include "robocell/features/chosen_features.h"
 #include "robocell/robot/robot.h"
 #include "robocell/spec/env_config.h"
 #include "robocell/task/task.h"
 
 namespace robocell {
+
+class FeatureSource;
+namespace internal {
+class ChosenFeatures;
+}
 
 // A part of a flat vector.
 struct VectorPart {
@@ -85,7 +89,7 @@ inline constexpr double kJointSlack = 0.5;
 // without one, and `signals` are its declared signals, as "task/<name>"; `chosen` are the features
 // of the configuration.
 EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots, const Task* task,
-                        const FeatureSource& signals, const ChosenFeatures& chosen);
+                        const FeatureSource& signals, const internal::ChosenFeatures& chosen);
 
 // Returns the name of number i of the observation: "left.joints[2]", "objects.cube.tquat[0]",
 // "task.goal[1]".

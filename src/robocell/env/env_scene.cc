@@ -83,6 +83,7 @@ class SceneLocations {
   void Put(const std::string& part, const std::string& field) {
     if (const auto at = config_.Exactly(field)) sources_[part] = *at;
   }
+  void PutPlace(const std::string& part, const std::string& place) { sources_[part] = place; }
   // The i-th entry of a list of the scene, which the environment has at `field`.
   void PutEntry(const std::string& list, size_t i, const std::string& field) {
     const std::string part = fmt::format("{}[{}]", list, i);
@@ -99,7 +100,23 @@ class SceneLocations {
   SourceMap sources_;
 };
 
-Locations LocateScene(const EnvConfig& config) {
+// Returns where the task adds its objects: the line of its prepare(), or of `task` in the file.
+std::string PlaceOfPrepare(const EnvConfig& config) {
+  if (!config.task) return "";
+  const std::string code =
+      FindTaskKind(config.task->kind())->Make(*config.task)->PlaceOfHook("prepare");
+  return code.empty() ? config.locations.Exactly("task").value_or("") : code;
+}
+
+size_t CountOfObjects(const EnvConfig& config) {
+  size_t count = config.root_frame_objects.size() + config.world_frame_objects.size();
+  for (const auto& [robot, objects] : config.robot_frame_objects.entries())
+    count += objects->size();
+  return count;
+}
+
+// `prepared`: place of the objects that the task adds, "" for none; `count`: all objects.
+Locations LocateScene(const EnvConfig& config, const std::string& prepared = "", size_t count = 0) {
   SceneLocations scene(config.locations);
   scene.Put("base", "scene");
   size_t object = 0;
@@ -114,6 +131,8 @@ Locations LocateScene(const EnvConfig& config) {
   size_t camera = 0;
   for (const std::string& name : config.camera_adds.keys())
     scene.PutEntry("cameras", camera++, JoinPath("camera_adds", name));
+  for (size_t i = CountOfObjects(config); !prepared.empty() && i < count; ++i)
+    scene.PutPlace(fmt::format("objects[{}]", i), prepared);
   return scene.Get();
 }
 
@@ -134,8 +153,17 @@ void AddCameras(const EnvConfig& config, SceneSpec& scene) {
 }  // namespace
 
 std::shared_ptr<CompiledScene> CompileEnvScene(const EnvConfig& config) {
-  const SceneSpec spec = EnvSceneSpec(config);
-  if (config.saved_scene.empty()) return CompileScene(spec);
+  SceneSpec spec = EnvSceneSpec(config);
+  if (config.saved_scene.empty()) {
+    try {
+      return CompileScene(spec);
+    } catch (const Error&) {
+      if (spec.objects.size() == CountOfObjects(config)) throw;
+      // Objects of the task may be the reason: the error is the same then, with their place.
+      spec.locations = LocateScene(config, PlaceOfPrepare(config), spec.objects.size());
+      return CompileScene(spec);
+    }
+  }
   return internal::CompileSavedScene(spec,
                                      std::filesystem::path(config.source_dir) / config.saved_scene);
 }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/rng.h"
@@ -13,6 +14,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
+#include "robocell/task/task_kind.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/random_values.h"
 #include "robocell/testing/source_dir.h"
@@ -302,6 +304,55 @@ TEST(EnvScene, ALooseObjectIsNotCarriedByARobot) {
                          "object 'tool': can move freely, so it cannot be attached to the "
                          "attachment site of robot 'left'; attach it to the world, or set fixed: "
                          "true");
+}
+
+// A task that adds a model, which its field names.
+struct OfAModelConfig {
+  std::string model = "nowhere.xml";
+  bool is_known = false;  // where prepare is written
+
+  static constexpr const char* kKind = "of_a_model";
+  static constexpr const char* kTypeName = "OfAModelConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("model", &OfAModelConfig::model, "Model of the object.");
+    v("is_known", &OfAModelConfig::is_known, "Whether the code has a place.");
+  }
+};
+
+class OfAModel : public Task {
+ public:
+  explicit OfAModel(const OfAModelConfig& fields) : fields_(fields) {}
+  void Prepare(SceneSpec& spec, Rng& /*rng*/) override {
+    spec.objects.push_back({.name = "cup", .mjcf_path = fields_.model});
+  }
+  TaskVerdict Judge(const Scene& /*scene*/) override { return {}; }
+  std::string instruction() const override { return "drink"; }
+  std::string PlaceOfHook(const char* method) const override {
+    return fields_.is_known ? "mine.cc:7, in " + std::string(method) : "";
+  }
+
+ private:
+  OfAModelConfig fields_;
+};
+
+TEST(EnvScene, AModelThatATaskAddsIsNamedWithItsLine) {
+  RegisterTask<OfAModelConfig>(std::make_shared<TaskKindOf<OfAModelConfig, OfAModel>>());
+  EnvConfig config = Rc7Env();
+  config.root_frame_objects["box"] = {.offset = At(0.4, 0, 0.1),
+                                      .shape = Shape::kBox,
+                                      .size = Vec3{0.02, 0.02, 0.02},
+                                      .mass = 0.05};
+  config.task = OfAModelConfig{.is_known = true};
+  ExpectThrow<NotFoundError>(
+      [&] { CompileEnvScene(config); },
+      "mine.cc:7, in prepare: object 'cup': model file 'nowhere.xml' not found");
+  const TempDir folder;
+  const std::string file = folder.path() / "cell.yaml";
+  AtomicWrite(
+      file, "robots: {robot: " + assets::BuiltinRobotFile("rc7") + "}\ntask: {kind: of_a_model}\n");
+  ExpectThrow<NotFoundError>([&] { CompileEnvScene(EnvConfig::Load(file)); },
+                             "cell.yaml:2:7: object 'cup': model file");
 }
 
 }  // namespace

@@ -77,8 +77,8 @@ TEST(EnvSingular, SmallActionsNearASingularityContinue) {
       const Numbers action = RandomAction(rng);
       const auto before = robot.controller("arm").commanded_joint_pos();
       const Numbers from(before.begin(), before.end());
-      const Pose commanded =
-          MovedBy(TargetPose(env), PoseOfAction(ControlMode::kCartesianTrpy, action));
+      const Pose commanded = internal::MovedBy(
+          TargetPose(env), internal::PoseOfAction(ControlMode::kCartesianTrpy, action));
       const double most = internal::LargestJointStep(robot.chain(), TargetPose(env), commanded);
       EXPECT_THAT(env.Step(action).ik_failed, IsEmpty()) << wrist << " " << step;
       const auto after = robot.controller("arm").commanded_joint_pos();

@@ -13,8 +13,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
 #include "robocell/base/suggestions.h"
-#include "robocell/env/env.h"
-#include "robocell/env/prepared_objects.h"
+#include "robocell/env/env_impl.h"
 #include "robocell/robot/floating_base.h"
 #include "robocell/scenes/settle.h"
 #include "robocell/task/task_calls.h"
@@ -99,11 +98,11 @@ std::string WhyPlaced(const std::vector<std::string>& objects) {
 
 }  // namespace
 
-BodyPoses Env::TaskStarts(Rng& rng) {
+BodyPoses Env::State::TaskStarts(Rng& rng) {
   return task_ ? internal::TaskCalls(*task_).Starts(rng) : BodyPoses();
 }
 
-void Env::ResetToStart(const ResetOptions& options) {
+void Env::State::ResetToStart(const ResetOptions& options) {
   if (task_)
     internal::TaskCalls(*task_).Reset(scene_, options);
   else
@@ -112,8 +111,9 @@ void Env::ResetToStart(const ResetOptions& options) {
 
 // Returns the most frequent refusal unless a start was found. Each start is drawn from the next
 // values of the seed's stream.
-std::optional<Refusal> Env::MakeStart(uint64_t seed, const std::optional<KeyframeChoice>& keyframe,
-                                      const std::vector<std::vector<double>>& kept_joints) {
+std::optional<Refusal> Env::State::MakeStart(uint64_t seed,
+                                             const std::optional<KeyframeChoice>& keyframe,
+                                             const std::vector<std::vector<double>>& kept_joints) {
   Rng of_task = Rng::Stream(seed, "env task"), of_places = Rng::Stream(seed, "env places");
   Refusals refusals;
   for (int i = 0; i < kMostStarts; ++i) {
@@ -131,7 +131,7 @@ std::optional<Refusal> Env::MakeStart(uint64_t seed, const std::optional<Keyfram
     ResetToStart({.keyframe = keyframe, .seed = noise, .body_poses = starts});
     for (size_t k = 0; k < kept_joints.size(); ++k)
       Robot(arms_[k].robot()).SetJointPos(kept_joints[k]);
-    for (ArmDriver& arm : arms_) arm.Reset();
+    for (internal::ArmDriver& arm : arms_) arm.Reset();
     if (task_) {
       if (auto refusal = internal::TaskCalls(*task_).Arrange(scene_, of_task)) {
         refusals.Add(std::move(*refusal).MadeBy(Refusal::kTaskStage));
@@ -154,9 +154,9 @@ std::optional<Refusal> Env::MakeStart(uint64_t seed, const std::optional<Keyfram
   return refusals.MostOften();
 }
 
-std::string Env::NoStart(const Refusal& most_often) const {
+std::string Env::State::NoStart(const Refusal& most_often) const {
   // A size that is wrong by a factor of thousand causes all other problems.
-  if (const auto huge = ObjectsInMillimetres(scene_); !huge.empty())
+  if (const auto huge = internal::ObjectsInMillimetres(scene_); !huge.empty())
     return fmt::format("{}: no episode can begin, because {}", place(), huge.front());
   const std::string found = fmt::format("{}: {}found no start in {} tries: most often {}", place(),
                                         config_.task ? "task '" + config_.task->kind() + "' " : "",
@@ -165,16 +165,16 @@ std::string Env::NoStart(const Refusal& most_often) const {
   return found + ". Move its objects to a free place (root_frame_objects), or change task.spread";
 }
 
-std::string Env::NoPlace() const {
+std::string Env::State::NoPlace() const {
   return fmt::format("{}: task '{}': {}", place(), config_.task->kind(), prepared_->Advice());
 }
 
 // Finds the objects that stay at their positions: they must be at rest there, like those that the
 // task names.
-void Env::FindPreparedObjects(bool is_first) {
+void Env::State::FindPreparedObjects(bool is_first) {
   if (!task_ && config_.places.empty()) return;
   if (task_) resting_ = internal::TaskCalls(*task_).RestingObjects(scene_);
-  prepared_ = std::make_shared<internal::PreparedObjects>(scene_.inner(), config_, task_.get());
+  prepared_.emplace(scene_.inner(), config_, task_.get());
   if (prepared_->empty()) return prepared_.reset();
   Rng of_task = Rng::Stream(kTriedSeed, "env task"), of_places = Rng::Stream(kTriedSeed, "places");
   BodyPoses starts = TaskStarts(of_task);
@@ -193,26 +193,26 @@ void Env::FindPreparedObjects(bool is_first) {
 }
 
 // Puts them into a free start, which the inspector accepts and warnings describe.
-void Env::PutPrepared(Rng& rng) {
+void Env::State::PutPrepared(Rng& rng) {
   for (int i = 0; i < kMostStarts; ++i) {
     BodyPoses places;
     prepared_->Draw(places, rng);
     scene_.Reset({.body_poses = places});
     if (places.empty()) return;
-    StartInspector inspector(scene_, prepared_->names());
+    internal::StartInspector inspector(scene_, prepared_->names());
     inspector.Accept();
     if (inspector.WhyNot().empty()) return;
   }
 }
 
 // Inspects the present scene, with objects in their places.
-void Env::MakeInspector() {
+void Env::State::MakeInspector() {
   if (!resting_.empty()) start_inspector_.emplace(scene_.inner(), resting_);
 }
 
 // Leaves the scene in the state after a reset.
-void Env::TryStart(bool is_first) {
-  const SceneUse::Claim claim(scene_.use(), "Env::Env");
+void Env::State::TryStart(bool is_first) {
+  const SceneUse::Claim claim(scene_.use(), "Env");
   scene_.Reset();
   FindPreparedObjects(is_first);
   MakeInspector();
@@ -235,7 +235,7 @@ void Env::TryStart(bool is_first) {
   scene_.Reset();
 }
 
-void Env::RequireRest(const std::string& doubt) {
+void Env::State::RequireRest(const std::string& doubt) {
   std::vector<Robot> robots = RobotsOf(scene_);
   const std::vector<std::string>& resting = resting_;
   const std::string of_task = config_.task ? " of task '" + config_.task->kind() + "'" : "";
@@ -260,7 +260,7 @@ void Env::RequireRest(const std::string& doubt) {
                   place(), of_task, doubt.empty() ? why_not : doubt));
 }
 
-std::string Env::AdviceFor(const RobotOverlap& overlap) const {
+std::string Env::State::AdviceFor(const internal::RobotOverlap& overlap) const {
   if (!overlap.object.empty()) {
     return fmt::format("Move '{}' to a free place, or the robot (robot_to_shared_base_frame)",
                        overlap.object);
@@ -275,15 +275,17 @@ std::string Env::AdviceFor(const RobotOverlap& overlap) const {
   return advice;
 }
 
-void Env::WarnOfStart() {
-  if (const std::vector<std::string> huge = ObjectsInMillimetres(scene_); !huge.empty()) {
+void Env::State::WarnOfStart() {
+  if (const std::vector<std::string> huge = internal::ObjectsInMillimetres(scene_); !huge.empty()) {
     for (const std::string& object : huge) LogWarn(fmt::format("{}: {}", place(), object));
     return;  // it causes all other problems
   }
-  std::vector<RobotOverlap> inside = RobotsInTheFloor(scene_);
-  StartInspector inspector = start_inspector_ ? *start_inspector_ : StartInspector(scene_, {});
-  for (RobotOverlap& overlap : inspector.RobotsInside()) inside.push_back(std::move(overlap));
-  for (const RobotOverlap& overlap : inside)
+  std::vector<internal::RobotOverlap> inside = internal::RobotsInTheFloor(scene_);
+  internal::StartInspector inspector =
+      start_inspector_ ? *start_inspector_ : internal::StartInspector(scene_, {});
+  for (internal::RobotOverlap& overlap : inspector.RobotsInside())
+    inside.push_back(std::move(overlap));
+  for (const internal::RobotOverlap& overlap : inside)
     LogWarn(fmt::format("{}: at the start {}. {}", place(), overlap.text, AdviceFor(overlap)));
   for (const std::string& robot : inspector.RobotsInsideThemselves()) {
     LogWarn(fmt::format(
@@ -296,15 +298,15 @@ void Env::WarnOfStart() {
     if (const std::string why = internal::WhyBaseFalls(scene_, robot); !why.empty())
       LogWarn(fmt::format("{}: robot '{}': {}", place(), robot.name, why));
   }
-  for (const std::string& text : HangingObjects(scene_, ObjectsThatMayHang(config_)))
+  for (const std::string& text : internal::HangingObjects(scene_, ObjectsThatMayHang(config_)))
     LogWarn(fmt::format("{}: {}", place(), text));
-  for (const std::string& text : ObjectsInTheFloor(scene_))
+  for (const std::string& text : internal::ObjectsInTheFloor(scene_))
     LogWarn(fmt::format("{}: at the start {}. Move it up", place(), text));
-  for (const std::string& text : ObjectsInside(scene_)) {
+  for (const std::string& text : internal::ObjectsInside(scene_)) {
     LogWarn(fmt::format("{}: at the start {}, and is pushed out of it. Move one of them", place(),
                         text));
   }
-  std::vector<std::string> falling = ObjectsOverNothing(scene_);
+  std::vector<std::string> falling = internal::ObjectsOverNothing(scene_);
   if (start_inspector_) {
     for (const std::string& object : resting_) std::erase(falling, object);
   }

@@ -16,6 +16,7 @@
 #include "robocell/env/testing/envs.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/scene/body_handle.h"
 #include "robocell/task/pick_task_config.h"
 #include "robocell/testing/expect_throw.h"
 

@@ -10,10 +10,8 @@
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/env/arm_target.h"
-#include "robocell/env/cell.h"
-#include "robocell/env/env.h"
+#include "robocell/env/env_impl.h"
 #include "robocell/env/number_list.h"
-#include "robocell/env/prepared_objects.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
@@ -154,7 +152,7 @@ void Move(const Pose& by, const Movables& movables, const mjModel* m, mjData* d)
 
 std::vector<double> EnvState::numbers() const {
   std::vector<double> out(7);
-  PutTquat(root_frame_to_world, out);
+  internal::PutTquat(root_frame_to_world, out);
   out.push_back(static_cast<double>(ticks));
   internal::PutList(physics, out);
   internal::PutList(task, out);
@@ -164,12 +162,7 @@ std::vector<double> EnvState::numbers() const {
     pairs.insert(pairs.end(), {static_cast<double>(a), static_cast<double>(b)});
   internal::PutList(pairs, out);
   out.push_back(static_cast<double>(arms.size()));
-  for (const ArmDriver::Memory& arm : arms) {
-    out.push_back(static_cast<double>(arm.commanded.size()));
-    const std::vector<double> own = arm.numbers();
-    out.insert(out.end(), own.begin(), own.end());
-    internal::PutList(arm.fingers.window, out);
-  }
+  for (const ArmMemory& arm : arms) internal::PutMemory(arm, out);
   out.push_back(names_hash);
   return out;
 }
@@ -188,24 +181,19 @@ EnvState EnvState::FromNumbers(std::span<const double> numbers) {
     state.touching.emplace_back(static_cast<int>(ToWhole(pairs[i], kMostBodies)),
                                 static_cast<int>(ToWhole(pairs[i + 1], kMostBodies)));
   const size_t arms = reader.Count();
-  for (size_t i = 0; i < arms; ++i) {
-    const size_t joints = reader.Count();
-    std::span<const double> own = reader.Take(ArmDriver::Memory::CountOfNumbers(joints));
-    state.arms.push_back(ArmDriver::Memory::FromNumbers(joints, own));
-    state.arms.back().fingers.window = reader.List();
-  }
+  for (size_t i = 0; i < arms; ++i) state.arms.push_back(internal::ReadArmMemory(reader));
   state.names_hash = reader.Take(1)[0];
   reader.RequireEnd();
   return state;
 }
 
-EnvState Env::state() const {
+EnvState Env::State::state() const {
   EnvState state = CellState();
   if (task_) state.task = internal::TaskCalls(*task_).Memory();
   return state;
 }
 
-EnvState Env::CellState() const {
+EnvState Env::State::CellState() const {
   RequireReady();
   EnvState state{.root_frame_to_world = config_.root_frame_to_world,
                  .physics = scene_.state(),
@@ -213,18 +201,18 @@ EnvState Env::CellState() const {
                  .touching = collisions_.memory(),
                  .ticks = ticks_,
                  .names_hash = HashOfNames(config_, scene_.model())};
-  for (const ArmDriver& arm : arms_) state.arms.push_back(arm.memory());
+  for (const internal::ArmDriver& arm : arms_) state.arms.push_back(arm.memory());
   return state;
 }
 
-void Env::RequireState(const EnvState& state) const {
+void Env::State::RequireState(const EnvState& state) const {
   bool fits = state.names_hash == HashOfNames(config_, scene_.model()) &&
               state.arms.size() == arms_.size() &&
               state.variations.size() == variations_.drawn().size() &&
               (task_ ? internal::TaskCalls(*task_).CanRecall(state.task) : state.task.empty()) &&
               state.physics.size() == scene_.state().size();
   for (size_t i = 0; fits && i < arms_.size(); ++i) {
-    const ArmDriver::Memory own = arms_[i].memory();
+    const ArmMemory own = arms_[i].memory();
     fits = state.arms[i].commanded.size() == own.commanded.size() &&
            state.arms[i].fingers.window.size() == own.fingers.window.size();
   }
@@ -248,7 +236,7 @@ void Env::RequireState(const EnvState& state) const {
 }
 
 // A task's memory of its own attributes may hold places in the world.
-void Env::RequireFrame(const EnvState& state, StateFrame frame) const {
+void Env::State::RequireFrame(const EnvState& state, StateFrame frame) const {
   const bool is_moved =
       !internal::IsSamePlace(config_.root_frame_to_world, state.root_frame_to_world);
   if (frame != StateFrame::kRoot || !is_moved || !task_ ||
@@ -262,7 +250,7 @@ void Env::RequireFrame(const EnvState& state, StateFrame frame) const {
 }
 
 // Restores everything but the task and the observation.
-void Env::RecallCell(const EnvState& state) {
+void Env::State::RecallCell(const EnvState& state) {
   if (state.variations != variations_.drawn()) variations_.Apply(state.variations);
   scene_.SetState(state.physics);
   RecallOthers();
@@ -273,11 +261,11 @@ void Env::RecallCell(const EnvState& state) {
 
 // Gives groups beside the arms and grippers of the actions, such as a rail, the targets that their
 // controls in the restored state come from.
-void Env::RecallOthers() {
+void Env::State::RecallOthers() {
   for (Robot& robot : RobotsOf(scene_.inner())) {
     for (const std::string& group : robot.group_names()) {
       if (!robot.is_driven(group) || robot.group(group).kind() == MoveGroupKind::kGripper) continue;
-      const bool is_of_actions = std::ranges::any_of(arms_, [&](const ArmDriver& arm) {
+      const bool is_of_actions = std::ranges::any_of(arms_, [&](const internal::ArmDriver& arm) {
         return arm.robot().name() == robot.name() && arm.robot().arm().name() == group;
       });
       if (!is_of_actions) RecallTarget(robot, group);
@@ -285,7 +273,7 @@ void Env::RecallOthers() {
   }
 }
 
-void Env::MoveToRoot(const Pose& from) {
+void Env::State::MoveToRoot(const Pose& from) {
   const Pose by = config_.root_frame_to_world * from.inverse();
   const mjModel* m = scene_.model();
   for (const std::string& id : config_.root_frame_objects.keys()) {
@@ -295,8 +283,8 @@ void Env::MoveToRoot(const Pose& from) {
   scene_.SetState(scene_.state());  // and the quantities derived from it
 }
 
-void Env::SetState(const EnvState& state, StateFrame frame) {
-  const SceneUse::Claim claim(scene_.use(), "Env::SetState");
+void Env::State::SetState(const EnvState& state, StateFrame frame) {
+  const SceneUse::Claim claim(scene_.use(), "Env.set_state");
   RequireState(state);
   RequireFrame(state, frame);
   const bool never_begun = phase_ == Phase::kUnready;
@@ -306,9 +294,9 @@ void Env::SetState(const EnvState& state, StateFrame frame) {
   if (task_) {
     // What Begin sets is not all in a task's memory, and this task may never have begun.
     if (state.ticks == 0 || never_begun) {
-      cell_->Begin();
+      cell_.Begin();
     } else {
-      cell_->ForgetSubtasks();
+      cell_.ForgetSubtasks();
     }
     internal::TaskCalls(*task_).Recall(state.task);
   }
@@ -316,22 +304,22 @@ void Env::SetState(const EnvState& state, StateFrame frame) {
   cameras_.GoOnFrom(TimeSinceReset());
   Observe();
   phase_ = Phase::kReady;
-  for (EnvObserver* observer : *observers_) observer->OnStart();
+  for (EnvObserver* observer : observers_) observer->OnStart();
 }
 
-void Env::Save(const std::string& name) {
+void Env::State::Save(const std::string& name) {
   if (name.empty()) throw ArgumentError(place() + ": a saved state needs a name");
   saved_[name] = {.generation = scene_.generation(), .state = state()};
 }
 
-Env::Snapshot& Env::RequireSnapshot(const std::string& name) {
+Env::State::Snapshot& Env::State::RequireSnapshot(const std::string& name) {
   const auto found = saved_.find(name);
   if (found == saved_.end()) throw NotFoundError(NoSuchName(place(), "saved state", name, saved()));
   return found->second;
 }
 
-void Env::Restore(const std::string& name) {
-  const SceneUse::Claim claim(scene_.use(), "Env::Restore");
+void Env::State::Restore(const std::string& name) {
+  const SceneUse::Claim claim(scene_.use(), "Env.restore");
   const Snapshot& snapshot = RequireSnapshot(name);
   if (snapshot.generation != scene_.generation()) {
     throw Error(
@@ -339,15 +327,15 @@ void Env::Restore(const std::string& name) {
                     "is no way back to it",
                     place(), name));
   }
-  SetState(snapshot.state);
+  SetState(snapshot.state, StateFrame::kWorld);
 }
 
-void Env::Forget(const std::string& name) {
+void Env::State::Forget(const std::string& name) {
   RequireSnapshot(name);
   saved_.erase(name);
 }
 
-std::vector<std::string> Env::saved() const {
+std::vector<std::string> Env::State::saved() const {
   std::vector<std::string> names;
   for (const auto& [name, snapshot] : saved_) names.push_back(name);
   return names;

@@ -13,6 +13,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/rng.h"
 #include "robocell/base/units.h"
+#include "robocell/env/arm_target.h"
 #include "robocell/env/env.h"
 #include "robocell/env/env_scene.h"
 #include "robocell/env/testing/envs.h"
@@ -31,7 +32,7 @@ std::vector<double> Seen(const Env& env) {
 
 EnvStep GoTo(Env& env, const Eigen::Vector3d& tcp, double gripper) {
   std::vector<double> action(8);
-  PutTquat(Pose::FromRpy(tcp, {internal::kPi, 0, 0}), action);
+  internal::PutTquat(Pose::FromRpy(tcp, {internal::kPi, 0, 0}), action);
   action[7] = gripper;
   return env.Step(action);
 }
@@ -132,9 +133,8 @@ TEST(EnvStates, RejectNumbersThatTheEngineRejects) {
   Env env(Rc7WithCube());
   env.Reset();
   EnvState state = env.state();
-  for (std::vector<double> ArmDriver::Memory::*joints :
-       {&ArmDriver::Memory::commanded, &ArmDriver::Memory::sent_joints,
-        &ArmDriver::Memory::origin_joints}) {
+  for (std::vector<double> ArmMemory::*joints :
+       {&ArmMemory::commanded, &ArmMemory::sent_joints, &ArmMemory::origin_joints}) {
     EnvState other = state;
     (other.arms[0].*joints)[2] = -1e300;
     ExpectThrow<ArgumentError>([&] { env.SetState(other); },

@@ -12,6 +12,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
+#include "robocell/env/arm_target.h"
 #include "robocell/env/env_scene.h"
 #include "robocell/env/testing/envs.h"
 #include "robocell/testing/expect_throw.h"
@@ -49,7 +50,8 @@ Numbers Part(const Env& env, const VectorPart& part) {
 }
 
 Pose ObservedTcp(const Env& env, size_t robot = 0) {
-  return PoseOfAction(ControlMode::kCartesianTquat, Part(env, env.layout().robots[robot].tquat));
+  return internal::PoseOfAction(ControlMode::kCartesianTquat,
+                                Part(env, env.layout().robots[robot].tquat));
 }
 
 Numbers ObservedJoints(const Env& env, size_t robot = 0) {
@@ -78,7 +80,8 @@ TEST(EnvFrames, TheSamePoseMovesAllArmsToTheSameWorldPose) {
   int reached = 0;
   for (int i = 0; i < 40; ++i) {
     const Pose down = Pose::FromRpy({0.35, 0, 0.3}, {internal::kPi, 0, 0});
-    const Pose pose = MovedBy(down, Pose::FromRpy(RandomVector(rng, 0.1), RandomVector(rng, 0.5)));
+    const Pose pose =
+        internal::MovedBy(down, Pose::FromRpy(RandomVector(rng, 0.1), RandomVector(rng, 0.5)));
     if (!env.Step(ForAll(env, Tquat(pose))).ik_failed.empty()) continue;  // out of reach of one
     if (env.motions()[0].position_shortfall + env.motions()[1].position_shortfall > 0) continue;
     ++reached;
@@ -97,8 +100,8 @@ TEST(EnvFrames, ObservationsAreForwardKinematicsInTheSharedFrame) {
       const Robot robot = Robot::Of(env.scene(), env.layout().robots[i].robot);
       const Pose world = robot.base_in_world() * robot.FkFrame(ObservedJoints(env, i));
       EXPECT_TRUE((SharedToWorld(env) * ObservedTcp(env, i)).is_close(world, 1e-9, 1e-9));
-      const Pose from_rpy =
-          PoseOfAction(ControlMode::kCartesianTrpy, Part(env, env.layout().robots[i].xyzrpy));
+      const Pose from_rpy = internal::PoseOfAction(ControlMode::kCartesianTrpy,
+                                                   Part(env, env.layout().robots[i].xyzrpy));
       EXPECT_TRUE(from_rpy.is_close(ObservedTcp(env, i), 1e-9, 1e-9));
     }
   }
@@ -112,7 +115,7 @@ TEST(EnvFrames, RelativeRotationsAreAboutTheTcpInSharedFrameAxes) {
   EXPECT_THAT(env.Step(ForAll(env, {0, 0, 0, 0.1, -0.2, 0.3})).ik_failed, IsEmpty());
   for (size_t i = 0; i < 2; ++i) {
     const Pose sent = SharedToWorld(env).inverse() * SentInWorld(env, env.layout().robots[i].robot);
-    EXPECT_TRUE(sent.is_close(MovedBy(before[i], turn), kIk, kIk)) << i;
+    EXPECT_TRUE(sent.is_close(internal::MovedBy(before[i], turn), kIk, kIk)) << i;
     EXPECT_LT((sent.translation() - before[i].translation()).norm(), kIk);
   }
 }
@@ -128,7 +131,7 @@ TEST(EnvFrames, ConfiguredOriginRotationsStartFromTheOrigin) {
     for (size_t i = 0; i < 2; ++i) {
       const Pose sent =
           SharedToWorld(env).inverse() * SentInWorld(env, env.layout().robots[i].robot);
-      EXPECT_TRUE(sent.is_close(MovedBy(origins[i], delta), kIk, kIk)) << i;
+      EXPECT_TRUE(sent.is_close(internal::MovedBy(origins[i], delta), kIk, kIk)) << i;
     }
   }
 }
@@ -151,7 +154,7 @@ TEST(EnvActions, SlowRampsArrive) {
   Env env = Ready(Rc7Env(ControlMode::kCartesianTrpy));
   const Pose before = ObservedTcp(env);
   for (int step = 0; step < 200; ++step) env.Step(ForAll(env, {0, 0, 2e-4, 0, 0, 1e-4}));
-  const Pose wanted = MovedBy(before, Pose::FromRpy({0, 0, 0.04}, {0, 0, 0.02}));
+  const Pose wanted = internal::MovedBy(before, Pose::FromRpy({0, 0, 0.04}, {0, 0, 0.02}));
   EXPECT_TRUE(SentInWorld(env, "robot").is_close(wanted, kIk, kIk));
 }
 
@@ -160,7 +163,7 @@ TEST(EnvActions, StepsAreLimitedFromTheLastTarget) {
   config.max_relative_movement = {0.02, 0.05};
   Env env = Ready(config);
   const Pose start = ObservedTcp(env);
-  const Pose goal = MovedBy(start, Pose::FromRpy({0.05, 0, 0.05}, {0, 0, 0.2}));
+  const Pose goal = internal::MovedBy(start, Pose::FromRpy({0.05, 0, 0.05}, {0, 0, 0.2}));
   Pose last = start;
   for (int step = 0; step < 5; ++step) {
     env.Step(ForAll(env, Tquat(goal)));
@@ -179,7 +182,7 @@ TEST(EnvActions, ConfiguredOriginMotionsAreLimitedFromTheLastTarget) {
   const Pose origin = ObservedTcp(env);
   for (const double x : {0.02, 0.04, 0.05, 0.05}) {
     env.Step(ForAll(env, {0.05, 0, 0, 0, 0, 0}));
-    const Pose moved = MovedBy(origin, Pose(Eigen::Vector3d(x, 0, 0)));
+    const Pose moved = internal::MovedBy(origin, Pose(Eigen::Vector3d(x, 0, 0)));
     EXPECT_TRUE(SentInWorld(env, "robot").is_close(moved, kIk, kIk)) << x;
   }
 }
@@ -187,15 +190,15 @@ TEST(EnvActions, ConfiguredOriginMotionsAreLimitedFromTheLastTarget) {
 TEST(EnvActions, AConfiguredOriginStaysUntilItIsSetAgain) {
   Env env = Ready(Rc7Env(ControlMode::kCartesianTrpy, RelativeTo::kConfiguredOrigin));
   const Pose origin = ObservedTcp(env);
-  const Pose up = MovedBy(origin, Pose(Eigen::Vector3d(0, 0, 0.03)));
+  const Pose up = internal::MovedBy(origin, Pose(Eigen::Vector3d(0, 0, 0.03)));
   for (int step = 0; step < 2; ++step) {
     env.Step(ForAll(env, {0, 0, 0.03, 0, 0, 0}));
     EXPECT_TRUE(SentInWorld(env, "robot").is_close(up, kIk, kIk));
   }
   env.SetOriginToCurrent("robot");
   env.Step(ForAll(env, {0, 0, 0.03, 0, 0, 0}));
-  EXPECT_TRUE(
-      SentInWorld(env, "robot").is_close(MovedBy(up, Pose(Eigen::Vector3d(0, 0, 0.03))), kIk, kIk));
+  EXPECT_TRUE(SentInWorld(env, "robot")
+                  .is_close(internal::MovedBy(up, Pose(Eigen::Vector3d(0, 0, 0.03))), kIk, kIk));
   ExpectThrow<NotFoundError>([&] { env.SetOriginToCurrent("robto"); },
                              "environment 'env': no robot 'robto'. Its robots: robot. Did you mean "
                              "'robot'?");

@@ -6,6 +6,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
+#include "robocell/env/arm_target.h"
 #include "robocell/env/env.h"
 #include "robocell/env/testing/envs.h"
 #include "robocell/testing/expect_throw.h"
@@ -25,8 +26,8 @@ class EnvTrouble : public ::testing::Test {
   }
   static std::vector<double> Still(const Env& env) { return Command(env, std::vector<double>(7)); }
   static Pose SeenTcp(const Env& env) {
-    return PoseOfAction(ControlMode::kCartesianTquat,
-                        env.observation().subspan(env.layout().robots[0].tquat.begin, 7));
+    return internal::PoseOfAction(ControlMode::kCartesianTquat,
+                                  env.observation().subspan(env.layout().robots[0].tquat.begin, 7));
   }
   static std::span<const double> SeenJoints(const Env& env) {
     const VectorPart part = env.layout().robots[0].joints;

@@ -9,7 +9,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/gripper_group.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kWatched = 0.05;     // s, a window
@@ -36,7 +36,7 @@ void FingerWatch::Bind() {
   std::vector<int> ids;
   for (const std::string& name : gripper().joint_names())
     ids.push_back(FindId(m, mjOBJ_JOINT, name));
-  if (const auto* fingers = dynamic_cast<const internal::ActuatedGripper*>(&gripper())) {
+  if (const auto* fingers = dynamic_cast<const ActuatedGripper*>(&gripper())) {
     for (const int i : {0, 1}) AddPath(m, fingers->finger(i).body, fingers->hand_body(), ids);
   }
   std::ranges::sort(ids);
@@ -96,4 +96,4 @@ bool FingerWatch::IsStill(double time, double opening) {
   return memory_.is_still;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -7,22 +7,16 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "robocell/env/env_state.h"
 #include "robocell/robot/robot.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class FingerWatch {
  public:
-  // The state from earlier ticks.
-  struct Memory {
-    double still_windows = 0;  // consecutive, up to now
-    bool is_still = false;
-    double window_start = 0;
-    std::vector<double> window;  // the fingers at its beginning, see Look
-  };
-
   explicit FingerWatch(Robot robot);
 
   // Restarts from the present state.
@@ -35,8 +29,8 @@ class FingerWatch {
   // Returns true if the fingers are at an opening, or hold an object. No allocation.
   bool IsWhereItEnds(double opening) const;
 
-  const Memory& memory() const { return memory_; }
-  void Recall(Memory memory) { memory_ = std::move(memory); }
+  const FingerMemory& memory() const { return memory_; }
+  void Recall(FingerMemory memory) { memory_ = std::move(memory); }
 
  private:
   struct FingerJoint {
@@ -53,7 +47,7 @@ class FingerWatch {
   Robot robot_;
   std::vector<FingerJoint> joints_;
   std::vector<double> now_;  // scratch
-  Memory memory_;
+  FingerMemory memory_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

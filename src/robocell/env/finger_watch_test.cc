@@ -16,7 +16,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Numbers = std::vector<double>;
@@ -148,4 +148,4 @@ TEST(FingerWatch, WaitsForLinkagesThatPressOnTheirPads) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -30,7 +30,7 @@ TEST(HotPath, OfWatchingAMotionAllocatesNothing) {
   for (const EnvConfig& config : {OneHinge(folder), Rc7Env()}) {
     Env env(config);
     env.Reset({.seed = 1});
-    ArmDriver driver(config, Robot::Of(env.scene(), "robot"), env.layout().robots[0]);
+    internal::ArmDriver driver(config, Robot::Of(env.scene(), "robot"), env.layout().robots[0]);
     driver.Reset();
     env.Step(std::vector<double>(static_cast<size_t>(env.layout().action.size()), 0.02));
     const AllocationCount count;

@@ -11,7 +11,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 ObjectVariations::ObjectVariations(const EnvConfig& config, Scene scene)
     : scene_(std::move(scene)) {
@@ -36,13 +36,13 @@ ObjectVariations::Varied ObjectVariations::Read(const std::string& object,
   const int root = RequireId(m, mjOBJ_BODY, scene_.compiled()->object(object).root_body,
                              "scene '" + scene_.name() + "'");
   for (int b = 0; b < m->nbody; ++b) {
-    if (!internal::IsInSubtree(m, b, root)) continue;
+    if (!IsInSubtree(m, b, root)) continue;
     out.bodies.push_back(b);
     out.mass.push_back(m->body_mass[b]);
     out.inertia.insert(out.inertia.end(), m->body_inertia + 3 * b, m->body_inertia + 3 * b + 3);
   }
   for (int g = 0; g < m->ngeom; ++g) {
-    if (!internal::IsInSubtree(m, m->geom_bodyid[g], root)) continue;
+    if (!IsInSubtree(m, m->geom_bodyid[g], root)) continue;
     out.geoms.push_back(g);
     out.friction.insert(out.friction.end(), m->geom_friction + 3 * g, m->geom_friction + 3 * g + 3);
     // A geom takes the colour of its material as long as its own is not set.
@@ -93,11 +93,11 @@ void ObjectVariations::Apply(std::span<const double> drawn) {
     Write(objects_[i], drawn.subspan(kNumbers * i, kNumbers));
   mjModel* m = scene_.mutable_model();
   const mjStatistic before = m->stat;
-  internal::Guarded("scene '" + scene_.name() + "'", [&] { mj_setConst(m, scratch_.get()); });
+  Guarded("scene '" + scene_.name() + "'", [&] { mj_setConst(m, scratch_.get()); });
   // The visual scale stays; the solver's scale follows from the masses.
   m->stat.extent = before.extent;
   m->stat.meansize = before.meansize;
   std::copy_n(before.center, 3, m->stat.center);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

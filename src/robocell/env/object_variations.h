@@ -15,7 +15,7 @@
 #include "robocell/scene/scene.h"
 #include "robocell/spec/env_config.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class ObjectVariations {
  public:
@@ -51,4 +51,4 @@ class ObjectVariations {
   std::vector<double> drawn_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 struct VariedCube {
@@ -64,4 +64,4 @@ TEST(ObjectVariations, TheSameNumbersGiveTheSameObjectAgain) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

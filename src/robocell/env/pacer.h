@@ -5,7 +5,7 @@
 #include <functional>
 #include <thread>
 
-namespace robocell {
+namespace robocell::internal {
 
 class RealTimePacer {
  public:
@@ -33,4 +33,4 @@ class RealTimePacer {
   double simulated_start_ = 0;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

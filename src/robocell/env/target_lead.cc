@@ -5,7 +5,7 @@
 
 #include "robocell/math/rotation.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Eigen::Vector3d;
@@ -63,9 +63,9 @@ Vector3d TakeBack(const Vector3d& sent, const Led<Vector3d>& led, double lead,
 
 }  // namespace
 
-void PendingMove::Add(const Pose& from, const Pose& to) {
-  Eigen::Map<Vector3d>(shift.data()) += ShiftBetween(from, to);
-  Eigen::Map<Vector3d>(turn.data()) += TurnBetween(from, to);
+void AddMove(PendingMove& move, const Pose& from, const Pose& to) {
+  Eigen::Map<Vector3d>(move.shift.data()) += ShiftBetween(from, to);
+  Eigen::Map<Vector3d>(move.turn.data()) += TurnBetween(from, to);
 }
 
 Pose WithinLead(const Pose& sent, const Led<Pose>& led, const StepLimit& lead, PendingMove& pending,
@@ -120,4 +120,4 @@ bool TakeBackJoints(std::span<double> sent, std::span<const Led<double>> led,
   return true;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

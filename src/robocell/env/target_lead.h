@@ -3,7 +3,7 @@
 // (arm_driver.h) stores the pending part.
 //
 //   PendingMove pending;                                  // what was sent and is not carried out
-//   pending.Add(before, sent);
+//   AddMove(pending, before, sent);
 //   sent = WithinLead(sent, {last_tcp, tcp, held_by, led_by}, lead, pending);
 //
 // Only the pending part is taken back, and only along its own direction: a tool that is pressed
@@ -16,19 +16,16 @@
 // leaves with the first action back, and small actions still let go little by little.
 #pragma once
 
-#include <array>
 #include <span>
 
+#include "robocell/env/env_state.h"
 #include "robocell/math/pose.h"
 #include "robocell/spec/env_action.h"
 
-namespace robocell {
+namespace robocell::internal {
 
-// The sum of the moves of a target: metres, and a rotation vector, along the axes of the poses.
-struct PendingMove {
-  std::array<double, 3> shift = {}, turn = {};
-  void Add(const Pose& from, const Pose& to);
-};
+// Adds the move from one pose to another.
+void AddMove(PendingMove& move, const Pose& from, const Pose& to);
 
 // The position of an arm, or of a joint, at the last command and now, to be compared with its
 // target; and the targets under which it would stay there, as it sags, and under which it would
@@ -56,4 +53,4 @@ double WithinJointLead(double sent, const Led<double>& led, double lead, double&
 bool TakeBackJoints(std::span<double> sent, std::span<const Led<double>> led,
                     std::span<const double> leads, std::span<double> pending);
 
-}  // namespace robocell
+}  // namespace robocell::internal

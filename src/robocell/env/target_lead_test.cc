@@ -10,7 +10,7 @@
 #include "robocell/math/rotation.h"
 #include "robocell/testing/random_values.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Eigen::Vector3d;
@@ -31,7 +31,7 @@ TEST(TargetLead, ATargetWithinTheLeadIsKeptAndPending) {
     const Pose arm = RandomPose(rng);
     const Pose sent = MovedBy(arm, Pose::FromRpy({0.011, 0.009, -0.01}, {0.05, 0.01, -0.05}));
     PendingMove pending;
-    pending.Add(arm, sent);
+    AddMove(pending, arm, sent);
     EXPECT_TRUE(WithinLead(sent, Still(arm), kLead, pending) == sent);
     EXPECT_NEAR(Length(pending.shift), Distance(arm, sent), 1e-12);
     EXPECT_NEAR(Length(pending.turn), AngleBetween(arm.quaternion(), sent.quaternion()), 1e-6);
@@ -47,7 +47,7 @@ TEST(TargetLead, TakesBackTheTargetOfABlockedArmToTheLead) {
     const Pose move(0.3 * RandomVector(rng, 1).normalized());
     const Pose sent = MovedBy(arm, move);
     PendingMove pending;
-    pending.Add(arm, sent);
+    AddMove(pending, arm, sent);
     const Pose last = WithinLead(sent, Still(arm), kLead, pending);
     EXPECT_NEAR(Distance(last, arm), kLead.translation, 1e-9);
     EXPECT_NEAR(Distance(last, sent), 0.3 - kLead.translation, 1e-9) << "along the move";
@@ -58,7 +58,7 @@ TEST(TargetLead, TakesBackTheTargetOfABlockedArmToTheLead) {
     const Pose turn = Pose::FromRotvec(Vector3d::Zero(), 0.4 * RandomVector(rng, 1).normalized());
     const Pose turned = MovedBy(arm, turn);
     PendingMove pending_turn;
-    pending_turn.Add(arm, turned);
+    AddMove(pending_turn, arm, turned);
     const Pose back = WithinLead(turned, Still(arm), kLead, pending_turn);
     EXPECT_NEAR(AngleBetween(back.quaternion(), arm.quaternion()), kLead.rotation, 1e-6);
   }
@@ -73,7 +73,7 @@ TEST(TargetLead, AnOpposingActionReducesTheLead) {
     const Vector3d along = (sent.translation() - arm.translation()).normalized();
     for (const double back : {0.0, 0.001, 0.015, 0.05}) {
       PendingMove pending, action;
-      pending.Add(arm, sent);
+      AddMove(pending, arm, sent);
       Eigen::Map<Vector3d>(action.shift.data()) = -back * along;
       const Pose last = WithinLead(sent, Still(arm), kLead, pending, action);
       EXPECT_NEAR(Distance(last, arm), std::max(0.0, kLead.translation - back), 1e-9) << back;
@@ -81,7 +81,7 @@ TEST(TargetLead, AnOpposingActionReducesTheLead) {
     const Vector3d aside = along.cross(RandomVector(rng, 1)).normalized();
     for (const Vector3d& other : {Vector3d(0.05 * along), Vector3d(0.05 * aside)}) {
       PendingMove pending, action;
-      pending.Add(arm, sent);
+      AddMove(pending, arm, sent);
       Eigen::Map<Vector3d>(action.shift.data()) = other;
       EXPECT_NEAR(Distance(WithinLead(sent, Still(arm), kLead, pending, action), arm),
                   kLead.translation, 1e-9);
@@ -103,7 +103,7 @@ TEST(TargetLead, KeepsATargetWithoutPendingMotion) {
     PendingMove none;
     EXPECT_TRUE(WithinLead(sent, Still(arm), kLead, none) == sent);
     PendingMove away;  // a move that brought the target nearer to the arm
-    away.Add(Pose(2 * sent.translation() - arm.translation(), sent.quaternion()), sent);
+    AddMove(away, Pose(2 * sent.translation() - arm.translation(), sent.quaternion()), sent);
     EXPECT_TRUE(WithinLead(sent, Still(arm), kLead, away).is_close(sent, 1e-12, 1e-12));
   }
 }
@@ -111,7 +111,7 @@ TEST(TargetLead, KeepsATargetWithoutPendingMotion) {
 TEST(TargetLead, TreatsTheServoLagAsPartOfTheArm) {
   const Pose arm = Pose(), sent(Vector3d(0, 0, -0.3)), beyond(Vector3d(0, 0, -0.4));
   PendingMove pending;
-  pending.Add(arm, sent);
+  AddMove(pending, arm, sent);
   PendingMove same = pending;
   EXPECT_TRUE(WithinLead(sent, {arm, arm, arm, beyond}, kLead, pending) == sent);
   EXPECT_NEAR(Length(pending.shift), 0.3, 1e-12) << "it is not carried out yet";
@@ -200,7 +200,7 @@ TEST(TargetLead, LimitsTheLeadOfAnArmStoppedInMotion) {
       target = WithinJointLead(target, {joint, next, next, steady}, lead, pending_joint);
       joint = next;
       const Pose to(sent.translation() + action * way);
-      pending.Add(sent, to);
+      AddMove(pending, sent, to);
       pending_joint += action;
       sent = to;
       target += action;
@@ -213,4 +213,4 @@ TEST(TargetLead, LimitsTheLeadOfAnArmStoppedInMotion) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -1,5 +1,7 @@
 #include "robocell/features/cell_images.h"
 
+#include <mujoco/mujoco.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -21,6 +23,7 @@ CellImages::CellImages(const Scene& scene, const CameraSystemConfig& config, Ren
                     .view = internal::ViewOfStream(scene, stream),
                     .width = config.width(stream),
                     .height = config.height(stream),
+                    .time = scene.data()->time,
                     .camera = {},
                     .rgb = {},
                     .depth_mm = {},
@@ -46,6 +49,7 @@ void CellImages::Draw(const mjModel* model, const mjData* data) {
     image.camera = renderer_->Render(
         data, {.camera = image.view, .width = image.width, .height = image.height},
         {.rgb = image.rgb, .depth_mm = image.depth_mm, .segmentation = ids});
+    image.time = data->time;
     ToSegments(ids, image.bodies);
   }
 }

@@ -1,6 +1,6 @@
 // CellImages: the image streams of a cell (CameraSystemConfig), drawn for its present state.
-// Recorders and policies use the same images from here. The frames of an environment become
-// CellImages too (env/env_cameras.h).
+// Recorders and policies use the same images from here. The frames of an environment are CellImages
+// too.
 #pragma once
 
 #include <cstdint>
@@ -21,6 +21,7 @@ struct CellImage {
   std::string name;  // name of the stream
   CameraView view;
   int width = 0, height = 0;
+  double time = 0;                 // simulated s; in environments since the reset
   CameraModel camera;              // of the last Draw()
   std::vector<uint8_t> rgb;        // rows from the top, 3 bytes a pixel
   std::vector<uint16_t> depth_mm;  // empty unless the stream has depth

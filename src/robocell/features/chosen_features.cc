@@ -10,7 +10,7 @@
 #include "robocell/features/cell_features.h"
 #include "robocell/features/own_features.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr std::string_view kOwnPath = "features/";
@@ -85,4 +85,4 @@ void ChosenFeatures::ReadNumbers(std::span<double> out) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -18,7 +18,7 @@
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class ChosenFeatures final : public FeatureSource {
  public:
@@ -46,4 +46,4 @@ class ChosenFeatures final : public FeatureSource {
 // Returns the names that are registered features.
 std::vector<std::string> OwnAmong(const std::vector<std::string>& names);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 #include "robocell/testing/count_allocations.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -76,4 +76,4 @@ TEST_F(ChosenFeaturesTest, RejectsUnknownNames) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,6 +6,7 @@
 
 #include "robocell/base/call_hook.h"
 #include "robocell/data/episode_schema.h"
+#include "robocell/features/feature_frames.h"
 
 namespace robocell {
 namespace {
@@ -34,6 +35,9 @@ DeclaredFeatures::DeclaredFeatures(Scene scene, std::shared_ptr<const DeclaresFe
     EpisodeSchema columns;  // and those of the columns that an episode will have
     for (Feature feature : of_->signals()) {
       RequireSignal(feature);
+      const std::string why = internal::WhyNoFrame(this->scene(), feature.column.frame);
+      if (!why.empty())
+        throw ArgumentError(fmt::format("signal '{}': {}", feature.column.name, why));
       schema.Add(feature);
       feature.column.name = path + "/" + feature.column.name;
       columns.AddColumn(feature.column);

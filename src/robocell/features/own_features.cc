@@ -6,10 +6,12 @@
 
 #include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
+#include "robocell/base/hook_error.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/plugin.h"
 #include "robocell/base/registry.h"
 #include "robocell/data/episode_schema.h"
+#include "robocell/features/feature_frames.h"
 
 namespace robocell {
 namespace {
@@ -65,10 +67,14 @@ OwnFeatureSource::OwnFeatureSource(Scene scene, const std::vector<std::string>& 
     : FeatureSource(std::move(scene)) {
   for (const std::string& name : names) {
     OwnFeature own = RegisteredFeatures().Find(name);
-    Add(std::move(own.feature));
     Function function;
     function.read = std::move(own.function);
     function.code = std::move(own.code);
+    const ColumnSpec& column = own.feature.column;
+    if (const std::string why = internal::WhyNoFrame(this->scene(), column.frame); !why.empty()) {
+      throw HookError(fmt::format("feature '{}': {}", column.name, why), function.PlaceOfHook(""));
+    }
+    Add(std::move(own.feature));
     functions_.push_back(std::move(function));
   }
 }

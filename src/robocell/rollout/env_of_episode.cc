@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <set>
 #include <utility>
 #include <nlohmann/json.hpp>
@@ -18,6 +19,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/base/units.h"
 #include "robocell/data/model_store.h"
+#include "robocell/features/cell_features.h"
 #include "robocell/rollout/episode_reading.h"
 #include "robocell/rollout/recorded_scene.h"
 #include "robocell/rollout/registered_kinds.h"
@@ -145,10 +147,11 @@ class ActionReplay {
   ActionReplay(Env& env, const Episode& episode, const EnvReplayOptions& options)
       : env_(env), episode_(episode), options_(options) {
     EnvironmentOf(episode);
+    ChooseActions();
     RequireSameSchema();
     RequireSameCode(env.config(), episode);
     seen_ = RowsOf(episode, env.layout().observed);
-    actions_ = RowsOf(episode, env.layout().commanded);
+    actions_ = RowsOf(episode, asked_);
     rewards_ = internal::ReadSteps<double>(episode, "reward");
     times_ = internal::ReadSteps<double>(episode, "time");
     ticks_ = internal::ReadSteps<int64_t>(episode, std::string(kControlTickColumn));
@@ -164,10 +167,9 @@ class ActionReplay {
     env_.SetState(EnvState::FromNumbers(episode_.Read<double>(std::string(kEnvStateColumn))),
                   options_.frame);
     if (!CompareObservation(0)) return report_;
-    const auto width = static_cast<size_t>(env_.layout().action.size());
     for (int64_t row = 0; row < episode_.rows(); ++row) {
       const auto at = static_cast<size_t>(row);
-      const EnvStep step = env_.Step(std::span(actions_).subspan(at * width, width), options_.poll);
+      const EnvStep step = Step(at);
       // An episode that diverged shows nothing after its last action.
       const bool is_shown = (at + 1) * SeenWidth() < seen_.size();
       if (step.reason != EndReason::kDiverged && is_shown && !CompareObservation(row + 1))
@@ -180,12 +182,42 @@ class ActionReplay {
   }
 
  private:
+  // Chooses the environment's own actions, or for an episode without them the absolute targets of
+  // all groups.
+  void ChooseActions() {
+    const FeatureSchema& recorded = episode_.features();
+    for (const Feature& feature : recorded.features())
+      by_name_ = by_name_ && !feature.column.name.starts_with("action/");
+    if (!by_name_) {
+      asked_ = env_.layout().commanded;
+      return;
+    }
+    for (const Feature& feature : env_.features().commanded().features()) {
+      if (recorded.Has(feature.column.name + "_relative")) asked_.Add(feature);
+    }
+  }
+
+  EnvStep Step(size_t row) {
+    const auto width = static_cast<size_t>(asked_.size());
+    std::span<const double> numbers = std::span(actions_).subspan(row * width, width);
+    if (!by_name_) return env_.Step(numbers, options_.poll);
+    std::map<std::string, std::vector<double>> commands;
+    for (const Feature& feature : asked_.features()) {
+      const auto size = static_cast<size_t>(feature.size());
+      commands[feature.column.name].assign(numbers.begin(),
+                                           numbers.begin() + static_cast<std::ptrdiff_t>(size));
+      numbers = numbers.subspan(size);
+    }
+    return env_.Act(commands, options_.poll);
+  }
+
   size_t SeenWidth() const { return static_cast<size_t>(env_.layout().observation.size()); }
   int64_t Ticks() const { return static_cast<int64_t>(episode_.ValueCount("control/time")); }
 
   void RequireSameSchema() const {
     const FeatureSchema& recorded = episode_.features();
     for (const FeatureSchema* own : {&env_.layout().observed, &env_.layout().commanded}) {
+      if (by_name_ && own == &env_.layout().commanded) continue;
       FeatureSchema same;
       const std::string kind = own == &env_.layout().observed ? "observation/" : "action/";
       for (const Feature& feature : recorded.features()) {
@@ -261,6 +293,8 @@ class ActionReplay {
   Env& env_;
   const Episode& episode_;
   const EnvReplayOptions& options_;
+  bool by_name_ = true;  // the actions are commands by name
+  FeatureSchema asked_;
   std::vector<double> seen_, actions_, rewards_, times_;
   std::vector<int64_t> ticks_;
   ReplayResult report_;

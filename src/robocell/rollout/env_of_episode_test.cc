@@ -29,7 +29,7 @@ const Pose kElsewhere = Pose::FromRpy({1, -1, 0.3}, {0, 0, 2});
 
 EnvStep StepTo(Env& env, const Eigen::Vector3d& tcp, double gripper) {
   std::vector<double> action(8);
-  PutTquat(Pose::FromRpy(tcp, {internal::kPi, 0, 0}), action);
+  internal::PutTquat(Pose::FromRpy(tcp, {internal::kPi, 0, 0}), action);
   action[7] = gripper;
   return env.Step(action);
 }

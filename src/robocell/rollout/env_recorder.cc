@@ -49,12 +49,9 @@ Ratio RateOfRows(const EnvConfig& config) { return RatioOf(config.sim.frequency)
 // The frames that an environment shows, and when they were taken.
 struct ShownFrames {
   void Take(const Env& env) {
-    images.resize(env.frames().size());
-    times.resize(env.frames().size());
-    for (size_t i = 0; i < images.size(); ++i) {
-      CopyFrame(env.frames()[i], images[i]);
-      times[i] = env.frames()[i].time;
-    }
+    images = env.frames();
+    times.clear();
+    for (const CellImage& image : images) times.push_back(image.time);
   }
 
   std::vector<CellImage> images;
@@ -95,19 +92,31 @@ std::vector<std::string> SubtasksOf(const Env& env) {
   return internal::TaskCalls(*env.task()).Subtasks();
 }
 
+// The form of the actions of an episode.
+enum class ActionForm {
+  kOwn,    // those of the environment (Env::Step), recorded as `action/...`
+  kNamed,  // commands by the names of features (Env::Act), recorded as those of the cell only
+};
+
+const FeatureSchema& OwnActions(const Env& env, ActionForm form) {
+  static const FeatureSchema none;
+  return form == ActionForm::kOwn ? env.layout().commanded : none;
+}
+
 // An episode that is being recorded.
 class EnvEpisode {
  public:
-  EnvEpisode(const Env& env, const fs::path& dataset, const std::string& id,
+  EnvEpisode(const Env& env, ActionForm form, const fs::path& dataset, const std::string& id,
              const EnvRecorderOptions& options, const SceneDescription& scene)
       : env_(env),
+        form_(form),
         nu_(static_cast<size_t>(env.scene().model()->nu)),
         has_images_(options.images),
         features_(RecordedFeatures(env)),
         recording_(env.scene().inner(),  // a second handle would keep the environment alive
                    {.observed = features_.observed(),
                     .commanded = features_.commanded(),
-                    .more = {&env.layout().observed, &env.layout().commanded},
+                    .more = {&env.layout().observed, &OwnActions(env, form)},
                     .subtasks = SubtasksOf(env)}) {
     if (has_images_) {
       begun_.shown.Take(env);
@@ -124,7 +133,15 @@ class EnvEpisode {
     recording_.Begin(dataset, id, MetadataOf(env, options, scene), scene.portable, {env_state});
   }
 
-  // Begins a step.
+  void RequireForm(ActionForm form) const {
+    if (form == form_) return;
+    throw ArgumentError(fmt::format(
+        "environment '{}': this episode is recorded with {}; save it, and reset, before the form "
+        "of the actions changes",
+        env_.config().name,
+        form_ == ActionForm::kOwn ? "the environment's own actions" : "commands by name"));
+  }
+  // Begins a step; `action` is empty for commands by name.
   void Begin(std::span<const double> action) {
     recording_.RequireSameScene("environment '" + env_.config().name + "'",
                                 "save it, and reset, before the scene changes");
@@ -146,13 +163,9 @@ class EnvEpisode {
     begun_.commands.assign(commands.begin(), commands.end());
     after_.assign(env_.observation().begin(), env_.observation().end());
     warnings_ = recording_.warnings();
-    begun_.outcome = {.reward = step.reward,
-                      .progress = step.progress,
-                      .subtask = step.subtask,
-                      .success = step.success,
-                      .terminated = step.success || step.reason == EndReason::kDiverged,
-                      .ik_failed = !step.ik_failed.empty(),
-                      .warnings = warnings_.total()};
+    begun_.outcome = {step,  // the verdict
+                      step.success || step.reason == EndReason::kDiverged, false,
+                      !step.ik_failed.empty(), warnings_.total()};
     begun_.reason = step.reason;
     divergence_ = step.message;
     if (rows_ > 0) Write(ended_);
@@ -237,6 +250,7 @@ class EnvEpisode {
   }
 
   const Env& env_;
+  ActionForm form_;
   size_t nu_;
   bool has_images_;
   CellFeatures features_;
@@ -330,7 +344,8 @@ void RequireColour(const EnvConfig& config) {
 CellFeatures RecordedFeatures(const Env& env) {
   const Scene scene = env.scene().inner();  // the environment has the only handle
   const std::shared_ptr<const Task> lent(std::shared_ptr<void>(), env.task().get());
-  return FeaturesOfCell(scene, RobotsOf(scene), lent, OwnAmong(env.config().features.names));
+  return FeaturesOfCell(scene, RobotsOf(scene), lent,
+                        internal::OwnAmong(env.config().features.names));
 }
 
 struct EnvRecorder::State : public EnvObserver {
@@ -357,10 +372,13 @@ struct EnvRecorder::State : public EnvObserver {
     Save({});
     is_waiting = false;
   }
-  void OnAction(std::span<const double> action) override {
+  void OnAction(std::span<const double> action) override { Begin(ActionForm::kOwn, action); }
+  void OnCommands(const Action&) override { Begin(ActionForm::kNamed, {}); }
+  void Begin(ActionForm form, std::span<const double> action) {
     if (is_waiting) return;
+    if (episode) episode->RequireForm(form);
     Try([&] {
-      if (!episode) Start();
+      if (!episode) Start(form);
       episode->Begin(action);
     });
   }
@@ -395,7 +413,7 @@ struct EnvRecorder::State : public EnvObserver {
     RequireSameEnv(dataset, recorded);
     has_own_episodes = true;
   }
-  void Start() {
+  void Start(ActionForm form) {
     RequireOwnFolder();
     if (!scene || scene->generation != env->scene().generation()) {
       scene = {.generation = env->scene().generation(),
@@ -403,7 +421,7 @@ struct EnvRecorder::State : public EnvObserver {
                .config = PortableConfig(env->config())};
     }
     episode = std::make_unique<EnvEpisode>(
-        *env, dataset, fmt::format("{}-{:06}", options.prefix, next), options, *scene);
+        *env, form, dataset, fmt::format("{}-{:06}", options.prefix, next), options, *scene);
   }
   std::optional<std::string> Save(const EnvEpisodeEnd& end) {
     is_waiting = true;

@@ -16,6 +16,7 @@
 //
 // Columns: the features of the cell, as in generated episodes; the observation (`observation/...`)
 // and the action (`action/...`), by their paths in the environment's dictionaries; and the outcome.
+// Actions by the names of features (Env::Act) have the cell's columns alone.
 // With `images`, also the frames of its streams as they were shown. A row has as many control ticks
 // as its step took: `control_tick` is the first one of each row.
 //

@@ -37,7 +37,7 @@ using ::testing::IsEmpty;
 
 std::vector<double> GoingTo(const Eigen::Vector3d& tcp, double gripper = 1) {
   std::vector<double> action(8);
-  PutTquat(Pose::FromRpy(tcp, {internal::kPi, 0, 0}), action);
+  internal::PutTquat(Pose::FromRpy(tcp, {internal::kPi, 0, 0}), action);
   action[7] = gripper;
   return action;
 }
@@ -222,6 +222,39 @@ TEST(EnvRecorders, ReplayStepsRevokedByAGuard) {
   EXPECT_EQ(episode.column("step_reason").spec.values[1], "collision");
   Env other(config);
   EXPECT_TRUE(ReplayActions(other, episode).ok());
+}
+
+TEST(EnvRecorders, CommandsByNameAreRecordedByTheirNamesAndReplayed) {
+  const TempDir folder;
+  const char* arm = "robots/robot/action/arm";
+  Env env(Rc7WithCube());
+  EnvRecorder recorder(env, folder.path());
+  env.Reset({.seed = 5});
+  env.features().ReadState();
+  std::vector<double> target(env.features().ReadActions().begin(),
+                             env.features().ReadActions().begin() + 7);
+  for (int i = 0; i < 3; ++i) {
+    target[1] += 0.1;
+    env.Act({{arm, target}, {"robots/robot/action/gripper", {0}}});
+  }
+  ExpectThrow<ArgumentError>(
+      [&] {
+        env.Step(GoingTo({0.45, 0, 0.3}));
+      },
+      "this episode is recorded with commands by name; save it");
+  env.Reset({.seed = 6});
+  for (int i = 0; i < 2; ++i) env.Act({{arm, target}});
+  env.Reset({.seed = 7});
+  ActOut(env);  // the other form in another episode
+  recorder.Close();
+  ExpectSound(folder.path(), 3);
+  const Episode episode = Dataset(folder.path()).At(0);
+  EXPECT_FALSE(episode.features().Has("action/robot/tquat"));
+  EXPECT_EQ(episode.rows(), 3);
+  EXPECT_EQ(episode.Read<double>(arm)[2 * 7 + 1], target[1]);
+  Env other(Rc7WithCube());
+  for (const Episode& each : Dataset(folder.path()))
+    EXPECT_TRUE(ReplayActions(other, each).ok()) << each.id();
 }
 
 TEST(EnvRecorders, RecordTheVariationsOfObjects) {

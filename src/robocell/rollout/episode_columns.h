@@ -12,6 +12,7 @@
 #include "robocell/data/feature_schema.h"
 #include "robocell/mujoco/warnings.h"
 #include "robocell/scene/scene.h"
+#include "robocell/task/task.h"
 
 namespace robocell::internal {
 
@@ -30,11 +31,8 @@ class FeatureColumns {
   std::vector<Column> columns_;
 };
 
-// The outcome of an action, with a verdict of a TaskJudge (task/task_judge.h).
-struct RowOutcome {
-  double reward = 0, progress = 0;
-  int subtask = 0;
-  bool success = false;
+// The labels of a row: the task's verdict on its action, and what it did to the episode.
+struct RowOutcome : TaskVerdict {
   bool terminated = false, truncated = false;
   bool ik_failed = false;  // a pose command had no solution: its group kept its target
   int warnings = 0;        // engine warnings since the start of the episode

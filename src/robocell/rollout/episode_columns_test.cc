@@ -53,7 +53,7 @@ struct Labels {
 TEST(OutcomeColumns, ContainTheOutcomeOfAnAction) {
   Labels labels({"pick", "place"});
   labels.columns.PutPhase(labels.writer, 1);
-  labels.columns.PutOutcome(labels.writer, {.reward = 0.5, .progress = 0.25, .subtask = 1});
+  labels.columns.PutOutcome(labels.writer, {{.reward = 0.5, .progress = 0.25, .subtask = 1}});
   labels.writer.EndRow();
   const Episode episode(labels.writer.Commit({}));
   EXPECT_THAT(episode.Read<double>("progress"), ElementsAre(0.25));

@@ -39,7 +39,7 @@ class EpisodeRecordingTest : public ::testing::Test {
     recording->PutState(features.ReadState(), 0);
     recording->PutCommands(features.ReadActions());
     recording->PutMore(0, {&number, 1});
-    recording->PutOutcome({.reward = number});
+    recording->PutOutcome({{.reward = number}});
     recording->EndRow();
     const std::vector<double> ctrl(static_cast<size_t>(robot.scene().model()->nu), number);
     recording->PutControl(number, ctrl);

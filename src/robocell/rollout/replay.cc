@@ -201,7 +201,7 @@ class Replay {
     if (!variations) return;
     const auto config = variations->AsSpec<EnvConfig>();
     const std::vector<double> start = episode_.Read<double>(std::string(kEnvStateColumn));
-    ObjectVariations(config, scene_).Apply(EnvState::FromNumbers(start).variations);
+    internal::ObjectVariations(config, scene_).Apply(EnvState::FromNumbers(start).variations);
   }
 
   void Add(Quantity quantity) {

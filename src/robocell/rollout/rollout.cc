@@ -94,14 +94,14 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     CellStep step;
     if (!recording.LetLook([&] { step = in.cell.Step({.send = send}); }))
       return result.stopped = true, result;
-    const TaskVerdict& verdict = step.verdict;
+    TaskVerdict& verdict = step.verdict;
     ++result.rows;
     terminated = calls("done", true, [&] { return expert.done(); }) || !step.ok() ||
                  (verdict.success &&
                   calls("ends_at_success", true, [&] { return expert.ends_at_success(); }));
     // An expert's failure is not a demonstration, whatever the task's verdict.
     const bool gave_up = terminated && !calls.failure().empty();
-    result.success = verdict.success && !gave_up;
+    result.success = verdict.success = verdict.success && !gave_up;
     truncated = !terminated && result.rows >= run.rates.max_steps;
     if (!step.ok()) NoteDivergence(step.step, options.episode_id, result);
     const bool ik_failed = !step.failed_robot.empty();
@@ -109,14 +109,8 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
       const auto index = static_cast<size_t>(phase);
       NoteNoIkSolution(step, time, index < phases.size() ? phases[index] : "", result);
     }
-    const bool is_put = recording.PutOutcome({.reward = verdict.reward,
-                                              .progress = verdict.progress,
-                                              .subtask = verdict.subtask,
-                                              .success = result.success,
-                                              .terminated = terminated,
-                                              .truncated = truncated,
-                                              .ik_failed = ik_failed,
-                                              .warnings = recording.warnings().total()});
+    const bool is_put = recording.PutOutcome(
+        {verdict, terminated, truncated, ik_failed, recording.warnings().total()});
     if (!is_put) return result.stopped = true, result;
   }
   if (!result.success && result.failure.empty())

@@ -43,7 +43,7 @@ struct RunEnv::State {
 
   Running& Episode(const char* what) {
     if (running) return *running;
-    throw Error(fmt::format("run '{}': {} needs an episode; call Reset first", run.run, what));
+    throw Error(fmt::format("run '{}': {} needs an episode; call reset first", run.run, what));
   }
 };
 
@@ -108,7 +108,7 @@ RunStep RunEnv::Act(const std::map<std::string, std::vector<double>>& actions) {
   Running& episode = state_->Episode("an action");
   if (episode.over) {
     throw Error(
-        fmt::format("run '{}': the episode is over; call Reset for the next one", state_->run.run));
+        fmt::format("run '{}': the episode is over; call reset for the next one", state_->run.run));
   }
   const Action action = episode.in.features.ToAction(actions);
   const auto send = [&] {
@@ -119,13 +119,9 @@ RunStep RunEnv::Act(const std::map<std::string, std::vector<double>>& actions) {
   };
   const internal::CellStep made = episode.in.cell.Step({.send = send});
   ++episode.rows;
-  RunStep step{.reward = made.verdict.reward,
-               .progress = made.verdict.progress,
-               .subtask = made.verdict.subtask,
-               .success = made.verdict.success,
-               .terminated = made.verdict.success || !made.ok(),
-               .ik_failed = !made.failed_robot.empty(),
-               .reason = {}};
+  RunStep step{made.verdict};
+  step.terminated = step.success || !made.ok();
+  step.ik_failed = !made.failed_robot.empty();
   step.truncated = !step.terminated && episode.rows >= state_->run.rates.max_steps;
   if (!made.ok())
     step.reason = made.step.message;

@@ -24,14 +24,13 @@
 #include "robocell/base/stop.h"
 #include "robocell/features/cell_row.h"
 #include "robocell/spec/run_config.h"
+#include "robocell/task/task.h"
 #include "robocell/task/task_sampler.h"
 
 namespace robocell {
 
-struct RunStep {
-  double reward = 0, progress = 0;
-  int subtask = 0;
-  bool success = false;
+// A step of a run, with the task's verdict on the state after it.
+struct RunStep : TaskVerdict {
   bool terminated = false;  // true after success or divergence
   bool truncated = false;   // the run's max_steps are used up
   bool ik_failed = false;   // a pose had no solution: its group kept its target

@@ -66,13 +66,13 @@ TEST(RunEnv, EndsAtTheTimeLimitAndThenRequiresAReset) {
   RunConfig run = WithoutImages(folder);
   run.rates.max_steps = 2;
   RunEnv env(run);
-  ExpectThrow<Error>([&] { env.Row(); }, "call Reset first");
+  ExpectThrow<Error>([&] { env.Row(); }, "call reset first");
   env.Reset(0);
   EXPECT_FALSE(env.Act({}).truncated);
   const RunStep last = env.Act({});
   EXPECT_TRUE(last.truncated);
   EXPECT_EQ(last.reason, "timeout");
-  ExpectThrow<Error>([&] { env.Act({}); }, "the episode is over; call Reset");
+  ExpectThrow<Error>([&] { env.Act({}); }, "the episode is over; call reset");
   env.Reset(0);
   EXPECT_FALSE(env.Act({}).truncated);
 }

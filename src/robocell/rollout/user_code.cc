@@ -27,7 +27,7 @@ std::vector<std::string> UserCode::Unknown(const std::set<std::string>& hashes) 
 UserCode CodeOf(const EnvConfig& config) {
   UserCode code;
   if (config.task) code.AddKind(*FindTaskKind(config.task->kind()));
-  code.Add(CodeOfFeatures(OwnAmong(config.features.names)));
+  code.Add(CodeOfFeatures(internal::OwnAmong(config.features.names)));
   return code;
 }
 

@@ -20,6 +20,7 @@
 #include "robocell/scene/coupled_groups.h"
 #include "robocell/scene/hold_ctrl.h"
 #include "robocell/scene/key_share.h"
+#include "robocell/scene/require_keyframe.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scene/scene_state.h"
 
@@ -323,6 +324,10 @@ void Scene::State::FinishReset(Scene& scene) {
   scene.Forward();
   tell(&SceneObserver::OnResetDone);
   if (failed) std::rethrow_exception(failed);
+}
+
+void internal::RequireKeyframe(const Scene& scene, const KeyframeChoice& keyframe) {
+  FindStartKeys(*scene.compiled(), keyframe, "scene '" + scene.name() + "'");
 }
 
 std::vector<std::string> Scene::keyframes() const {

@@ -15,7 +15,7 @@
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/settle.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Eigen::Vector3d;
@@ -577,4 +577,4 @@ std::vector<std::string> ObjectsOverNothing(const Scene& scene) {
   return out;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -19,7 +19,7 @@
 
 #include "robocell/scene/scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // A robot that is inside something, as a sentence: "robot 'left' (link2) is 40 mm inside cup".
 struct RobotOverlap {
@@ -116,4 +116,4 @@ std::vector<std::string> ObjectsInMillimetres(const Scene& scene);
 // Returns free objects without any support in their present pose. Excludes those in the floor.
 std::vector<std::string> ObjectsOverNothing(const Scene& scene);
 
-}  // namespace robocell
+}  // namespace robocell::internal

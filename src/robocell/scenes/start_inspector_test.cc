@@ -8,7 +8,7 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::ElementsAre;
@@ -106,4 +106,4 @@ TEST(StartInspector, NamesPenetratingObjects) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal
