@@ -45,14 +45,17 @@ class Format:
 
 @dataclass(frozen=True)
 class Options:
-    """How videos are written.
+    """How a format is written.
 
     Attributes:
         keyframe_interval: The most frames from one key frame to the next; None keeps those of the
             episodes.
+        action_horizon: Actions of a chunk, for the statistics of relative actions; None for that
+            of GR00T's configurations.
     """
 
     keyframe_interval: int | None = None
+    action_horizon: int | None = None
 
 
 @dataclass(frozen=True)
