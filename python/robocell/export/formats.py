@@ -26,6 +26,7 @@ class Format:
         is_lerobot: Whether it is a LeRobot dataset: videos, statistics, a whole number of frames
             per second. The others hold images as arrays.
         reserved: Arrays and groups of arrays that it writes itself.
+        options: The options of `export_dataset` that only some formats have.
     """
 
     title: str
@@ -33,6 +34,7 @@ class Format:
     table: str
     is_lerobot: bool = False
     reserved: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()
 
     @property
     def write(self) -> Callable[..., Written]:
@@ -77,14 +79,21 @@ class Written:
     statistics: dict[str, Any] | None = None
 
 
-def _lerobot(version: str, module: str) -> Format:
+def _lerobot(version: str, module: str, *options: str) -> Format:
     own = ("timestamp", "frame_index", "episode_index", "index", "task_index")
-    return Format(f"LeRobot {version}", module, "lerobot.yaml", is_lerobot=True, reserved=own)
+    return Format(
+        f"LeRobot {version}",
+        module,
+        "lerobot.yaml",
+        is_lerobot=True,
+        reserved=own,
+        options=("preset", "keyframe_interval", *options),
+    )
 
 
 FORMATS = {
     "lerobot-v3": _lerobot("v3.0", "lerobot_v3"),
-    "lerobot-v2.1": _lerobot("v2.1", "lerobot_v21"),
+    "lerobot-v2.1": _lerobot("v2.1", "lerobot_v21", "action_horizon"),
     "robomimic": Format(
         "robomimic HDF5",
         "robomimic",
@@ -98,6 +107,9 @@ FORMATS = {
         "molmospaces",
         "molmospaces.yaml",
         reserved=("fail", "obs_scene", "obs/sensor_data", "obs/sensor_param"),
+    ),
+    "mcap": Format(
+        "MCAP", "mcap_log", "mcap.yaml", reserved=("joint_states", "tf", "events", "poses")
     ),
 }
 

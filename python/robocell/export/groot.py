@@ -73,7 +73,7 @@ class RelativeActions:
             self._chunks[name].add(chunks.reshape(len(chunks), -1))
 
     def result(self) -> dict[str, Statistics]:
-        """Returns statistics of shape (horizon, size) by name; those without a chunk are missing."""
+        """Returns statistics of shape (horizon, size) by name, of names that have a chunk."""
         found = {}
         for name, chunks in self._chunks.items():
             if chunks.count:
@@ -93,7 +93,7 @@ def _pairs(source: Source) -> dict[str, tuple[slice, slice]]:
     of_state, of_action = _ranges(state, several), _ranges(action, several)
     pairs = {}
     for name in of_state.keys() & of_action.keys():
-        own, other = slice(**_ends(of_state[name])), slice(**_ends(of_action[name]))
+        own, other = _slice(of_state[name]), _slice(of_action[name])
         if all(
             getattr(state, what)[own] == getattr(action, what)[other]
             for what in ("units", "frames")
@@ -102,8 +102,8 @@ def _pairs(source: Source) -> dict[str, tuple[slice, slice]]:
     return dict(sorted(pairs.items()))
 
 
-def _ends(bounds: dict[str, int]) -> dict[str, int]:
-    return {"start": bounds["start"], "stop": bounds["end"]}
+def _slice(bounds: dict[str, int]) -> slice:
+    return slice(bounds["start"], bounds["end"])
 
 
 def _feature(source: Source, name: str) -> Feature | None:
