@@ -23,6 +23,7 @@ EXTRAS = {
         "mcap": "mcap",
         "mcap_protobuf": "mcap-protobuf-support",
         "foxglove_schemas_protobuf": "foxglove-schemas-protobuf",
+        "google": "protobuf",
         "yaml": "PyYAML",
     },
     "plots": {"matplotlib": "matplotlib", "plotly": "plotly"},
