@@ -104,10 +104,11 @@ def export_dataset(
     """
     form = require_format(format)
     numbers = {"keyframe_interval": keyframe_interval, "action_horizon": action_horizon}
-    for option, value in numbers.items():
-        if value is not None and value < 1:
-            raise ArgumentError(f"{option} is {value}; at least 1")
-    for option, value in {"preset": preset, **numbers}.items():
+    for option, number in numbers.items():
+        if number is not None and number < 1:
+            raise ArgumentError(f"{option} is {number}; at least 1")
+    given_options = {"preset": preset, **numbers}
+    for option, value in given_options.items():
         if value is not None and option not in form.options:
             fitting = [name for name, each in FORMATS.items() if option in each.options]
             raise ArgumentError(
