@@ -386,7 +386,7 @@ KILLED = """
     from robocell.export import card, export_dataset, lerobot_v3
 
     lerobot_v3.VIDEO_MB = 0  # a file for each episode
-    write = lerobot_v3._write_shard
+    write = lerobot_v3.write_shard
 
     def killed(source, staging, options, number, *others):
         if number == {number}:
@@ -394,7 +394,7 @@ KILLED = """
             os.kill(os.getpid(), signal.SIGKILL)
         return write(source, staging, options, number, *others)
 
-    lerobot_v3._write_shard = killed
+    lerobot_v3.write_shard = killed
     export_dataset({dataset!r}, {out!r})
 """
 

@@ -65,6 +65,14 @@ def export(
             "Default: copy them.",
         ),
     ] = None,
+    pack: Annotated[
+        bool,
+        typer.Option(
+            "--pack",
+            help="Write a file for each episode first, and large files of them: a killed export "
+            "loses one episode. For lerobot-v3.",
+        ),
+    ] = False,
     action_horizon: Annotated[
         int | None,
         typer.Option(
@@ -100,6 +108,7 @@ def export(
                 episodes=None if episodes is None else _list(episodes),
                 successes_only=successes_only,
                 keyframe_interval=keyframe_interval,
+                pack=pack,
                 action_horizon=action_horizon,
                 command=shlex.join(["robocell", *sys.argv[1:]]),
                 on_episodes=count,

@@ -59,6 +59,7 @@ def export_dataset(
     episodes: Sequence[str] | None = None,
     successes_only: bool = False,
     keyframe_interval: int | None = None,
+    pack: bool = False,
     action_horizon: int | None = None,
     command: str = "",
     on_episodes: Callable[[int, int], None] | None = None,
@@ -82,6 +83,8 @@ def export_dataset(
         episodes: Ids, places or ranges of places such as "0:100"; default: all.
         successes_only: Leave out the episodes that failed.
         keyframe_interval: Encode videos again whose key frames are further apart.
+        pack: Write a file for each episode first, and large files of them, for "lerobot-v3": a
+            killed export loses one episode, and sizes are measured. It needs twice the space.
         action_horizon: Actions of a chunk in GR00T's configuration, for `meta/relative_stats.json`
             of "lerobot-v2.1"; default: 16.
         command: What the card says about how the result was made.
@@ -107,7 +110,7 @@ def export_dataset(
     for option, number in numbers.items():
         if number is not None and number < 1:
             raise ArgumentError(f"{option} is {number}; at least 1")
-    given_options = {"preset": preset, **numbers}
+    given_options = {"preset": preset, "pack": pack or None, **numbers}
     for option, value in given_options.items():
         if value is not None and option not in form.options:
             fitting = [name for name, each in FORMATS.items() if option in each.options]
@@ -138,7 +141,7 @@ def export_dataset(
     if cameras is not None:
         table = table.only_cameras(cameras)
     source = gather(opened, choose(opened, episodes, successes_only), table)
-    options = Options(keyframe_interval, action_horizon)
+    options = Options(keyframe_interval, pack, action_horizon)
     request = {
         "robocell": __version__,
         "format": format,

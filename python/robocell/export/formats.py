@@ -52,11 +52,13 @@ class Options:
     Attributes:
         keyframe_interval: The most frames from one key frame to the next; None keeps those of the
             episodes.
+        pack: Write files of single episodes first, and files of the size that readers want of them.
         action_horizon: Actions of a chunk, for the statistics of relative actions; None for that
             of GR00T's configurations.
     """
 
     keyframe_interval: int | None = None
+    pack: bool = False
     action_horizon: int | None = None
 
 
@@ -92,7 +94,7 @@ def _lerobot(version: str, module: str, *options: str) -> Format:
 
 
 FORMATS = {
-    "lerobot-v3": _lerobot("v3.0", "lerobot_v3"),
+    "lerobot-v3": _lerobot("v3.0", "lerobot_v3", "pack"),
     "lerobot-v2.1": _lerobot("v2.1", "lerobot_v21", "action_horizon"),
     "robomimic": Format(
         "robomimic HDF5",
