@@ -19,6 +19,13 @@ EXTRAS = {
         "zarr": "zarr",
         "numcodecs": "numcodecs",
     },
+    "mcap": {
+        "mcap": "mcap",
+        "mcap_protobuf": "mcap-protobuf-support",
+        "foxglove_schemas_protobuf": "foxglove-schemas-protobuf",
+        "google": "protobuf",
+        "yaml": "PyYAML",
+    },
     "plots": {"matplotlib": "matplotlib", "plotly": "plotly"},
     "report": {"PIL": "pillow", "jinja2": "Jinja2", "plotly": "plotly", "yaml": "PyYAML"},
     "policy": {"msgpack": "msgpack", "websockets": "websockets", "yaml": "PyYAML"},

@@ -6,6 +6,8 @@ from robocell.lerobot import LeRobotEnv
 env = LeRobotEnv(pick_cube_config(), max_episode_steps=200)
 observation, info = env.reset(seed=0)
 observation["agent_pos"]  # and environment_state with a task, pixels with image streams
+
+``ExportedEnv("out/picks")`` is the cell of a dataset with the features of its LeRobot export.
 """
 
 from __future__ import annotations
@@ -24,11 +26,10 @@ with needed_by("robocell.lerobot", "envs"):
 
 from robocell._core import ArgumentError, EnvConfig
 from robocell._gym_flat import scaled, shares_of
+from robocell._lerobot_exported import ExportedEnv
 from robocell.gym import GymEnv
 
-__all__ = [
-    "LeRobotEnv",
-]
+__all__ = ["ExportedEnv", "LeRobotEnv"]
 
 Observation = dict[str, Any]
 

@@ -28,6 +28,7 @@ def test_help_lists_and_describes_every_command():
         "split",
         "filter",
         "export",
+        "import",
         "check",
         "gripper-range",
         "ik-test",

@@ -15,8 +15,11 @@ from robocell._extras import EXTRAS, install_command, needed_by
 SOURCES = only_core.ROOT / "python" / "robocell"
 # Packages that go by another name than their module.
 MODULES = {
+    "foxglove-schemas-protobuf": "foxglove_schemas_protobuf",
+    "mcap-protobuf-support": "mcap_protobuf",
     "mujoco-menagerie": "mujoco_menagerie",
     "pillow": "PIL",
+    "protobuf": "google",
     "pyyaml": "yaml",
     "stable-baselines3": "stable_baselines3",
 }

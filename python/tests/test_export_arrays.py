@@ -295,11 +295,11 @@ def test_what_a_full_disk_does_not_take_is_read_back(tmp_path: Path):
         (["--format", "zar"], "no format 'zar'. Did you mean 'zarr'? Formats: lerobot-v3, "),
         (
             ["--format", "zarr", "--preset", "droid"],
-            "format 'zarr' takes no preset: formats with a preset are lerobot-v3, lerobot-v2.1",
+            "format 'zarr' takes no preset. Formats that do: lerobot-v3, lerobot-v2.1",
         ),
         (
             ["--format", "aloha", "--keyframe-interval", "2"],
-            "format 'aloha' takes no keyframe_interval: formats with",
+            "format 'aloha' takes no keyframe_interval. Formats that do: lerobot-v3",
         ),
         (["--format", "robomimic", "--cameras", "wrst"], "Did you mean 'wrist'?"),
     ],

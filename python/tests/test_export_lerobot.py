@@ -389,21 +389,21 @@ KILLED = """
     from robocell.export import _card as card, export_dataset, _lerobot_v3 as lerobot_v3
 
     lerobot_v3.VIDEO_MB = 0  # a file for each episode
-    write = lerobot_v3._write_shard
+    write = lerobot_v3.write_shard
 
-    def killed(source, staging, options, number, *others):
+    def killed(source, path_of, options, number, *others):
         if number == {number}:
             {cut}
             os.kill(os.getpid(), signal.SIGKILL)
-        return write(source, staging, options, number, *others)
+        return write(source, path_of, options, number, *others)
 
-    lerobot_v3._write_shard = killed
+    lerobot_v3.write_shard = killed
     export_dataset({dataset!r}, {out!r})
 """
 
 
 @pytest.mark.parametrize(
-    ("number", "cut"), [(0, "pass"), (2, "staging.path('data/chunk-000/file-002.parquet').touch()")]
+    ("number", "cut"), [(0, "pass"), (2, "path_of('data/chunk-000/file-002.parquet').touch()")]
 )
 def test_a_killed_export_leaves_nothing_under_its_name_and_continues(
     dataset: robocell.Dataset,

@@ -31,6 +31,7 @@ TOPICS = {
     "generate": "`RunConfig`, plans, `Runner`",
     "data": "`Dataset`, `Episode`, rows for learning, verifying, repairing",
     "export": "datasets in the formats of training stacks",
+    "importer": "datasets of other formats as episodes",
     "evaluate": "success rates of policies",
     "policy": "policies and what they are asked",
     "policy_server": "policies over a socket",

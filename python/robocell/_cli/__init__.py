@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+import keyword
 import sys
 from collections.abc import Sequence
 from typing import Annotated
@@ -23,6 +24,7 @@ COMMANDS = (
     "split",
     "filter",
     "export",
+    "import",
     "evaluate",
     "serve-policy",
     "init",
@@ -70,7 +72,7 @@ def load(arguments: Sequence[str]) -> typer.Typer:
     app.callback()(options)
     wanted = [name for name in COMMANDS if name in arguments[:1]] or COMMANDS
     for name in wanted:
-        module = name.replace("-", "_")
+        module = name.replace("-", "_") + ("_" if keyword.iskeyword(name) else "")
         app.command(name)(getattr(importlib.import_module(f"robocell._cli.{module}"), module))
     return app
 

@@ -65,6 +65,23 @@ def export(
             "Default: copy them.",
         ),
     ] = None,
+    pack: Annotated[
+        bool,
+        typer.Option(
+            "--pack",
+            help="Write a file for each episode first, and large files of them: a killed export "
+            "loses one episode. For lerobot-v3.",
+        ),
+    ] = False,
+    action_horizon: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            metavar="N",
+            help="Actions of a chunk in GR00T's configuration, for meta/relative_stats.json of "
+            "lerobot-v2.1. Default: 16.",
+        ),
+    ] = None,
 ) -> None:
     """Write a dataset in the format of a training stack.
 
@@ -91,6 +108,8 @@ def export(
                 episodes=None if episodes is None else _list(episodes),
                 successes_only=successes_only,
                 keyframe_interval=keyframe_interval,
+                pack=pack,
+                action_horizon=action_horizon,
                 command=shlex.join(["robocell", *sys.argv[1:]]),
                 on_episodes=count,
             )

@@ -59,6 +59,8 @@ def export_dataset(
     episodes: Sequence[str] | None = None,
     successes_only: bool = False,
     keyframe_interval: int | None = None,
+    pack: bool = False,
+    action_horizon: int | None = None,
     command: str = "",
     on_episodes: Callable[[int, int], None] | None = None,
 ) -> Exported:
@@ -81,6 +83,10 @@ def export_dataset(
         episodes: Ids, places or ranges of places such as "0:100"; default: all.
         successes_only: Leave out the episodes that failed.
         keyframe_interval: Encode videos again whose key frames are further apart.
+        pack: Write a file for each episode first, and large files of them, for "lerobot-v3": a
+            killed export loses one episode, and sizes are measured. It needs twice the space.
+        action_horizon: Actions of a chunk in GR00T's configuration, for `meta/relative_stats.json`
+            of "lerobot-v2.1"; default: 16.
         command: What the card says about how the result was made.
         on_episodes: Is called with the number of episodes that are written, and of all.
 
@@ -100,14 +106,16 @@ def export_dataset(
         15
     """
     form = require_format(format)
-    if keyframe_interval is not None and keyframe_interval < 1:
-        raise ArgumentError(f"keyframe_interval is {keyframe_interval}; at least 1")
-    for option, value in (("a preset", preset), ("a keyframe_interval", keyframe_interval)):
-        if value is not None and not form.is_lerobot:
-            fitting = [name for name, each in FORMATS.items() if each.is_lerobot]
+    numbers = {"keyframe_interval": keyframe_interval, "action_horizon": action_horizon}
+    for option, number in numbers.items():
+        if number is not None and number < 1:
+            raise ArgumentError(f"{option} is {number}; at least 1")
+    given_options = {"preset": preset, "pack": pack or None, **numbers}
+    for option, value in given_options.items():
+        if value is not None and option not in form.options:
+            fitting = [name for name, each in FORMATS.items() if option in each.options]
             raise ArgumentError(
-                f"format '{format}' takes no {option.partition(' ')[2]}: formats with "
-                f"{option} are {', '.join(fitting)}"
+                f"format '{format}' takes no {option}. Formats that do: {', '.join(fitting)}"
             )
     from robocell._staging import staging
     from robocell.export._card import card, episodes_json
@@ -133,7 +141,7 @@ def export_dataset(
     if cameras is not None:
         table = table.only_cameras(cameras)
     source = gather(opened, choose(opened, episodes, successes_only), table)
-    options = Options(keyframe_interval)
+    options = Options(keyframe_interval, pack, action_horizon)
     request = {
         "robocell": __version__,
         "format": format,

@@ -26,6 +26,7 @@ class Format:
         is_lerobot: Whether it is a LeRobot dataset: videos, statistics, a whole number of frames
             per second. The others hold images as arrays.
         reserved: Arrays and groups of arrays that it writes itself.
+        options: The options of `export_dataset` that only some formats have.
     """
 
     title: str
@@ -33,6 +34,7 @@ class Format:
     table: str
     is_lerobot: bool = False
     reserved: tuple[str, ...] = ()
+    options: tuple[str, ...] = ()
 
     @property
     def write(self) -> Callable[..., Written]:
@@ -45,14 +47,19 @@ class Format:
 
 @dataclass(frozen=True)
 class Options:
-    """How videos are written.
+    """How a format is written.
 
     Attributes:
         keyframe_interval: The most frames from one key frame to the next; None keeps those of the
             episodes.
+        pack: Write files of single episodes first, and files of the size that readers want of them.
+        action_horizon: Actions of a chunk, for the statistics of relative actions; None for that
+            of GR00T's configurations.
     """
 
     keyframe_interval: int | None = None
+    pack: bool = False
+    action_horizon: int | None = None
 
 
 @dataclass(frozen=True)
@@ -74,14 +81,21 @@ class Written:
     statistics: dict[str, Any] | None = None
 
 
-def _lerobot(version: str, module: str) -> Format:
+def _lerobot(version: str, module: str, *options: str) -> Format:
     own = ("timestamp", "frame_index", "episode_index", "index", "task_index")
-    return Format(f"LeRobot {version}", module, "lerobot.yaml", is_lerobot=True, reserved=own)
+    return Format(
+        f"LeRobot {version}",
+        module,
+        "lerobot.yaml",
+        is_lerobot=True,
+        reserved=own,
+        options=("preset", "keyframe_interval", *options),
+    )
 
 
 FORMATS = {
-    "lerobot-v3": _lerobot("v3.0", "lerobot_v3"),
-    "lerobot-v2.1": _lerobot("v2.1", "lerobot_v21"),
+    "lerobot-v3": _lerobot("v3.0", "lerobot_v3", "pack"),
+    "lerobot-v2.1": _lerobot("v2.1", "lerobot_v21", "action_horizon"),
     "robomimic": Format(
         "robomimic HDF5",
         "robomimic",
@@ -95,6 +109,9 @@ FORMATS = {
         "molmospaces",
         "molmospaces.yaml",
         reserved=("fail", "obs_scene", "obs/sensor_data", "obs/sensor_param"),
+    ),
+    "mcap": Format(
+        "MCAP", "mcap_log", "mcap.yaml", reserved=("joint_states", "tf", "events", "poses")
     ),
 }
 

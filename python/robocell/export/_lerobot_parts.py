@@ -24,6 +24,8 @@ from robocell.export._source import Camera, Item, Source
 from robocell.export._statistics import Images, Statistics, Vectors
 from robocell.export._videos import join, reason_to_encode, require_frames
 
+PART = "part"
+
 
 class WritesPart(Protocol):
     """Writes the files of a part, and returns what the tables need of it."""
@@ -37,6 +39,7 @@ def write_parts(
     parts: Iterable[Sequence[Item]],
     write: WritesPart,
     on_episode: Callable[[int], None],
+    kind: str = PART,
 ) -> tuple[int, int]:
     """Writes the parts that are missing.
 
@@ -45,14 +48,15 @@ def write_parts(
         parts: The episodes of each part.
         write: Writes one.
         on_episode: Is called with the number of episodes that are written.
+        kind: Name of these parts, where an export has several kinds.
 
     Returns:
         The number of parts, and of episodes that were there.
     """
     done = resumed = count = 0
     for number, items in enumerate(parts):
-        if staging.state(_name(number)) is None:
-            staging.keep(_name(number), write(number, items, done))
+        if staging.state(_name(number, kind)) is None:
+            staging.keep(_name(number, kind), write(number, items, done))
         else:
             resumed += len(items)
         done += len(items)
@@ -61,14 +65,14 @@ def write_parts(
     return count, resumed
 
 
-def part(staging: Staging, number: int) -> dict[str, Any]:
+def part(staging: Staging, number: int, kind: str = PART) -> dict[str, Any]:
     """Returns what the writer of a part returned."""
-    kept: dict[str, Any] = staging.state(_name(number))
+    kept: dict[str, Any] = staging.state(_name(number, kind))
     return kept
 
 
-def _name(number: int) -> str:
-    return f"part-{number}"
+def _name(number: int, kind: str) -> str:
+    return f"{kind}-{number}"
 
 
 def write_video(

@@ -7,12 +7,13 @@ the last complete episode.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import Any
 
 from robocell._extras import needed_by
 from robocell._staging import Staging
-from robocell.export._features import Feature
 from robocell.export._formats import Options, Written
+from robocell.export._groot import HORIZON, RelativeActions, modality
 from robocell.export._lerobot_parts import (
     collect,
     common_info,
@@ -29,7 +30,6 @@ with needed_by("robocell.export", "export"):
     import pyarrow.parquet as pq
 
 VERSION = "v2.1"
-STATE, ACTION = "observation.state", "action"  # GR00T reads these two
 CHUNK = 1000  # episodes in a folder
 DATA_PATH = "data/chunk-{episode_chunk:03d}/episode_{episode_index:06d}.parquet"
 VIDEO_PATH = "videos/chunk-{episode_chunk:03d}/{video_key}/episode_{episode_index:06d}.mp4"
@@ -48,7 +48,8 @@ def write(
 
     parts = ([item] for item in source.items)
     count, resumed = write_parts(staging, parts, write_part, on_episode)
-    written = collect(source, staging, _tables(staging, count), count, resumed)
+    relative = RelativeActions(source, options.action_horizon or HORIZON)
+    written = collect(source, staging, _tables(staging, count, relative), count, resumed)
     write_lines(
         staging.path("meta/tasks.jsonl"),
         ({"task_index": index, "task": task} for task, index in tasks.items()),
@@ -75,8 +76,26 @@ def write(
     )
     write_json(staging.path("meta/stats.json"), written.statistics)
     write_json(staging.path("meta/modality.json"), modality(source))
+    if found := relative.result():
+        write_json(staging.path("meta/relative_stats.json"), found)
     write_json(staging.path("meta/info.json"), info(source, written.codecs))
-    return written
+    return replace(written, notes=(*written.notes, *_notes(found, relative.horizon)))
+
+
+def _notes(relative: dict[str, Any], horizon: int) -> list[str]:
+    """Returns what the card says about GR00T's files."""
+    notes = [
+        "GR00T: `meta/modality.json` names the ranges of state and action, the cameras, and the "
+        "instruction `annotation.human.task_description`."
+    ]
+    if relative:
+        names = ", ".join(f"`{name}`" for name in relative)
+        notes.append(
+            f"`meta/relative_stats.json` has the statistics of {names} relative to the state, for "
+            f"chunks of {horizon} actions: `delta_indices=list(range({horizon}))` of the action in "
+            "GR00T's configuration."
+        )
+    return notes
 
 
 def info(source: Source, codecs: dict[str, str]) -> dict[str, Any]:
@@ -89,51 +108,6 @@ def info(source: Source, codecs: dict[str, str]) -> dict[str, Any]:
         "data_path": DATA_PATH,
         "video_path": VIDEO_PATH if source.cameras else None,
     }
-
-
-def modality(source: Source) -> dict[str, Any]:
-    """Returns the content of GR00T's meta/modality.json.
-
-    The ranges of state and action follow each other and cover the whole vectors.
-    """
-    features = {feature.name: feature for feature in source.resolved.features}
-    several = len(source.resolved.robots) > 1
-    return {
-        "state": _ranges(features.get(STATE), several),
-        "action": _ranges(features.get(ACTION), several),
-        "video": {
-            camera.feature.removeprefix("observation.images."): {"original_key": camera.feature}
-            for camera in source.cameras
-        },
-        "annotation": {"human.task_description": {"original_key": "task_index"}},
-    }
-
-
-def _ranges(feature: Feature | None, several_robots: bool) -> dict[str, dict[str, int]]:
-    """Returns the range of each column in a feature, under a short name."""
-    ranges: dict[str, dict[str, int]] = {}
-    if feature is None:
-        return ranges
-    for index, source in enumerate(feature.sources):
-        name = _short(source, several_robots)
-        if name in ranges and feature.sources[index - 1] != source:
-            name = source.replace("/", "_")  # two columns with the same short name
-        if name in ranges:
-            ranges[name]["end"] = index + 1
-        else:
-            ranges[name] = {"start": index, "end": index + 1}
-    return ranges
-
-
-def _short(column: str, several_robots: bool) -> str:
-    """Returns "arm" for robots/rc7/arm/qpos and robots/rc7/action/arm, "gripper" for an opening."""
-    parts = column.split("/")
-    name = parts[-1]
-    if name == "opening":
-        name = "gripper"
-    elif name == "qpos" and len(parts) > 2:
-        name = parts[-2]
-    return f"{parts[1]}_{name}" if several_robots and parts[0] == "robots" else name
 
 
 def _write_episode(
@@ -154,8 +128,10 @@ def _write_episode(
     return {"statistics": statistics, "videos": videos}
 
 
-def _tables(staging: Staging, count: int) -> Iterator[Any]:
-    """Reads the rows again, one episode at a time."""
+def _tables(staging: Staging, count: int, relative: RelativeActions) -> Iterator[Any]:
+    """Reads the rows again, one episode at a time, also for the statistics of relative actions."""
     for index in range(count):
         place = {"episode_chunk": index // CHUNK, "episode_index": index}
-        yield pq.read_table(staging.path(DATA_PATH.format(**place)))
+        table = pq.read_table(staging.path(DATA_PATH.format(**place)))
+        relative.add(table)
+        yield table

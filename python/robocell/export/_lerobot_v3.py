@@ -2,6 +2,7 @@
 
 Episodes go into shards: a Parquet file with one row group per episode, and one MP4 file per camera.
 A shard is closed before the next begins, and a killed export continues after the last closed one.
+`lerobot_pack` makes shards of such files of single episodes.
 """
 
 from __future__ import annotations
@@ -51,9 +52,14 @@ def write(
     """
 
     def write_part(number: int, items: Sequence[Item], before: int) -> dict[str, Any]:
-        return _write_shard(source, staging, options, number, items, before)
+        return write_shard(source, staging.path, options, number, items, before)
 
-    count, resumed = write_parts(staging, shards(source), write_part, on_episode)
+    if options.pack:
+        from robocell.export._lerobot_pack import write_packed
+
+        count, resumed = write_packed(source, staging, options, on_episode)
+    else:
+        count, resumed = write_parts(staging, shards(source), write_part, on_episode)
     written = collect(source, staging, _tables(staging, count), count, resumed)
     _write_tasks(staging.path("meta/tasks.parquet"), source.tasks)
     _write_episodes(staging, count)
@@ -93,22 +99,31 @@ def place_of(number: int) -> dict[str, int]:
     return {"chunk_index": number // CHUNK, "file_index": number % CHUNK}
 
 
-def _write_shard(
+def write_shard(
     source: Source,
-    staging: Staging,
+    path_of: Callable[[str], Path],
     options: Options,
     number: int,
     items: Sequence[Item],
     before: int,
 ) -> dict[str, Any]:
-    """Writes the files of a shard, and returns what the tables of episodes need."""
+    """Writes the files of a shard, and returns what the tables of episodes need.
+
+    Args:
+        source: What is exported.
+        path_of: Returns the path of a file of the dataset.
+        options: How.
+        number: Number of the shard.
+        items: Its episodes.
+        before: Number of episodes before them.
+    """
     first = sum(item.rows for item in source.items[:before])
     place = place_of(number)
     task_indices = {task: index for index, task in enumerate(source.tasks)}
     rows: list[dict[str, Any]] = []
     at = first
     with pq.ParquetWriter(
-        staging.path(DATA_PATH.format(**place)), schema(source), compression="snappy"
+        path_of(DATA_PATH.format(**place)), schema(source), compression="snappy"
     ) as writer:
         for index, item in enumerate(items, before):
             columns = columns_of(source, item, index, at, task_indices[item.task])
@@ -128,7 +143,7 @@ def _write_shard(
             at += item.rows
     videos = {}
     for camera in source.cameras:
-        path = staging.path(VIDEO_PATH.format(video_key=camera.feature, **place))
+        path = path_of(VIDEO_PATH.format(video_key=camera.feature, **place))
         videos[camera.feature], each = write_video(source, items, camera, path, options)
         frames = 0
         for row, item, statistics in zip(rows, items, each, strict=True):

@@ -1,7 +1,7 @@
-"""What an MP4 file says about its video: codec, size, number of frames, key frames.
+"""What an MP4 file says about its video: codec, size, number of frames, key frames; its packets.
 
-Reads the index of the file alone, a few kilobytes, without a decoder. Files with several tracks
-are refused: neither episodes nor exports have them.
+Facts take the index of the file alone, a few kilobytes, without a decoder. Files with several
+tracks are refused: neither episodes nor exports have them.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from robocell._core import IoError
 
 # Boxes that contain boxes, on the way to the sample table.
 PARENTS = (b"moov", b"trak", b"mdia", b"minf", b"stbl")
+START = b"\0\0\0\1"  # of a NAL unit in Annex B
 SAMPLE_ENTRY_BYTES = 78  # of a video, before its own boxes
 CODECS = {b"avc1": "h264", b"hvc1": "hevc", b"hev1": "hevc", b"av01": "av1"}
 
@@ -86,6 +87,83 @@ class Mp4:
         """The most frames that a decoder has to decode for one."""
         ends = (*self.key_frames[1:], self.frames)
         return max((end - key for key, end in zip(self.key_frames, ends, strict=True)), default=0)
+
+
+def packets(path: Path) -> Iterator[bytes]:
+    """Yields the frames of an H.264 file as they are stored, each complete for a decoder's stream.
+
+    NAL units begin with a start code (Annex B), and those of key frames with the decoder's setup.
+
+    Raises:
+        IoError: The file cannot be read, or is damaged.
+    """
+    video = Mp4.read(path)
+    with path.open("rb") as file:
+        boxes = dict(_boxes(_index(file)))
+        try:
+            setup, length_bytes = _annex_b_setup(_boxes_of_entry(boxes))
+            places = list(_places(boxes))
+        except (KeyError, IndexError, struct.error) as error:
+            raise IoError(
+                f"'{path}' is no H.264 file with one video: its index is damaged"
+            ) from error
+        keys = frozenset(video.key_frames)
+        for frame, (offset, size) in enumerate(places):
+            file.seek(offset)
+            stored = file.read(size)
+            if len(stored) < size:
+                raise IoError(f"'{path}': frame {frame} is missing: the file is cut off")
+            units = b"".join(START + unit for unit in _units(stored, length_bytes))
+            yield (setup if frame in keys else b"") + units
+
+
+def _boxes_of_entry(boxes: dict[bytes, bytes]) -> bytes:
+    """Returns the box avcC."""
+    entry = boxes[b"stsd"][16 + SAMPLE_ENTRY_BYTES :]
+    return next(box for kind, box in _boxes(entry) if kind == b"avcC")
+
+
+def _annex_b_setup(avcc: bytes) -> tuple[bytes, int]:
+    """Returns the parameter sets with start codes, and the bytes of a unit's length."""
+    sets, at = [], 5
+    for mask in (31, 255):  # sequence parameter sets, then picture parameter sets
+        count = avcc[at] & mask
+        at += 1
+        for _ in range(count):
+            (size,) = struct.unpack_from(">H", avcc, at)
+            sets.append(START + avcc[at + 2 : at + 2 + size])
+            at += 2 + size
+    return b"".join(sets), (avcc[4] & 3) + 1
+
+
+def _units(stored: bytes, length_bytes: int) -> Iterator[bytes]:
+    at = 0
+    while at + length_bytes <= len(stored):
+        size = int.from_bytes(stored[at : at + length_bytes], "big")
+        at += length_bytes
+        yield stored[at : at + size]
+        at += size
+
+
+def _places(boxes: dict[bytes, bytes]) -> Iterator[tuple[int, int]]:
+    """Yields the offset and size of each frame."""
+    (same, frames) = struct.unpack_from(">II", boxes[b"stsz"], 4)
+    sizes = [same] * frames if same else list(struct.unpack_from(f">{frames}I", boxes[b"stsz"], 12))
+    wide = b"co64" in boxes
+    table = boxes[b"co64" if wide else b"stco"]
+    (chunks,) = struct.unpack_from(">I", table, 4)
+    offsets = struct.unpack_from(f">{chunks}{'Q' if wide else 'I'}", table, 8)
+    (runs,) = struct.unpack_from(">I", boxes[b"stsc"], 4)
+    first = [struct.unpack_from(">III", boxes[b"stsc"], 8 + 12 * run) for run in range(runs)]
+    run = frame = 0
+    for chunk, offset in enumerate(offsets, 1):
+        if run + 1 < runs and first[run + 1][0] <= chunk:
+            run += 1
+        at = offset
+        for _ in range(first[run][1]):
+            yield at, sizes[frame]
+            at += sizes[frame]
+            frame += 1
 
 
 def _index(file: object) -> bytes:

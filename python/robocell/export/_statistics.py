@@ -18,12 +18,13 @@ Statistics = dict[str, Any]
 
 
 class Vectors:
-    """Statistics of rows of `size` numbers."""
+    """Statistics of rows of `size` numbers; quantiles are exact up to `kept` rows (`KEPT`)."""
 
     KEPT = 1 << 16
 
-    def __init__(self, size: int) -> None:
+    def __init__(self, size: int, kept: int | None = None) -> None:
         self.count = 0
+        self._most = kept or self.KEPT
         self._low = np.full(size, np.inf)
         self._high = np.full(size, -np.inf)
         self._mean = np.zeros(size)
@@ -47,7 +48,7 @@ class Vectors:
         first = -self.count % self._stride
         self._kept = np.concatenate([self._kept, values[first :: self._stride]])
         self.count = whole
-        while len(self._kept) > self.KEPT:
+        while len(self._kept) > self._most:
             self._kept = self._kept[::2]
             self._stride *= 2
 

@@ -10,8 +10,9 @@ import os
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from fractions import Fraction
 from pathlib import Path
 from typing import IO
 
@@ -119,6 +120,75 @@ def join(
     return Mp4.read(out)
 
 
+def cut(
+    source: Path, facts: Mp4, first: int, frames: int, fps: Fraction, out: Path, rate: Fraction
+) -> Mp4:
+    """Writes some frames of a video to a file of their own.
+
+    They are copied if the first is a key frame, else encoded again.
+
+    Args:
+        source: An MP4 file.
+        facts: What is in it.
+        first: Index of the first frame.
+        frames: Number of frames.
+        fps: Frame rate of the source.
+        out: The file to write.
+        rate: Frame rate of the result.
+
+    Raises:
+        IoError: ffmpeg is missing or failed.
+    """
+    is_copy = facts.codec == "h264" and not facts.is_reordered and first in facts.key_frames
+    # A copy begins at the key frame at this time or before, an encoding at the next frame after.
+    start = (first + (Fraction(1, 4) if is_copy else -Fraction(1, 4))) / fps
+    arguments = ["-y", *(["-ss", f"{float(start):.6f}"] if first else [])]
+    arguments += ["-i", f"file:{source}", "-an", "-frames:v", str(frames)]
+    if is_copy:
+        arguments += ["-c", "copy"]
+    else:
+        arguments += ["-vf", f"settb={1 / rate},setpts=N", "-fps_mode", "passthrough", *ENCODED]
+        arguments += ["-enc_time_base", f"{1 / rate}", "-g", "30", "-threads", "1"]
+    with _ffmpeg([*arguments, *_written(rate, out)], f"write '{out}'", subprocess.DEVNULL):
+        pass
+    return Mp4.read(out)
+
+
+def encode(
+    frames: Iterable[bytes], source: Sequence[str], rate: Fraction, out: Path, what: str
+) -> Mp4:
+    """Encodes images to a file.
+
+    Args:
+        frames: Bytes of the images, one after the other.
+        source: Arguments of ffmpeg that say what the bytes are.
+        rate: Frame rate of the result.
+        out: The file to write.
+        what: Where the images come from, for messages.
+
+    Raises:
+        IoError: ffmpeg is missing or failed.
+    """
+    arguments = ["-y", *source, "-i", "pipe:0", "-an"]
+    arguments += ["-vf", f"settb={1 / rate},setpts=N", "-fps_mode", "passthrough", *ENCODED]
+    arguments += ["-enc_time_base", f"{1 / rate}", "-g", "30", "-threads", "1"]
+    arguments += _written(rate, out)
+    with _ffmpeg(arguments, f"encode {what}", subprocess.DEVNULL, frames):
+        pass
+    return Mp4.read(out)
+
+
+def _written(rate: Fraction, out: Path) -> list[str]:
+    """Returns arguments for a file whose frame k is at k / rate, with the same bytes every time."""
+    ticks = f"{rate.denominator * TICKS}"
+    setts = f"setts=time_base=1/{rate.numerator * TICKS}:pts=N*{ticks}:dts=N*{ticks}"
+    return [
+        *("-flags", "+bitexact", "-bsf:v", f"{setts}:duration={ticks}"),
+        *("-video_track_timescale", str(rate.numerator * TICKS), "-map_metadata", "-1"),
+        *("-fflags", "+bitexact", "-movflags", "+faststart", "-f", "mp4", f"file:{out}"),
+    ]
+
+
 def require_frames(path: Path, video: Mp4, rows: int) -> None:
     """Raises IoError unless a video that was written has a frame for each row."""
     if video.frames != rows:
@@ -198,8 +268,13 @@ def key_images(video: Path, facts: Mp4) -> Iterator[tuple[int, NDArray[np.uint8]
 
 
 @contextmanager
-def _ffmpeg(arguments: Sequence[str], task: str, output: int) -> Iterator[IO[bytes] | None]:
-    """Runs ffmpeg while the block reads its output; its failure raises IoError with its words."""
+def _ffmpeg(
+    arguments: Sequence[str], task: str, output: int, given: Iterable[bytes] | None = None
+) -> Iterator[IO[bytes] | None]:
+    """Runs ffmpeg while the block reads its output; its failure raises IoError with its words.
+
+    It is given `given` before the block; its output must then go nowhere.
+    """
     program = os.environ.get("ROBOCELL_FFMPEG") or shutil.which("ffmpeg")
     if program is None:
         raise IoError(
@@ -210,12 +285,20 @@ def _ffmpeg(arguments: Sequence[str], task: str, output: int) -> Iterator[IO[byt
     with tempfile.TemporaryFile() as words:
         try:
             process = subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=output, stderr=words
+                command,
+                stdin=subprocess.DEVNULL if given is None else subprocess.PIPE,
+                stdout=output,
+                stderr=words,
             )
         except OSError as error:
             raise IoError(f"cannot {task}: cannot run '{program}': {error.strerror}") from error
         try:
             with process:
+                if process.stdin is not None:
+                    with suppress(BrokenPipeError):  # it ended early, and says why
+                        for each in given or ():
+                            process.stdin.write(each)
+                        process.stdin.close()
                 yield process.stdout
         except BaseException:
             process.kill()

@@ -1,0 +1,279 @@
+"""Imports datasets of other formats as episodes.
+
+    robocell.importer.import_dataset("lerobot/pusht", "out/pusht")
+
+Reports, filters, loaders and exports then work on them. docs/import.md describes formats and names.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable
+from dataclasses import asdict, dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from robocell import __version__
+from robocell._core import ArgumentError, IoError, NotFoundError, sign_json
+from robocell._suggestions import did_you_mean
+
+__all__ = ["FORMATS", "Imported", "import_dataset"]
+
+FORMATS = ("lerobot", "robomimic", "aloha", "zarr")
+RESULT = ("reward", "terminated", "success")
+
+
+@dataclass(frozen=True)
+class Imported:
+    """The result of an import.
+
+    Attributes:
+        folder: Where it is.
+        title: The format that it was.
+        episodes: Number of episodes.
+        rows: Number of rows.
+        cameras: Number of cameras.
+        rate: Rows per second.
+        successes: Number of episodes that count as successes.
+        silent: Number of episodes that do not say whether they succeeded.
+        resumed: Number of episodes that an earlier, killed import had written.
+    """
+
+    folder: Path
+    title: str
+    episodes: int
+    rows: int
+    cameras: int
+    rate: float
+    successes: int
+    silent: int
+    resumed: int
+
+
+def import_dataset(
+    source: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    format: str | None = None,
+    *,
+    mapping: str | os.PathLike[str] | None = None,
+    task: str | None = None,
+    rate: float | None = None,
+    assume_success: bool = False,
+    on_episodes: Callable[[int, int], None] | None = None,
+) -> Imported:
+    """Imports a dataset of another format as a dataset of episodes.
+
+    Memory does not grow with the dataset. An import that was killed continues where it was when it
+    is asked for again.
+
+    Args:
+        source: A folder, or the file of a robomimic dataset or replay buffer.
+        out: The folder to make; it must not exist.
+        format: One of `FORMATS`; default: what `source` looks like.
+        mapping: YAML file with columns and cameras for the names of the dataset.
+        task: The instruction of episodes that have none.
+        rate: Rows per second; needed if the dataset does not say.
+        assume_success: Count episodes as successes that do not say.
+        on_episodes: Is called with the number of episodes that are written, and of all.
+
+    Returns:
+        What was imported.
+
+    Raises:
+        NotFoundError: There is no such format, or the mapping has a name that the dataset lacks.
+        ArgumentError: `source` is no such dataset, its rate is unknown, or `out` exists.
+        SpecError: The mapping is not one.
+        IoError: Reading or writing failed.
+        ModuleNotFoundError: A package that the format needs is missing.
+    """
+    from robocell._staging import staging
+    from robocell.importer._names import Names
+
+    if rate is not None and not 0 < rate < 1e5:
+        raise ArgumentError(f"rate is {rate:g}; rows per second, more than 0")
+    place, kind = _find(Path(source), format)
+    origin = _opened(place, kind)
+    if not len(origin):
+        raise ArgumentError(f"'{source}' has no episodes to import")
+    hertz = Fraction(rate).limit_denominator(100_000) if rate is not None else origin.rate
+    if hertz is None:
+        raise ArgumentError(
+            f"'{source}' does not say how many rows there are per second. Say it: --rate HZ"
+        )
+    names = Names.load(Path(mapping)) if mapping is not None else Names()
+    names.require_known(origin.read(0))
+    given = Path(out)
+    target = given.parent.resolve() / given.name
+    if target.is_relative_to(place.resolve()):
+        raise ArgumentError(f"'{given}' is inside '{source}'. Choose a folder beside it")
+    request = {
+        "robocell": __version__,
+        "import": str(place.resolve()),
+        "format": kind,
+        "episodes": len(origin),
+        "names": asdict(names),
+        "task": task,
+        "rate": str(hertz),
+        "assume_success": assume_success,
+    }
+    try:
+        with staging(target, request) as where:
+            totals = _write(origin, where, names, hertz, request, on_episodes)
+            where.commit()
+    except IoError:
+        raise
+    except OSError as error:
+        raise IoError(
+            f"cannot import to '{given}': {error.strerror or error}. What is written stays in "
+            f"'{target.parent / f'.{target.name}.partial'}'; the same import continues there"
+        ) from error
+    return Imported(given, origin.title, len(origin), rate=float(hertz), **totals)
+
+
+def _find(source: Path, format: str | None) -> tuple[Path, str]:
+    """Returns the folder or file to read, and its format."""
+    if format is not None and format not in FORMATS:
+        raise NotFoundError(
+            f"no format '{format}'.{did_you_mean(format, FORMATS)} Formats: {', '.join(FORMATS)}"
+        )
+    if not source.exists():
+        raise IoError(f"there is no file or folder '{source}'")
+    found = {kind: place for kind, place in _candidates(source).items() if place is not None}
+    for kind in FORMATS if format is None else (format,):
+        if kind in found:
+            return found[kind], kind
+    what = f"a dataset of the format '{format}'" if format else "a dataset that can be imported"
+    raise ArgumentError(
+        f"'{source}' is not {what}: LeRobot datasets have meta/info.json, robomimic's are an HDF5 "
+        "file with data/demo_0, ALOHA's a folder with episode_0.hdf5, replay buffers a zarr group "
+        "with meta/episode_ends"
+    )
+
+
+def _candidates(source: Path) -> dict[str, Path | None]:
+    """Returns what is at a place, by format."""
+    files = [source] if source.is_file() else sorted(source.glob("*.hdf5"))
+    episodes = [file for file in files if file.stem.startswith("episode_")]
+    found: dict[str, Path | None] = {}
+    if (source / "meta/info.json").is_file():
+        found["lerobot"] = source
+    others = [file for file in files if file.suffix in (".hdf5", ".h5") and file not in episodes]
+    if others or episodes:
+        from robocell.importer._hdf5 import is_aloha, is_robomimic
+
+        found["robomimic"] = next((file for file in others if is_robomimic(file)), None)
+        if episodes and is_aloha(episodes[0]):
+            found["aloha"] = episodes[0].parent
+    buffers = [source, *sorted(source.glob("*.zarr"))] if source.is_dir() else [source]
+    found["zarr"] = next(
+        (
+            each
+            for each in buffers
+            if each.name.endswith(".zarr.zip") or (each / "meta/episode_ends").is_dir()
+        ),
+        None,
+    )
+    return found
+
+
+def _opened(place: Path, kind: str) -> Any:
+    """Opens a dataset; the packages that it needs are imported now."""
+    if kind == "lerobot":
+        from robocell.importer._lerobot import LeRobot
+
+        return LeRobot(place)
+    if kind == "zarr":
+        from robocell.importer._replay_buffer import ReplayBuffer
+
+        return ReplayBuffer(place)
+    from robocell.importer._hdf5 import Aloha, Robomimic
+
+    return Robomimic(place) if kind == "robomimic" else Aloha(place)
+
+
+def _write(
+    origin: Any,
+    where: Any,
+    names: Any,
+    rate: Fraction,
+    request: dict[str, Any],
+    on_episodes: Callable[[int, int], None] | None,
+) -> dict[str, int]:
+    """Writes the episodes that are missing, and dataset.json; returns the totals."""
+    import shutil
+
+    from robocell.importer._episode_files import write_episode
+
+    totals = {"rows": 0, "cameras": 0, "successes": 0, "silent": 0, "resumed": 0}
+    for index in range(len(origin)):
+        id = f"episode-{index:06d}"
+        kept = where.state(id)
+        if kept is None or not (where.folder / id).is_dir():
+            content = _content(origin, index, id, names, rate, request)
+            partial = where.scratch("episode")
+            shutil.rmtree(partial, ignore_errors=True)
+            partial.mkdir()
+            write_episode(content, partial)
+            kept = {
+                "rows": content.rows,
+                "cameras": len(content.cameras),
+                "successes": int(content.success),
+                "silent": int("success" not in content.columns),
+            }
+            where.keep(id, kept)
+            partial.rename(where.path(id))
+        else:
+            totals["resumed"] += 1
+        totals["rows"] += kept["rows"]
+        totals["cameras"] = max(totals["cameras"], kept["cameras"])
+        totals["successes"] += kept["successes"]
+        totals["silent"] += kept["silent"]
+        if on_episodes is not None:
+            on_episodes(index + 1, len(origin))
+    manifest = {
+        "format": "robocell-dataset",
+        "imported": {key: request[key] for key in ("robocell", "import", "format", "rate")},
+        "json_sha256": "0" * 64,
+    }
+    where.path("dataset.json").write_text(sign_json(json.dumps(manifest, indent=2) + "\n"))
+    return totals
+
+
+def _content(
+    origin: Any, index: int, id: str, names: Any, rate: Fraction, request: dict[str, Any]
+) -> Any:
+    """Returns what the episode of a recording has."""
+    import numpy as np
+
+    from robocell.importer._episode_files import Content
+    from robocell.importer._recording import Column
+
+    recording = origin.read(index)
+    columns = names.columns_of(recording, origin)
+    columns.pop("time", None)  # made from the rate
+    for name in ("terminated", "success"):
+        if name in columns:
+            columns[name] = Column(np.asarray(columns[name].values).reshape(-1).astype(bool))
+    says = "success" in columns
+    success = bool(columns["success"].values[-1]) if says else bool(request["assume_success"])
+    terminated = "terminated" in columns and bool(columns["terminated"].values[-1])
+    cameras = names.cameras_of(recording.images)
+    metadata = {
+        "instruction": recording.task or request["task"] or "",
+        "robots": origin.robots,
+        "rates": {"policy_hz": [rate.numerator, rate.denominator]},
+        "imported": {"from": request["import"], "format": origin.title, **recording.metadata},
+    }
+    return Content(
+        id=id,
+        rows=recording.rows,
+        rate=rate,
+        columns=columns,
+        cameras={camera: recording.images[name] for name, camera in cameras.items()},
+        success=success,
+        terminated=terminated,
+        end_reason="success" if says and success else "imported",
+        metadata=metadata,
+    )

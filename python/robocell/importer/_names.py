@@ -1,0 +1,173 @@
+"""Names of columns and cameras for what another dataset has: by rule, or by a file of the user.
+
+columns:
+  observation.state: {robots/arm/arm/qpos: [0, 7], robots/arm/opening: [7, 8]}  # parts
+  action: robots/arm/action/arm  # another name
+  observation.velocity: null     # left out
+cameras:
+  observation.images.top: exo
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from robocell._core import ArgumentError, IoError, NotFoundError, SpecError
+from robocell._extras import needed_by
+from robocell._suggestions import did_you_mean
+from robocell.importer._recording import Column, Origin, Recording
+
+Part = tuple[str, int | None, int | None]  # a column, and its first and last component
+FIELDS = ("columns", "cameras")
+
+
+@dataclass(frozen=True)
+class Names:
+    """The names of a file of the user.
+
+    Attributes:
+        place: The file, which begins error messages.
+        columns: Parts of each column; without parts it is left out.
+        cameras: Camera of each name; None leaves it out.
+    """
+
+    place: str = ""
+    columns: dict[str, tuple[Part, ...]] = field(default_factory=dict)
+    cameras: dict[str, str | None] = field(default_factory=dict)
+
+    @classmethod
+    def load(cls, file: Path) -> Names:
+        """Reads a file.
+
+        Raises:
+            SpecError: It is not such a table.
+            IoError: It cannot be read.
+        """
+        with needed_by("robocell.importer", "export"):
+            import yaml
+        place = f"mapping '{file}'"
+        try:
+            content = yaml.safe_load(file.read_text())
+        except OSError as error:
+            raise IoError(f"cannot read {place}: {error.strerror}") from error
+        except (yaml.YAMLError, UnicodeDecodeError) as error:
+            raise SpecError(f"{place} is no YAML: {error}") from error
+        if not isinstance(content, dict):
+            raise SpecError(f"{place} is a table with the fields {', '.join(FIELDS)}")
+        for name in content:
+            if name not in FIELDS:
+                raise SpecError(
+                    f"{place}: no field '{name}'.{did_you_mean(str(name), FIELDS)} Its fields: "
+                    f"{', '.join(FIELDS)}"
+                )
+        columns, cameras = (content.get(name) or {} for name in FIELDS)
+        for name, table in zip(FIELDS, (columns, cameras), strict=True):
+            if not isinstance(table, dict):
+                raise SpecError(f"{place}: {name} is a table of names, got {table!r}")
+        for name, camera in cameras.items():
+            if not isinstance(camera, str | None):
+                raise SpecError(f"{place}: cameras.{name} is a name or null, got {camera!r}")
+        return cls(
+            place,
+            {name: _parts(place, name, entry) for name, entry in columns.items()},
+            cameras,
+        )
+
+    def require_known(self, recording: Recording) -> None:
+        """Raises NotFoundError for a name that the first recording does not have."""
+        for what, own, known in (
+            ("column", self.columns, recording.columns),
+            ("camera", self.cameras, recording.images),
+        ):
+            for name in own:
+                if name not in known:
+                    raise NotFoundError(
+                        f"{self.place}: the dataset has no {what} '{name}'."
+                        f"{did_you_mean(name, known)} It has: {', '.join(known) or 'none'}"
+                    )
+
+    def columns_of(self, recording: Recording, origin: Origin) -> dict[str, Column]:
+        """Returns the columns of an episode.
+
+        Raises:
+            ArgumentError: Two columns have the same name, or a part is outside of its column.
+        """
+        found: dict[str, Column] = {}
+        for name, column in recording.columns.items():
+            for target, first, last in self._targets(name, origin):
+                if target in found:
+                    raise ArgumentError(
+                        f"two columns would be '{target}', one of them '{name}'. A mapping file "
+                        "gives one another name: --mapping FILE"
+                    )
+                found[target] = _part(column, name, first, last) if first is not None else column
+        return _apart(found)
+
+    def _targets(self, name: str, origin: Origin) -> tuple[Part, ...]:
+        if name in self.columns:
+            return self.columns[name]
+        own = origin.column_name(name)
+        return () if own is None else ((own, None, None),)
+
+    def cameras_of(self, images: Iterable[str]) -> dict[str, str]:
+        """Returns the camera of each name of images."""
+        found: dict[str, str] = {}
+        for name in images:
+            camera = self.cameras.get(name, _camera(name))
+            if camera is None:
+                continue
+            if camera in found.values():
+                raise ArgumentError(
+                    f"two cameras would be '{camera}', one of them '{name}'. A mapping file gives "
+                    "one another name: --mapping FILE"
+                )
+            found[name] = camera
+        return found
+
+
+def _camera(name: str) -> str:
+    """Returns "top" for observation.images.top, obs/top_image and observations/images/top."""
+    short = name.replace(".", "/")
+    for start in ("observation/images/", "observations/images/", "obs/"):
+        short = short.removeprefix(start)
+    short = short.removesuffix("_image")
+    return short.replace("/", "_") or name
+
+
+def _parts(place: str, name: str, entry: Any) -> tuple[Part, ...]:
+    if entry is None:
+        return ()
+    if isinstance(entry, str):
+        return ((entry, None, None),)
+    if isinstance(entry, dict) and all(
+        isinstance(column, str)
+        and isinstance(bounds, list)
+        and len(bounds) == 2
+        and all(isinstance(each, int) and not isinstance(each, bool) for each in bounds)
+        and 0 <= bounds[0] < bounds[1]
+        for column, bounds in entry.items()
+    ):
+        return tuple((column, first, last) for column, (first, last) in entry.items())
+    raise SpecError(
+        f"{place}: columns.{name} is a column, null, or parts such as {{robots/arm/arm/qpos: "
+        f"[0, 7]}}; got {entry!r}"
+    )
+
+
+def _part(column: Column, name: str, first: int, last: int | None) -> Column:
+    size = column.values.shape[1] if column.values.ndim == 2 else 1
+    if last is None or last > size:
+        raise ArgumentError(f"'{name}' has {size} numbers; the part [{first}, {last}] ends outside")
+    values = column.values[:, first:last] if column.values.ndim == 2 else column.values
+    names = column.names[first:last] if len(column.names) == size else ()
+    return Column(values, names)
+
+
+def _apart(columns: Mapping[str, Column]) -> dict[str, Column]:
+    """Returns the columns; one whose name begins the names of others becomes `<name>/value`."""
+    groups = {name.rpartition("/")[0] for name in columns}
+    groups |= {group.rpartition("/")[0] for group in set(groups)}
+    return {f"{name}/value" if name in groups else name: column for name, column in columns.items()}
