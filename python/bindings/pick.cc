@@ -50,7 +50,8 @@ void BindPickTask(nb::module_& m) {
           [](PickTask& t, SceneSpec& spec, PythonRng& rng) {
             t.PickTask::Prepare(spec, rng.get());
           },
-          "spec"_a, "rng"_a, "Adds objects of the kinds that choose_kinds returns, in a run.")
+          "spec"_a, "rng"_a,
+          "Adds objects of the kinds that choose_kinds returns, unless the task names its object.")
       .def(
           "choose_kinds",
           [](PickTask& t, PythonRng& rng) { return t.PickTask::ChooseKinds(rng.get()); }, "rng"_a,
@@ -169,6 +170,9 @@ void BindPlanners(nb::module_& m) {
 }  // namespace
 
 void BindPick(nb::module_& m) {
+  const nb::object reasons = m.attr("RefusalReason");  // of check_grasps
+  reasons.attr("NO_GRASP") = kNoGrasp;
+  reasons.attr("GRASPS_IN_COLLISION") = kGraspsInCollision;
   BindPickTask(m);
   m.def(
       "check_grasps",

@@ -11,7 +11,6 @@
 #include "signals.h"
 #include "task_trampolines.h"
 #include "robocell/base/error.h"
-#include "robocell/task/grasp_check.h"
 
 namespace nb = nanobind;
 
@@ -89,8 +88,6 @@ void BindRefusal(nb::module_& m) {
   reasons.attr("UNSETTLED") = Refusal::kUnsettled;
   reasons.attr("NO_REACHABLE_BASE_POSE") = Refusal::kNoReachableBasePose;
   reasons.attr("BASE_IN_COLLISION") = Refusal::kBaseInCollision;
-  reasons.attr("NO_GRASP") = kNoGrasp;
-  reasons.attr("GRASPS_IN_COLLISION") = kGraspsInCollision;
   reasons.attr("CAMERA_CONSTRAINT") = Refusal::kCameraConstraint;
   reasons.attr("INVALID_SCENE") = Refusal::kInvalidScene;
   nb::class_<Refusal>(m, "Refusal",

@@ -416,14 +416,24 @@ def test_rejects_rewards_and_observations_that_are_not_finite(number):
     env.close()
 
 
+def test_pick_without_an_object_draws_the_target_at_each_reset():
+    env = rc.Env(pick_cube_config(task={"kind": "pick", "objects": ["box", "nut"]}))
+    said = set()
+    for seed in range(8):
+        observation, info = env.reset(seed=seed)
+        said.add(info["instruction"])
+        target = "target_" + info["instruction"].removeprefix("pick up the ")
+        place = observation["objects"][target]["tquat"][:3]
+        np.testing.assert_allclose(observation["task"]["target"], place, atol=1e-6)
+    assert said == {"pick up the box", "pick up the nut"}
+    env.close()
+
+
 def test_rejects_tasks_without_a_name_or_a_required_field():
     with pytest.raises(rc.ArgumentError, match="must be a name that is not empty"):
         rc.register_task("")(Reach)
-    with pytest.raises(
-        rc.SpecError,
-        match=r"task.object: is required: what is to be picked, one of root_frame_objects: cube",
-    ):
-        rc.Env(pick_cube_config(task={"kind": "pick"}))
+    with pytest.raises(rc.SpecError, match=r"task.spread: is about the place that `object` has"):
+        rc.Env(pick_cube_config(task={"kind": "pick", "spread": [0.1, 0]}))
     with pytest.raises(rc.NotFoundError, match=r"task.kind: no task ''"):
         rc.Env(pick_cube_config(task={"kind": ""}))
     with pytest.raises(TypeError, match=r"a PickTaskConfig: no field 'goal'"):

@@ -49,12 +49,12 @@ void AddSmallStreams(const RunConfig& run, std::vector<Finding>& warnings) {
     const CameraConfig& stream = run.cameras.streams[i];
     const int width = run.cameras.width(stream), height = run.cameras.height(stream);
     if (std::min(width, height) >= kLeastSide) continue;
-    warnings.push_back(
-        {.subject = fmt::format("cameras.streams[{}]", i),
-         .place = run.locations.At(fmt::format("cameras.streams[{}]", i)),
-         .text = fmt::format("images of '{}' have {} x {} pixels, on which next to nothing is seen; "
-                             "`cameras.resolution` is [width, height] in pixels",
-                             stream.name, width, height)});
+    warnings.push_back({.subject = fmt::format("cameras.streams[{}]", i),
+                        .place = run.locations.At(fmt::format("cameras.streams[{}]", i)),
+                        .text = fmt::format(
+                            "images of '{}' have {} x {} pixels, on which next to nothing is seen; "
+                            "`cameras.resolution` is [width, height] in pixels",
+                            stream.name, width, height)});
   }
 }
 

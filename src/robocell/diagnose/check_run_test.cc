@@ -69,7 +69,7 @@ TEST(CheckRun, WarnsAboutAnArmThatSagsUnderItsWeight) {
   EXPECT_THAT(Lines(CheckRun(run)), Not(Contains(HasSubstr("touch at home"))));
   run.robot.config.force_limit = 3;
   EXPECT_THAT(Lines(CheckRun(run)), Contains(AllOf(HasSubstr("pushes with all it may, 3 N m"),
-                                            HasSubstr("gravity needs"))));
+                                                   HasSubstr("gravity needs"))));
 }
 
 // A group without actuators has no actions, and is no reason to reject a run.

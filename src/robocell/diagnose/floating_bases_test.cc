@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "robocell/base/files.h"
@@ -38,7 +39,8 @@ class FloatingBases : public ::testing::Test {
 
   // The findings of this check alone.
   static std::vector<Finding> Try(Robot robot) {
-    internal::Findings findings("robot 'box'");
+    internal::Findings findings("robot 'box'",
+                                [](const std::string&, std::string_view) { return ""; });
     internal::TryFloatingBase(robot, {}, findings);
     return findings.list();
   }

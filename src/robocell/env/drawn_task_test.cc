@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "robocell/base/error.h"
+#include "robocell/base/hook_error.h"
 #include "robocell/env/env.h"
 #include "robocell/env/env_layout.h"
 #include "robocell/env/env_state.h"
@@ -138,7 +138,7 @@ TEST(DrawnTask, ObjectsOfTheRigKeepTheirNames) {
                                              .shape = Shape::kBox,
                                              .size = Vec3{0.02, 0.02, 0.02},
                                              .mass = 0.05};
-  ExpectThrow<Error>([&] { const Env env(config); }, "object 'target_box'");
+  ExpectThrow<HookError>([&] { const Env env(config); }, "object 'target_box', a name that scene");
 }
 
 }  // namespace

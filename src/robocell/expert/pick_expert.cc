@@ -97,9 +97,10 @@ class PickRunValidator {
   void WarnOfUnusedGroups() {
     const std::string unused = internal::TellUnusedGroups(robot_);
     if (unused.empty()) return;
-    doubts_.AddAt("robot", fmt::format("has several arms or grippers, and pick tasks act with one of "
-                                     "each, the first arm of `move_groups` and its gripper: {}",
-                                     unused));
+    doubts_.AddAt("robot",
+                  fmt::format("has several arms or grippers, and pick tasks act with one of "
+                              "each, the first arm of `move_groups` and its gripper: {}",
+                              unused));
   }
 
   // Warns of kinds of objects that the gripper cannot grasp; drawn sizes may differ.
@@ -115,14 +116,14 @@ class PickRunValidator {
       const int body = FindId(scene.model(), mjOBJ_BODY, object.root_body);
       if (!FindGrasps(scene.model(), scene.data(), body, *shape, robot_.tcp_in_world()).empty())
         continue;
-      doubts_.AddAt(is_named ? "task.object" : "task.objects",
-                  fmt::format("gripper '{}' cannot hold '{}' ({}): such starts are refused. {}, or "
-                              "take a gripper that fits",
-                              robot_.gripper().name(), kind,
-                              SizesForGrasp(scene.model(), scene.data(), body, *shape),
-                              is_named ? "Name another object"
-                                       : "Leave the kind out of task.objects"));
-      }
+      doubts_.AddAt(
+          is_named ? "task.object" : "task.objects",
+          fmt::format("gripper '{}' cannot hold '{}' ({}): such starts are refused. {}, or "
+                      "take a gripper that fits",
+                      robot_.gripper().name(), kind,
+                      SizesForGrasp(scene.model(), scene.data(), body, *shape),
+                      is_named ? "Name another object" : "Leave the kind out of task.objects"));
+    }
   }
 
   const RunConfig& run_;

@@ -57,7 +57,7 @@ TEST(PickExpert, NamesWhatARobotLacks) {
   const PickScene scene = MakePickScene(ObjectOnTheTable("box"));
   EXPECT_THAT(WhyNot(scene.robot, "pick"), ::testing::IsEmpty());
   EXPECT_THAT(WhyNot(scene.robot, "pick_and_place"), ::testing::IsEmpty());
-  SceneSpec spec{.name = "fixed", .timestep = 0.002, .add_floor = true};
+  SceneSpec spec{.name = "fixed", .timestep = 0.002, .add_floor = true, .add_skybox = false};
   RobotConfig config = ExampleRun("demo.yaml").robot.config;
   config.base = {.kind = BaseKind::kFixed};
   spec.robots.push_back({.name = "rc7", .config = config, .control_modes = config.used_modes()});

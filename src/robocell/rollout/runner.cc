@@ -263,8 +263,8 @@ void AddTo(ItemResult& result, const internal::RolloutResult& rollout) {
 void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest& stop,
                             EarlierAttempts& earlier, ItemResult& result) {
   const auto began = std::chrono::steady_clock::now();
-  SampleResult sample = internal::DrawStart(
-      {run, *sampler, parts.scene_data, has_samplers_hooks()}, item, attempt, stop);
+  SampleResult sample = internal::DrawStart({run, *sampler, parts.scene_data, has_samplers_hooks()},
+                                            item, attempt, stop);
   result.seconds_sampling += Seconds(began);
   if (ShouldStop(stop)) return Drop(result);
   RequireUnchangedModels();

@@ -4,9 +4,16 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
@@ -17,7 +24,9 @@
 #include "robocell/data/episode_reader.h"
 #include "robocell/expert/pick_planner.h"
 #include "robocell/rollout/on_disk.h"
+#include "robocell/scenes/scene_source.h"
 #include "robocell/task/grasp_check.h"
+#include "robocell/task/pick_task_config.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/pick_scene.h"
@@ -94,6 +103,51 @@ TEST(Runner, TheEpisodesOfARealArmSucceed) {
   REQUIRE_MENAGERIE("ufactory_xarm7");
   TempDir folder;
   ExpectGoodRun(Blind("xarm7_pick.yaml", folder / "out"), 5);
+}
+
+// A table with a cube of its own.
+struct CubeScenes {
+  static constexpr const char* kKind = "cube_of_runner_test";
+  static constexpr const char* kTypeName = "CubeScenes";
+  template <class V>
+  static void Fields(V&& /*v*/) {}
+};
+
+class CubeSource final : public SceneSource {
+ public:
+  explicit CubeSource(const CubeScenes& /*fields*/) {}
+  std::optional<int> size() const override { return std::nullopt; }
+  SceneSpec Make(int /*index*/) override {
+    SceneSpec spec{.base = "tabletop", .add_floor = true, .add_skybox = true};
+    SceneObject cube = ObjectOnTheTable("box");
+    cube.name = "cube";
+    spec.objects.push_back(std::move(cube));
+    return spec;
+  }
+};
+
+// The task names an object of the scene, as in an environment; on the tray, the goal is drawn.
+TEST(Runner, TheExpertPicksAndPlacesANamedObject) {
+  RegisterSceneSource<CubeScenes>(std::make_shared<SceneSourceKindOf<CubeScenes, CubeSource>>());
+  TempDir folder;
+  for (const TaskSpec& task : {TaskSpec(PickTaskConfig{.object = "cube", .spread = {0.03, 0.03}}),
+                               TaskSpec(PickAndPlaceTaskConfig{.object = "cube"})}) {
+    RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
+    run.cameras.streams = {};
+    run.scenes = CubeScenes{};
+    run.task = task;
+    run.output = (folder / task.kind()).string();
+    PrepareDataset(run, {.validate = true});
+    const ItemResult result = Runner(run).Run(MakePlan(run)[0]);
+    EXPECT_TRUE(result.success) << task.kind();
+    EXPECT_EQ(result.object_kind, "cube");
+    const Episode episode = Dataset(run.output).Open(result.item.id);
+    // What was recorded is the second way: the cube rose by more than lift_height.
+    const std::vector<double> pose = episode.Read<double>("objects/cube/pose");
+    double highest = pose[2];
+    for (size_t i = 2; i < pose.size(); i += 7) highest = std::max(highest, pose[i]);
+    EXPECT_GE(highest - pose[2], kLiftHeight);
+  }
 }
 
 TEST(Runner, AnEpisodeDoesNotDependOnEarlierOnes) {

@@ -184,9 +184,8 @@ class SceneValidator {
       warnings.push_back({.place = std::move(place), .text = std::move(text)});
     }
     for (const Problem& doubt : doubts_.list()) {
-      warnings.push_back({.subject = doubts_.Shown(doubt.path),
-                          .place = doubt.source,
-                          .text = doubt.message});
+      warnings.push_back(
+          {.subject = doubts_.Shown(doubt.path), .place = doubt.source, .text = doubt.message});
     }
     return warnings;
   }

@@ -6,12 +6,19 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/rollout/testing/demo.h"
+#include "robocell/spec/kind_fields.h"
+#include "robocell/task/base_placement.h"
 #include "robocell/task/pick_task_config.h"
+#include "robocell/task/task.h"
+#include "robocell/task/task_kind.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/source_dir.h"
@@ -223,6 +230,73 @@ TEST(ValidateRun, RejectsAnImpossibleLift) {
   EXPECT_THAT(text, HasSubstr(" m above the object, and lifts 0.05 m more than required; give"));
   run.task.As<PickTaskConfig>().lift_height = 0.1;
   EXPECT_THAT(ValidateRun(run), IsEmpty());
+}
+
+// A task of a user's own: a ball, and where the robot stands around it.
+struct BallConfig {
+  Vec2 distance = {0.3, 0.5};
+  bool has_ball = true;
+
+  static constexpr const char* kKind = "ball_of_validate_test";
+  static constexpr const char* kTypeName = "BallConfig";
+  template <class V>
+  static void Fields(V&& v) {
+    v("distance", &BallConfig::distance, "Of the base.");
+    v("has_ball", &BallConfig::has_ball, "Whether there is a ball.");
+  }
+};
+
+class Ball final : public Task {
+ public:
+  explicit Ball(const BallConfig& fields) : fields_(fields) {}
+  void Prepare(SceneSpec& spec, Rng& /*rng*/) override {
+    if (!fields_.has_ball) return;
+    spec.objects.push_back({.name = "ball",
+                            .shape = Shape::kSphere,
+                            .size = Vec3{0.03, 0, 0},
+                            .rgba = Vec4{1, 0, 0, 1},
+                            .mass = 0.05,
+                            .friction = Vec3{1, 0.02, 0.001}});
+  }
+  BaseRange base_range() const override { return {.distance = fields_.distance}; }
+  TaskVerdict Judge(const Scene& /*scene*/) override { return {}; }
+  std::string instruction() const override { return "look at the ball"; }
+
+ private:
+  BallConfig fields_;
+};
+
+RunConfig RunOfBall(const BallConfig& fields) {
+  static const bool kRegistered = [] {
+    RegisterTask<BallConfig>(std::make_shared<TaskKindOf<BallConfig, Ball>>());
+    return true;
+  }();
+  (void)kRegistered;
+  RunConfig run = Demo();
+  run.task = fields;
+  run.start = {};
+  run.expert = "pick";
+  return run;
+}
+
+// Every task that has an object to reach, by the ranges of the run and by its own.
+TEST(ValidateRun, ReportsABaseRangeOutOfReachForAnyTask) {
+  const RunDemands here{.on_this_machine = false};
+  EXPECT_NO_THROW(ValidateRun(RunOfBall({}), here));
+  ExpectThrow<SpecError>(
+      [&] {
+        ValidateRun(RunOfBall({.distance = {2, 3}}), here);
+      },
+      "start.base_distance: [2, 3] m goes beyond ");
+  RunConfig run = RunOfBall({});
+  run.start.base_distance = {{4, 5}};
+  ExpectThrow<SpecError>([&] { ValidateRun(run, here); },
+                         "start.base_distance: [4, 5] m goes beyond ");
+  run.start.base_distance = {};
+  run.start.base_height_offset = -7;
+  ExpectThrow<SpecError>([&] { ValidateRun(run, here); }, "start.base_height_offset: -7 m puts");
+  EXPECT_NO_THROW(ValidateRun(RunOfBall({.distance = {2, 3}, .has_ball = false}), here))
+      << "there is nothing to reach";
 }
 
 // A run file beside a robot file: that of rc7 with other lines.

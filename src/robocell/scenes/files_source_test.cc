@@ -73,8 +73,8 @@ TEST(FilesSource, RelativeFilesAreBesideTheRunFile) {
   std::filesystem::create_directories(folder / "a");
   std::filesystem::create_directories(folder / "b");
   const auto write = [&](const std::string& in, const char* body) {
-    AtomicWrite(folder / in / "lab.xml", "<mujoco><worldbody><body name='" + std::string(body) +
-                                             "'/></worldbody></mujoco>");
+    AtomicWrite(folder / in / "lab.xml",
+                "<mujoco><worldbody><body name='" + std::string(body) + "'/></worldbody></mujoco>");
   };
   write("a", "beside");
   write("b", "in_root");

@@ -217,8 +217,7 @@ struct Linking {
       link.mark = reference;
     } else if (!start.may_come(reference) && !IsKind(reference, start)) {
       link.other = WithPart(reference, i);
-      if (!link.other)
-        return wrong(PlaceMistakeKind::kNoSuchReference, NoReference(reference, i));
+      if (!link.other) return wrong(PlaceMistakeKind::kNoSuchReference, NoReference(reference, i));
       link.marks = measured.Of(*link.other);
       link.mark = reference;
     }

@@ -45,6 +45,24 @@ TEST(PlaceLinks, AllErrorsAreReportedTogether) {
                           HasSubstr("start.places.brick: no object or body 'shelf'")));
 }
 
+// A drawer of a cabinet that the start brings itself.
+TEST(PlaceLinks, KnowTheBodiesInsideObjectsOfTheStart) {
+  SceneObject cabinet{.name = "target", .mjcf_path = "cabinet", .fixed = false};
+  const Start start({Block("cube", {0.01, 0.01, 0.01}), cabinet});
+  const std::vector<SaidPlaces> said = {{{{"cube", {.inside = "target_drawer"}}}, "start.places"}};
+  const auto may_come = [](const std::string&) { return false; };
+  Problems problems;
+  const std::vector<PlaceLink> links =
+      LinkPlaces(LandmarksOf(start.base), said, {start.objects, start.kinds, may_come}, problems);
+  EXPECT_TRUE(problems.empty()) << problems.Text("it");
+  ASSERT_EQ(links.size(), 1u);
+  EXPECT_EQ(links[0].other, 1u);
+  EXPECT_EQ(links[0].mark, "target_drawer");
+  EXPECT_FALSE(links[0].marks->Floors(links[0].mark).empty());
+  EXPECT_THAT(start.Error({{"cube", {.inside = "target_draver"}}}),
+              HasSubstr("Did you mean 'target_drawer'?"));
+}
+
 TEST(PlaceLinks, RejectAPlaceForAnObjectWithAPose) {
   Start start({Block("cube", {0.01, 0.01, 0.01}), Block("brick", {0.05, 0.04, 0.02})});
   start.objects[0].pos = Vec3{0, 0, 0};

@@ -47,21 +47,20 @@ std::vector<Number> Numbers() {
   }
   for (Number& size : numbers) size.may_be_negative = false;
   for (int i = 0; i < 2; ++i) {
-    numbers.push_back({"articulations[0].range",
-                       [i](A& a, double v) { a.articulations[0].range[i] = v; }, true});
     numbers.push_back(
-        {"rooms[0].outline", [i](A& a, double v) { a.rooms[0].outline[2][i] = v; }});
+        {"articulations[0].range", [i](A& a, double v) { a.articulations[0].range[i] = v; }, true});
+    numbers.push_back({"rooms[0].outline", [i](A& a, double v) { a.rooms[0].outline[2][i] = v; }});
   }
-  numbers.push_back({"articulations[0].start", [](A& a, double v) { a.articulations[0].start = v; }});
   numbers.push_back(
-      {"rooms[0].floor_height", [](A& a, double v) { a.rooms[0].floor_height = v; }});
+      {"articulations[0].start", [](A& a, double v) { a.articulations[0].start = v; }});
+  numbers.push_back({"rooms[0].floor_height", [](A& a, double v) { a.rooms[0].floor_height = v; }});
   for (int i = 0; i < 3; ++i) {
-    numbers.push_back({"containers[0].opening",
-                       [i](A& a, double v) { a.containers[0].opening[i] = v; }});
-    numbers.push_back({"articulations[0].axis",
-                       [i](A& a, double v) { a.articulations[0].axis[i] = v; }});
-    numbers.push_back({"articulations[0].anchor",
-                       [i](A& a, double v) { a.articulations[0].anchor[i] = v; }});
+    numbers.push_back(
+        {"containers[0].opening", [i](A& a, double v) { a.containers[0].opening[i] = v; }});
+    numbers.push_back(
+        {"articulations[0].axis", [i](A& a, double v) { a.articulations[0].axis[i] = v; }});
+    numbers.push_back(
+        {"articulations[0].anchor", [i](A& a, double v) { a.articulations[0].anchor[i] = v; }});
     numbers.push_back({"lights[0].position", [i](A& a, double v) { a.lights[0].position[i] = v; }});
     numbers.push_back(
         {"lights[0].direction", [i](A& a, double v) { a.lights[0].direction[i] = v; }});
@@ -78,9 +77,9 @@ TEST(SoundAnnotations, EachNumberThatCannotBeIsNamed) {
     for (const double value : {std::nan(""), infinity, -infinity, -1.0, 0.0}) {
       SceneAnnotations known = Sound();
       number.set(known, value);
-      const bool is_sound =
-          !std::isnan(value) && (std::isfinite(value) || number.may_be_infinite) &&
-          (value >= 0 || number.may_be_negative);
+      const bool is_sound = !std::isnan(value) &&
+                            (std::isfinite(value) || number.may_be_infinite) &&
+                            (value >= 0 || number.may_be_negative);
       SCOPED_TRACE(fmt::format("{} = {}", number.name, value));
       if (is_sound) {
         EXPECT_NO_THROW(RequireSound(known, "scene 4"));

@@ -36,8 +36,7 @@ TEST(Support, IsTheUpperFaceOfABoxInTheBoxsPose) {
 }
 
 TEST(Support, CanBeABoxOnItsSide) {
-  const Support s =
-      SupportOf("<geom type='box' size='.01 .2 .3' pos='0 0 -.01' euler='0 90 0'/>");
+  const Support s = SupportOf("<geom type='box' size='.01 .2 .3' pos='0 0 -.01' euler='0 90 0'/>");
   EXPECT_NEAR(s.frame_to_world.translation().z(), 0.5, 1e-9);
   EXPECT_DOUBLE_EQ(s.half_x, 0.3);
   EXPECT_DOUBLE_EQ(s.half_y, 0.2);

@@ -161,8 +161,8 @@ std::optional<Refusal> ValidateBaseReach(const Robot& robot, const Pose& target)
                  fmt::format("{:.2f} m away, reach is {:.2f} m", distance, robot.reach())};
 }
 
-std::string WhyOutOfReach(const std::vector<Robot>& robots, const Eigen::Vector3d& place, double lowest,
-                          double slack) {
+std::string WhyOutOfReach(const std::vector<Robot>& robots, const Eigen::Vector3d& place,
+                          double lowest, double slack) {
   double nearest = std::numeric_limits<double>::infinity();
   std::string why;
   for (const Robot& robot : robots) {

@@ -26,12 +26,11 @@ std::optional<Refusal> GraspCheck::Check(const Scene& scene, const Robot& robot,
       FindGrasps(planning.model(), planning.data(), planning.target_body(), planning.shape(),
                  robot.tcp_in_world());
   if (candidates.empty())
-    return Refusal{
-        .reason = kNoGrasp,
-        .detail = "the object is too large, too small or too flat for the gripper: " +
-                  SizesForGrasp(planning.model(), planning.data(), planning.target_body(),
-                                planning.shape()),
-        .holds_everywhere = true};
+    return Refusal{.reason = kNoGrasp,
+                   .detail = "the object is too large, too small or too flat for the gripper: " +
+                             SizesForGrasp(planning.model(), planning.data(),
+                                           planning.target_body(), planning.shape()),
+                   .holds_everywhere = true};
   const std::vector<double> home = robot.arm().joint_pos();
   GraspMotions motions(planning, std::move(candidates), JointVector(std::span<const double>(home)),
                        GraspMotionsToLift(lift_height));
@@ -44,9 +43,8 @@ std::optional<Refusal> GraspCheck::Check(const Scene& scene, const Robot& robot,
     planning.Update();
   }
   if (of_no_use) return of_no_use;
-  return Refusal{
-      motions.MostCollide() ? kGraspsInCollision : Refusal::kNoReachableBasePose,
-      "grasps: " + motions.Reasons()};
+  return Refusal{motions.MostCollide() ? kGraspsInCollision : Refusal::kNoReachableBasePose,
+                 "grasps: " + motions.Reasons()};
 }
 
 }  // namespace robocell

@@ -15,6 +15,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/task/base_placement.h"
+#include "robocell/task/drawn_objects.h"
 #include "robocell/task/held.h"
 
 namespace robocell {
@@ -39,32 +40,6 @@ ObjectTask::ObjectTask(ObjectOfTask object)
       all_(fields_.all.value_or(std::vector<std::string>{fields_.name})) {
   if (draws_objects_) all_.clear();
 }
-
-namespace internal {
-
-std::vector<DrawnObject> DrawnObjects(const Scene& scene, const TaskSetting& setting,
-                                      const std::string& prefix) {
-  std::vector<DrawnObject> drawn;
-  for (const SceneObject& object : scene.spec().objects) {
-    if (object.name.starts_with(prefix) && !setting.objects.contains(object.name))
-      drawn.push_back({object.name, object.name.substr(prefix.size())});
-  }
-  return drawn;
-}
-
-Feature PlaceFeature(const char* name, const char* description) {
-  return {.column = {.name = name,
-                     .shape = {3},
-                     .units = "m",
-                     .frame = "shared base frame",
-                     .names = {"x", "y", "z"},
-                     .description = description},
-          .role = FeatureRole::kPrivileged,
-          .lower = std::vector<double>(3, -kFarthestObject),
-          .upper = std::vector<double>(3, kFarthestObject)};
-}
-
-}  // namespace internal
 
 std::vector<std::string> ObjectTask::ChooseKinds(Rng& rng) {
   if (is_prepared_once()) {
@@ -201,8 +176,8 @@ void ObjectTask::Bind(const Scene& scene, const TaskSetting& setting) {
   RequireMovable(scene);
   object_.emplace(scene, scene.compiled()->object(fields_.name).root_body);
   const auto offset = setting.objects.find(fields_.name);
-  offset_ = offset == setting.objects.end() ? root_.inverse() * object_->pose_in_world()
-                                            : offset->second;
+  offset_ =
+      offset == setting.objects.end() ? root_.inverse() * object_->pose_in_world() : offset->second;
   robots_.clear();
   for (const std::string& robot : setting.robots)
     robots_.push_back(Robot::Of(scene.inner(), robot));
@@ -211,7 +186,7 @@ void ObjectTask::Bind(const Scene& scene, const TaskSetting& setting) {
 std::optional<Refusal> ObjectTask::Arrange(Scene& scene, Rng& /*rng*/) {
   constexpr double kMayFall = -std::numeric_limits<double>::infinity();
   const std::string why = WhyOutOfReach(robots_, ObjectInWorld(), kMayFall,
-                                                  internal::RadiusOf(scene.model(), object_->id()));
+                                        internal::RadiusOf(scene.model(), object_->id()));
   if (why.empty()) return std::nullopt;
   return Refusal{.reason = fmt::format("'{}' is out of reach", fields_.name), .detail = why};
 }
@@ -220,11 +195,11 @@ std::optional<Refusal> ObjectTask::CheckStart(const Scene& scene) {
   if (!checks_grasps()) return std::nullopt;
   std::optional<Refusal> refused;
   for (const Robot& robot : robots_) {  // one that has a grasp is enough
-    auto refusal = grasps_[robot.name()].Check(
-        scene, robot, object_->name(), fields_.lift_height,
-        [&](PlanningScene& planning, const GraspMotion& motion) {
-          return RefuseGrasp(scene, planning, motion);
-        });
+    auto refusal =
+        grasps_[robot.name()].Check(scene, robot, object_->name(), fields_.lift_height,
+                                    [&](PlanningScene& planning, const GraspMotion& motion) {
+                                      return RefuseGrasp(scene, planning, motion);
+                                    });
     if (!refusal) return std::nullopt;
     if (!refused) refused = std::move(refusal);
   }

@@ -140,18 +140,4 @@ class ObjectTask : public Task {
 // Returns 1 at distance 0 (m), falling to 0 far away.
 double Near(double distance);
 
-namespace internal {
-// The objects that Prepare adds to a scene that serves all starts are named by their kind.
-inline constexpr const char* kTargetPrefix = "target_";
-inline constexpr const char* kGoalPrefix = "goal_";
-struct DrawnObject {
-  std::string name, kind;
-};
-// Returns the objects of a scene with that prefix that the setting does not have itself.
-std::vector<DrawnObject> DrawnObjects(const Scene& scene, const TaskSetting& setting,
-                                      const std::string& prefix);
-// Returns a feature of a place, x y z in the shared base frame.
-Feature PlaceFeature(const char* name, const char* description);
-}  // namespace internal
-
 }  // namespace robocell

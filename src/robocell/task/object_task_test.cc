@@ -174,10 +174,12 @@ class OneHouseAfterTheOther : public StartSampler {
   using StartSampler::StartSampler;
   static double Height(int house) { return 0.5 + 0.1 * house; }
   SceneSpec MakeBaseScene(int house) override {
-    AtomicWrite(folder_ / "house.xml",
-                fmt::format("<mujoco><worldbody><body name='table' pos='0 0 {}'>"
-                            "<geom type='box' size='.4 .4 .02' pos='0 0 -.02'/></body></worldbody></mujoco>",
-                            Height(house)));
+    AtomicWrite(
+        folder_ / "house.xml",
+        fmt::format(
+            "<mujoco><worldbody><body name='table' pos='0 0 {}'>"
+            "<geom type='box' size='.4 .4 .02' pos='0 0 -.02'/></body></worldbody></mujoco>",
+            Height(house)));
     SceneSpec spec{.name = "house", .timestep = 0.002, .add_floor = true, .add_skybox = false};
     spec.base = (folder_ / "house.xml").string();
     return spec;

@@ -15,6 +15,7 @@
 #include "robocell/motion/geom_extent.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/task/base_placement.h"
+#include "robocell/task/drawn_objects.h"
 #include "robocell/task/grasp_candidates.h"
 #include "robocell/task/held.h"
 #include "robocell/task/place_motion.h"
@@ -146,10 +147,11 @@ void PickAndPlaceTask::Bind(const Scene& scene, const TaskSetting& setting) {
   goal_offset_ = offset == setting.objects.end() ? root().inverse() * goal_body_->pose_in_world()
                                                  : offset->second;
   if (object.free_joint || task_.goal_spread == Vec2{0, 0}) return;
-  throw ArgumentError(fmt::format(
-      "{}: task.goal_spread moves task.goal_object '{}', which is fixed; set fixed: false in {}, or "
-      "leave goal_spread out",
-      place(), id, setting.is_run ? "its scene" : "root_frame_objects." + id));
+  throw ArgumentError(
+      fmt::format("{}: task.goal_spread moves task.goal_object '{}', which is fixed; set fixed: "
+                  "false in {}, or "
+                  "leave goal_spread out",
+                  place(), id, setting.is_run ? "its scene" : "root_frame_objects." + id));
 }
 
 // The stages of the start place what is drawn; the rest is put here. CheckStart compares their
@@ -170,8 +172,7 @@ BodyPoses PickAndPlaceTask::Starts(Rng& rng) {
     if (!draws_goal()) {
       const Pose pose = Around(goal_offset_, task_.goal_spread, rng);
       goal = (pose * goal_in_object).translation();
-      if (has_goal_object() && moves_goal)
-        starts.emplace_back(goal_body_->name(), root() * pose);
+      if (has_goal_object() && moves_goal) starts.emplace_back(goal_body_->name(), root() * pose);
     }
     if (is_named() && (goal - start).head<2>().norm() < task_.goal_distance) continue;
     if (!has_goal_object()) goal_ = goal;
@@ -342,8 +343,7 @@ std::string PickAndPlaceTask::instruction() const {
 }
 
 std::vector<Feature> PickAndPlaceTask::signals() const {
-  std::vector<Feature> signals = {
-      internal::PlaceFeature("goal", "Where the object is to be put.")};
+  std::vector<Feature> signals = {internal::PlaceFeature("goal", "Where the object is to be put.")};
   for (Feature& target : ObjectTask::signals()) signals.push_back(std::move(target));
   return signals;
 }

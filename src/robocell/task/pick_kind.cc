@@ -154,8 +154,8 @@ class PickAndPlaceKind final : public KindOfPick<PickAndPlaceTaskConfig, PickAnd
                      Problems& doubts) const override {
     KindOfPick::ValidateScene(run, scene, robot, problems, doubts);
     const Problems::Scope scope(problems, "task");
-    RequireObjectOfScenes(run, "goal_object",
-                          run.task.As<PickAndPlaceTaskConfig>().goal_object, problems);
+    RequireObjectOfScenes(run, "goal_object", run.task.As<PickAndPlaceTaskConfig>().goal_object,
+                          problems);
   }
   std::vector<StartContents> PossibleContents(const RunConfig& run, int /*scene*/,
                                               const SceneSpec& /*base*/,

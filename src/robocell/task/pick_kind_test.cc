@@ -176,8 +176,7 @@ class Shelf final : public SceneSource {
 
 RunConfig RunOnShelf(TaskSpec task, int scene) {
   static const bool kRegistered = [] {
-    RegisterSceneSource<ShelfConfig>(
-        std::make_shared<SceneSourceKindOf<ShelfConfig, Shelf>>());
+    RegisterSceneSource<ShelfConfig>(std::make_shared<SceneSourceKindOf<ShelfConfig, Shelf>>());
     return true;
   }();
   (void)kRegistered;
@@ -204,19 +203,19 @@ TEST(PickKind, ANamedObjectIsInAllScenesOfTheRun) {
                                           "object 'cube'. Its objects: ball"));
   RunConfig table = ExampleRun("demo.yaml");
   table.task = PickTaskConfig{.object = "cube"};
-  EXPECT_THAT(ProblemsOf(table),
-              HasSubstr("task.object: no object 'cube': scene 0 of source 'tabletop' has no objects, "
-                        "which a source puts into SceneSpec.objects. Leave `object` out"));
-  EXPECT_THAT(ProblemsOf(RunOnShelf(
-                  PickAndPlaceTaskConfig{.object = "cube", .goal_object = "mat"}, 0)),
-              HasSubstr("task.goal_object: scene 0 of source"));
+  EXPECT_THAT(
+      ProblemsOf(table),
+      HasSubstr("task.object: no object 'cube': scene 0 of source 'tabletop' has no objects, "
+                "which a source puts into SceneSpec.objects. Leave `object` out"));
+  EXPECT_THAT(
+      ProblemsOf(RunOnShelf(PickAndPlaceTaskConfig{.object = "cube", .goal_object = "mat"}, 0)),
+      HasSubstr("task.goal_object: scene 0 of source"));
 }
 
 // The start of a run with a named object: the object lies where the scene has it, moved by `spread`,
 // the robot stands in range of it, and it can be grasped and lifted there.
 TEST(PickKind, ARunPicksTheObjectOfItsScene) {
-  const RunConfig run =
-      RunOnShelf(PickTaskConfig{.object = "cube", .spread = {0.05, 0.03}}, 0);
+  const RunConfig run = RunOnShelf(PickTaskConfig{.object = "cube", .spread = {0.05, 0.03}}, 0);
   const Vec3 own = Shelf({}).Make(0).objects[0].pos.value();
   const BaseRange range = BaseRangeOf(run.start, {});
   int accepted = 0;

@@ -331,9 +331,9 @@ struct StartSampler::Setup {
   std::optional<internal::RelatedPlaces> related;
   Scene scene;
   Robot robot;
-  std::string target;       // first of the task's objects; "" for a task without any
+  std::string target;  // first of the task's objects; "" for a task without any
   std::string target_body;
-  Pose middle;              // middle of the support
+  Pose middle;  // middle of the support
   StopRequest stop;
   RefusalCounts redrawn = {};
 
@@ -503,7 +503,8 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   scene.Reset({.seed = rng.Fork("home").NextBits()});
   const std::shared_ptr<Task> task = task_;
   internal::TaskCalls(*task).Bind(
-      scene, {.place = "run '" + run_.run + "'", .robots = {run_.robot.config.name}, .is_run = true});
+      scene,
+      {.place = "run '" + run_.run + "'", .robots = {run_.robot.config.name}, .is_run = true});
   internal::TaskCalls(*task).RequireObjects(scene, contents.objects);
   const std::string target = TargetOf(*task, contents, kinds);
   Setup setup{task,

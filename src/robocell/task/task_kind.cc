@@ -41,8 +41,9 @@ std::vector<StartContents> TaskKind::PossibleContents(const RunConfig& run, int 
     SceneSpec spec = base;
     Rng rng = Rng::Stream(seed, "possible contents", scene, episode);
     StartContents contents = PrepareContents(
-        *Make(run.task), {.known = known, .kind = run.task.kind(), .turn = {seed, scene, episode, longest}},
-        spec, rng);
+        *Make(run.task),
+        {.known = known, .kind = run.task.kind(), .turn = {seed, scene, episode, longest}}, spec,
+        rng);
     std::vector<std::string> names = contents.kinds;
     for (const SceneObject& object : contents.objects) names.push_back(object.name);
     if (seen.insert(names).second) possible.push_back(std::move(contents));

@@ -96,8 +96,9 @@ class Adding final : public Task {
     spec.objects.push_back({.name = "table", .shape = Shape::kBox, .size = Vec3{20, 20, 0.1}});
     Rng rng = Rng::Stream(1, "task");
     const auto nothing = [] { return std::make_shared<const SceneAnnotations>(); };
-    return ExpectThrow<HookError>([&] { internal::TaskCalls(*this).Prepare(nothing, spec, rng, "mine"); },
-                                  "task 'mine': prepare() added ");
+    return ExpectThrow<HookError>(
+        [&] { internal::TaskCalls(*this).Prepare(nothing, spec, rng, "mine"); },
+        "task 'mine': prepare() added ");
   }
 
  private:
