@@ -377,7 +377,7 @@ def own_cell(**fields: object) -> rc.Env:
                 "shape": "cylinder",
                 "size": [0.02, 0.04, 0],
                 "mass": 0.1,
-                "offset": {"pos": [0.45, 0, 0.04]},
+                "offset": rc.Pose(translation=[0.45, 0, 0.04]),
             }
         },
         task={"kind": "pick", "object": "target"},
