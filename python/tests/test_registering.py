@@ -441,7 +441,7 @@ def feature_in_a_cell(name: str) -> rc.features.Feature:
 )
 def test_accepts_units_of_known_symbols(unit: str):
     rc.features.register_feature("unit_of_test", units=unit)(lambda scene: 0.0)
-    assert feature_in_a_cell("unit_of_test").unit == unit
+    assert feature_in_a_cell("unit_of_test").units == unit
 
 
 @pytest.mark.parametrize(
@@ -483,7 +483,9 @@ def test_warns_when_a_module_replaces_the_kind_of_another(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.syspath_prepend(tmp_path)
-    text = "import robocell as rc\nrc.register_feature('twice_of_test')(lambda scene: 0.0)\n"
+    text = (
+        "import robocell as rc\nrc.features.register_feature('twice_of_test')(lambda scene: 0.0)\n"
+    )
     for name in ("first_of_test", "second_of_test"):
         (tmp_path / f"{name}.py").write_text(text)
     with warnings.catch_warnings():
