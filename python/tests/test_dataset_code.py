@@ -6,6 +6,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import robocell as rc
@@ -133,7 +134,11 @@ def test_rejects_a_module_that_changed(made: Made):
 def test_code_of_an_expert_that_is_not_registered_is_not_needed(made: Made, monkeypatch):
     kinds = [kind for kind in rc.tasks.expert_kinds() if kind != f"waits_{made.number}"]
     monkeypatch.setattr("robocell._dataset_run.expert_kinds", lambda: kinds)
-    from_dataset(made.dataset, imports=[made.task])
+    env = from_dataset(made.dataset, imports=[made.task])
+    row, _ = env.reset(seed=0)
+    recorded = rc.Dataset(made.dataset)[0]
+    for name in env.observations:
+        assert np.array_equal(row[name], recorded[name][0]), name
 
 
 def test_rejects_a_policy_whose_module_registers_another_task(made: Made):

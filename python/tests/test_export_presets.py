@@ -167,20 +167,23 @@ def test_a_preset_of_ones_own_and_the_options_that_replace_its_entries(
 @pytest.mark.parametrize(
     ("content", "told"),
     [
-        ({"image_size": [320, 181]}, "image_size is width and height, even numbers such as"),
-        ({"gripper": {"open": 1}}, "gripper has two different numbers"),
-        ({"gripper": {"open": 1, "closed": 1}}, "gripper has two different numbers"),
+        ({"image_size": [320, 181]}, "image_size is width and height, even numbers up to 8192"),
+        ({"gripper": {"open": 1}}, "gripper is {open: 1, closed: 0}, got {'open': 1}"),
+        ({"gripper": {"open": 1, "closed": 1}}, "open and closed are two numbers, got 1 for"),
         ({"action_feature": 3}, "action_feature is the name of a feature"),
         (
             {"features": {"x": [{"column": "phase", "part": "x"}]}},
-            "x: no field 'part'. A column has",
+            "x[0]: no field 'part'. Its fields: column, times, as",
         ),
         (
             {"features": {"x": [{"column": "phase", "as": "positon"}]}},
-            "x: no part 'positon'. Did you mean 'position'? Parts: position, quaternion",
+            "x[0]: no form 'positon'. Did you mean 'position'? There are: position, quaternion",
         ),
         ({"features": {"x": [{"column": "phase", "times": "2"}]}}, "times is a number"),
-        ({"features": {"x": [{"as": "position"}]}}, "x is a list of columns, got {'as'"),
+        (
+            {"features": {"x": [{"as": "position"}]}},
+            "x[0]: expected a column, or {column: ...}, got {'as'",
+        ),
         (
             {"features": {"x": [{"column": "phase", "as": "quaternion"}]}},
             "column 'phase' has 1 numbers and no quaternion; poses have 7, displacements 6",

@@ -8,15 +8,30 @@ from typing import Any
 import numpy as np
 import pytest
 
-from robocell.policy import Policy, PolicyExpert
+from robocell._acting_policy import ActingPolicy
+from robocell.policy import Context, Policy
 
 ARM, GRIPPER = "robots/a/action/arm", "robots/a/action/gripper"
 
 
 def actions(action: Any) -> list[dict[str, np.ndarray]]:
-    expert = PolicyExpert(None, SimpleNamespace(task=None), Policy())
-    expert._sizes = {ARM: 7, GRIPPER: 1}
-    return expert._actions(action)
+    """All actions of the chunk that a policy returns, as rollouts get them."""
+    calls: list[None] = []
+
+    class Once(Policy):
+        def act(self, observation: Any) -> Any:
+            calls.append(None)
+            return action
+
+    acting = ActingPolicy(Once())
+    sizes = {ARM: 7, GRIPPER: 1}
+    features = [SimpleNamespace(name=name, role="action", shape=(n,)) for name, n in sizes.items()]
+    acting.begin(Context("", None, 0, features))  # type: ignore[arg-type]
+    taken = [acting.next({})]
+    while not acting._chunks.need_call():
+        taken.append(acting.next({}))
+    assert len(calls) == 1
+    return taken
 
 
 @pytest.mark.parametrize(
@@ -49,7 +64,7 @@ def test_one_action_may_be_a_chunk_of_one(gripper: Any):
 def test_rejects_what_is_no_real_number(values: Any, what: str):
     with pytest.raises(TypeError) as caught:
         actions({GRIPPER: values})
-    assert str(caught.value) == f"Policy.act(): '{GRIPPER}' must be real numbers, got {what}"
+    assert str(caught.value) == f"Once.act(): '{GRIPPER}' must be real numbers, got {what}"
 
 
 def test_rejects_names_that_are_no_text():

@@ -213,7 +213,10 @@ ACTIONS = 'actions: ["robots/{robot}/action/{arm}"]\n'
         (ACTIONS + "gripper: {open: yes, closed: 0}\n", "gripper.open is a number, got True"),
         (ACTIONS + "observation: [x]\n", "observation is a table of names"),
         (ACTIONS + "observation: {s: [{column: x, as: rpy}]}\n", r"no form 'rpy'. There are: pos"),
-        (ACTIONS + "image_size: 224\n", "image_size is width and height, up to 4096 each; got 224"),
+        (
+            ACTIONS + "image_size: 224\n",
+            "image_size is width and height, whole numbers up to 8192 such as .*; got 224",
+        ),
         (ACTIONS + "image_size: [0, 5]\n", "image_size is width and height"),
         (ACTIONS + "channels_first: 1\n", "channels_first is true or false, got 1"),
         (ACTIONS + "images: {top: 3}\n", "images.top is an image stream, got 3"),

@@ -64,14 +64,18 @@ def prepared(task: type[rc.tasks.Task], folder: Path) -> rc.RunConfig:
 
 
 def test_a_task_reads_the_objects_of_the_scene(tmp_path: Path):
+    heights: list[float] = []
+
     class Reads(Put):
         def prepare(self, spec, rng):
-            self.top = next(each for each in spec.objects if each.name == "bench").pos[2] + 0.02
+            heights.append(next(each for each in spec.objects if each.name == "bench").pos[2])
             super().prepare(spec, rng)
 
     run = prepared(Reads, tmp_path)
     env = rc.envs.RunEnv(run)
     env.reset(0)
+    bench = env.scene.body_pose("bench").translation
+    assert heights[-1] == pytest.approx(bench[2])
 
 
 @pytest.mark.parametrize("kind", ["box", "a/b c", "x: y"])
@@ -80,7 +84,9 @@ def test_any_text_is_a_kind_also_the_name_of_an_object(kind: str, tmp_path: Path
         def kind_of(self, name):
             return kind
 
-    prepared(OfKind, tmp_path)
+    env = rc.envs.RunEnv(prepared(OfKind, tmp_path))
+    env.reset(0)
+    assert env.object_kinds == [kind]
 
 
 def test_a_pick_of_a_kind_called_like_an_object_of_the_scene(tmp_path: Path):
@@ -91,6 +97,10 @@ def test_a_pick_of_a_kind_called_like_an_object_of_the_scene(tmp_path: Path):
     run.task = {"kind": "pick", "objects": ["box"]}
     run.output = str(tmp_path / "out")
     rc.generate.prepare_dataset(run)
+    env = rc.envs.RunEnv(run)
+    env.reset(0)
+    assert env.object_kinds == ["box"]
+    assert "bench" in env.scene.body_names()
 
 
 def test_no_kind_is_an_error_of_kind_of(tmp_path: Path):

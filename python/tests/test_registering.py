@@ -315,6 +315,8 @@ def test_classes_with_any_signature_are_registered():
     rc.register_task("any_of_test")(Push)
     rc.register_task("any_of_test", fields=Size)(lambda fields: Push())
     rc.tasks.register_sampler("any_of_test")(rc.tasks.StartSampler)
+    for kinds in (rc.tasks.task_kinds, rc.tasks.expert_kinds, rc.tasks.sampler_kinds):
+        assert kinds().count("any_of_test") == 1, kinds
 
 
 class HalfAnExpert(rc.tasks.Expert):
@@ -383,6 +385,13 @@ def test_inherited_methods_count_as_defined():
     rc.register_task("mixed_of_test")(Mixed)
     rc.register_task("in_parts_of_test")(InParts)
     rc.tasks.register_expert("picks_of_test")(Picks)
+    assert {"mixed_of_test", "in_parts_of_test"} <= set(rc.tasks.task_kinds())
+    assert "picks_of_test" in rc.tasks.expert_kinds()
+    for kind, instruction in (("mixed_of_test", "mixed"), ("in_parts_of_test", "in parts")):
+        env = rc.Env(pick_cube_config(task={"kind": kind}))
+        env.reset(seed=0)
+        assert env.instruction == instruction
+        env.close()
 
 
 def test_warns_about_a_misspelt_method_name():
@@ -418,12 +427,21 @@ def test_warns_about_a_misspelt_method_name():
             def measure(self) -> None: ...
 
 
+def feature_in_a_cell(name: str) -> rc.features.Feature:
+    """The description of a registered feature in an environment's schema."""
+    env = rc.Env(pick_cube_config(features=[name]))
+    (feature,) = [each for each in env.observed if each.name.endswith(name)]
+    env.close()
+    return feature
+
+
 @pytest.mark.parametrize(
     "unit",
     ["", "m", "1", "rad/s", "N m", "m, 1", "m/s^2", "kg m^2/s", "%", "mm", "deg", "N*m", "m²"],
 )
 def test_accepts_units_of_known_symbols(unit: str):
     rc.features.register_feature("unit_of_test", units=unit)(lambda scene: 0.0)
+    assert feature_in_a_cell("unit_of_test").units == unit
 
 
 @pytest.mark.parametrize(
@@ -440,6 +458,7 @@ def test_rejects_an_unknown_unit(unit: str, near: str):
 )
 def test_accepts_frames_of_robocell(frame: str):
     rc.features.register_feature("frame_of_test", frame=frame)(lambda scene: 0.0)
+    assert feature_in_a_cell("frame_of_test").frame == frame
 
 
 def test_rejects_an_unknown_frame():
@@ -464,7 +483,9 @@ def test_warns_when_a_module_replaces_the_kind_of_another(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.syspath_prepend(tmp_path)
-    text = "import robocell as rc\nrc.register_feature('twice_of_test')(lambda scene: 0.0)\n"
+    text = (
+        "import robocell as rc\nrc.features.register_feature('twice_of_test')(lambda scene: 0.0)\n"
+    )
     for name in ("first_of_test", "second_of_test"):
         (tmp_path / f"{name}.py").write_text(text)
     with warnings.catch_warnings():
@@ -571,6 +592,7 @@ def test_accepts_hooks_of_any_form_that_fits():
         subtasks = functools.partialmethod(lambda self, names: names, ["push"])
 
     rc.register_task("any_hook_of_test")(Any1)
+    assert "any_hook_of_test" in rc.tasks.task_kinds()
 
 
 def test_rejects_an_attribute_that_hides_a_hook():

@@ -77,9 +77,12 @@ class TestSharing:
 
     def test_data_kept_after_close_is_still_alive(self, scene):
         data = scene.data
+        scene.step()
+        before = data.time
         scene.close()
         gc.collect()
         mujoco.mj_step(data.model, data)
+        assert data.time == pytest.approx(before + data.model.opt.timestep)
 
     def test_the_scene_outlives_the_objects_taken_from_it(self, scene):
         address = scene.data._address
@@ -92,6 +95,7 @@ class TestSharing:
             scene = rc.Scene.build(small_spec())
             scene.model, scene.data.qpos[0]
             scene.step()
+            assert scene.time() == scene.timestep()
 
     def test_scenes_on_one_frozen_model_are_independent(self):
         compiled = rc.scene.compile_scene(small_spec())
@@ -168,7 +172,9 @@ class TestSharing:
         rc.Scene.from_compiled(compiled).step()
         gc.collect()
         rc.Scene.from_compiled(compiled).close()
-        rc.Scene.from_compiled(compiled).step()
+        held = rc.Scene.from_compiled(compiled)
+        held.step()
+        assert held.time() == held.timestep(), "the third scene on a model for one"
 
     @pytest.mark.parametrize("first", ["model", "freeze"])
     def test_a_frozen_model_is_read_only(self, first):
@@ -188,7 +194,12 @@ class TestSharing:
 
     def test_a_model_that_is_not_frozen_is_writable(self, scene):
         scene.model.geom_rgba[:] = 0.5
-        scene.model.opt.gravity[2] = -1
+        scene.model.opt.gravity[:] = 0
+        assert np.all(scene.model.geom_rgba == 0.5)
+        scene.model.dof_damping[:] = 0
+        scene.data.qfrc_applied[:] = 0
+        mujoco.mj_forward(scene.model, scene.data)
+        assert np.allclose(scene.data.qfrc_bias, 0), "gravity is off and nothing moves"
 
     def test_a_copy_of_a_compiled_scene_has_its_own_model(self):
         compiled = rc.scene.compile_scene(small_spec())

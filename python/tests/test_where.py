@@ -109,4 +109,7 @@ def test_no_text_does_anything_but_parse_or_be_refused(text: str):
         condition = Condition.parse(text)
     except robocell.ArgumentError:
         return
+    at = 0
+    for name in condition.names:
+        at = text.index(name, at) + len(name)
     assert condition.names

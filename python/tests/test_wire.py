@@ -154,6 +154,7 @@ def test_damaged_messages_are_a_message_or_a_wire_error():
         for byte in (*rng.integers(256, size=3), 0, 255):
             damaged = bytearray(whole)
             damaged[at] = byte
-            for data in (bytes(damaged), whole[:at]):
-                with contextlib.suppress(WireError):
-                    unpack(data)
+            with contextlib.suppress(WireError):
+                unpack(bytes(damaged))
+        with pytest.raises(WireError):
+            unpack(whole[:at])

@@ -6,7 +6,7 @@
     bound.columns(actions)  # {"robots/fr3/action/arm_relative": (10, 7), ...}
 
 A preset is a YAML file: names of observations and images, the size of images, the representation of
-actions, the polarity of grippers. docs/policy_server.md describes its fields.
+actions, the polarity of grippers. docs/presets.md describes its fields.
 """
 
 from __future__ import annotations

@@ -23,19 +23,18 @@ from robocell._placeholders import (
     groups_of,
     is_opening,
 )
+from robocell._preset_fields import gripper_of, image_size_of
 from robocell._suggestions import did_you_mean, shortened
 from robocell.export._features import DONE, Resolved, Term, feature_of
 from robocell.export._table import (
     TABLES,
     chosen_action,
-    gripper_of,
     listed_actions,
     merge_table,
     preset_file,
     read_table,
     require_apart,
     require_names,
-    size_of,
     template_of,
     terms_of,
 )
@@ -149,7 +148,7 @@ class Mapping:
             "" if text else str(task),
             text,
             template,
-            size_of(whole.get("image_size"), place),
+            image_size_of(whole.get("image_size"), place, even=True),
             gripper_of(whole.get("gripper"), place),
         )
 

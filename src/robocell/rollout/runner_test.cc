@@ -219,7 +219,9 @@ TEST(Runner, DoesNotReplaceTheFirstStart) {
     EXPECT_TRUE(result.complete && result.committed && !result.success);
     ASSERT_EQ(result.failures.size(), 1u);
     EXPECT_THAT(result.failures.begin()->first, ::testing::StartsWith(text));
-    EXPECT_EQ(Episode(folder / "out" / item.id).end_reason(), result.failures.begin()->first);
+    const Episode kept(folder / "out" / item.id);
+    EXPECT_EQ(kept.end_reason(), result.failures.begin()->first);
+    EXPECT_TRUE(nlohmann::json::parse(kept.results_json()).value("policy_error", false));
   }
 }
 
@@ -234,10 +236,13 @@ TEST(Runner, AnExpertThatFailsToConstructFailsTheEvaluation) {
                  .expert = [](const RunConfig&, const EpisodeStart&) -> std::shared_ptr<Expert> {
                    throw std::runtime_error("no weights");
                  }});
-  const ItemResult result = runner.Run(MakePlan(run)[0]);
+  const PlanItem item = MakePlan(run)[0];
+  const ItemResult result = runner.Run(item);
   EXPECT_TRUE(result.complete && result.committed && !result.success);
   EXPECT_THAT(result.failures, ::testing::ElementsAre(Pair(
                                    "policy error: in the expert's constructor: no weights", 1)));
+  const Episode kept(folder / "first" / item.id);
+  EXPECT_TRUE(nlohmann::json::parse(kept.results_json()).value("policy_error", false));
 }
 
 // Acts so that the next step of the simulation is a fatal error of the engine.

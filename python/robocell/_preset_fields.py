@@ -1,0 +1,174 @@
+"""Reads the words that presets of policies and mapping files of exports share.
+
+    gripper: {open: 0, closed: 1}
+    image_size: [320, 180]
+    {column: "robots/{robot}/tcp_pose", as: position, times: 20}
+
+docs/presets.md describes them. A problem is reported with the place, and what is allowed there.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from robocell._core import IoError, NotFoundError, SpecError
+from robocell._extras import needed_by
+from robocell._placeholders import AS_RECORDED, Gripper
+from robocell._suggestions import did_you_mean
+
+LARGEST_SIDE = 8192
+SNAP = "snap"
+
+
+@dataclass(frozen=True)
+class ColumnEntry:
+    """An entry of a list of columns.
+
+    Attributes:
+        column: Name or pattern of the column.
+        form: Part of a pose or displacement (`as`); "" for all of it.
+        times: Factor of the numbers.
+        clip: Range of the numbers; None for any.
+    """
+
+    column: str
+    form: str = ""
+    times: float = 1.0
+    clip: tuple[float, float] | None = None
+
+
+def file_of_preset(name: str | Path, folder: Path) -> Path:
+    """Returns the file of a preset: a shipped one of the folder, or one of the user.
+
+    Raises NotFoundError if there is none; the message has the shipped ones.
+    """
+    known = shipped_in(folder)
+    if str(name) in known:
+        return folder / f"{name}.yaml"
+    if Path(name).suffix in (".yaml", ".yml"):
+        return Path(name)
+    raise NotFoundError(
+        f"no preset '{name}'.{did_you_mean(str(name), known)} Presets: {', '.join(known)}, or a "
+        "file: --preset mine.yaml"
+    )
+
+
+def shipped_in(folder: Path) -> list[str]:
+    """Returns the names of the presets that come with robocell."""
+    return sorted(file.stem for file in folder.glob("*.yaml"))
+
+
+def read_fields(
+    file: Path, what: str, fields: Sequence[str], module: str, extra: str
+) -> dict[str, Any]:
+    """Returns the content of a YAML file that is a table. `what` is 'preset' or 'mapping'."""
+    with needed_by(module, extra):
+        import yaml
+    try:
+        content = yaml.safe_load(file.read_text())
+    except OSError as error:
+        raise IoError(f"cannot read {what} '{file}': {error.strerror}") from error
+    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
+        raise SpecError(f"{what} '{file}' is no YAML: {error}") from error
+    if not isinstance(content, dict):
+        raise SpecError(f"{what} '{file}' is a table with the fields {', '.join(fields)}")
+    return content
+
+
+def require_known(entry: Iterable[object], place: str, fields: Sequence[str]) -> None:
+    """Raises SpecError for a field that is not among these."""
+    for name in entry:
+        if name not in fields:
+            raise SpecError(
+                f"{place}: no field '{name}'.{did_you_mean(str(name), fields)} Its fields: "
+                f"{', '.join(fields)}"
+            )
+
+
+def image_size_of(size: object, place: str, *, even: bool = False) -> tuple[int, int] | None:
+    """Returns width and height of images; None where a file has none. Videos have even sides."""
+    if size is None:
+        return None
+    step = 2 if even else 1
+    if (
+        isinstance(size, list)
+        and len(size) == 2
+        and all(type(side) is int and step <= side <= LARGEST_SIDE for side in size)
+        and all(side % step == 0 for side in size)
+    ):
+        return size[0], size[1]
+    numbers = "even numbers" if even else "whole numbers"
+    raise SpecError(
+        f"{place}: image_size is width and height, {numbers} up to {LARGEST_SIDE} such as "
+        f"[320, 180]; got {size!r}"
+    )
+
+
+def gripper_of(given: object, place: str, *, snaps: bool = False) -> Gripper:
+    """Returns the numbers of open and closed grippers. `snaps` allows the field `snap`."""
+    if given is None:
+        return AS_RECORDED
+    place = f"{place}: gripper"
+    if not isinstance(given, dict) or not {"open", "closed"} <= given.keys():
+        raise SpecError(f"{place} is {{open: 1, closed: 0}}, got {given!r}")
+    require_known(given, place, ("open", "closed", *([SNAP] if snaps else [])))
+    numbers = [number_of(given[name], f"{place}.{name}") for name in ("open", "closed")]
+    if numbers[0] == numbers[1]:
+        raise SpecError(f"{place}: open and closed are two numbers, got {numbers[0]:g} for both")
+    snap = given.get(SNAP, False)
+    if not isinstance(snap, bool):
+        raise SpecError(f"{place}: {SNAP} is true or false, got {snap!r}")
+    return Gripper(numbers[0], numbers[1], snap)
+
+
+def columns_of(
+    listed: object,
+    place: str,
+    forms: Sequence[str],
+    *,
+    clips: bool = False,
+    may_be_empty: bool = False,
+) -> list[ColumnEntry]:
+    """Returns a list of columns. `forms` are the values of `as`; `clips` allows `clip`."""
+    if not isinstance(listed, list) or not (listed or may_be_empty):
+        raise SpecError(f"{place} is a list of columns, got {listed!r}")
+    fields = ("column", "times", "as", *(["clip"] if clips else []))
+    return [_entry(each, f"{place}[{i}]", fields, forms) for i, each in enumerate(listed)]
+
+
+def _entry(given: object, place: str, fields: Sequence[str], forms: Sequence[str]) -> ColumnEntry:
+    entry: Mapping[Any, Any] | object = {"column": given} if isinstance(given, str) else given
+    if not isinstance(entry, Mapping) or not isinstance(entry.get("column"), str):
+        raise SpecError(f"{place}: expected a column, or {{column: ...}}, got {given!r}")
+    require_known(entry, place, fields)
+    times = number_of(entry.get("times", 1.0), f"{place}: times")
+    if times == 0:
+        raise SpecError(f"{place}: times is not 0")
+    form = entry.get("as", "")
+    if form and form not in forms:
+        raise SpecError(
+            f"{place}: no form '{form}'.{did_you_mean(str(form), forms)} There are: "
+            f"{', '.join(forms)}"
+        )
+    return ColumnEntry(entry["column"], str(form), times, _clip(entry.get("clip"), place))
+
+
+def _clip(clip: object, place: str) -> tuple[float, float] | None:
+    if clip is None:
+        return None
+    if isinstance(clip, list) and len(clip) == 2:
+        lower, upper = (number_of(each, f"{place}: clip") for each in clip)
+        if lower < upper:
+            return lower, upper
+    raise SpecError(f"{place}: clip is [lower, upper], got {clip!r}")
+
+
+def number_of(value: object, place: str) -> float:
+    """Returns a finite number. Raises SpecError for anything else."""
+    if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
+        raise SpecError(f"{place} is a number, got {value!r}")
+    return float(value)
