@@ -104,6 +104,7 @@ def test_a_dataset_of_a_custom_task_has_an_environment(
         assert observations > 5
 
 
+@pytest.mark.proof  # as tasks of robocell's own in test_generate.py
 def test_a_custom_task_can_be_sharded_and_planned(stacked: Path, run_file: Path, tmp_path: Path):
     """Shards of one output make what one command makes, and a dry run makes nothing."""
     words = ("--workers", 1, "--episodes", 3)
@@ -119,6 +120,7 @@ def test_a_custom_task_can_be_sharded_and_planned(stacked: Path, run_file: Path,
     assert not dry.exists()
 
 
+@pytest.mark.proof  # as tasks of robocell's own in test_generate.py
 def test_a_killed_run_resumes(run_file: Path, tmp_path: Path):
     out = tmp_path / "out"
     words = ["generate", str(run_file), "--output", str(out), "--workers", "2", "--episodes", "4"]

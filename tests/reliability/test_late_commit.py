@@ -162,6 +162,7 @@ def test_a_commit_after_another_command_made_the_episode_is_dropped(storm: Storm
     assert f"cannot commit to '{storm.dataset / name}': File exists" in logs, "it is recognised"
 
 
+@pytest.mark.proof
 @pytest.mark.usefixtures("adopted")
 def test_a_commit_concurrent_with_another_worker_counts_once(storm: Storm, calm: Storm):
     """The late one is quicker after all; the other one finds its episode there."""
