@@ -108,7 +108,7 @@ check-site: build-python
 check-proofs: build
 	@$(call headline,proofs in full)
 	@scripts/fetch_test_robots
-	@$(PYTHON) -m pytest -q -n $(JOBS) --dist worksteal -m proof
+	@$(PYTHON) -m pytest -q -n $(JOBS) --dist worksteal -m "proof and not soak"
 
 # Types come from the extension's stubs, so it is built first.
 check-types: build-python

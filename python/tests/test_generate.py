@@ -164,6 +164,7 @@ def going_on(run: Path, output: Path, *options: object) -> Iterator[subprocess.P
             process.kill()
 
 
+@pytest.mark.proof
 def test_workers_that_pause_produce_the_same_bytes(longer: Path, tmp_path: Path):
     run, out, chance = write_run(tmp_path, **LONGER), tmp_path / "out", random.Random(4)
     stops = 0

@@ -42,10 +42,10 @@ def copy_example(folder: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def stacked(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Three episodes of the example, made by one worker. No test may change it."""
+    """Two episodes of the example, made by one worker. No test may change it."""
 
     def make(folder: Path) -> None:
-        generate(copy_example(folder), folder / "out", "--workers", 1, "--episodes", 3)
+        generate(copy_example(folder), folder / "out", "--workers", 1, "--episodes", 2)
 
     return made_once(tmp_path_factory, "stacked", make) / "out"
 
@@ -58,9 +58,9 @@ def files_of(folder: Path) -> dict[str, bytes]:
 
 
 def test_any_number_of_workers_stacks_cubes(stacked: Path, run_file: Path, tmp_path: Path):
-    generate(run_file, tmp_path / "two", "--workers", 2, "--episodes", 3)
+    generate(run_file, tmp_path / "two", "--workers", 2, "--episodes", 2)
     dataset = rc.Dataset(tmp_path / "two")
-    assert len(dataset) == 3
+    assert len(dataset) == 2
     for episode in dataset:
         assert episode.success
         assert episode.metadata["task"] == "stack"
@@ -98,7 +98,7 @@ def test_a_dataset_of_a_custom_task_has_an_environment(
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     acted = [json.loads(line) for line in done.stdout.splitlines()]
-    assert len(acted) == 3
+    assert len(acted) == 2
     for equal, rows, success, observations in acted:
         assert (equal, success) == (rows, True)
         assert observations > 5
@@ -107,16 +107,16 @@ def test_a_dataset_of_a_custom_task_has_an_environment(
 @pytest.mark.proof  # as tasks of robocell's own in test_generate.py
 def test_a_custom_task_can_be_sharded_and_planned(stacked: Path, run_file: Path, tmp_path: Path):
     """Shards of one output make what one command makes, and a dry run makes nothing."""
-    words = ("--workers", 1, "--episodes", 3)
+    words = ("--workers", 1, "--episodes", 2)
     for shard in ("0/2", "1/2"):
         generate(run_file, tmp_path / "shards", *words, "--shard", shard)
-    assert len(files_of(tmp_path / "shards")) == 3
+    assert len(files_of(tmp_path / "shards")) == 2
     assert files_of(tmp_path / "shards") == files_of(stacked)
     dry = tmp_path / "dry"
     result = robocell_command("generate", run_file, "--output", dry, "--dry-run", *map(str, words))
     assert result.returncode == 0, result.stderr
     said = " ".join(result.stdout.split())
-    assert "3 episodes" in said
+    assert "2 episodes" in said
     assert not dry.exists()
 
 
@@ -147,12 +147,12 @@ def test_a_dataset_records_the_hash_of_its_code(stacked: Path, run_file: Path, t
     out = shutil.copytree(stacked, tmp_path / "out")
     module = run_file.with_name("stack_cubes.py")
     module.write_text(module.read_text().replace("self.edge / 3", "self.edge / 4"))
-    said = refusal("generate", run_file, "--output", out, "--episodes", "4")
+    said = refusal("generate", run_file, "--output", out, "--episodes", "3")
     assert "code file stack_cubes.py: changed since then" in said
     # Those who read a dataset need no code.
     module.unlink()
     assert robocell_command("verify", out).returncode == 0
-    assert "3 episodes" in robocell_command("report", out).stdout
+    assert "2 episodes" in robocell_command("report", out).stdout
 
 
 def test_a_module_can_be_imported_from_the_command_line(run_file: Path, tmp_path: Path):

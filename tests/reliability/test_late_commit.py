@@ -120,6 +120,7 @@ def require_whole(storm: Storm, calm: Storm) -> None:
     assert storm.contents() == calm.contents()
 
 
+@pytest.mark.proof  # it takes the time of an item; another that hangs is in test_supervisor.py
 def test_a_stalled_worker_cannot_commit_late(storm: Storm, calm: Storm):
     """Its end is waited for before another one gets the item, so no commit of it can come."""
     stop = Stop(storm, "stopped")
