@@ -305,7 +305,9 @@ def interrupt(run: Path, number: signal.Signals) -> subprocess.CompletedProcess[
     return subprocess.CompletedProcess(command, child.returncode, out, err)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.proof)]
+)
 def test_an_interrupted_run_keeps_episodes_and_prints_how_to_resume(
     reference: Path, tmp_path: Path, number: signal.Signals
 ):

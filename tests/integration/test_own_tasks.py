@@ -216,6 +216,7 @@ def test_an_exception_of_a_task_names_its_line(run_file: Path, tmp_path: Path):
     assert f"stack_cubes.py:{line}, in judge" in said
 
 
+@pytest.mark.proof  # as the exception above
 def test_a_none_result_error_names_the_function(run_file: Path, tmp_path: Path):
     module = run_file.with_name("stack_cubes.py")
     text = module.read_text().replace(
@@ -237,6 +238,7 @@ def test_a_run_source_imports_only_the_given_modules(tmp_path: Path):
         RunSource(str(tmp_path / "run.yaml"), ("gone_module",)).load()
 
 
+@pytest.mark.proof  # as the exception above
 def test_errors_raised_in_user_code_name_its_line(run_file: Path, tmp_path: Path):
     module = run_file.with_name("stack_cubes.py")
     text = module.read_text().replace(
@@ -310,6 +312,7 @@ def test_in_an_evaluation_an_expert_that_raises_fails(run_file: Path, tmp_path: 
             assert len(episode) == len(twin), "the guard changes nothing"
 
 
+@pytest.mark.proof  # as the expert above
 def test_in_an_evaluation_a_task_that_raises_costs_the_rollout(run_file: Path, tmp_path: Path):
     module = run_file.with_name("stack_cubes.py")
     text = module.read_text().replace(
