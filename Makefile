@@ -17,6 +17,8 @@ MAKEFLAGS += --no-print-directory
 .NOTPARALLEL:
 
 JOBS ?= $(shell nproc)
+# Processes of pytest: one more, since tests wait for disks, deadlines and processes that they started.
+TESTERS = $(shell echo $$(($(JOBS) + 1)))
 ROOT := $(CURDIR)
 PYTHON := .venv/bin/python
 
@@ -76,7 +78,7 @@ test-cc: build
 test-python: build
 	@$(call headline,Python tests)
 	@scripts/fetch_test_robots
-	@$(PYTHON) -m pytest -n $(JOBS) --dist worksteal
+	@$(PYTHON) -m pytest -n $(TESTERS) --dist worksteal
 
 check: check-format check-lint check-rules check-docs check-types check-site check-proofs check-subdirectory check-wheel check-tidy check-sanitizers check-fuzz
 	@$(call headline,make check: nothing found)
@@ -108,7 +110,7 @@ check-site: build-python
 check-proofs: build
 	@$(call headline,proofs in full)
 	@scripts/fetch_test_robots
-	@$(PYTHON) -m pytest -q -n $(JOBS) --dist worksteal -m proof
+	@$(PYTHON) -m pytest -q -n $(TESTERS) --dist worksteal -m "proof and not soak"
 
 # Types come from the extension's stubs, so it is built first.
 check-types: build-python

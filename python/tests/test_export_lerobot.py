@@ -403,7 +403,11 @@ KILLED = """
 
 
 @pytest.mark.parametrize(
-    ("number", "cut"), [(0, "pass"), (2, "path_of('data/chunk-000/file-002.parquet').touch()")]
+    ("number", "cut"),
+    [
+        pytest.param(0, "pass", marks=pytest.mark.proof),
+        (2, "path_of('data/chunk-000/file-002.parquet').touch()"),
+    ],
 )
 def test_a_killed_export_leaves_nothing_under_its_name_and_continues(
     dataset: robocell.Dataset,

@@ -164,6 +164,7 @@ def going_on(run: Path, output: Path, *options: object) -> Iterator[subprocess.P
             process.kill()
 
 
+@pytest.mark.proof
 def test_workers_that_pause_produce_the_same_bytes(longer: Path, tmp_path: Path):
     run, out, chance = write_run(tmp_path, **LONGER), tmp_path / "out", random.Random(4)
     stops = 0
@@ -304,7 +305,9 @@ def interrupt(run: Path, number: signal.Signals) -> subprocess.CompletedProcess[
     return subprocess.CompletedProcess(command, child.returncode, out, err)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize(
+    "number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.proof)]
+)
 def test_an_interrupted_run_keeps_episodes_and_prints_how_to_resume(
     reference: Path, tmp_path: Path, number: signal.Signals
 ):

@@ -207,19 +207,29 @@ def place(function: Callable[..., Any]) -> str:
         (Judges, "judge", "Judges.judge() must return a TaskVerdict, got None"),
         (JudgesNan, "judge", "the task's reward() is nan at t; rewards must be finite numbers"),
         (Rewards, "reward", "Rewards.reward() must return a number, got 'much'"),
-        (Overdone, "judge", "the task's progress is 7 at t; it must be a number from 0 to 1"),
-        (Counts, "judge", "the task's subtask is 3; it must be 0 to 0"),
         (Arranges, "arrange", "Arranges.arrange() must return a Refusal or None, got 'no'"),
         (Observes, "observe", "Observes.observe().a has shape (1), and (2) was declared"),
         (Starts, "starts", "no body 'cubee'"),
         (Names, "objects", "no object 'cubee'"),
-        (NamesTwice, "objects", "objects() names 'cube' twice"),
         (SignalsNoPath, "signals", "'..' is not a valid part of a path"),
-        (SignalsInsideEachOther, "signals", "one name is a folder of the other"),
         (RangesBackwards, "base_range", "the distance of a base range is [0.5, 0.3]"),
-        (RangesBehind, "base_range", "the distance of a base range is [-1, -0.5]"),
-        (RangesNan, "base_range", "the height_offset of a base range is nan"),
         (Prepares, "prepare", "prepare added object 'cube', which is not valid"),
+        # Others of the same methods.
+        *(
+            pytest.param(*case, marks=pytest.mark.proof)
+            for case in (
+                (
+                    Overdone,
+                    "judge",
+                    "the task's progress is 7 at t; it must be a number from 0 to 1",
+                ),
+                (Counts, "judge", "the task's subtask is 3; it must be 0 to 0"),
+                (NamesTwice, "objects", "objects() names 'cube' twice"),
+                (SignalsInsideEachOther, "signals", "one name is a folder of the other"),
+                (RangesBehind, "base_range", "the distance of a base range is [-1, -0.5]"),
+                (RangesNan, "base_range", "the height_offset of a base range is nan"),
+            )
+        ),
     ],
 )
 def test_an_invalid_task_result_ends_the_rollout(

@@ -408,7 +408,7 @@ def test_when_no_item_of_the_first_works_the_run_ends(tmp_path: Path):
     assert not outcome.interrupted
 
 
-@pytest.mark.parametrize("workers", [1, 3])
+@pytest.mark.parametrize("workers", [1, pytest.param(3, marks=pytest.mark.proof)])
 def test_one_success_is_enough_to_continue(tmp_path: Path, workers: int):
     outcome = supervise(tmp_path, {"*": ["spec"], "e8": ["make"]}, count=10, workers=workers).run()
     assert outcome.fatal is None

@@ -32,7 +32,7 @@ LONG = {
         "tutorials/own_task",
         "tutorials/train_and_evaluate",
     },
-    "the python": {"data", "export"},
+    "the python": {"data", "environments", "export"},
 }
 
 

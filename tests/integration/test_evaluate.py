@@ -266,6 +266,7 @@ def test_scenes_of_files_come_from_the_dataset(tmp_path: Path, monkeypatch: pyte
     assert result.rollouts == 1
 
 
+@pytest.mark.proof  # shorter below: without a report
 def test_chosen_scenes_are_those_of_the_dataset(tmp_path: Path):
     """Also in a dataset that is not complete: here each second item is missing."""
     out = tmp_path / "out"

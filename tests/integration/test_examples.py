@@ -1,4 +1,7 @@
-"""Every example runs as it stands, and its two languages print and draw the same."""
+"""Every example runs as it stands, and its two languages print and draw the same.
+
+A few are a part of `make test`; `make check` has them all.
+"""
 
 from __future__ import annotations
 
@@ -13,6 +16,11 @@ from test_packaging import BUILD, ROOT
 
 EXAMPLES = ROOT / "examples"
 PYTHON = sorted(EXAMPLES.glob("[0-9]*.py"))
+QUICK = {"01_build_and_control", "04_own_task", "08_come_and_go"}
+EACH = [
+    pytest.param(path, id=path.stem, marks=() if path.stem in QUICK else pytest.mark.proof)
+    for path in PYTHON
+]
 
 
 def start(*command: Path | str, **variables: str) -> subprocess.CompletedProcess[str]:
@@ -37,7 +45,7 @@ def program_of(path: Path) -> Path:
     return program
 
 
-@pytest.mark.parametrize("path", PYTHON, ids=lambda p: p.stem)
+@pytest.mark.parametrize("path", EACH)
 def test_an_example_is_the_same_in_both_languages(path: Path, tmp_path: Path) -> None:
     program = program_of(path)
     printed = run(sys.executable, path, tmp_path / "python")
@@ -56,6 +64,7 @@ BLACK_TABLE = """<mujoco><worldbody><body name="table">
 </body></worldbody></mujoco>"""
 
 
+@pytest.mark.proof
 def test_an_example_uses_an_overridden_model(tmp_path: Path) -> None:
     """The table of the frames: where it stands is the example's, what it is is ours."""
     example = EXAMPLES / "14_frames.py"
@@ -88,6 +97,7 @@ def steps_of(folder: Path) -> list[Path]:
 def test_every_example_exists_in_both_languages_and_is_listed() -> None:
     names = [path.stem for path in PYTHON]
     assert names == sorted(p.stem for p in EXAMPLES.glob("[0-9]*.cc"))
+    assert set(names) > QUICK
     page = (EXAMPLES / "README.md").read_text()
     for name in names:
         assert f"({name}.py)" in page

@@ -42,10 +42,10 @@ def copy_example(folder: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def stacked(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Three episodes of the example, made by one worker. No test may change it."""
+    """Two episodes of the example, made by one worker. No test may change it."""
 
     def make(folder: Path) -> None:
-        generate(copy_example(folder), folder / "out", "--workers", 1, "--episodes", 3)
+        generate(copy_example(folder), folder / "out", "--workers", 1, "--episodes", 2)
 
     return made_once(tmp_path_factory, "stacked", make) / "out"
 
@@ -58,9 +58,9 @@ def files_of(folder: Path) -> dict[str, bytes]:
 
 
 def test_any_number_of_workers_stacks_cubes(stacked: Path, run_file: Path, tmp_path: Path):
-    generate(run_file, tmp_path / "two", "--workers", 2, "--episodes", 3)
+    generate(run_file, tmp_path / "two", "--workers", 2, "--episodes", 2)
     dataset = rc.Dataset(tmp_path / "two")
-    assert len(dataset) == 3
+    assert len(dataset) == 2
     for episode in dataset:
         assert episode.success
         assert episode.metadata["task"] == "stack"
@@ -98,27 +98,29 @@ def test_a_dataset_of_a_custom_task_has_an_environment(
     done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     acted = [json.loads(line) for line in done.stdout.splitlines()]
-    assert len(acted) == 3
+    assert len(acted) == 2
     for equal, rows, success, observations in acted:
         assert (equal, success) == (rows, True)
         assert observations > 5
 
 
+@pytest.mark.proof  # as tasks of robocell's own in test_generate.py
 def test_a_custom_task_can_be_sharded_and_planned(stacked: Path, run_file: Path, tmp_path: Path):
     """Shards of one output make what one command makes, and a dry run makes nothing."""
-    words = ("--workers", 1, "--episodes", 3)
+    words = ("--workers", 1, "--episodes", 2)
     for shard in ("0/2", "1/2"):
         generate(run_file, tmp_path / "shards", *words, "--shard", shard)
-    assert len(files_of(tmp_path / "shards")) == 3
+    assert len(files_of(tmp_path / "shards")) == 2
     assert files_of(tmp_path / "shards") == files_of(stacked)
     dry = tmp_path / "dry"
     result = robocell_command("generate", run_file, "--output", dry, "--dry-run", *map(str, words))
     assert result.returncode == 0, result.stderr
     said = " ".join(result.stdout.split())
-    assert "3 episodes" in said
+    assert "2 episodes" in said
     assert not dry.exists()
 
 
+@pytest.mark.proof  # as tasks of robocell's own in test_generate.py
 def test_a_killed_run_resumes(run_file: Path, tmp_path: Path):
     out = tmp_path / "out"
     words = ["generate", str(run_file), "--output", str(out), "--workers", "2", "--episodes", "4"]
@@ -145,12 +147,12 @@ def test_a_dataset_records_the_hash_of_its_code(stacked: Path, run_file: Path, t
     out = shutil.copytree(stacked, tmp_path / "out")
     module = run_file.with_name("stack_cubes.py")
     module.write_text(module.read_text().replace("self.edge / 3", "self.edge / 4"))
-    said = refusal("generate", run_file, "--output", out, "--episodes", "4")
+    said = refusal("generate", run_file, "--output", out, "--episodes", "3")
     assert "code file stack_cubes.py: changed since then" in said
     # Those who read a dataset need no code.
     module.unlink()
     assert robocell_command("verify", out).returncode == 0
-    assert "3 episodes" in robocell_command("report", out).stdout
+    assert "2 episodes" in robocell_command("report", out).stdout
 
 
 def test_a_module_can_be_imported_from_the_command_line(run_file: Path, tmp_path: Path):
@@ -214,6 +216,7 @@ def test_an_exception_of_a_task_names_its_line(run_file: Path, tmp_path: Path):
     assert f"stack_cubes.py:{line}, in judge" in said
 
 
+@pytest.mark.proof  # as the exception above
 def test_a_none_result_error_names_the_function(run_file: Path, tmp_path: Path):
     module = run_file.with_name("stack_cubes.py")
     text = module.read_text().replace(
@@ -235,6 +238,7 @@ def test_a_run_source_imports_only_the_given_modules(tmp_path: Path):
         RunSource(str(tmp_path / "run.yaml"), ("gone_module",)).load()
 
 
+@pytest.mark.proof  # as the exception above
 def test_errors_raised_in_user_code_name_its_line(run_file: Path, tmp_path: Path):
     module = run_file.with_name("stack_cubes.py")
     text = module.read_text().replace(
@@ -308,6 +312,7 @@ def test_in_an_evaluation_an_expert_that_raises_fails(run_file: Path, tmp_path: 
             assert len(episode) == len(twin), "the guard changes nothing"
 
 
+@pytest.mark.proof  # as the expert above
 def test_in_an_evaluation_a_task_that_raises_costs_the_rollout(run_file: Path, tmp_path: Path):
     module = run_file.with_name("stack_cubes.py")
     text = module.read_text().replace(

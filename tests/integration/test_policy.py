@@ -218,13 +218,24 @@ def test_an_exception_in_a_policy_keeps_the_start(dataset: Path, broken: Path, t
     ("name", "reason"),
     [
         ("NotFinite", "NotFinite.act(): 'robots/rc7/action/arm' is not finite: entry [2] is nan"),
-        ("Shape", "Shape.act(): 'robots/rc7/action/arm' has 7 numbers, or (k, 7) for a chunk;"),
         ("Nothing", "TypeError: Nothing.act() must return a dict of columns"),
-        ("Turned", "quaternion [0, 0, 0, 0] (xyzw) has length 0"),
         ("Reset", "KeyError: 'weights' ("),
         ("Exits", "SystemExit: 0 ("),
-        ("Mute", "MuteError: (its text cannot be made) ("),
-        ("Complex", "TypeError: Complex.act(): 'robots/rc7/action/arm' must be real numbers"),
+        *(
+            pytest.param(name, reason, marks=pytest.mark.proof)
+            for name, reason in (
+                (
+                    "Shape",
+                    "Shape.act(): 'robots/rc7/action/arm' has 7 numbers, or (k, 7) for a chunk;",
+                ),
+                ("Turned", "quaternion [0, 0, 0, 0] (xyzw) has length 0"),
+                ("Mute", "MuteError: (its text cannot be made) ("),
+                (
+                    "Complex",
+                    "TypeError: Complex.act(): 'robots/rc7/action/arm' must be real numbers",
+                ),
+            )
+        ),
     ],
 )
 def test_an_invalid_action_fails_the_rollout(

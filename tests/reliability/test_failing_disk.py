@@ -196,7 +196,7 @@ def test_a_call_that_fails_is_reported_and_loses_nothing(
 
 
 @pytest.mark.parametrize(("case", "endings"), CASES)
-@pytest.mark.parametrize("do", ["kill_before", "kill_after"])
+@pytest.mark.parametrize("do", ["kill_before", pytest.param("kill_after", marks=pytest.mark.proof)])
 def test_death_at_a_call_loses_nothing(
     do: str, case: Case, endings: Endings, dataset: Path, calm: Contents
 ):

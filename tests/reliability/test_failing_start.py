@@ -147,7 +147,9 @@ ENDINGS = [Command.at_points, pytest.param(Command.everywhere, marks=pytest.mark
 
 
 @pytest.mark.parametrize("endings", ENDINGS)
-@pytest.mark.parametrize("do", ["fail", "full", "kill_before"])
+@pytest.mark.parametrize(
+    "do", ["fail", pytest.param("full", marks=pytest.mark.proof), "kill_before"]
+)
 def test_a_call_outside_the_workers_can_fail(
     do: str, endings: Callable[[Command, str], Iterator[Ending]], command: Command
 ):

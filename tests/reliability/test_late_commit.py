@@ -120,6 +120,7 @@ def require_whole(storm: Storm, calm: Storm) -> None:
     assert storm.contents() == calm.contents()
 
 
+@pytest.mark.proof  # it takes the time of an item; another that hangs is in test_supervisor.py
 def test_a_stalled_worker_cannot_commit_late(storm: Storm, calm: Storm):
     """Its end is waited for before another one gets the item, so no commit of it can come."""
     stop = Stop(storm, "stopped")
@@ -162,6 +163,7 @@ def test_a_commit_after_another_command_made_the_episode_is_dropped(storm: Storm
     assert f"cannot commit to '{storm.dataset / name}': File exists" in logs, "it is recognised"
 
 
+@pytest.mark.proof
 @pytest.mark.usefixtures("adopted")
 def test_a_commit_concurrent_with_another_worker_counts_once(storm: Storm, calm: Storm):
     """The late one is quicker after all; the other one finds its episode there."""

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import figures
+import pytest
 from disks import bound_by_permissions, small_disk
 from storm import EPISODES, Storm, marks
 
@@ -57,6 +58,7 @@ def wait_for(folder: Path, pattern: str, count: int) -> None:
         time.sleep(0.005)
 
 
+@pytest.mark.proof
 def test_a_folder_turned_read_only_ends_the_run_and_the_next_run_resumes(
     tmp_path: Path, calm: Storm
 ):
