@@ -7,6 +7,7 @@ encodes them. The soak test runs TFDS itself.
 from __future__ import annotations
 
 import importlib.util
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -131,9 +132,16 @@ def test_tensorflow_datasets_writes_and_reads_it(dataset: robocell.Dataset, tmp_
     """In an environment of its own, with gigabytes of TensorFlow."""
     python = tmp_path / "venv" / "bin" / "python"
     subprocess.run([sys.executable, "-m", "venv", python.parents[1]], check=True)
-    packages = ["tensorflow-cpu", "tensorflow-datasets", "mujoco==4.0.0", "mujoco-menagerie"]
+    packages = [
+        "tensorflow-cpu",
+        "tensorflow-datasets",
+        "mujoco==4.0.0",
+        "mujoco-menagerie",
+        "typer",
+    ]
+    packages.append("mujoco-menagerie")
     subprocess.run([python, "-m", "pip", "install", "-q", *packages], check=True)
-    path = {"PYTHONPATH": str(EXAMPLE.parents[2] / "python"), "PATH": "/usr/bin:/bin"}
+    path = {**os.environ, "PYTHONPATH": str(EXAMPLE.parents[2] / "python")}
     out = tmp_path / "rlds"
     subprocess.run([python, EXAMPLE, dataset.folder, out], check=True, env=path)
     reader = (

@@ -116,4 +116,5 @@ def _make(**arguments: Any) -> ExportedEnv:
 
 
 if GYM_ID not in gymnasium.registry:
-    gymnasium.register(GYM_ID, entry_point=_make, disable_env_checker=True)
+    # Without wrappers: LeRobot looks for `task` and `task_description` of what it is given.
+    gymnasium.register(GYM_ID, entry_point=_make, disable_env_checker=True, order_enforce=False)
