@@ -132,14 +132,8 @@ def test_tensorflow_datasets_writes_and_reads_it(dataset: robocell.Dataset, tmp_
     """In an environment of its own, with gigabytes of TensorFlow."""
     python = tmp_path / "venv" / "bin" / "python"
     subprocess.run([sys.executable, "-m", "venv", python.parents[1]], check=True)
-    packages = [
-        "tensorflow-cpu",
-        "tensorflow-datasets",
-        "mujoco==4.0.0",
-        "mujoco-menagerie",
-        "typer",
-    ]
-    packages.append("mujoco-menagerie")
+    packages = ["tensorflow-cpu", "tensorflow-datasets", "protobuf", "typer"]
+    packages += ["mujoco==4.0.0", "mujoco-menagerie"]
     subprocess.run([python, "-m", "pip", "install", "-q", *packages], check=True)
     path = {**os.environ, "PYTHONPATH": str(EXAMPLE.parents[2] / "python")}
     out = tmp_path / "rlds"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,7 +21,11 @@ if TYPE_CHECKING:
 def evaluate(
     source: Annotated[
         str,
-        typer.Argument(metavar="DATASET|RUN.yaml", help="A dataset, for its cell, or a run file."),
+        typer.Argument(
+            metavar="DATASET|RUN.yaml|BENCHMARK.json",
+            help="A dataset, for its cell; a run file; or a file of `robocell benchmark`, which "
+            "says seed and episodes.",
+        ),
     ],
     policy: Annotated[
         str,
@@ -108,13 +113,16 @@ def evaluate(
     2  wrong command or spec
     3  reading or writing failed
     """
-    from robocell.evaluate import evaluate as run
+    from robocell.evaluate import evaluate as evaluate_run
     from robocell.generate.supervisor import Limits
 
     def print_count(done: int, of: int, success: bool) -> None:
         if not as_json and (done == of or done % 10 == 0):
             print(f"{done}/{of} rollouts", flush=True)
 
+    run: Callable[..., Evaluation] = evaluate_run
+    if source.endswith(".json"):
+        from robocell.benchmark import evaluate as run
     result = run(
         source,
         policy,
