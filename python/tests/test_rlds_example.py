@@ -102,8 +102,8 @@ def test_steps_are_the_rows_of_the_episodes(
     builder = recipe.RobocellPicks(dataset=str(dataset.folder), data_dir=str(tmp_path))
     builder.download_and_prepare()
     assert list(builder.written) == dataset.ids
-    for episode in dataset:
-        steps = builder.written[episode.id]["steps"]
+    for name, episode in zip(dataset.ids, dataset, strict=True):
+        steps = builder.written[name]["steps"]
         assert len(steps) == len(episode)
         assert [step["is_first"] for step in steps] == [True] + [False] * (len(steps) - 1)
         assert [step["is_last"] for step in steps] == [False] * (len(steps) - 1) + [True]
