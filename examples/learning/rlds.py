@@ -18,7 +18,7 @@ import tensorflow_datasets as tfds
 import robocell as rc
 
 
-class RobocellPicks(tfds.core.GeneratorBasedBuilder):  # type: ignore[misc]
+class RobocellPicks(tfds.core.GeneratorBasedBuilder):
     """Episodes of one robot. TFDS keeps a dataset of the name `robocell_picks`."""
 
     VERSION = tfds.core.Version("1.0.0")
@@ -83,6 +83,7 @@ class RobocellPicks(tfds.core.GeneratorBasedBuilder):  # type: ignore[misc]
         ).astype(np.float32)
         state = self._state(episode)
         frames = {name: episode.frames(name) for name in episode.cameras}
+        metadata: Any = episode.metadata
         last = len(episode) - 1
         return [
             {
@@ -96,7 +97,7 @@ class RobocellPicks(tfds.core.GeneratorBasedBuilder):  # type: ignore[misc]
                 "is_first": row == 0,
                 "is_last": row == last,
                 "is_terminal": row == last and bool(episode.terminated),
-                "language_instruction": str(episode.metadata["instruction"]),
+                "language_instruction": str(metadata["instruction"]),
             }
             for row in range(len(episode))
         ]

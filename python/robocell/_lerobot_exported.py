@@ -113,7 +113,7 @@ class ExportedEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             self.observation_space = spaces.Dict(
                 {"agent_pos": _box(self._state), "pixels": spaces.Dict(shown)}
             )
-        self.action_space = _box(self._action)
+        self.action_space: Any = _box(self._action)
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None

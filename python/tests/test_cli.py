@@ -29,6 +29,7 @@ def test_help_lists_and_describes_every_command():
         "filter",
         "export",
         "import",
+        "benchmark",
         "check",
         "gripper-range",
         "ik-test",

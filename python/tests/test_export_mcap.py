@@ -192,10 +192,10 @@ def test_events_tell_instruction_phases_and_end(dataset: robocell.Dataset, topic
 
 def test_metadata_names_the_episode(dataset: robocell.Dataset, exported: Path):
     episode = dataset[0]
-    with (exported / f"{episode.id}.mcap").open("rb") as file:
+    with (exported / f"{dataset.ids[0]}.mcap").open("rb") as file:
         [record] = make_reader(file).iter_metadata()
     assert record.name == "robocell"
-    assert record.metadata["id"] == episode.id
+    assert record.metadata["id"] == dataset.ids[0]
     assert record.metadata["task"] == episode.metadata["instruction"]
     assert json.loads(record.metadata["success"]) is episode.success
 

@@ -273,7 +273,7 @@ def test_the_command_reports_filters_and_says_what_is_unknown(
     result = robocell_command("import", tmp_path / "there", tmp_path / "back")
     assert result.returncode == 0, result.stderr
     assert result.stdout.startswith("ALOHA HDF5: 2 episodes, ")
-    assert "2 episodes do not say whether they succeeded, and count as failures" in result.stdout
+    assert "without a result: 2 episodes, counted as failures. --assume-success" in result.stdout
     said = robocell_command("report", tmp_path / "back")
     assert said.returncode == 0, said.stderr
     kept = robocell_command("filter", tmp_path / "back", tmp_path / "kept", "--where", "length > 0")

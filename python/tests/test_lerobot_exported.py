@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import importlib
 import json
+import os
+import shutil
 import subprocess
 import sys
 import tomllib
@@ -190,6 +192,7 @@ def test_its_environments_are_vectors_and_entries_of_gymnasium(
     assert vector.call("_max_episode_steps") == (3, 3)
     vector.close()
     one = gymnasium.make(config.gym_id, render_mode="rgb_array", **config.gym_kwargs)
+    assert (one.task, one.task_description) == (dataset.folder.name, "pick up the sphere")
     first, _ = one.reset(seed=0)
     assert np.array_equal(first["agent_pos"], observations["agent_pos"][0])
     one.close()
@@ -201,9 +204,9 @@ def test_lerobot_trains_and_evaluates_with_it(dataset: robocell.Dataset, tmp_pat
     python = tmp_path / "venv" / "bin" / "python"
     subprocess.run([sys.executable, "-m", "venv", python.parents[1]], check=True)
     install = [python, "-m", "pip", "install", "-q"]
-    subprocess.run([*install, "lerobot==0.4.4", "PyYAML", "zarr"], check=True)
-    subprocess.run([*install, "--no-deps", "mujoco==4.0.0", "mujoco-menagerie"], check=True)
-    subprocess.run([*install, "--no-deps", PACKAGE], check=True)
+    package = shutil.copytree(PACKAGE, tmp_path / PACKAGE.name)  # building writes into it
+    subprocess.run([*install, "lerobot==0.4.4", "mujoco==4.0.0", "mujoco-menagerie"], check=True)
+    subprocess.run([*install, "--no-deps", package], check=True)
     export_dataset(dataset, tmp_path / "data")
     command = [python.with_name("lerobot-train"), "--dataset.repo_id=local/picks"]
     command += [f"--dataset.root={tmp_path / 'data'}", "--dataset.video_backend=pyav"]
@@ -211,13 +214,13 @@ def test_lerobot_trains_and_evaluates_with_it(dataset: robocell.Dataset, tmp_pat
     command += ["--policy.dim_model=64", "--policy.n_heads=2", "--policy.dim_feedforward=64"]
     command += ["--policy.chunk_size=8", "--policy.n_action_steps=8", "--policy.use_vae=false"]
     command += ["--policy.pretrained_backbone_weights=null", "--batch_size=2", "--steps=2"]
+    command += ["--env.discover_packages_path=lerobot_env_robocell"]
     command += ["--env.type=robocell", f"--env.task={dataset.folder}", "--env.episode_length=4"]
     command += ["--eval_freq=2", "--eval.n_episodes=1", "--eval.batch_size=1", "--num_workers=0"]
     command += [f"--output_dir={tmp_path / 'out'}", "--wandb.enable=false"]
-    path = ":".join([*sys.path, str(PACKAGE)])
-    said = subprocess.run(
-        list(map(str, command)), capture_output=True, text=True, env={"PYTHONPATH": path}
-    )
+    known = {**os.environ, "PYTHONPATH": str(ROOT / "python"), "HF_HUB_OFFLINE": "1"}
+    words = list(map(str, command))
+    said = subprocess.run(words, capture_output=True, text=True, env=known)
     assert said.returncode == 0, said.stdout + said.stderr
     assert "pc_success" in said.stdout + said.stderr
     json.loads((tmp_path / "out/checkpoints/last/pretrained_model/config.json").read_text())

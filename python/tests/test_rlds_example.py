@@ -7,6 +7,7 @@ encodes them. The soak test runs TFDS itself.
 from __future__ import annotations
 
 import importlib.util
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -101,8 +102,8 @@ def test_steps_are_the_rows_of_the_episodes(
     builder = recipe.RobocellPicks(dataset=str(dataset.folder), data_dir=str(tmp_path))
     builder.download_and_prepare()
     assert list(builder.written) == dataset.ids
-    for episode in dataset:
-        steps = builder.written[episode.id]["steps"]
+    for name, episode in zip(dataset.ids, dataset, strict=True):
+        steps = builder.written[name]["steps"]
         assert len(steps) == len(episode)
         assert [step["is_first"] for step in steps] == [True] + [False] * (len(steps) - 1)
         assert [step["is_last"] for step in steps] == [False] * (len(steps) - 1) + [True]
@@ -131,9 +132,10 @@ def test_tensorflow_datasets_writes_and_reads_it(dataset: robocell.Dataset, tmp_
     """In an environment of its own, with gigabytes of TensorFlow."""
     python = tmp_path / "venv" / "bin" / "python"
     subprocess.run([sys.executable, "-m", "venv", python.parents[1]], check=True)
-    packages = ["tensorflow-cpu", "tensorflow-datasets", "mujoco==4.0.0", "mujoco-menagerie"]
+    packages = ["tensorflow-cpu", "tensorflow-datasets", "protobuf", "typer"]
+    packages += ["mujoco==4.0.0", "mujoco-menagerie"]
     subprocess.run([python, "-m", "pip", "install", "-q", *packages], check=True)
-    path = {"PYTHONPATH": str(EXAMPLE.parents[2] / "python"), "PATH": "/usr/bin:/bin"}
+    path = {**os.environ, "PYTHONPATH": str(EXAMPLE.parents[2] / "python")}
     out = tmp_path / "rlds"
     subprocess.run([python, EXAMPLE, dataset.folder, out], check=True, env=path)
     reader = (

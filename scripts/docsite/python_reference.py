@@ -33,6 +33,7 @@ TOPICS = {
     "export": "datasets in the formats of training stacks",
     "importer": "datasets of other formats as episodes",
     "evaluate": "success rates of policies",
+    "benchmark": "evaluations from frozen starts",
     "policy": "policies and what they are asked",
     "policy_server": "policies over a socket",
     "diagnose": "checks of robots and runs, renderers of this machine",

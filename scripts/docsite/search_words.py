@@ -41,7 +41,10 @@ WORDS = {
     "tutorials/two_arms.md": ["bimanual", "dual arm", "several robots"],
     "tutorials/ten_lines.md": ["hello world", "move joints", "first program"],
     "howto/change_scene.md": ["spawn", "delete", "insert"],
-    "howto/evaluate_policy.md": ["success rate", "benchmark"],
+    "howto/evaluate_policy.md": ["success rate"],
+    "howto/benchmark.md": ["compare", "leaderboard", "frozen", "reproduce"],
+    "howto/train_lerobot.md": ["act", "diffusion", "smolvla", "lerobot-train", "lerobot-eval"],
+    "import.md": ["convert", "load lerobot", "robomimic", "aloha", "zarr"],
     "howto/from_urdf.md": ["import urdf", "convert", "xacro", "ur5e", "ur10e"],
     "howto/limit_motion.md": [
         "max_relative_movement",

@@ -49,7 +49,7 @@ class RobocellEnv(EnvConfig):  # type: ignore[misc]
     def __post_init__(self) -> None:
         if not self.task:
             return  # LeRobot makes configurations without fields to describe them
-        with_env = ExportedEnv(**self.gym_kwargs)
+        with_env = ExportedEnv(**self.of_cell)
         try:
             self._take_features(with_env)
         finally:
@@ -80,7 +80,12 @@ class RobocellEnv(EnvConfig):  # type: ignore[misc]
 
     @property
     def gym_kwargs(self) -> dict[str, Any]:
-        """Arguments of the environment."""
+        """Arguments of Gymnasium's environment; Gymnasium would keep `max_episode_steps`."""
+        return {"of_cell": self.of_cell}
+
+    @property
+    def of_cell(self) -> dict[str, Any]:
+        """Arguments of `ExportedEnv`."""
         cameras = self.cameras
         return {
             "dataset": self.task,
@@ -97,7 +102,7 @@ class RobocellEnv(EnvConfig):  # type: ignore[misc]
         """Returns {suite: {task: vector of environments}}: one suite with one task."""
         if not self.task:
             raise ValueError("--env.task is missing: the folder of the dataset that was exported")
-        make = partial(ExportedEnv, **self.gym_kwargs)
+        make = partial(ExportedEnv, **self.of_cell)
         vector = (
             gymnasium.vector.AsyncVectorEnv if use_async_envs else gymnasium.vector.SyncVectorEnv
         )
@@ -109,11 +114,11 @@ def _feature(kind: FeatureType, space: Any) -> PolicyFeature:
     return PolicyFeature(type=kind, shape=tuple(space.shape))
 
 
-def _make(**arguments: Any) -> ExportedEnv:
-    """Makes the environment for Gymnasium, whose own arguments are of no use here."""
-    arguments.pop("render_mode", None)
-    return ExportedEnv(**arguments)
+def _make(of_cell: dict[str, Any], render_mode: str | None = None) -> ExportedEnv:
+    """Makes the environment for Gymnasium; it always draws arrays."""
+    return ExportedEnv(**of_cell)
 
 
 if GYM_ID not in gymnasium.registry:
-    gymnasium.register(GYM_ID, entry_point=_make, disable_env_checker=True)
+    # Without wrappers: LeRobot looks for `task` and `task_description` of what it is given.
+    gymnasium.register(GYM_ID, entry_point=_make, disable_env_checker=True, order_enforce=False)

@@ -26,6 +26,7 @@ COMMANDS = (
     "export",
     "import",
     "evaluate",
+    "benchmark",
     "serve-policy",
     "init",
     "convert",

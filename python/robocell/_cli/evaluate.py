@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -20,7 +21,11 @@ if TYPE_CHECKING:
 def evaluate(
     source: Annotated[
         str,
-        typer.Argument(metavar="DATASET|RUN.yaml", help="A dataset, for its cell, or a run file."),
+        typer.Argument(
+            metavar="DATASET|RUN.yaml|BENCHMARK.json",
+            help="A dataset, for its cell; a run file; or a file of `robocell benchmark`, which "
+            "says seed and episodes.",
+        ),
     ],
     policy: Annotated[
         str,
@@ -119,12 +124,15 @@ def evaluate(
     3  reading or writing failed
     """
     from robocell._generation.supervisor import Limits
-    from robocell.evaluate import evaluate as run
+    from robocell.evaluate import evaluate as evaluate_run
 
     def print_count(done: int, of: int, success: bool) -> None:
         if not as_json and (done == of or done % 10 == 0):
             print(f"{done}/{of} rollouts", flush=True)
 
+    run: Callable[..., Evaluation] = evaluate_run
+    if source.endswith(".json"):
+        from robocell.benchmark import evaluate as run
     result = run(
         source,
         policy,

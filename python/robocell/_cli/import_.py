@@ -76,8 +76,8 @@ def import_(
     )
     if result.silent and not assume_success:
         print(
-            f"{counted(result.silent, 'episode')} do not say whether they succeeded, and count as "
-            "failures. --assume-success counts them as successes"
+            f"without a result: {counted(result.silent, 'episode')}, counted as failures. "
+            "--assume-success counts them as successes"
         )
     if result.resumed:
         print(f"{counted(result.resumed, 'episode')} already written by an interrupted import")

@@ -13,7 +13,7 @@ import numpy as np
 
 from robocell._core import ArgumentError, IoError
 from robocell._extras import needed_by
-from robocell.importer._recording import Column, Recording, Stills
+from robocell.importer._recording import Clip, Column, Recording, Stills
 
 with needed_by("robocell.importer", "export"):
     import h5py
@@ -100,10 +100,12 @@ def is_aloha(file: Path) -> bool:
         return "action" in content and "observations" in content
 
 
-def _arrays(group: Any, skipped: tuple[str, ...]) -> tuple[dict[str, Column], dict[str, Stills]]:
+def _arrays(
+    group: Any, skipped: tuple[str, ...]
+) -> tuple[dict[str, Column], dict[str, Clip | Stills]]:
     """Returns the columns and the images below a group, by their paths."""
     columns: dict[str, Column] = {}
-    images: dict[str, Stills] = {}
+    images: dict[str, Clip | Stills] = {}
 
     def look(name: str, array: Any) -> None:
         if not isinstance(array, h5py.Dataset) or name.split("/")[0] in skipped:

@@ -54,7 +54,8 @@ class LeRobot:
         episode = self._episodes[index]
         number = int(episode["episode_index"])
         table = self._rows(episode)
-        columns, images = {}, {}
+        columns: dict[str, Column] = {}
+        images: dict[str, Clip | Stills] = {}
         for name, feature in self._features.items():
             kind = feature["dtype"]
             if kind == "video":

@@ -11,7 +11,7 @@ import numpy as np
 
 from robocell._core import ArgumentError, IoError
 from robocell._extras import needed_by
-from robocell.importer._recording import Column, Recording, Stills
+from robocell.importer._recording import Clip, Column, Recording, Stills
 
 with needed_by("robocell.importer", "export"):
     import zarr
@@ -29,8 +29,9 @@ class ReplayBuffer:
     def __init__(self, place: Path) -> None:
         try:
             store = zarr.storage.ZipStore(place, mode="r") if place.suffix == ".zip" else str(place)
-            self._root: Any = zarr.open_group(store, mode="r")
-            self._data, self._ends = self._root["data"], self._root["meta/episode_ends"][:]
+            root: Any = zarr.open_group(store, mode="r")
+            self._data: Any = root["data"]
+            self._ends: Any = root["meta/episode_ends"][:]
         except (OSError, KeyError, ValueError) as error:
             raise IoError(
                 f"'{place}' is no replay buffer with data and meta/episode_ends: {error}"
@@ -49,7 +50,8 @@ class ReplayBuffer:
         """Reads an episode."""
         first = int(self._ends[index - 1]) if index else 0
         last = int(self._ends[index])
-        columns, images = {}, {}
+        columns: dict[str, Column] = {}
+        images: dict[str, Clip | Stills] = {}
         for name, array in sorted(self._data.arrays()):
             if array.dtype == np.uint8 and array.ndim == 4 and array.shape[3] == 3:
                 images[name] = Stills(_blocks(array, first, last))
