@@ -34,11 +34,11 @@ from robocell._core import (
     prepare_dataset,
     sign_json,
 )
-from robocell._own_code import modules_of_one_run
 from robocell._dataset_run import manifest_of_dataset
+from robocell._generation.run_source import RunSource
+from robocell._own_code import modules_of_one_run
 from robocell.evaluate import SEED, Evaluation
 from robocell.evaluate import evaluate as evaluate_run
-from robocell._generation.run_source import RunSource
 
 __all__ = ["Benchmark", "create", "evaluate", "load"]
 

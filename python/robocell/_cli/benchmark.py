@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from robocell._suggestions import counted
 from robocell._cli.common import counting
+from robocell._suggestions import counted
 
 
 def benchmark(
