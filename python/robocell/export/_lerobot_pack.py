@@ -92,7 +92,7 @@ def _pack(
     items: Sequence[Item],
     before: int,
 ) -> dict[str, Any]:
-    """Writes a shard; returns what the tables of episodes need, as `lerobot_v3.write_shard`."""
+    """Writes a shard; returns what the tables of episodes need, as `_lerobot_v3.write_shard`."""
     numbers = range(before, before + len(items))
     parts = [part(staging, each, SINGLE) for each in numbers]
     singles = [_files(source, scratch, each) for each in numbers]

@@ -89,7 +89,7 @@ def import_dataset(
         ModuleNotFoundError: A package that the format needs is missing.
     """
     from robocell._staging import staging
-    from robocell.importer._names import Names
+    from robocell.importer._column_names import Names
 
     if rate is not None and not 0 < rate < 1e5:
         raise ArgumentError(f"rate is {rate:g}; rows per second, more than 0")
@@ -161,7 +161,7 @@ def _candidates(source: Path) -> dict[str, Path | None]:
         found["lerobot"] = source
     others = [file for file in files if file.suffix in (".hdf5", ".h5") and file not in episodes]
     if others or episodes:
-        from robocell.importer._hdf5 import is_aloha, is_robomimic
+        from robocell.importer._hdf5_files import is_aloha, is_robomimic
 
         found["robomimic"] = next((file for file in others if is_robomimic(file)), None)
         if episodes and is_aloha(episodes[0]):
@@ -185,10 +185,10 @@ def _opened(place: Path, kind: str) -> Any:
 
         return LeRobot(place)
     if kind == "zarr":
-        from robocell.importer._replay_buffer import ReplayBuffer
+        from robocell.importer._zarr_files import ReplayBuffer
 
         return ReplayBuffer(place)
-    from robocell.importer._hdf5 import Aloha, Robomimic
+    from robocell.importer._hdf5_files import Aloha, Robomimic
 
     return Robomimic(place) if kind == "robomimic" else Aloha(place)
 
