@@ -18,7 +18,7 @@ import robocell
 from command_line import refused, robocell_command
 from exported import hashes, psnr, three_episodes
 from read_back import EXACT
-from robocell.export import export_dataset, mcap_log
+from robocell.export import _mcap_log, export_dataset
 
 ROBOT = "robots/rc7"
 Topics = dict[str, list[tuple[int, Any]]]  # time and content of each message
@@ -215,14 +215,14 @@ def test_an_interrupted_export_continues(
     dataset: robocell.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     out = tmp_path / "out"
-    write = mcap_log._write_episode
+    write = _mcap_log._write_episode
 
     def full(*arguments: Any) -> Any:
         if arguments[1].id == dataset.ids[1]:
             raise OSError(28, "No space left on device")
         return write(*arguments)
 
-    monkeypatch.setattr(mcap_log, "_write_episode", full)
+    monkeypatch.setattr(_mcap_log, "_write_episode", full)
     with pytest.raises(robocell.IoError, match="No space left on device"):
         export_dataset(dataset, out, "mcap", episodes=["0", "1"], cameras=[])
     assert not out.exists()

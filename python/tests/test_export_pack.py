@@ -15,7 +15,7 @@ import robocell
 from command_line import refused
 from exported import hashes, three_episodes
 from read_back import decoded
-from robocell.export import export_dataset, lerobot_pack, lerobot_v3
+from robocell.export import _lerobot_pack, _lerobot_v3, export_dataset
 
 KEYS = ("observation.images.wrist", "observation.images.exo")
 
@@ -55,7 +55,7 @@ def test_shards_are_as_large_as_the_files_are(
 ):
     sizes = [max((e.folder / f"{c}.mp4").stat().st_size for c in ("wrist", "exo")) for e in dataset]
     # A file has space for two episodes, not for three.
-    monkeypatch.setattr(lerobot_v3, "VIDEO_MB", (sum(sizes) - min(sizes) // 2) / (1 << 20))
+    monkeypatch.setattr(_lerobot_v3, "VIDEO_MB", (sum(sizes) - min(sizes) // 2) / (1 << 20))
     export_dataset(dataset, tmp_path / "out", pack=True)
     rows = episodes(tmp_path / "out")
     assert [row["data/file_index"] for row in rows] == [0, 0, 1]
@@ -74,7 +74,7 @@ def test_shards_are_as_large_as_the_files_are(
 def test_an_interrupted_export_keeps_every_episode(
     dataset: robocell.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str
 ):
-    module = lerobot_v3 if place == "write_shard" else lerobot_pack
+    module = _lerobot_v3 if place == "write_shard" else _lerobot_pack
     write = getattr(module, place)
 
     def full(*arguments: Any) -> Any:
@@ -101,7 +101,7 @@ def test_images_that_were_encoded_again_are_packed(dataset: robocell.Dataset, tm
     [video] = (tmp_path / "out/videos").rglob("*.mp4")
     statistics = json.loads((tmp_path / "out/meta/stats.json").read_text())
     [key_frames] = statistics["observation.images.cam_high"]["count"]
-    assert key_frames == len(lerobot_pack.Mp4.read(video).key_frames)
+    assert key_frames == len(_lerobot_pack.Mp4.read(video).key_frames)
 
 
 def test_packing_is_for_version_3(dataset: robocell.Dataset, tmp_path: Path):

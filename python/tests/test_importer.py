@@ -21,7 +21,7 @@ import robocell
 from command_line import refused, robocell_command
 from exported import hashes, psnr, three_episodes
 from robocell.export import export_dataset
-from robocell.importer import episode_files, import_dataset
+from robocell.importer import _episode_files, import_dataset
 
 ROBOT = "robots/rc7"
 
@@ -68,7 +68,7 @@ def test_videos_with_other_key_frames_are_cut_at_the_frame(
     export_dataset(dataset, tmp_path / "there", "lerobot-v3", cameras=["exo"])
     [video] = (tmp_path / "there/videos").rglob("*.mp4")
     frames = np.concatenate([episode.frames("exo") for episode in dataset])
-    episode_files.encode(
+    _episode_files.encode(
         [frames.tobytes()],
         ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", "64x48", "-r", "8"],
         Fraction(8),
@@ -322,14 +322,14 @@ def test_an_interrupted_import_continues_with_the_same_bytes(
     dataset: robocell.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     export_dataset(dataset, tmp_path / "there", "lerobot-v3", cameras=["exo"])
-    write = episode_files.write_episode
+    write = _episode_files.write_episode
 
     def full(content: Any, folder: Path) -> None:
         if content.id == "episode-000002":
             raise OSError(28, "No space left on device")
         write(content, folder)
 
-    monkeypatch.setattr(episode_files, "write_episode", full)
+    monkeypatch.setattr(_episode_files, "write_episode", full)
     with pytest.raises(robocell.IoError, match="No space left on device"):
         import_dataset(tmp_path / "there", tmp_path / "back")
     assert not (tmp_path / "back").exists()

@@ -13,7 +13,7 @@ from typing import Any
 
 from robocell._extras import needed_by
 from robocell._staging import Staging
-from robocell.export import lerobot_v3 as v3
+from robocell.export import _lerobot_v3 as v3
 from robocell.export._formats import Options
 from robocell.export._lerobot_parts import part, write_parts
 from robocell.export._lerobot_rows import schema
