@@ -3,7 +3,7 @@
 #   make            build                    make bench    benchmarks, into build/bench
 #   make demo       a small pick dataset     make soak     the tests that take minutes
 #   make wheel      the package, into dist
-#   make test       all tests                make format   rewrite files in the project's style
+#   make test       tests of each kind       make format   rewrite files in the project's style
 #   make check      everything that finds    make docs     redraw pictures, build the site
 #                   faults without a robot   make clean    remove what was built (not .venv)
 #

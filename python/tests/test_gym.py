@@ -160,7 +160,14 @@ def test_any_configuration_has_a_registered_name(tmp_path):
         gym.make("robocell/Env-v0", config=own, control_mod="joints")
 
 
-@pytest.mark.parametrize("robot", ["xarm7", "fr3", "gen3_2f85", "panda"])
+@pytest.mark.parametrize(
+    "robot",
+    [
+        "xarm7",
+        "gen3_2f85",
+        *(pytest.param(name, marks=pytest.mark.proof) for name in ("fr3", "panda")),
+    ],
+)
 def test_pick_cube_accepts_robots_by_cell_name(menagerie, robot):
     env = gym.make("robocell/PickCube-v0", robot=robot)
     observation, _ = env.reset(seed=0)

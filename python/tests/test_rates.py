@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 import robocell
-from command_line import refused, robocell_command, write_run
+from command_line import RUN, refused, robocell_command, write_run
 
-CAMERAS = {"resolution": [64, 48], "streams": [{"name": "exo", "camera": "exo_camera"}]}
+CAMERAS = {**RUN["cameras"], "streams": [{"name": "exo", "camera": "exo_camera"}]}
 
 
 @pytest.mark.parametrize(("rates", "fps"), [("policy_hz: 7.5", (15, 2)), ("policy_hz: 6", (6, 1))])

@@ -95,6 +95,7 @@ def test_segmentation_is_counted_and_verified_and_missing_segmentation_is_named(
         episode.frames("wrist", kind="segmentatio")
 
 
+@pytest.mark.proof  # as depth in test_depth.py
 def test_the_same_run_gives_the_same_bytes(dataset: Path, tmp_path: Path):
     result = robocell_command("generate", write_run(tmp_path, cameras=CAMERAS))
     assert result.returncode == 0, result.stderr

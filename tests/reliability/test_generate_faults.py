@@ -186,6 +186,7 @@ def test_editing_the_robot_ends_a_run_and_restoring_it_lets_it_resume(
     assert robocell.data.verify(tmp_path / "out").ok
 
 
+@pytest.mark.proof  # its terminal closes in test_streams.py
 def test_a_run_continues_when_its_progress_pipe_closes(tmp_path: Path):
     command = start(tmp_path, "--workers", 1, "--episodes", 2, "--progress", "jsonl")
     assert command.stdout is not None

@@ -18,6 +18,7 @@ import robocell
 SMALL_KB, LARGE = 1024, "64m"  # room for two episodes, and for all
 
 
+@pytest.mark.proof  # each kind of call finds the disk full in test_failing_disk.py
 def test_a_full_disk_ends_the_run_and_the_next_run_resumes(tmp_path: Path, calm: Storm):
     with small_disk(tmp_path / "disk", SMALL_KB) as disk:
         storm = Storm(disk.folder)
