@@ -86,28 +86,27 @@ def test_videos_with_other_key_frames_are_cut_at_the_frame(
 
 @pytest.mark.parametrize("format", ["robomimic", "aloha", "zarr"])
 def test_arrays_come_back(dataset: robocell.Dataset, tmp_path: Path, format: str):
-    export_dataset(dataset, tmp_path / "there", format, episodes=["0", "1"])
+    export_dataset(dataset, tmp_path / "there", format, episodes=["1"], cameras=["exo"])
     given = {"rate": 500 / 33} if format == "zarr" else {}
     result = import_dataset(tmp_path / "there", tmp_path / "back", **given, assume_success=True)
     assert result.rate == pytest.approx(250 / 33 if not given else 500 / 33)
-    assert (result.episodes, result.successes, result.silent) == (2, 2, 2)
+    assert (result.episodes, result.successes, result.silent) == (1, 1, 1)
     names = {
         "robomimic": ("observation/robot0_joint_pos", "actions_abs"),
         "aloha": ("observation/qpos", "action"),
         "zarr": ("observation/state", "action"),
     }
     state, action = names[format]
-    for own, episode in zip(opened(tmp_path / "back"), dataset[:2], strict=True):
+    for own, episode in zip(opened(tmp_path / "back"), dataset[1:2], strict=True):
         arm = episode[f"{ROBOT}/arm/qpos"].astype(np.float32)
         assert np.array_equal(own[state][:, :7], arm)
         assert np.array_equal(own[action][:, :7], episode[f"{ROBOT}/action/arm"].astype(np.float32))
         if format == "robomimic":
             assert own["states"].shape[0] == len(episode)
             assert own.metadata["imported"]["episode"].startswith("demo_")
-        for camera in ("wrist", "exo"):
-            found, wanted = own.frames(camera), episode.frames(camera)
-            assert psnr(found, wanted) > 30
-            assert psnr(found[1:], wanted[1:]) > psnr(found[1:], wanted[:-1]) + 3
+        found, wanted = own.frames("exo"), episode.frames("exo")
+        assert psnr(found, wanted) > 30
+        assert psnr(found[1:], wanted[1:]) > psnr(found[1:], wanted[:-1]) + 3
 
 
 def aloha_with_jpegs(folder: Path, rows: int = 6) -> list[Image.Image]:
