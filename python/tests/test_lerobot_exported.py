@@ -23,6 +23,7 @@ from gymnasium.utils.env_checker import check_env
 
 import robocell
 from exported import three_episodes
+from lerobot_venv import lerobot_python
 from robocell.export import export_dataset
 from robocell.lerobot import ExportedEnv
 
@@ -199,14 +200,13 @@ def test_its_environments_are_vectors_and_entries_of_gymnasium(
 
 
 @pytest.mark.soak
-def test_lerobot_trains_and_evaluates_with_it(dataset: robocell.Dataset, tmp_path: Path):
-    """In an environment of its own, with LeRobot and gigabytes of torch."""
-    python = tmp_path / "venv" / "bin" / "python"
-    subprocess.run([sys.executable, "-m", "venv", python.parents[1]], check=True)
-    install = [python, "-m", "pip", "install", "-q"]
+def test_lerobot_trains_and_evaluates_with_it(
+    dataset: robocell.Dataset, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+):
+    python = lerobot_python(tmp_path_factory)
     package = shutil.copytree(PACKAGE, tmp_path / PACKAGE.name)  # building writes into it
-    subprocess.run([*install, "lerobot==0.4.4", "mujoco==4.0.0", "mujoco-menagerie"], check=True)
-    subprocess.run([*install, "--no-deps", package], check=True)
+    install = [python, "-m", "pip", "install", "-q", "--no-deps", package]
+    subprocess.run(install, check=True)
     export_dataset(dataset, tmp_path / "data")
     command = [python.with_name("lerobot-train"), "--dataset.repo_id=local/picks"]
     command += [f"--dataset.root={tmp_path / 'data'}", "--dataset.video_backend=pyav"]
