@@ -27,6 +27,7 @@
 #include "robocell/rollout/run_origin.h"
 #include "robocell/rollout/run_renderer.h"
 #include "robocell/rollout/validate_run.h"
+#include "robocell/scene/inspection/finding.h"
 #include "robocell/spec/locations.h"
 
 namespace robocell {

@@ -26,7 +26,6 @@
 #include "robocell/rollout/run_renderer.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scenes/scene_source.h"
-#include "robocell/scenes/support.h"
 #include "robocell/spec/problems.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/spec_bytes.h"

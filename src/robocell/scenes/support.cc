@@ -12,7 +12,6 @@
 #include <vector>
 
 #include "robocell/base/error.h"
-#include "robocell/base/suggestions.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
