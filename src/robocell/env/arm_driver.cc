@@ -245,8 +245,7 @@ double ArmDriver::Opening(double value) const {
   return binary_gripper_ ? (value >= 0.5 ? 1 : 0) : std::clamp(value, 0.0, 1.0);
 }
 
-void ArmDriver::SendGripper(double value, RobotAction& own) {
-  const double opening = Opening(value);
+void ArmDriver::SendGripper(double opening, RobotAction& own) {
   if (opening != memory_.sent_opening) fingers_->Begin(robot_.scene().time());
   memory_.sent_opening = opening;
   const GroupCommand command = GroupCommand::Opening(opening);
@@ -404,7 +403,7 @@ bool ArmDriver::Send(std::span<const double> action) {
   controller_ = robot_.shared_controller(robot_.arm().name());
   sent_ = {};
   WatchFromNow();
-  if (gripper_) SendGripper(action[layout_.gripper_action], commands);
+  if (gripper_) SendGripper(Opening(action[layout_.gripper_action]), commands);
   return mode_ == ControlMode::kJoints ? SendJoints(own, commands) : SendPose(own, commands);
 }
 

@@ -95,6 +95,9 @@ TEST(EnvAct, AGroupWithoutACommandKeepsItsTarget) {
   env.Act({{kGripper, {0}}});
   EXPECT_EQ(TargetOfArm(env), home);
   EXPECT_EQ(env.observation()[env.layout().robots[0].gripper], 0);
+  env.Act({{kGripper, {0.7}}});
+  EXPECT_EQ(env.observation()[env.layout().robots[0].gripper], 0.7) << "also with binary_gripper";
+  env.Act({{kGripper, {0}}});
   std::vector<double> there = home;
   there[1] += 0.3;
   env.Act({{kArm, there}});
