@@ -173,7 +173,7 @@ void ArmDriver::Reset() {
   fixed_base_ = BaseInSharedFrame(robot_);
   memory_.sent_joints = PositionsOf(controller_->commanded_joint_pos());
   memory_.sent = base_in_shared() * robot_.FkFrame(memory_.sent_joints);
-  if (gripper_) memory_.sent_opening = Opening(gripper_->controller(gripper()->name()).target()[0]);
+  if (gripper_) memory_.sent_opening = gripper_->controller(gripper()->name()).target()[0];
   if (fingers_) fingers_->Begin(robot_.scene().time());
   memory_.pending = {};
   memory_.pending_joints.assign(memory_.sent_joints.size(), 0);
@@ -502,8 +502,8 @@ void ArmDriver::Observe(std::span<double> observation) const {
     if (turns_freely_[i]) joints[i] = ObservedTurn(joints[i], joint_limits_[i].upper + kJointSlack);
   }
   if (layout_.has_gripper)
-    observation[layout_.gripper] =
-        binary_gripper_ ? memory_.sent_opening : std::clamp(gripper()->opening(), 0.0, 1.0);
+    observation[layout_.gripper] = binary_gripper_ ? Opening(memory_.sent_opening)
+                                                   : std::clamp(gripper()->opening(), 0.0, 1.0);
 }
 
 }  // namespace robocell::internal
