@@ -24,6 +24,7 @@ def is_recorded(dataset: Dataset) -> bool:
 
 
 OWN = "action/"  # begins the names of an environment's own actions
+CELL = "robots/"  # begins those of its cell
 
 
 class RecordedEnv:
@@ -72,6 +73,12 @@ class RecordedEnv:
 
     def act(self, actions: Mapping[str, Any]) -> tuple[float, bool, bool, dict[str, Any]]:
         """(reward, terminated, truncated, info) of actions by their names."""
+        for name in actions:
+            if not name.startswith((OWN, CELL)):
+                raise ArgumentError(
+                    f"action '{name}' is none of this environment; it takes "
+                    f"{', '.join(f.name for f in self.commanded)}"
+                )
         own = [name for name in actions if name.startswith(OWN)]
         if own and len(own) < len(actions):
             (other, *_) = (name for name in actions if name not in own)

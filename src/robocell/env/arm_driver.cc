@@ -173,7 +173,7 @@ void ArmDriver::Reset() {
   fixed_base_ = BaseInSharedFrame(robot_);
   memory_.sent_joints = PositionsOf(controller_->commanded_joint_pos());
   memory_.sent = base_in_shared() * robot_.FkFrame(memory_.sent_joints);
-  if (gripper_) memory_.sent_opening = Opening(gripper_->controller(gripper()->name()).target()[0]);
+  if (gripper_) memory_.sent_opening = gripper_->controller(gripper()->name()).target()[0];
   if (fingers_) fingers_->Begin(robot_.scene().time());
   memory_.pending = {};
   memory_.pending_joints.assign(memory_.sent_joints.size(), 0);
@@ -245,8 +245,7 @@ double ArmDriver::Opening(double value) const {
   return binary_gripper_ ? (value >= 0.5 ? 1 : 0) : std::clamp(value, 0.0, 1.0);
 }
 
-void ArmDriver::SendGripper(double value, RobotAction& own) {
-  const double opening = Opening(value);
+void ArmDriver::SendGripper(double opening, RobotAction& own) {
   if (opening != memory_.sent_opening) fingers_->Begin(robot_.scene().time());
   memory_.sent_opening = opening;
   const GroupCommand command = GroupCommand::Opening(opening);
@@ -404,7 +403,7 @@ bool ArmDriver::Send(std::span<const double> action) {
   controller_ = robot_.shared_controller(robot_.arm().name());
   sent_ = {};
   WatchFromNow();
-  if (gripper_) SendGripper(action[layout_.gripper_action], commands);
+  if (gripper_) SendGripper(Opening(action[layout_.gripper_action]), commands);
   return mode_ == ControlMode::kJoints ? SendJoints(own, commands) : SendPose(own, commands);
 }
 
@@ -503,8 +502,8 @@ void ArmDriver::Observe(std::span<double> observation) const {
     if (turns_freely_[i]) joints[i] = ObservedTurn(joints[i], joint_limits_[i].upper + kJointSlack);
   }
   if (layout_.has_gripper)
-    observation[layout_.gripper] =
-        binary_gripper_ ? memory_.sent_opening : std::clamp(gripper()->opening(), 0.0, 1.0);
+    observation[layout_.gripper] = binary_gripper_ ? Opening(memory_.sent_opening)
+                                                   : std::clamp(gripper()->opening(), 0.0, 1.0);
 }
 
 }  // namespace robocell::internal

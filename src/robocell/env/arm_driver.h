@@ -74,7 +74,7 @@ class ArmDriver {
  private:
   // Returns the opening that a number of an action commands.
   double Opening(double value) const;
-  void SendGripper(double value, RobotAction& own);
+  void SendGripper(double opening, RobotAction& own);
   // Drives the arm to joints to the bit, also with a controller that adds steps to a sum.
   void DriveTo(std::span<const double> joints);
   bool SendJoints(std::span<const double> command, RobotAction& commands);

@@ -80,7 +80,7 @@ class Env {
   EnvStep Step(std::span<const double> action, const std::function<void()>& poll = {});
   // The same with commands by the names of features().commanded(), which are the names of action
   // columns in datasets: {{"robots/left/action/arm", q}}. Groups without a command keep their
-  // target. Neither `relative_to` nor max_relative_movement and max_target_lead apply: the recorded
+  // target. Limits of actions and binary_gripper do not apply: the recorded
   // targets of an episode give its states again, to the bit. Throws NotFoundError with the nearest
   // names, and ArgumentError for two commands of one group, before anything moves.
   EnvStep Act(const std::map<std::string, std::vector<double>>& commands,

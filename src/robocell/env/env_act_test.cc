@@ -95,6 +95,10 @@ TEST(EnvAct, AGroupWithoutACommandKeepsItsTarget) {
   env.Act({{kGripper, {0}}});
   EXPECT_EQ(TargetOfArm(env), home);
   EXPECT_EQ(env.observation()[env.layout().robots[0].gripper], 0);
+  env.Act({{kGripper, {0.7}}});
+  EXPECT_EQ(Robot::Of(env.scene(), "robot").controller("gripper").target()[0], 0.7);
+  EXPECT_EQ(env.observation()[env.layout().robots[0].gripper], 1) << "binary_gripper";
+  env.Act({{kGripper, {0}}});
   std::vector<double> there = home;
   there[1] += 0.3;
   env.Act({{kArm, there}});

@@ -351,10 +351,7 @@ TEST_F(EnvTaskTest, RegistersCustomTasks) {
   ExpectThrow<ArgumentError>([] { RegisterTask<BeHighConfig>(nullptr); }, "needs a TaskKind");
   EXPECT_THAT(TaskKinds(), IsSupersetOf({"be_high", "pick", "pick_and_place"}));
   EnvConfig config = Picking();
-  ExpectThrow<NotFoundError>(
-      [&] { config.task = TaskSpec("be_hihg"); },
-      "no task 'be_hihg'. Known tasks: be_high, pick, pick_and_place. Did you "
-      "mean 'be_high'?");
+  ExpectThrow<NotFoundError>([&] { config.task = TaskSpec("be_hihg"); }, "Did you mean 'be_high'?");
   config.task = BeHighConfig();
   Env env(config);
   env.Reset();
