@@ -166,9 +166,9 @@ def test_evaluations_in_different_cells_are_not_compared():
 def test_an_evaluation_stores_its_cell(dataset: Path, tmp_path: Path):
     same = evaluate(dataset, "random", episodes=1, output=tmp_path / "same", cameras=False)
     longer = evaluate(dataset, "expert", episodes=1, output=tmp_path / "longer", max_steps=700)
-    assert same.cell["rates.max_steps"] == "500"
+    assert same.cell["rates.max_steps"] == "120"
     assert "expert" not in same.cell
-    with pytest.raises(rc.ArgumentError, match=r"cells: rates\.max_steps: 700 and 500; evaluate"):
+    with pytest.raises(rc.ArgumentError, match=r"cells: rates\.max_steps: 700 and 120; evaluate"):
         compare(longer, same)
 
 
