@@ -30,7 +30,7 @@ def reading(place: str | os.PathLike[str]) -> Iterator[None]:
     what = place if isinstance(place, str) else f"'{place}'"
     try:
         yield
-    except (Error, ModuleNotFoundError):
+    except (Error, ModuleNotFoundError, AttributeError, NameError):  # damage raises none of them
         raise
     except MemoryError as error:
         raise IoError(f"{what} does not fit into memory: {ADVICE}") from error

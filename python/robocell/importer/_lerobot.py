@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from fractions import Fraction
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -23,7 +24,7 @@ from robocell.importer._recording import Clip, Column, Recording, Stills
 from robocell.importer._table_columns import numbers_of
 
 with needed_by("robocell.importer", "export"):
-    import pyarrow as pa
+    import pyarrow.compute as pc
     import pyarrow.parquet as pq
 
 INFO = "meta/info.json"
@@ -134,7 +135,7 @@ class LeRobot:
         with reading(file):
             names = set(pq.read_schema(file).names)
             wanted = [NUMBER, *(name for name in self._features if name in names - {NUMBER})]
-            is_own = pa.compute.field(NUMBER) == number
+            is_own = pc.field(NUMBER) == number
             table = pq.read_table(file, columns=wanted, filters=is_own, partitioning=None)
         if "length" in episode and episode.whole("length") != len(table):
             raise episode.wrong("length", f"{len(table)}, the rows of {place}")

@@ -14,6 +14,7 @@ from robocell.importer._foreign_files import ADVICE, reading
 
 with needed_by("robocell.importer", "export"):
     import pyarrow as pa
+    import pyarrow.compute as pc
 
 
 def numbers_of(column: Any, feature: Entries, place: str) -> NDArray[Any]:
@@ -52,7 +53,7 @@ def _flat(column: Any, place: str) -> tuple[tuple[int, ...], Any]:
         or kinds.is_large_list(values.type)
         or kinds.is_fixed_size_list(values.type)
     ):
-        sizes = pa.compute.unique(pa.compute.list_value_length(values)).to_pylist()
+        sizes = pc.unique(pc.list_value_length(values)).to_pylist()
         if len(sizes) > 1 or None in sizes:
             raise IoError(f"{place} has rows of different lengths: {ADVICE}")
         shape.append(sizes[0] if sizes else 0)

@@ -22,9 +22,10 @@ with needed_by("robocell.importer", "export"):
 
 ENDS = "meta/episode_ends"
 # Codecs of numbers. Others, such as pickle, could execute what a dataset says.
-CODECS = frozenset(
-    ["astype", "bitround", "blosc", "bytes", "bz2", "crc32", "crc32c", "delta", "endian", "fixedscaleoffset", "gzip", "lz4", "lzma", "packbits", "quantize", "sharding_indexed", "shuffle", "transpose", "zlib", "zstd"]
-)
+COMPRESSORS = {"blosc", "bz2", "gzip", "lz4", "lzma", "zlib", "zstd"}
+ENCODINGS = {"astype", "bitround", "bytes", "delta", "fixedscaleoffset", "packbits", "quantize"}
+CHECKSUMS = {"adler32", "crc32", "crc32c", "fletcher32", "jenkins_lookup3"}
+CODECS = COMPRESSORS | ENCODINGS | CHECKSUMS | {"shuffle", "sharding_indexed", "transpose"}
 
 
 class ReplayBuffer:
