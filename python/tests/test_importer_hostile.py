@@ -133,12 +133,27 @@ def test_zarr_arrays_are_not_unpickled(tmp_path: Path, name: str):
     root = foreign.replay_buffer(tmp_path / "there")
     array = root / "a.zarr" / name
     described = json.loads((array / ".zarray").read_text())
-    described |= {"compressor": None, "filters": [{"id": "pickle", "protocol": 5}]}
+    described |= {"compressor": {"id": "pickle", "protocol": 5}}
     (array / ".zarray").write_text(json.dumps(described))
     for chunk in array.glob("[0-9]*"):
         chunk.write_bytes(pickle.dumps(Harm(tmp_path / "harmed")))
-    refused(root, f"{name} is stored with the codec 'pickle', which is not imported", rate=10)
+    refused(root, f"{root}.*'pickle'", rate=10)
     assert not (tmp_path / "harmed").exists()
+
+
+@pytest.mark.parametrize("name", ["data/state", "data/img", "meta/episode_ends"])
+def test_zarr_codecs_that_are_not_known_are_named(tmp_path: Path, name: str):
+    root = foreign.replay_buffer(tmp_path / "there")
+    file = root / "a.zarr" / name / ".zarray"
+    described = json.loads(file.read_text()) | {"compressor": {"id": "base64"}}
+    file.write_text(json.dumps(described))
+    refused(root, f"{name} is stored with the codec 'base64', which is not imported", rate=10)
+
+
+def test_zarr_arrays_without_description_are_not_left_out(tmp_path: Path):
+    root = foreign.replay_buffer(tmp_path / "there")
+    (root / "a.zarr/data/action/.zarray").unlink()
+    refused(root, "data/action' has no description of an array", rate=10)
 
 
 @pytest.mark.parametrize(

@@ -58,7 +58,7 @@ class Robomimic:
         demo = _child(self._data, name, h5py.Group)
         rows = _rows(demo, "actions")
         said = _attribute(demo, "num_samples", rows)
-        if said != rows:
+        if not np.array_equal(said, rows):
             raise IoError(
                 f"{_place(demo)} has {rows} actions, its attribute num_samples is {said}: {ADVICE}"
             )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from fractions import Fraction
 from functools import partial
@@ -39,12 +40,19 @@ class ReplayBuffer:
         self.place = place
         is_zip = place.suffix == ".zip"
         self.fingerprint = fingerprint(place.parent, [place]) if is_zip else fingerprint(place)
-        with reading(f"'{place}', a replay buffer with data and {ENDS},"):
+        with reading(f"the replay buffer '{place}' with data and {ENDS}"):
             store = zarr.storage.ZipStore(place, mode="r") if is_zip else str(place)
             # Consolidated metadata could name arrays that are elsewhere.
             root: Any = zarr.open_group(store, mode="r", use_consolidated=False)
-            self._arrays: dict[str, Any] = dict(sorted(root["data"].arrays()))
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # about folders without arrays: see below
+                self._arrays: dict[str, Any] = dict(sorted(root["data"].arrays()))
+                groups = set(root["data"].group_keys())
             ends = root[ENDS]
+        for folder in () if is_zip else sorted((place / "data").iterdir()):
+            is_known = folder.name in self._arrays or folder.name in groups
+            if folder.is_dir() and not folder.name.startswith(".") and not is_known:
+                raise IoError(f"'{folder}' has no description of an array: {ADVICE}")
         self._ends = self._checked_ends(ends)
         for name, array in self._arrays.items():
             if array.ndim == 0 or array.shape[0] < self._ends[-1]:
