@@ -85,6 +85,16 @@ def test_links_to_the_outside_are_refused(tmp_path: Path, kind: str):
     refused(root, f"is a link to '.*secret', {LINK}", **options)
 
 
+def test_damaged_frames_are_not_copied(tmp_path: Path):
+    root = foreign.lerobot_v3(tmp_path / "there")
+    [video] = root.rglob("*.mp4")
+    content = bytearray(video.read_bytes())
+    start = content.index(b"mdat") + 700  # behind the settings of the encoder
+    content[start : start + 40] = bytes(40)
+    video.write_bytes(content)
+    refused(root, f"cannot cut '{video}' into '.*top.mp4': ffmpeg: ")
+
+
 def test_links_inside_of_a_dataset_are_followed(tmp_path: Path):
     root = foreign.lerobot_v2(tmp_path / "there")
     (root / "data").rename(root / "stored")

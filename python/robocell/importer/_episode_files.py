@@ -21,14 +21,12 @@ from robocell._core import ArgumentError, IoError, sign_json
 from robocell.export._hdf5 import Writer, new_file
 from robocell.export._mp4 import Mp4
 from robocell.export._videos import cut, encode
-from robocell.importer._arrays import LARGEST_SIDE
 from robocell.importer._foreign_files import ADVICE
 from robocell.importer._recording import Clip, Column, Stills
 
 STEPS, DESCRIPTION = "steps.h5", "episode.json"
 NO_HASH = "0" * 64
 CHUNK_ROWS = 64
-BOUNDED = ("-max_pixels", str(LARGEST_SIDE**2))
 SIGNATURES = {b"\x89PNG": "png", b"\xff\xd8\xff": "mjpeg"}
 
 
@@ -189,7 +187,7 @@ def _write_video(images: Clip | Stills, out: Path, content: Content, camera: str
         codec = next((name for start, name in SIGNATURES.items() if first.startswith(start)), None)
         if codec is None:
             raise ArgumentError(f"images of {what} are neither PNG nor JPEG files")
-        source = ["-xerror", *BOUNDED, "-f", "image2pipe", "-c:v", codec]
+        source = ["-f", "image2pipe", "-c:v", codec]
         rest = (bytes(each) for each in blocks)
         return encode(_all(first, rest), source, content.rate, out, what)
     height, width = first.shape[1:3]
