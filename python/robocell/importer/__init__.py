@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from robocell import __version__
 from robocell._core import ArgumentError, IoError, sign_json
 from robocell.importer._foreign_files import ADVICE
-from robocell.importer._formats import FORMATS, find, open_origin
+from robocell.importer._origins import FORMATS, find, open_origin
 
 if TYPE_CHECKING:
     from robocell._staging import Staging
