@@ -11,6 +11,7 @@ from typing import Any
 
 import h5py
 import numpy as np
+import pyarrow as pa
 import pyarrow.parquet as pq
 import pytest
 import zarr
@@ -160,6 +161,31 @@ def test_zarr_codecs_that_are_not_known_are_named(tmp_path: Path, name: str):
     refused(root, f"{name} is stored with the codec 'base64', which is not imported", rate=10)
 
 
+def test_zarr_codecs_that_are_missing_are_named(tmp_path: Path):
+    root = foreign.replay_buffer(tmp_path / "there")
+    file = root / "a.zarr/data/img/.zarray"
+    described = json.loads(file.read_text()) | {"compressor": {"id": "imagecodecs_jpegxl"}}
+    file.write_text(json.dumps(described))
+    refused(root, "data has an array whose codec is not imported: .*jpegxl", rate=10)
+
+
+def test_rows_in_another_order_than_images_are_refused(tmp_path: Path):
+    root = foreign.lerobot_v2(tmp_path / "there")
+    file = root / "data/chunk-000/episode_000001.parquet"
+    table = pq.read_table(file, partitioning=None)
+    for order, message in (([0, 2, 1], "'frame_index' does not count the rows"), ([0, 1, 2], "")):
+        pq.write_table(table.append_column("frame_index", pa.array(order)), file)
+        if message:
+            refused(root, f"{file}' episode 1: {message}")
+    assert import_dataset(root, tmp_path / "out").episodes == 2
+
+
+def test_a_dataset_of_robocell_is_named(tmp_path: Path):
+    root = foreign.aloha(tmp_path / "there")
+    import_dataset(root, tmp_path / "back")
+    refused(tmp_path / "back", "is a dataset of robocell already")
+
+
 def test_zarr_arrays_without_description_are_not_left_out(tmp_path: Path):
     root = foreign.replay_buffer(tmp_path / "there")
     (root / "a.zarr/data/action/.zarray").unlink()
@@ -172,6 +198,7 @@ def test_zarr_arrays_without_description_are_not_left_out(tmp_path: Path):
         ([4, 4, 7], "episode 1 begins at row 4 and ends at row 4; expected at least one row"),
         ([3, 2, 7], "episode 1 begins at row 3 and ends at row 2"),
         ([-1, 7], "episode 0 begins at row 0 and ends at row -1"),
+        ([3, 6], r"data/action has the shape \(7, 3\), the last episode ends at row 6"),
         ([4, 8], r"data/action has the shape \(7, 3\), the last episode ends at row 8"),
         ([4.0, float("nan")], "meta/episode_ends has the type float64; expected whole numbers"),
         ([[4], [7]], "meta/episode_ends is no list of numbers"),

@@ -117,7 +117,10 @@ class Names:
                 if target in found:
                     raise _same("columns", target, name)
                 _require_path(target, name)
-                found[target] = _part(column, name, first, last) if first is not None else column
+                found[target] = column
+                if first is not None:
+                    place = f"{self.place}: '{target}'"
+                    found[target] = _part(column, name, first, last, place)
         return _apart(found)
 
     def _targets(self, name: str, origin: Origin) -> tuple[Part, ...]:
@@ -196,10 +199,12 @@ def _parts(place: str, name: str, entry: Any) -> tuple[Part, ...]:
     )
 
 
-def _part(column: Column, name: str, first: int, last: int | None) -> Column:
+def _part(column: Column, name: str, first: int, last: int | None, place: str) -> Column:
     size = column.values.shape[1] if column.values.ndim == 2 else 1
     if last is None or last > size:
-        raise ArgumentError(f"'{name}' has {size} numbers; the part [{first}, {last}] ends outside")
+        raise ArgumentError(
+            f"{place}: '{name}' has {size} numbers; the part [{first}, {last}] ends outside"
+        )
     values = column.values[:, first:last] if column.values.ndim == 2 else column.values
     names = column.names[first:last] if len(column.names) == size else ()
     return Column(values, names)

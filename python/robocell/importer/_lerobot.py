@@ -29,9 +29,9 @@ with needed_by("robocell.importer", "export"):
 
 INFO = "meta/info.json"
 VERSIONS = ("v2.0", "v2.1", "v3.0")
-NUMBER = "episode_index"
+NUMBER, COUNTER = "episode_index", "frame_index"
 # Counted by LeRobot itself; `time` takes the place of the timestamps.
-COUNTERS = ("timestamp", "frame_index", NUMBER, "index", "task_index")
+COUNTERS = ("timestamp", COUNTER, NUMBER, "index", "task_index")
 RESULTS = {"next.reward": "reward", "next.done": "terminated", "next.success": "success"}
 
 
@@ -134,11 +134,16 @@ class LeRobot:
         place = f"'{file}' episode {number}"
         with reading(file):
             names = set(pq.read_schema(file).names)
-            wanted = [NUMBER, *(name for name in self._features if name in names - {NUMBER})]
+            wanted = [NUMBER, *sorted(names & {*self._features, COUNTER} - {NUMBER})]
             is_own = pc.field(NUMBER) == number
             table = pq.read_table(file, columns=wanted, filters=is_own, partitioning=None)
         if "length" in episode and episode.whole("length") != len(table):
             raise episode.wrong("length", f"{len(table)}, the rows of {place}")
+        if COUNTER in names and table[COUNTER].to_pylist() != list(range(len(table))):
+            raise IoError(
+                f"{place}: '{COUNTER}' does not count the rows from 0 on, so they may not be those "
+                f"of the images: {ADVICE}"
+            )
         return table, place
 
     def _clip(self, episode: Entries, name: str) -> Clip:

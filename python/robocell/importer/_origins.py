@@ -30,6 +30,8 @@ def find(source: Path, format: str | None) -> tuple[Path, str]:
         place = _place(source, kind)
         if place is not None:
             return place, kind
+    if (source / "dataset.json").is_file():
+        raise ArgumentError(f"'{source}' is a dataset of robocell already; nothing is to import")
     what = f"a dataset of the format '{format}'" if format else "a dataset that can be imported"
     raise ArgumentError(
         f"'{source}' is not {what}: LeRobot datasets have meta/info.json, robomimic's are an HDF5 "

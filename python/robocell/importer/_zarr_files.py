@@ -20,6 +20,7 @@ from robocell.importer._recording import Clip, Column, Recording, Stills
 
 with needed_by("robocell.importer", "export"):
     import zarr
+    from numcodecs.errors import UnknownCodecError
 
 ENDS = "meta/episode_ends"
 # Codecs of numbers. Others, such as pickle, could execute what a dataset says.
@@ -46,7 +47,7 @@ class ReplayBuffer:
             root: Any = zarr.open_group(store, mode="r", use_consolidated=False)
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # about folders without arrays: see below
-                self._arrays: dict[str, Any] = dict(sorted(root["data"].arrays()))
+                self._arrays: dict[str, Any] = dict(sorted(_arrays(root["data"], place)))
                 groups = set(root["data"].group_keys())
             ends = root[ENDS]
         for folder in () if is_zip else sorted((place / "data").iterdir()):
@@ -54,8 +55,8 @@ class ReplayBuffer:
             if folder.is_dir() and not folder.name.startswith(".") and not is_known:
                 raise IoError(f"'{folder}' has no description of an array: {ADVICE}")
         self._ends = self._checked_ends(ends)
-        for name, array in self._arrays.items():
-            if array.ndim == 0 or array.shape[0] < self._ends[-1]:
+        for name, array in self._arrays.items() if len(self) else ():
+            if array.ndim == 0 or array.shape[0] != self._ends[-1]:
                 raise IoError(
                     f"'{place}': data/{name} has the shape {array.shape}, the last episode ends at "
                     f"row {self._ends[-1]}: {ADVICE}"
@@ -104,6 +105,16 @@ class ReplayBuffer:
                 f"{bounds[episode + 1]}; expected at least one row: {ADVICE}"
             )
         return bounds
+
+
+def _arrays(group: Any, place: Path) -> list[tuple[str, Any]]:
+    try:
+        return list(group.arrays())
+    except UnknownCodecError as error:
+        raise ArgumentError(
+            f"'{place}': data has an array whose codec is not imported: {error}. Known: "
+            f"{', '.join(sorted(CODECS))}"
+        ) from error
 
 
 def _column(array: Any, first: int, last: int, place: str) -> Column:
