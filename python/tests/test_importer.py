@@ -284,9 +284,7 @@ def test_the_command_reports_filters_and_says_what_is_unknown(
 
 def test_what_cannot_be_imported_is_named(dataset: robocell.Dataset, tmp_path: Path):
     out = tmp_path / "out"
-    assert "is not a dataset that can be imported: LeRobot datasets have meta/info.json" in refused(
-        "import", dataset.folder, out
-    )
+    assert "is a dataset of robocell already" in refused("import", dataset.folder, out)
     assert "no format 'lerobt'. Did you mean 'lerobot'?" in refused(
         "import", dataset.folder, out, "--format", "lerobt"
     )

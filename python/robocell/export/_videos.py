@@ -36,6 +36,9 @@ ENCODED = (
     "-pix_fmt",
     "yuv420p",
 )
+# Damaged frames, and those larger than any camera's, are errors.
+STRICT = ("-xerror", "-err_detect", "explode", "-max_pixels", str(8192**2))
+LONGEST_MESSAGE = 500  # bytes of what ffmpeg says
 LARGEST_SIDE = 150  # pixels of the images that statistics look at
 # Robocell's own reader scales in this way, so statistics are those of its frames.
 FLAGS = "flags=bicubic+accurate_rnd+full_chroma_int+bitexact"
@@ -125,7 +128,8 @@ def cut(
 ) -> Mp4:
     """Writes some frames of a video to a file of their own.
 
-    They are copied if the first is a key frame, else encoded again.
+    They are copied if the first is a key frame, else encoded again. All are decoded in any case,
+    so that a copy has no damaged frame.
 
     Args:
         source: An MP4 file.
@@ -137,19 +141,23 @@ def cut(
         rate: Frame rate of the result.
 
     Raises:
-        IoError: ffmpeg is missing or failed.
+        IoError: ffmpeg is missing or failed, or a frame cannot be decoded.
     """
     is_copy = facts.codec == "h264" and not facts.is_reordered and first in facts.key_frames
     # A copy begins at the key frame at this time or before, an encoding at the next frame after.
     start = (first + (Fraction(1, 4) if is_copy else -Fraction(1, 4))) / fps
-    arguments = ["-y", *(["-ss", f"{float(start):.6f}"] if first else [])]
-    arguments += ["-i", f"file:{source}", "-an", "-frames:v", str(frames)]
+    arguments = ["-y", *STRICT, *(["-ss", f"{float(start):.6f}"] if first else [])]
+    arguments += ["-f", "mov", "-i", f"file:{source}"]
+    if is_copy:
+        arguments += ["-an", "-frames:v", str(frames), "-f", "null", "-"]
+    arguments += ["-an", "-frames:v", str(frames)]
     if is_copy:
         arguments += ["-c", "copy"]
     else:
         arguments += ["-vf", f"settb={1 / rate},setpts=N", "-fps_mode", "passthrough", *ENCODED]
         arguments += ["-enc_time_base", f"{1 / rate}", "-g", "30", "-threads", "1"]
-    with _ffmpeg([*arguments, *_written(rate, out)], f"write '{out}'", subprocess.DEVNULL):
+    task = f"cut '{source}' into '{out}'"
+    with _ffmpeg([*arguments, *_written(rate, out)], task, subprocess.DEVNULL):
         pass
     return Mp4.read(out)
 
@@ -169,7 +177,7 @@ def encode(
     Raises:
         IoError: ffmpeg is missing or failed.
     """
-    arguments = ["-y", *source, "-i", "pipe:0", "-an"]
+    arguments = ["-y", *STRICT, *source, "-i", "pipe:0", "-an"]
     arguments += ["-vf", f"settb={1 / rate},setpts=N", "-fps_mode", "passthrough", *ENCODED]
     arguments += ["-enc_time_base", f"{1 / rate}", "-g", "30", "-threads", "1"]
     arguments += _written(rate, out)
@@ -306,5 +314,6 @@ def _ffmpeg(
             raise
         if process.returncode != 0:
             words.seek(0)
-            message = words.read().decode(errors="replace").strip() or f"code {process.returncode}"
+            message = words.read(LONGEST_MESSAGE).decode(errors="replace").strip()
+            message = message or f"code {process.returncode}"
             raise IoError(f"cannot {task}: ffmpeg: {message}")

@@ -13,16 +13,22 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robocell import __version__
-from robocell._core import ArgumentError, IoError, NotFoundError, sign_json
-from robocell._suggestions import did_you_mean
+from robocell._core import ArgumentError, IoError, sign_json
+from robocell.importer._foreign_files import ADVICE
+from robocell.importer._origins import FORMATS, find, open_origin
+
+if TYPE_CHECKING:
+    from robocell._staging import Staging
+    from robocell.importer._column_names import Names
+    from robocell.importer._episode_files import Content
+    from robocell.importer._recording import Column, Origin
 
 __all__ = ["FORMATS", "Imported", "import_dataset"]
 
-FORMATS = ("lerobot", "robomimic", "aloha", "zarr")
-RESULT = ("reward", "terminated", "success")
+FLAGS = ("terminated", "success")
 
 
 @dataclass(frozen=True)
@@ -85,19 +91,21 @@ def import_dataset(
         NotFoundError: There is no such format, or the mapping has a name that the dataset lacks.
         ArgumentError: `source` is no such dataset, its rate is unknown, or `out` exists.
         SpecError: The mapping is not one.
-        IoError: Reading or writing failed.
+        IoError: Reading or writing failed, or `source` is damaged.
         ModuleNotFoundError: A package that the format needs is missing.
     """
     from robocell._staging import staging
     from robocell.importer._column_names import Names
+    from robocell.importer._entries import is_text, rate_of
 
-    if rate is not None and not 0 < rate < 1e5:
-        raise ArgumentError(f"rate is {rate:g}; rows per second, more than 0")
-    place, kind = _find(Path(source), format)
-    origin = _opened(place, kind)
+    own_rate = None if rate is None else rate_of(rate, "rate")
+    if task is not None and not is_text(task):
+        raise ArgumentError(f"task is {task!a}, which is no text of UTF-8")
+    place, kind = find(Path(source), format)
+    origin = open_origin(place, kind)
     if not len(origin):
         raise ArgumentError(f"'{source}' has no episodes to import")
-    hertz = Fraction(rate).limit_denominator(100_000) if rate is not None else origin.rate
+    hertz = own_rate or origin.rate
     if hertz is None:
         raise ArgumentError(
             f"'{source}' does not say how many rows there are per second. Say it: --rate HZ"
@@ -110,7 +118,8 @@ def import_dataset(
         raise ArgumentError(f"'{given}' is inside '{source}'. Choose a folder beside it")
     request = {
         "robocell": __version__,
-        "import": str(place.resolve()),
+        "import": os.fsencode(place.resolve()).decode(errors="replace"),
+        "fingerprint": origin.fingerprint,
         "format": kind,
         "episodes": len(origin),
         "names": asdict(names),
@@ -132,71 +141,10 @@ def import_dataset(
     return Imported(given, origin.title, len(origin), rate=float(hertz), **totals)
 
 
-def _find(source: Path, format: str | None) -> tuple[Path, str]:
-    """Returns the folder or file to read, and its format."""
-    if format is not None and format not in FORMATS:
-        raise NotFoundError(
-            f"no format '{format}'.{did_you_mean(format, FORMATS)} Formats: {', '.join(FORMATS)}"
-        )
-    if not source.exists():
-        raise IoError(f"there is no file or folder '{source}'")
-    found = {kind: place for kind, place in _candidates(source).items() if place is not None}
-    for kind in FORMATS if format is None else (format,):
-        if kind in found:
-            return found[kind], kind
-    what = f"a dataset of the format '{format}'" if format else "a dataset that can be imported"
-    raise ArgumentError(
-        f"'{source}' is not {what}: LeRobot datasets have meta/info.json, robomimic's are an HDF5 "
-        "file with data/demo_0, ALOHA's a folder with episode_0.hdf5, replay buffers a zarr group "
-        "with meta/episode_ends"
-    )
-
-
-def _candidates(source: Path) -> dict[str, Path | None]:
-    """Returns what is at a place, by format."""
-    files = [source] if source.is_file() else sorted(source.glob("*.hdf5"))
-    episodes = [file for file in files if file.stem.startswith("episode_")]
-    found: dict[str, Path | None] = {}
-    if (source / "meta/info.json").is_file():
-        found["lerobot"] = source
-    others = [file for file in files if file.suffix in (".hdf5", ".h5") and file not in episodes]
-    if others or episodes:
-        from robocell.importer._hdf5_files import is_aloha, is_robomimic
-
-        found["robomimic"] = next((file for file in others if is_robomimic(file)), None)
-        if episodes and is_aloha(episodes[0]):
-            found["aloha"] = episodes[0].parent
-    buffers = [source, *sorted(source.glob("*.zarr"))] if source.is_dir() else [source]
-    found["zarr"] = next(
-        (
-            each
-            for each in buffers
-            if each.name.endswith(".zarr.zip") or (each / "meta/episode_ends").is_dir()
-        ),
-        None,
-    )
-    return found
-
-
-def _opened(place: Path, kind: str) -> Any:
-    """Opens a dataset; the packages that it needs are imported now."""
-    if kind == "lerobot":
-        from robocell.importer._lerobot import LeRobot
-
-        return LeRobot(place)
-    if kind == "zarr":
-        from robocell.importer._zarr_files import ReplayBuffer
-
-        return ReplayBuffer(place)
-    from robocell.importer._hdf5_files import Aloha, Robomimic
-
-    return Robomimic(place) if kind == "robomimic" else Aloha(place)
-
-
 def _write(
-    origin: Any,
-    where: Any,
-    names: Any,
+    origin: Origin,
+    where: Staging,
+    names: Names,
     rate: Fraction,
     request: dict[str, Any],
     on_episodes: Callable[[int, int], None] | None,
@@ -242,20 +190,18 @@ def _write(
 
 
 def _content(
-    origin: Any, index: int, id: str, names: Any, rate: Fraction, request: dict[str, Any]
-) -> Any:
+    origin: Origin, index: int, id: str, names: Names, rate: Fraction, request: dict[str, Any]
+) -> Content:
     """Returns what the episode of a recording has."""
-    import numpy as np
-
     from robocell.importer._episode_files import Content
-    from robocell.importer._recording import Column
 
     recording = origin.read(index)
+    if recording.rows < 1:
+        raise IoError(f"recording {index} of '{request['import']}' has no rows: {ADVICE}")
     columns = names.columns_of(recording, origin)
-    columns.pop("time", None)  # made from the rate
-    for name in ("terminated", "success"):
+    for name in FLAGS:
         if name in columns:
-            columns[name] = Column(np.asarray(columns[name].values).reshape(-1).astype(bool))
+            columns[name] = _flags(columns[name], f"{id}: column '{name}'")
     says = "success" in columns
     success = bool(columns["success"].values[-1]) if says else bool(request["assume_success"])
     terminated = "terminated" in columns and bool(columns["terminated"].values[-1])
@@ -277,3 +223,22 @@ def _content(
         end_reason="success" if says and success else "imported",
         metadata=metadata,
     )
+
+
+def _flags(column: Column, what: str) -> Column:
+    """Returns a column of truth values.
+
+    Raises:
+        IoError: It has others than 0 and 1, or several in a row.
+    """
+    import numpy as np
+
+    from robocell.importer._recording import Column
+
+    values = column.values.reshape(len(column.values), -1)
+    if values.shape[1] != 1 or not np.isin(values, (0, 1)).all():
+        raise IoError(
+            f"{what} has other values than one 0 or 1 in each row: {ADVICE}. A mapping file gives "
+            "another name: --mapping FILE"
+        )
+    return Column(values[:, 0].astype(bool))

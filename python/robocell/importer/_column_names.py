@@ -10,6 +10,7 @@ cameras:
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -18,10 +19,15 @@ from typing import Any
 from robocell._core import ArgumentError, IoError, NotFoundError, SpecError
 from robocell._extras import needed_by
 from robocell._suggestions import did_you_mean
+from robocell.importer._entries import is_text
 from robocell.importer._recording import Column, Origin, Recording
 
 Part = tuple[str, int | None, int | None]  # a column, and its first and last component
 FIELDS = ("columns", "cameras")
+TIME = "time"  # a column of every episode, made from the rate
+SLASH = re.compile("/")
+LONGEST_NAME = 200  # bytes, so that a file can have it with a suffix
+RENAMED = "A mapping file gives another name: --mapping FILE"
 
 
 @dataclass(frozen=True)
@@ -50,10 +56,10 @@ class Names:
             import yaml
         place = f"mapping '{file}'"
         try:
-            content = yaml.safe_load(file.read_text())
+            content = yaml.safe_load(file.read_text(encoding="utf-8"))
         except OSError as error:
             raise IoError(f"cannot read {place}: {error.strerror}") from error
-        except (yaml.YAMLError, UnicodeDecodeError) as error:
+        except (yaml.YAMLError, ValueError, RecursionError) as error:
             raise SpecError(f"{place} is no YAML: {error}") from error
         if not isinstance(content, dict):
             raise SpecError(f"{place} is a table with the fields {', '.join(FIELDS)}")
@@ -67,9 +73,14 @@ class Names:
         for name, table in zip(FIELDS, (columns, cameras), strict=True):
             if not isinstance(table, dict):
                 raise SpecError(f"{place}: {name} is a table of names, got {table!r}")
+            for key in table:
+                if not isinstance(key, str):
+                    raise SpecError(f"{place}: {name} is a table of names, not of {key!r}")
         for name, camera in cameras.items():
             if not isinstance(camera, str | None):
                 raise SpecError(f"{place}: cameras.{name} is a name or null, got {camera!r}")
+            if camera is not None and not is_file_name(camera):
+                raise SpecError(f"{place}: cameras.{name} is {camera!r}, which no file can have")
         return cls(
             place,
             {name: _parts(place, name, entry) for name, entry in columns.items()},
@@ -90,27 +101,33 @@ class Names:
                     )
 
     def columns_of(self, recording: Recording, origin: Origin) -> dict[str, Column]:
-        """Returns the columns of an episode.
+        """Reads the columns that an episode will have.
 
         Raises:
-            ArgumentError: Two columns have the same name, or a part is outside of its column.
+            ArgumentError: Two columns have the same name, a name cannot be one of an episode, or a
+                part is outside of its column.
         """
         found: dict[str, Column] = {}
-        for name, column in recording.columns.items():
-            for target, first, last in self._targets(name, origin):
+        for name, read in recording.columns.items():
+            targets = self._targets(name, origin)
+            if not targets:
+                continue
+            column = read()
+            for target, first, last in targets:
                 if target in found:
-                    raise ArgumentError(
-                        f"two columns would be '{target}', one of them '{name}'. A mapping file "
-                        "gives one another name: --mapping FILE"
-                    )
-                found[target] = _part(column, name, first, last) if first is not None else column
+                    raise _same("columns", target, name)
+                _require_path(target, name)
+                found[target] = column
+                if first is not None:
+                    place = f"{self.place}: '{target}'"
+                    found[target] = _part(column, name, first, last, place)
         return _apart(found)
 
     def _targets(self, name: str, origin: Origin) -> tuple[Part, ...]:
         if name in self.columns:
             return self.columns[name]
         own = origin.column_name(name)
-        return () if own is None else ((own, None, None),)
+        return () if own in (None, TIME) else ((own, None, None),)
 
     def cameras_of(self, images: Iterable[str]) -> dict[str, str]:
         """Returns the camera of each name of images."""
@@ -120,10 +137,9 @@ class Names:
             if camera is None:
                 continue
             if camera in found.values():
-                raise ArgumentError(
-                    f"two cameras would be '{camera}', one of them '{name}'. A mapping file gives "
-                    "one another name: --mapping FILE"
-                )
+                raise _same("cameras", camera, name)
+            if not is_file_name(camera):
+                raise ArgumentError(f"camera {name!a} cannot be the name of a video. {RENAMED}")
             found[name] = camera
         return found
 
@@ -137,9 +153,35 @@ def _camera(name: str) -> str:
     return short.replace("/", "_") or name
 
 
+def is_file_name(name: str) -> bool:
+    """Whether a name can be that of a file, as the names of episodes' cameras are."""
+    return (
+        is_text(name)
+        and name not in ("", ".", "..")
+        and "/" not in name
+        and all(character >= " " and character != "\x7f" for character in name)
+        and len(name.encode()) <= LONGEST_NAME
+    )
+
+
+def _require_path(target: str, name: str) -> None:
+    """Raises ArgumentError for a column whose name an episode cannot have."""
+    first, *_ = parts = target.split("/")
+    if not all(map(is_file_name, parts)) or first == "cameras":
+        raise ArgumentError(
+            f"column {name!a} would be {target!a}, which no column of an episode can be. {RENAMED}"
+        )
+
+
+def _same(what: str, target: str, name: str) -> ArgumentError:
+    return ArgumentError(f"two {what} would be '{target}', one of them '{name}'. {RENAMED}")
+
+
 def _parts(place: str, name: str, entry: Any) -> tuple[Part, ...]:
     if entry is None:
         return ()
+    if entry == TIME or (isinstance(entry, dict) and TIME in entry):
+        raise SpecError(f"{place}: columns.{name}: '{TIME}' is made from the rate; choose another")
     if isinstance(entry, str):
         return ((entry, None, None),)
     if isinstance(entry, dict) and all(
@@ -157,10 +199,12 @@ def _parts(place: str, name: str, entry: Any) -> tuple[Part, ...]:
     )
 
 
-def _part(column: Column, name: str, first: int, last: int | None) -> Column:
+def _part(column: Column, name: str, first: int, last: int | None, place: str) -> Column:
     size = column.values.shape[1] if column.values.ndim == 2 else 1
     if last is None or last > size:
-        raise ArgumentError(f"'{name}' has {size} numbers; the part [{first}, {last}] ends outside")
+        raise ArgumentError(
+            f"{place}: '{name}' has {size} numbers; the part [{first}, {last}] ends outside"
+        )
     values = column.values[:, first:last] if column.values.ndim == 2 else column.values
     names = column.names[first:last] if len(column.names) == size else ()
     return Column(values, names)
@@ -168,6 +212,13 @@ def _part(column: Column, name: str, first: int, last: int | None) -> Column:
 
 def _apart(columns: Mapping[str, Column]) -> dict[str, Column]:
     """Returns the columns; one whose name begins the names of others becomes `<name>/value`."""
-    groups = {name.rpartition("/")[0] for name in columns}
-    groups |= {group.rpartition("/")[0] for group in set(groups)}
-    return {f"{name}/value" if name in groups else name: column for name, column in columns.items()}
+    groups = {name[: slash.start()] for name in (*columns, TIME) for slash in SLASH.finditer(name)}
+    found: dict[str, Column] = {}
+    for name, column in columns.items():
+        target = f"{name}/value" if name in groups else name
+        if target in found or (target != name and target in columns):
+            raise _same("columns", target, name)
+        if target.startswith(f"{TIME}/"):
+            raise ArgumentError(f"column '{name}' would be inside of '{TIME}'. {RENAMED}")
+        found[target] = column
+    return found

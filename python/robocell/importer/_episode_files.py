@@ -21,6 +21,7 @@ from robocell._core import ArgumentError, IoError, sign_json
 from robocell.export._hdf5 import Writer, new_file
 from robocell.export._mp4 import Mp4
 from robocell.export._videos import cut, encode
+from robocell.importer._foreign_files import ADVICE
 from robocell.importer._recording import Clip, Column, Stills
 
 STEPS, DESCRIPTION = "steps.h5", "episode.json"
@@ -178,8 +179,10 @@ def _write_video(images: Clip | Stills, out: Path, content: Content, camera: str
             )
         return cut(images.file, facts, images.first, content.rows, images.fps, out, content.rate)
     blocks = iter(images.blocks)
-    first = next(blocks)
     what = f"camera '{camera}' of {content.id}"
+    first = next(blocks, None)
+    if first is None:
+        raise IoError(f"{what} has no images for {content.rows} rows: {ADVICE}")
     if isinstance(first, bytes):
         codec = next((name for start, name in SIGNATURES.items() if first.startswith(start)), None)
         if codec is None:

@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from robocell._core import ArgumentError, IoError
+from robocell._core import IoError
 from robocell._extras import needed_by
+from robocell.importer._arrays import is_numbers, is_pixels, numbers, pixels
+from robocell.importer._entries import Entries, is_text, rate_of
+from robocell.importer._foreign_files import ADVICE, fingerprint, reading, require_file
 from robocell.importer._recording import Clip, Column, Recording, Stills
 
 with needed_by("robocell.importer", "export"):
     import h5py
 
-BLOCK_BYTES = 16 << 20  # of images in memory
+COLUMNS = {"actions": "action", "rewards": "reward", "dones": "terminated"}
 
 
 class Robomimic:
@@ -28,16 +32,22 @@ class Robomimic:
 
     def __init__(self, file: Path) -> None:
         self.file = file
-        self._content = _open(file)
-        data = self._content["data"]
-        self._demos = sorted((name for name in data if name.startswith("demo")), key=_number)
-        settings = _settings(data.attrs.get("env_args", "{}"), file)
-        self._environment = str(settings.get("env_name", ""))
-        arguments = settings.get("env_kwargs") or {}
-        hertz = arguments.get("control_freq", arguments.get("rate"))
-        self.rate = Fraction(hertz).limit_denominator(100_000) if hertz else None
-        robots = arguments.get("robots") or ""
-        self.robots = robots if isinstance(robots, str) else ", ".join(map(str, robots))
+        self.fingerprint = fingerprint(file.parent, [file])
+        self._data = _child(_open(file), "data", h5py.Group)
+        with reading(file):
+            self._demos = sorted((name for name in self._data if _is_demo(name)), key=_number)
+        settings = _settings(_attribute(self._data, "env_args", "{}"), file)
+        self._environment = settings.text("env_name", "")
+        arguments = settings.table("env_kwargs") if "env_kwargs" in settings else Entries({}, "")
+        names = [name for name in ("control_freq", "rate") if name in arguments]
+        self.rate: Fraction | None = None
+        for name in names[:1]:
+            self.rate = rate_of(arguments.content[name], f"{arguments.place}: '{name}'")
+        robots = arguments.content.get("robots")
+        is_one = robots is None or isinstance(robots, str)
+        self.robots = (
+            arguments.text("robots", "") if is_one else ", ".join(arguments.texts("robots"))
+        )
 
     def __len__(self) -> int:
         return len(self._demos)
@@ -45,18 +55,22 @@ class Robomimic:
     def read(self, index: int) -> Recording:
         """Reads a demonstration."""
         name = self._demos[index]
-        demo = self._content["data"][name]
-        columns, images = _arrays(demo, skipped=("next_obs",))
+        demo = _child(self._data, name, h5py.Group)
+        rows = _rows(demo, "actions")
+        said = _attribute(demo, "num_samples", rows)
+        if not np.array_equal(said, rows):
+            raise IoError(
+                f"{_place(demo)} has {rows} actions, its attribute num_samples is {said}: {ADVICE}"
+            )
+        columns, images = _arrays(demo, rows, skipped=("next_obs",))
         metadata = {"episode": name, "environment": self._environment}
-        text = demo.attrs.get("instruction", "")
-        return Recording(_text(text), len(demo["actions"]), columns, images, metadata)
+        return Recording(_instruction(demo), rows, columns, images, metadata)
 
     def column_name(self, name: str) -> str | None:
         """Returns "observation/object" for obs/object."""
-        known = {"actions": "action", "rewards": "reward", "dones": "terminated"}
         if name.startswith("obs/"):
             return f"observation/{name[4:]}"
-        return known.get(name, name)
+        return COLUMNS.get(name, name)
 
 
 class Aloha:
@@ -66,22 +80,25 @@ class Aloha:
     robots = ""
 
     def __init__(self, folder: Path) -> None:
-        self._files = sorted(folder.glob("episode_*.hdf5"), key=lambda file: _number(file.stem))
-        with _open(self._files[0]) as first:
-            hertz = first.attrs.get("rate")
-        self.rate = Fraction(float(hertz)).limit_denominator(100_000) if hertz else None
+        files = folder.glob("episode_*.hdf5")
+        self._files = sorted(files, key=lambda file: _number(file.stem))
+        self.fingerprint = fingerprint(folder, self._files)
+        first = _open(self._files[0])
+        hertz = _attribute(first, "rate", None)
+        self.rate: Fraction | None = None
+        if hertz is not None:
+            self.rate = rate_of(hertz, f"{_place(first)}: the attribute rate")
 
     def __len__(self) -> int:
         return len(self._files)
 
     def read(self, index: int) -> Recording:
         """Reads an episode."""
-        file = self._files[index]
-        content = _open(file)
-        columns, images = _arrays(content, skipped=("compress_len",))
-        rows = len(content["action"])
-        text = _text(content.attrs.get("instruction", ""))
-        return Recording(text, rows, columns, images, {"episode": file.stem})
+        content = _open(self._files[index])
+        rows = _rows(content, "action")
+        columns, images = _arrays(content, rows, skipped=("compress_len",))
+        metadata = {"episode": self._files[index].stem}
+        return Recording(_instruction(content), rows, columns, images, metadata)
 
     def column_name(self, name: str) -> str | None:
         """Returns "observation/qpos" for observations/qpos."""
@@ -90,69 +107,159 @@ class Aloha:
 
 def is_robomimic(file: Path) -> bool:
     """Whether an HDF5 file has demonstrations of robomimic."""
-    with _open(file) as content:
-        return "data" in content and any(name.startswith("demo") for name in content["data"])
+    content = _open(file)
+    with reading(file), content:
+        data = content.get("data")
+        return isinstance(data, h5py.Group) and any(map(_is_demo, data))
 
 
 def is_aloha(file: Path) -> bool:
     """Whether an HDF5 file is an episode of ALOHA."""
-    with _open(file) as content:
+    content = _open(file)
+    with reading(file), content:
         return "action" in content and "observations" in content
 
 
+def _open(file: Path) -> Any:
+    """Opens a file; raises IoError if it names other files."""
+    require_file(file)
+    with reading(file):
+        content = h5py.File(file)
+        links = content.id.links
+        outside = links.visit(_outside, info=True)
+    if outside is not None:
+        name = outside.decode(errors="replace")
+        raise IoError(
+            f"'{file}': {name} is a link to another file. Datasets have their arrays inside; copy "
+            "them with `h5repack --merge` if you trust the link"
+        )
+    return content
+
+
+def _outside(name: bytes, info: Any) -> bytes | None:
+    """Returns the name of a link to another file, which ends the walk over all links."""
+    return None if info.type in (h5py.h5l.TYPE_HARD, h5py.h5l.TYPE_SOFT) else name
+
+
+def _require_own_bytes(array: Any) -> None:
+    """Raises IoError for a dataset whose numbers are in other files."""
+    with reading(_place(array)):
+        files = [name for name, *_ in array.external or ()]
+        if array.is_virtual:
+            files += [each.file_name for each in array.virtual_sources()]
+    for name in files:
+        if name != ".":
+            raise IoError(
+                f"{_place(array)} has its numbers in another file, '{name}'. Datasets have their "
+                "arrays inside; copy them with `h5repack` if you trust the file"
+            )
+
+
+def _child(group: Any, name: str, kind: type) -> Any:
+    with reading(f"{_place(group)}: {name}"):
+        found = group.get(name)
+    if not isinstance(found, kind):
+        what = "group" if kind is h5py.Group else "dataset"
+        raise IoError(f"{_place(group)} has no {what} '{name}': {ADVICE}")
+    return found
+
+
+def _rows(group: Any, name: str) -> int:
+    """Returns the number of rows of the actions, which is that of the recording."""
+    actions = _child(group, name, h5py.Dataset)
+    if not actions.shape:
+        raise IoError(f"{_place(actions)} has no rows: {ADVICE}")
+    return int(actions.shape[0])
+
+
 def _arrays(
-    group: Any, skipped: tuple[str, ...]
-) -> tuple[dict[str, Column], dict[str, Clip | Stills]]:
+    group: Any, rows: int, skipped: tuple[str, ...]
+) -> tuple[dict[str, Callable[[], Column]], dict[str, Clip | Stills]]:
     """Returns the columns and the images below a group, by their paths."""
-    columns: dict[str, Column] = {}
+    columns: dict[str, Callable[[], Column]] = {}
     images: dict[str, Clip | Stills] = {}
 
     def look(name: str, array: Any) -> None:
         if not isinstance(array, h5py.Dataset) or name.split("/")[0] in skipped:
             return
-        if array.dtype == np.uint8 and array.ndim == 4 and array.shape[3] == 3:
-            images[name] = Stills(_blocks(array))
+        if is_pixels(array):
+            images[name] = Stills(_pixels(array, rows))
         elif "images/" in name and array.ndim in (1, 2):
-            images[name] = Stills(_files(array))
-        elif array.ndim and np.dtype(array.dtype).kind in "fiub":
-            columns[name] = Column(array[()])
+            images[name] = Stills(_files(array, rows))
+        elif is_numbers(array):
+            columns[name] = partial(_column, array, rows)
 
-    group.visititems(look)
+    with reading(_place(group)):
+        group.visititems(look)
     return columns, images
 
 
-def _blocks(array: Any) -> Iterator[Any]:
-    rows = max(1, BLOCK_BYTES // int(np.prod(array.shape[1:])))
-    for first in range(0, len(array), rows):
-        yield array[first : first + rows]
+def _require_rows(array: Any, rows: int) -> None:
+    if array.shape[0] != rows:
+        raise IoError(
+            f"{_place(array)} has {array.shape[0]} rows, the actions have {rows}: {ADVICE}. A "
+            "mapping file leaves it out: --mapping FILE"
+        )
 
 
-def _files(array: Any) -> Iterator[bytes]:
+def _column(array: Any, rows: int) -> Column:
+    _require_own_bytes(array)
+    _require_rows(array, rows)
+    return Column(numbers(array, 0, rows, _place(array)))
+
+
+def _pixels(array: Any, rows: int) -> Iterator[Any]:
+    _require_own_bytes(array)
+    _require_rows(array, rows)
+    yield from pixels(array, 0, rows, _place(array))
+
+
+def _files(array: Any, rows: int) -> Iterator[bytes]:
     """Yields JPEG or PNG files, which ALOHA pads with zeros to one length."""
-    for row in range(len(array)):
-        yield bytes(np.asarray(array[row]).view(np.uint8)).rstrip(b"\0")
+    _require_own_bytes(array)
+    _require_rows(array, rows)
+    for row in range(rows):
+        with reading(f"{_place(array)} row {row}"):
+            file = bytes(np.asarray(array[row]).view(np.uint8)).rstrip(b"\0")
+        yield file
 
 
-def _open(file: Path) -> Any:
-    try:
-        return h5py.File(file)
-    except OSError as error:
-        raise IoError(f"cannot read '{file}': {error}") from error
+def _settings(text: str, file: Path) -> Entries:
+    place = f"'{file}': the attribute env_args"
+    with reading(place):
+        content = json.loads(text)
+    return Entries(content, place)
 
 
-def _settings(text: Any, file: Path) -> dict[str, Any]:
-    try:
-        found = json.loads(_text(text))
-    except ValueError as error:
-        raise ArgumentError(f"'{file}': the attribute env_args is no JSON: {error}") from error
-    return found if isinstance(found, dict) else {}
+def _instruction(group: Any) -> str:
+    text = _attribute(group, "instruction", "")
+    if not is_text(text):
+        raise IoError(f"{_place(group)}: the attribute instruction is no text: {ADVICE}")
+    return str(text)
 
 
-def _text(value: Any) -> str:
-    return value.decode() if isinstance(value, bytes) else str(value)
+def _attribute(group: Any, name: str, default: Any) -> Any:
+    """Returns a text, a number, or what else an attribute has."""
+    with reading(f"{_place(group)}: the attribute {name}"):
+        value = group.attrs.get(name, default)
+        if isinstance(value, bytes):
+            return value.decode()
+        if isinstance(value, np.ndarray | np.generic) and value.size == 1:
+            return value.reshape(-1)[0].item()
+        return value
+
+
+def _place(found: Any) -> str:
+    """Returns the file and the path of a group or dataset, for messages."""
+    file = found.file.filename
+    return f"'{file}'" if found.name == "/" else f"'{file}': {ascii(found.name)[1:-1]}"
+
+
+def _is_demo(name: str) -> bool:
+    return name.startswith("demo")
 
 
 def _number(name: str) -> tuple[int, str]:
     """Returns a key by which demo_2 comes before demo_10."""
-    digits = re.search(r"(\d+)$", name)
+    digits = re.search(r"(\d{1,18})$", name)
     return (int(digits[1]) if digits else -1, name)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
@@ -53,14 +53,14 @@ class Recording:
     Attributes:
         task: Its instruction; "" for none.
         rows: Its length.
-        columns: Columns by their names in the source.
+        columns: Reads each column, by its name in the source.
         images: Images by their names in the source, one for each row.
         metadata: More about it, for the episode's metadata.
     """
 
     task: str
     rows: int
-    columns: dict[str, Column]
+    columns: dict[str, Callable[[], Column]]
     images: dict[str, Clip | Stills] = field(default_factory=dict)
     metadata: dict[str, Any] = field(default_factory=dict)
 
@@ -72,17 +72,19 @@ class Origin(Protocol):
         title: How messages call its format.
         rate: Rows per second; None if it does not say.
         robots: Names of the robots; "" if it does not say.
+        fingerprint: Differs when a file of the dataset was changed.
     """
 
     title: str
     rate: Fraction | None
     robots: str
+    fingerprint: str
 
     def __len__(self) -> int:
         """The number of recordings."""
 
     def read(self, index: int) -> Recording:
-        """Reads a recording; images are read when they are needed."""
+        """Reads a recording; columns and images are read when they are needed."""
 
     def column_name(self, name: str) -> str | None:
         """Returns the column of an episode for a name of the format; None to leave it out."""
