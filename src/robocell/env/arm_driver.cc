@@ -213,8 +213,12 @@ void ArmDriver::Recall(const ArmMemory& memory) {
 
 void ArmDriver::DriveTo(std::span<const double> joints) {
   robot_.Apply({{robot_.arm().name(), GroupCommand::Joints(PositionsOf(joints))}});
-  // A controller that adds steps computed its target as a sum.
-  std::ranges::copy(joints, controller_->command_port().begin());
+  // A controller that adds steps computed its target as a sum. One beyond a limit was clamped.
+  constexpr double kRounding = 1e-9;  // rad, m
+  const std::span<double> port = controller_->command_port();
+  for (size_t i = 0; i < joints.size(); ++i) {
+    if (std::abs(port[i] - joints[i]) < kRounding) port[i] = joints[i];
+  }
 }
 
 void ArmDriver::RequireAction(std::span<const double> action, const std::string& place) const {

@@ -106,7 +106,6 @@ class ArmDriver {
   // Returns the pose of the robot's base in the shared base frame, also of one that joints move.
   Pose base_in_shared() const;
   Pose NextPose(const Pose& last, const Pose& given) const;
-  bool GripperIsStill(double time) { return fingers_->IsStill(time, memory_.sent_opening); }
   const GripperGroup* gripper() const { return gripper_ ? &gripper_->gripper() : nullptr; }
 
   ControlMode mode_;

@@ -130,5 +130,29 @@ TEST(PickAndPlaceTask, SuggestsTheNearestGoal) {
   EXPECT_THAT(PickAndPlaceTask::AllGoalKinds(), Contains("mug"));
 }
 
+// Returns the reasons of refusals of a run whose goal is a place over the table.
+std::set<std::string> ReasonsAt(const Vec3& goal) {
+  RunConfig run = PlaceRun();
+  PickAndPlaceTaskConfig& task = run.task.As<PickAndPlaceTaskConfig>();
+  task.objects = {"box"};
+  task.goal = goal;
+  StartSampler sampler(run);
+  std::set<std::string> reasons;
+  for (int episode = 0; episode < 6; ++episode) {
+    Rng rng = Rng::Stream(5, episode);
+    const SampleResult result = sampler.Sample({.episode = episode}, rng);
+    reasons.insert(result.start ? "" : result.refusal.counted_as());
+  }
+  return reasons;
+}
+
+// The next start of a run has another object, and its base somewhere else.
+TEST(PickAndPlaceTask, StartsOfARunAreRefusedIfTheGoalCannotBe) {
+  EXPECT_EQ(ReasonsAt({0.1, 0.2, 0.7}),
+            std::set<std::string>{"task: the object cannot come to rest at the goal"});
+  EXPECT_EQ(ReasonsAt({3, 0.2, 0.48}), std::set<std::string>{"task: the goal is out of reach"});
+  EXPECT_THAT(ReasonsAt({0.1, 0.1, 0.48}), Contains(""));
+}
+
 }  // namespace
 }  // namespace robocell::internal

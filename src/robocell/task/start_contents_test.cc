@@ -8,8 +8,10 @@
 #include <utility>
 #include <vector>
 
+#include "robocell/base/files.h"
 #include "robocell/base/hook_error.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell {
 namespace {
@@ -101,6 +103,43 @@ TEST(StartContents, ObjectsThatAreAttachedKeepTheirNames) {
   std::vector<std::string> names;
   for (const SceneObject& object : OneOfEachKind({contents})) names.push_back(object.name);
   EXPECT_THAT(names, ElementsAre("vessel", "ball"));
+}
+
+// Adds a model, at a known line.
+class OfAModel final : public Task {
+ public:
+  explicit OfAModel(std::string model) : model_(std::move(model)) {}
+  void Prepare(SceneSpec& spec, Rng& /*rng*/) override {
+    spec.objects.push_back({.name = "cup", .mjcf_path = model_});
+  }
+  TaskVerdict Judge(const Scene& /*scene*/) override { return {}; }
+  std::string instruction() const override { return "drink"; }
+  std::string PlaceOfHook(const char* method) const override {
+    return "mine.cc:7, in " + std::string(method);
+  }
+
+ private:
+  std::string model_;
+};
+
+TEST(StartContents, ErrorsOfModelsNameTheLineThatAddedThem) {
+  const TempDir folder;
+  const std::string broken = folder.path() / "broken.xml";
+  AtomicWrite(broken, R"(<mujoco><worldbody><body><geom size="-1"/></body></worldbody></mujoco>)");
+  for (const std::string& model : {std::string("nowhere.xml"), broken}) {
+    OfAModel task(model);
+    ObjectSizes sizes;
+    const StartContents contents = Prepared(task, 0);
+    ExpectThrow<Error>([&] { RequireSound(contents, task, "drink", sizes); },
+                       "mine.cc:7, in prepare: object 'cup': ");
+    SceneSpec spec{.name = "lab", .timestep = 0.002};
+    spec.objects = contents.objects;
+    ExpectThrow<Error>([&] { BuildPrepared(spec, 0, task); },
+                       "mine.cc:7, in prepare: object 'cup': ");
+    EXPECT_EQ(ExpectThrow<Error>([&] { BuildPrepared(spec, 1, task); }, "").find("mine.cc"),
+              std::string::npos)
+        << "another one's object";
+  }
 }
 
 }  // namespace
