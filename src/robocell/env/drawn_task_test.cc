@@ -10,6 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/hook_error.h"
+#include "robocell/data/feature_schema.h"
 #include "robocell/env/env.h"
 #include "robocell/env/env_layout.h"
 #include "robocell/env/env_state.h"
@@ -137,9 +138,9 @@ TEST(DrawnTask, ASingleKindIsObservedAsInARun) {
   env.Reset({.seed = 1});
   EXPECT_THAT(env.scene().object_names(), UnorderedElementsAre("target"));
   EXPECT_EQ(env.instruction(), "pick up the cylinder");
+  const FeatureSchema schema = env.features().schema();
   std::vector<std::string> names;
-  for (const Feature& feature : env.features().schema().features())
-    names.push_back(feature.column.name);
+  for (const Feature& feature : schema.features()) names.push_back(feature.column.name);
   EXPECT_THAT(names, ::testing::Contains("objects/target/pose"));
   EXPECT_THAT(names, ::testing::Not(::testing::Contains("task/target")));
 }
@@ -177,22 +178,22 @@ TEST(DrawnTask, ObjectsOfTheRigKeepTheirNames) {
 
 // Each object may become the target, so that the goal has to fit all of them.
 TEST(DrawnTask, RejectsAGoalAtWhichAnObjectCannotRest) {
-  const auto placing = [](double height, const NameList& objects) {
+  const auto placing = [](double height, const std::vector<std::string>& objects) {
     PickAndPlaceTaskConfig task{.goal = Vec3{0.35, 0.25, height}, .goal_tolerance = 0.02};
-    task.objects = objects;
+    task.objects.names = objects;
     return OnTheFloor(task);
   };
   const std::string text = ExpectThrow<HookError>(
       [&] {
-        const Env env(placing(0.3, {{"box", "mug"}}));
+        const Env env(placing(0.3, {"box", "mug"}));
       },
       "'target_box' cannot come to rest at task.goal [0.35, 0.25, 0.3]: put down there it falls "
       "by");
   EXPECT_THAT(text, HasSubstr("which fits the height of each kind of task.objects"));
-  EXPECT_NO_THROW(Env{placing(0.03, {{"box"}})});
+  EXPECT_NO_THROW(Env{placing(0.03, {"box"})});
   ExpectThrow<HookError>(
       [&] {
-        const Env env(placing(0.1, {{"bottle", "nut"}}));
+        const Env env(placing(0.1, {"bottle", "nut"}));
       },
       "'target_nut' cannot come to rest");
 }

@@ -32,7 +32,6 @@ constexpr const char* kTray = "tray";
 // Reasons of refusals.
 constexpr const char* kNoWayToPlace = "the object cannot be put down at the goal";
 constexpr const char* kNoRest = "the object cannot come to rest at the goal";
-constexpr const char* kGoalOutOfReach = "the goal is out of reach";
 
 std::vector<std::string> NamedObjects(const PickAndPlaceTaskConfig& fields) {
   std::vector<std::string> objects;
@@ -313,22 +312,18 @@ std::string PickAndPlaceTask::WhyNoRest(const Scene& scene, const std::string& o
 
 std::optional<Refusal> PickAndPlaceTask::CheckPossible(const Scene& scene) {
   Begin(scene);
-  if (is_possible_ && !is_run()) return std::nullopt;
+  if (is_possible_) return std::nullopt;
   if (const std::string why = WhyGoalOutOfReach(scene); !why.empty()) {
-    // The next start of a run has the base somewhere else.
-    if (is_run()) return Refusal{kGoalOutOfReach, why};
     throw ArgumentError(fmt::format(
         "{}: {} is out of reach: {}. Move the goal or the robot (robot_to_shared_base_frame)",
         place(), GoalText(), why));
   }
-  if (std::exchange(is_possible_, true)) return std::nullopt;
   // The goal on top of an object depends on what is put there.
   const std::vector<std::string> targets =
       task_.goal ? ObjectTask::resting_objects() : std::vector<std::string>{fields().name};
   for (const std::string& target : targets) {
     const std::string why = WhyNoRest(scene, target);
     if (why.empty()) continue;
-    is_possible_ = false;
     // The next start of a run has another object.
     if (is_run() && draws_objects())
       return Refusal{.reason = kNoRest, .detail = why, .holds_everywhere = true};
@@ -339,6 +334,7 @@ std::optional<Refusal> PickAndPlaceTask::CheckPossible(const Scene& scene) {
         has_goal_object() ? ", in the frame of '" + task_.goal_object + "'" : "",
         draws_objects() ? ", which fits the height of each kind of task.objects" : ""));
   }
+  is_possible_ = true;
   return std::nullopt;
 }
 

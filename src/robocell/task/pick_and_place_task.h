@@ -41,7 +41,7 @@ class PickAndPlaceTask final : public ObjectTask {
   std::vector<std::string> resting_objects() const override;
   // With a named goal, checks that the object can come to rest there and that a robot can bring it
   // there. In environments this is done once for all objects that may be the target, and throws
-  // ArgumentError; in runs a start is refused whose drawn object or base does not fit the goal.
+  // ArgumentError; in runs a start is refused whose drawn object does not fit the goal.
   // Also refuses a place of the goal whose support differs from that of task.goal, so that another
   // one is drawn.
   std::optional<Refusal> Arrange(Scene& scene, Rng& rng) override;

@@ -20,12 +20,15 @@
 namespace robocell {
 namespace {
 
-// A model that cannot be measured has the same error in a scene, where it has a place.
+// A model that cannot be measured has the same error in a scene, where it has a place. Missing files
+// are errors of the hook.
 ObjectSize SizeOf(const SceneObject& object, const Task& task, ObjectSizes& sizes) {
   try {
     return sizes.Of(object);
+  } catch (const NotFoundError&) {
+    throw;
   } catch (const Error&) {
-    SceneSpec alone{.timestep = 0.002};
+    SceneSpec alone{.timestep = 0.002, .add_floor = false, .add_skybox = false};
     alone.objects.push_back({.name = object.name, .mjcf_path = object.mjcf_path});
     BuildPrepared(alone, 0, task);
     throw;
