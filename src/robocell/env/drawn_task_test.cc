@@ -193,7 +193,7 @@ TEST(DrawnTask, RejectsAGoalAtWhichAnObjectCannotRest) {
   EXPECT_NO_THROW(Env{placing(0.03, {"box"})});
   ExpectThrow<HookError>(
       [&] {
-        const Env env(placing(0.1, {"bottle", "nut"}));
+        const Env env(placing(0.07, {"bottle", "nut"}));
       },
       "'target_nut' cannot come to rest");
 }
