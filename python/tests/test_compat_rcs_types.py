@@ -462,7 +462,9 @@ class TestErrorsOfScenes:
         eye = SimCameraConfig("nope")
         assert self.message({}, eye=eye).startswith("camera_cfgs.eye.identifier: no camera 'nope'")
         eye.type = CameraType.tracking
-        assert self.message({}, eye=eye).startswith("camera_cfgs.eye.identifier: no body 'nope'")
+        assert self.message({}, eye=eye).startswith(
+            "camera_cfgs.eye.identifier: no object or body 'nope'"
+        )
         eye = SimCameraConfig("", type=CameraType.default_free, frame_rate=1000)
         assert "camera_cfgs.eye.frame_rate: its rate, 1000 Hz, is more often" in (
             self.message({}, eye=eye)

@@ -151,6 +151,19 @@ def test_attempts_before_an_episode_count_unless_they_are_episodes():
     assert (counted.failures, counted.refusals) == ({"dropped": 1}, {"too far": 1})
 
 
+def test_attempts_in_which_a_users_code_raised_are_failures_without_a_rollout():
+    earlier = (EarlierAttempt("mug", False, "mine.py:3, in act: no", raised=True),)
+    for keep in ("successes", "all"):
+        counted = rollouts.count([an_episode("a", keep=keep, earlier=earlier)], [])
+        assert (counted.whole.successes, counted.whole.rollouts) == (1, 1)
+        assert counted.failures == {"mine.py:3, in act: no": 1}
+        record = ItemRecord("a", success=True, attempts=2, accepted=1, failures=counted.failures)
+        assert rollouts.count([an_episode("a", keep=keep)], [record]).whole == counted.whole
+    described = [{"object_kind": "mug", "failed": "no", "raised": True}, {"failed": "dropped"}]
+    read = facts._earlier({"earlier_attempts": described})
+    assert [attempt.raised for attempt in read] == [True, False]
+
+
 def test_items_that_were_given_up_count():
     given_up = ItemRecord(
         "b",

@@ -25,11 +25,13 @@ class EarlierAttempt:
         object_kind: Kind of its target; '' if unknown.
         refused: The start was rejected; else the rollout failed.
         reason: Why.
+        raised: A user's code raised, so that there was no whole rollout.
     """
 
     object_kind: str
     refused: bool
     reason: str
+    raised: bool = False
 
 
 @dataclass(frozen=True)
@@ -184,5 +186,12 @@ def _earlier(metadata: Mapping[str, Any]) -> tuple[EarlierAttempt, ...]:
     for described in listed if isinstance(listed, list) else ():
         refused = "refused" in described
         reason = described.get("refused" if refused else "failed", "unknown")
-        attempts.append(EarlierAttempt(_text(described, "object_kind"), refused, str(reason)))
+        attempts.append(
+            EarlierAttempt(
+                object_kind=_text(described, "object_kind"),
+                refused=refused,
+                reason=str(reason),
+                raised=described.get("raised") is True,
+            )
+        )
     return tuple(attempts)

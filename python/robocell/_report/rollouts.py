@@ -50,7 +50,7 @@ class Rollouts:
     Attributes:
         by: 'task', 'object', 'robot' -> rates of its values; the largest groups first.
         whole: The rate of all rollouts.
-        failures: Reason -> failed rollouts.
+        failures: Reason -> failed rollouts, and attempts in which a user's code raised.
         refusals: Reason -> rejected starts.
     """
 
@@ -108,6 +108,8 @@ def count(episodes: Sequence[EpisodeFacts], records: Iterable[ItemRecord]) -> Ro
         for attempt in episode.earlier if of_item[episode.item] is episode else ():
             if attempt.refused:
                 refusals[attempt.reason] += 1
+            elif attempt.raised:  # no rollout, and no episode either, as in `report.json`
+                failures[attempt.reason] += 1
             elif episode.keep not in ("all", "first"):  # there it is an episode of its own
                 tried[episode.task, attempt.object_kind or episode.object_kind, robot] += 1
                 failures[attempt.reason] += 1

@@ -211,6 +211,20 @@ void ArmDriver::Recall(const ArmMemory& memory) {
     gripper_->Apply({{gripper()->name(), GroupCommand::Opening(memory.commanded_opening)}});
 }
 
+// The drive goes to the nearest value inside anyway, and later actions start from there.
+std::vector<double> ArmDriver::InsideLimits(std::span<const double> joints) {
+  std::vector<double> inside = PositionsOf(joints);
+  const std::span<const ChainJoint> chain = robot_.chain().joints();
+  for (size_t i = 0; i < inside.size(); ++i) {
+    const Interval range{chain[i].lower, chain[i].upper};
+    inside[i] = beyond_.Clamp(inside[i], range, [&] {
+      return fmt::format("robot '{}' / group '{}': joint '{}'", robot_.name(), robot_.arm().name(),
+                         chain[i].name);
+    });
+  }
+  return inside;
+}
+
 void ArmDriver::DriveTo(std::span<const double> joints) {
   robot_.Apply({{robot_.arm().name(), GroupCommand::Joints(PositionsOf(joints))}});
   // A controller that adds steps computed its target as a sum.
@@ -422,7 +436,7 @@ bool ArmDriver::SendOwn(Action& action) {
   if (!command) return true;
   const std::vector<double> before = PositionsOf(controller_->commanded_joint_pos());
   if (command->kind == GroupCommand::kJoints)
-    DriveTo(command->values);
+    DriveTo(InsideLimits(command->values));
   else if (!robot_.Apply({{robot_.arm().name(), *command}}).ok)
     return false;
   // What an action after this one starts from.

@@ -16,6 +16,7 @@
 #include "robocell/env/number_list.h"
 #include "robocell/env/target_lead.h"
 #include "robocell/robot/action.h"
+#include "robocell/robot/beyond_limits.h"
 #include "robocell/robot/robot.h"
 
 namespace robocell::internal {
@@ -77,6 +78,8 @@ class ArmDriver {
   void SendGripper(double opening, RobotAction& own);
   // Drives the arm to joints to the bit, also with a controller that adds steps to a sum.
   void DriveTo(std::span<const double> joints);
+  // Returns the nearest values within the joints' limits, and logs the first that is not inside.
+  std::vector<double> InsideLimits(std::span<const double> joints);
   bool SendJoints(std::span<const double> command, RobotAction& commands);
   bool SendPose(std::span<const double> command, RobotAction& commands);
   // Returns the last target `sent`, less the part of `pending` that leads the arm by more than
@@ -106,7 +109,6 @@ class ArmDriver {
   // Returns the pose of the robot's base in the shared base frame, also of one that joints move.
   Pose base_in_shared() const;
   Pose NextPose(const Pose& last, const Pose& given) const;
-  bool GripperIsStill(double time) { return fingers_->IsStill(time, memory_.sent_opening); }
   const GripperGroup* gripper() const { return gripper_ ? &gripper_->gripper() : nullptr; }
 
   ControlMode mode_;
@@ -123,6 +125,7 @@ class ArmDriver {
   RobotLayout layout_;
   std::vector<Interval> joint_limits_;
   std::vector<bool> turns_freely_;  // a joint without limits
+  BeyondLimits beyond_;
   bool base_moves_;
   Pose fixed_base_;  // in the shared base frame, since the last reset; unless base_moves_
 

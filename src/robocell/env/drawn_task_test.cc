@@ -3,15 +3,19 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "robocell/base/error.h"
 #include "robocell/base/hook_error.h"
+#include "robocell/data/feature_schema.h"
 #include "robocell/env/env.h"
 #include "robocell/env/env_layout.h"
 #include "robocell/env/env_state.h"
 #include "robocell/env/testing/envs.h"
+#include "robocell/features/cell_features.h"
 #include "robocell/task/pick_task_config.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -94,15 +98,33 @@ TEST(DrawnTask, ASavedStateRemembersItsTarget) {
   EXPECT_LT((Observed(env, "target") - target).norm(), 1e-9);
 }
 
+TEST(DrawnTask, RejectsAStateWhoseTargetIsNotThere) {
+  PickAndPlaceTaskConfig task;
+  task.objects = {"box", "nut"};
+  task.goals = {"tray", "nut"};
+  Env env(OnTheFloor(task));
+  env.Reset({.seed = 0});
+  const EnvState saved = env.state();
+  const std::string words = env.instruction();
+  for (const size_t number : {size_t{3}, saved.task.size() - 1}) {  // the target, the goal
+    for (const double wrong : {99.0, 2.0, -1.0, 0.5, 1e300, std::nan("")}) {
+      EnvState state = saved;
+      state.task[number] = wrong;
+      ExpectThrow<ArgumentError>([&] { env.SetState(state); }, "state is of another environment");
+    }
+  }
+  EXPECT_EQ(env.instruction(), words) << "nothing changed";
+  EXPECT_NO_THROW(env.SetState(saved));
+}
+
 TEST(DrawnTask, PickAndPlaceDrawsAGoalObject) {
   Env env(OnTheFloor(PickAndPlaceTaskConfig{.objects = {"box", "nut"}}));
-  EXPECT_THAT(env.scene().object_names(),
-              UnorderedElementsAre("target_box", "target_nut", "goal_tray"));
+  EXPECT_THAT(env.scene().object_names(), UnorderedElementsAre("target_box", "target_nut", "goal"));
   for (uint64_t seed = 0; seed < 6; ++seed) {
     env.Reset({.seed = seed});
     EXPECT_THAT(env.instruction(), HasSubstr(" and put it on the tray"));
     const Eigen::Vector3d goal = env.scene().shared_base_frame_to_world() * Observed(env, "goal");
-    const Eigen::Vector3d tray = At(env, "goal_tray");
+    const Eigen::Vector3d tray = At(env, "goal");
     EXPECT_LT((goal - tray).head<2>().norm(), 0.02) << "in the middle of the tray";
     const Eigen::Vector3d target =
         env.scene().shared_base_frame_to_world() * Observed(env, "target");
@@ -110,12 +132,25 @@ TEST(DrawnTask, PickAndPlaceDrawsAGoalObject) {
   }
 }
 
+// The same `task` has the same columns in a run, whose object is the target of that start.
+TEST(DrawnTask, ASingleKindIsObservedAsInARun) {
+  Env env(OnTheFloor(PickTaskConfig{.objects = {"cylinder"}}));
+  env.Reset({.seed = 1});
+  EXPECT_THAT(env.scene().object_names(), UnorderedElementsAre("target"));
+  EXPECT_EQ(env.instruction(), "pick up the cylinder");
+  const FeatureSchema schema = env.features().schema();
+  std::vector<std::string> names;
+  for (const Feature& feature : schema.features()) names.push_back(feature.column.name);
+  EXPECT_THAT(names, ::testing::Contains("objects/target/pose"));
+  EXPECT_THAT(names, ::testing::Not(::testing::Contains("task/target")));
+}
+
 // A named goal with drawn objects, and a named object with a drawn goal.
 TEST(DrawnTask, ObjectAndGoalMayBeNamedOneByOne) {
   PickAndPlaceTaskConfig task{.goal = Vec3{0.35, 0.25, 0.03}};
   task.objects = {"box"};
   Env to_place(OnTheFloor(task));
-  EXPECT_THAT(to_place.scene().object_names(), UnorderedElementsAre("target_box"));
+  EXPECT_THAT(to_place.scene().object_names(), UnorderedElementsAre("target"));
   to_place.Reset({.seed = 1});
   const Eigen::Vector3d goal = Observed(to_place, "goal");
   EXPECT_LT((goal - Eigen::Vector3d(0.35, 0.25, 0.03)).norm(), 1e-6);
@@ -126,7 +161,7 @@ TEST(DrawnTask, ObjectAndGoalMayBeNamedOneByOne) {
                                        .size = Vec3{0.02, 0.02, 0.02},
                                        .mass = 0.05};
   Env on_tray(config);
-  EXPECT_THAT(on_tray.scene().object_names(), UnorderedElementsAre("cube", "goal_tray"));
+  EXPECT_THAT(on_tray.scene().object_names(), UnorderedElementsAre("cube", "goal"));
   on_tray.Reset({.seed = 1});
   EXPECT_EQ(on_tray.instruction(), "pick up the cube and put it on the tray");
   EXPECT_LT((At(on_tray, "cube") - Eigen::Vector3d(0.4, 0, 0.02)).norm(), 1e-3);
@@ -134,11 +169,57 @@ TEST(DrawnTask, ObjectAndGoalMayBeNamedOneByOne) {
 
 TEST(DrawnTask, ObjectsOfTheRigKeepTheirNames) {
   EnvConfig config = OnTheFloor(PickTaskConfig{.objects = {"box"}});
-  config.root_frame_objects["target_box"] = {.offset = Pose(Eigen::Vector3d(0.4, 0, 0.02)),
-                                             .shape = Shape::kBox,
-                                             .size = Vec3{0.02, 0.02, 0.02},
-                                             .mass = 0.05};
-  ExpectThrow<HookError>([&] { const Env env(config); }, "object 'target_box', a name that scene");
+  config.root_frame_objects["target"] = {.offset = Pose(Eigen::Vector3d(0.4, 0, 0.02)),
+                                         .shape = Shape::kBox,
+                                         .size = Vec3{0.02, 0.02, 0.02},
+                                         .mass = 0.05};
+  ExpectThrow<HookError>([&] { const Env env(config); }, "object 'target', a name that scene");
+}
+
+// Each object may become the target, so that the goal has to fit all of them.
+TEST(DrawnTask, RejectsAGoalAtWhichAnObjectCannotRest) {
+  const auto placing = [](double height, const std::vector<std::string>& objects) {
+    PickAndPlaceTaskConfig task{.goal = Vec3{0.35, 0.25, height}, .goal_tolerance = 0.02};
+    task.objects.names = objects;
+    return OnTheFloor(task);
+  };
+  const std::string text = ExpectThrow<HookError>(
+      [&] {
+        const Env env(placing(0.3, {"box", "mug"}));
+      },
+      "'target_box' cannot come to rest at task.goal [0.35, 0.25, 0.3]: put down there it falls "
+      "by");
+  EXPECT_THAT(text, HasSubstr("which fits the height of each kind of task.objects"));
+  EXPECT_NO_THROW(Env{placing(0.03, {"box"})});
+  ExpectThrow<HookError>(
+      [&] {
+        const Env env(placing(0.07, {"bottle", "nut"}));
+      },
+      "'target_nut' cannot come to rest");
+}
+
+TEST(DrawnTask, AGoalThatIsALittleTooLowSaysHowHighItHasToBe) {
+  PickAndPlaceTaskConfig task{.goal = Vec3{0.35, 0.25, 0.02}};
+  task.objects = {"bottle"};
+  ExpectThrow<SpecError>([&] { const Env env(OnTheFloor(task)); },
+                         "task.goal is where the root of the object comes to rest: it is 0.020 m "
+                         "over what is under it, and the root of 'target");
+}
+
+// As in a run: an entry by kind is about the drawn object of that kind.
+TEST(DrawnTask, PlacesMayNameObjectsByTheirKinds) {
+  EnvConfig config = OnTheFloor(PickTaskConfig{.objects = {"box", "nut", "bottle"}});
+  config.places = {{"nut", {.next_to = "box"}}};
+  Env env(config);
+  const auto distance = [&] {
+    return (At(env, "target_nut") - At(env, "target_box")).head<2>().norm();
+  };
+  for (uint64_t seed = 0; seed < 4; ++seed) {
+    env.Reset({.seed = seed});
+    EXPECT_LT(distance(), 0.2) << seed;
+  }
+  config.places = {{"sphere", {.next_to = "box"}}};
+  ExpectThrow<SpecError>([&] { const Env other(config); }, "places.sphere: no object 'sphere'");
 }
 
 }  // namespace

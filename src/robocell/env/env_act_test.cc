@@ -208,5 +208,20 @@ TEST(EnvResets, AMisspeltKeyframeChangesNothing) {
   EXPECT_EQ(Seen(env), Seen(same)) << "the stream of seeds is that of seed 1";
 }
 
+// The target that later actions start from and that episodes record is the one the arm is driven to.
+TEST(EnvAct, ATargetBeyondALimitBecomesTheNearestInside) {
+  Env env(Rc7Env(ControlMode::kJoints, RelativeTo::kLastStep));
+  env.Reset();
+  const double upper = Robot::Of(env.scene(), "robot").chain().joints()[0].upper;
+  std::vector<double> target = TargetOfArm(env);
+  target[0] = 9;
+  ASSERT_GT(target[0], upper);
+  env.Act({{kArm, target}});
+  EXPECT_NEAR(TargetOfArm(env)[0], upper, 1e-9);
+  EXPECT_NEAR(RecordedTargets(env)[kArm][0], upper, 1e-9);
+  env.Step(std::vector<double>(static_cast<size_t>(env.layout().action.size())));
+  EXPECT_NEAR(TargetOfArm(env)[0], upper, 1e-9);
+}
+
 }  // namespace
 }  // namespace robocell

@@ -89,7 +89,6 @@ class Env::State {
   std::string AdviceFor(const internal::RobotOverlap& overlap) const;
   void RequireReady() const;
   Snapshot& RequireSnapshot(const std::string& name);
-  void RequireKeyframe(const KeyframeChoice& choice) const;
   // Sends the commands, and returns the names of robots whose pose has no solution.
   using SendCommands = std::function<std::vector<std::string>()>;
   std::vector<std::string> Send(std::span<const double> action);

@@ -170,16 +170,21 @@ void PreparedObjects::Relate(const EnvConfig& config, Task* task) {
   if (said.empty()) return;
   // A place takes the place of a pose.
   std::vector<SceneObject> objects = objects_;
-  std::vector<std::string> names;
+  std::vector<std::string> kinds;
+  const std::set<std::string> of_config = NamesOfConfig(config);
   for (SceneObject& object : objects) {
-    names.push_back(object.name);
+    const bool is_of_task = task && !of_config.contains(object.name);
+    const std::string& kind =
+        kinds.emplace_back(is_of_task ? TaskCalls(*task).KindOf(object.name) : object.name);
     ResolveModel(object);
-    const auto says = [&](const SaidPlaces& each) { return each.places.contains(object.name); };
+    const auto says = [&](const SaidPlaces& each) {
+      return each.places.contains(object.name) || each.places.contains(kind);
+    };
     if (std::ranges::any_of(said, says)) ForgetPose(object);
   }
   landmarks_ = SharedLandmarks(Without(scene_.spec(), objects_));
   const auto may_come = [](const std::string&) { return false; };
-  std::vector<PlaceLink> links = LinkPlaces(landmarks_, said, {objects, names, may_come}, problems);
+  std::vector<PlaceLink> links = LinkPlaces(landmarks_, said, {objects, kinds, may_come}, problems);
   problems.Throw("environment '" + config.name + "'");
   related_.emplace(std::move(links));
 }

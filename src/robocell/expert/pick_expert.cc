@@ -112,8 +112,10 @@ class PickRunValidator {
     std::vector<std::string> kinds = pick.objects.empty() ? ObjectKinds() : pick.objects.names;
     if (is_named) kinds = {pick.object};
     for (const std::string& kind : kinds) {
-      const ObjectRecord& object = scene.compiled()->object(kind);
-      const int body = FindId(scene.model(), mjOBJ_BODY, object.root_body);
+      const auto& objects = scene.compiled()->objects();
+      const auto object = std::ranges::find(objects, kind, &ObjectRecord::name);
+      if (object == objects.end()) continue;  // the task reports it
+      const int body = FindId(scene.model(), mjOBJ_BODY, object->root_body);
       if (!FindGrasps(scene.model(), scene.data(), body, *shape, robot_.tcp_in_world()).empty())
         continue;
       doubts_.AddAt(

@@ -46,11 +46,24 @@ std::string FindCameraName(const Scene& scene, const CameraConfig& stream) {
   throw NotFoundError(NoSuchName(PlaceOf(stream), "camera", stream.camera, cameras));
 }
 
+int FollowedBody(const Scene& scene, const CameraConfig& stream) {
+  const mjModel* m = scene.model();
+  if (const int body = FindId(m, mjOBJ_BODY, stream.follow); body >= 0) return body;
+  std::vector<std::string> known;
+  for (const ObjectRecord& object : scene.compiled()->objects()) {
+    if (object.name == stream.follow) return RequireId(m, mjOBJ_BODY, object.root_body, "");
+    known.push_back(object.name);
+  }
+  for (const std::string& body : scene.body_names()) {
+    if (std::ranges::find(known, body) == known.end()) known.push_back(body);
+  }
+  throw NotFoundError(NoSuchName(PlaceOf(stream), "object or body", stream.follow, known));
+}
+
 CameraView ViewOfStream(const Scene& scene, const CameraConfig& stream) {
   const mjModel* m = scene.model();
   const std::string place = PlaceOf(stream);
-  if (!stream.follow.empty())
-    return TrackingCamera{.body = RequireId(m, mjOBJ_BODY, stream.follow, place)};
+  if (!stream.follow.empty()) return TrackingCamera{.body = FollowedBody(scene, stream)};
   if (stream.camera == "Free" && FindId(m, mjOBJ_CAMERA, stream.camera) < 0) return InitialView(m);
   return NamedCamera(m, FindCameraName(scene, stream), place);
 }

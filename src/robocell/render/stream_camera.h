@@ -14,9 +14,13 @@ namespace robocell::internal {
 // ArgumentError if several robots have one of that name.
 std::string FindCameraName(const Scene& scene, const CameraConfig& stream);
 
+// Returns the body that a stream follows: of that name, else the root of the object of that name.
+// Throws NotFoundError with the nearest names.
+int FollowedBody(const Scene& scene, const CameraConfig& stream);
+
 // Returns the view of a stream: its camera, the whole model ("Free", unless a camera has that name)
-// or the body that it follows. Ids belong to the scene's present model. Throws the errors of
-// FindCameraName, and NotFoundError for a body that the scene does not have.
+// or the body or object that it follows. Ids belong to the scene's present model. Throws the errors
+// of FindCameraName and FollowedBody.
 CameraView ViewOfStream(const Scene& scene, const CameraConfig& stream);
 
 }  // namespace robocell::internal

@@ -1,8 +1,10 @@
 #include "robocell/render/stream_camera.h"
 
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -68,6 +70,20 @@ TEST_F(StreamCamera, FollowsABody) {
   EXPECT_EQ(view.body, scene.model()->nbody - 1);
   stream.follow = "nobody";
   ExpectThrow<NotFoundError>([&] { ViewOfStream(scene, stream); }, "stream 'chase'");
+}
+
+TEST_F(StreamCamera, FollowsAnObjectWhateverItsBodyIsCalled) {
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back({.name = "target", .mjcf_path = "mug"});
+  const Scene scene = Scene::Build(spec);
+  const std::string body = scene.compiled()->object("target").root_body;
+  ASSERT_NE(body, "target") << "a model's body keeps its name, behind that of the object";
+  CameraConfig stream{.name = "chase", .follow = "target"};
+  const auto view = std::get<TrackingCamera>(ViewOfStream(scene, stream));
+  EXPECT_EQ(view.body, FindId(scene.model(), mjOBJ_BODY, body));
+  stream.follow = "targt";
+  ExpectThrow<NotFoundError>([&] { ViewOfStream(scene, stream); },
+                             "stream 'chase': no object or body 'targt'");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "robocell/base/error.h"
@@ -25,6 +26,7 @@
 #include "robocell/rollout/plan.h"
 #include "robocell/rollout/run_renderer.h"
 #include "robocell/scene/scene.h"
+#include "robocell/scenes/scene_annotations.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/spec/problems.h"
 #include "robocell/spec/run_config.h"
@@ -32,6 +34,7 @@
 #include "robocell/spec/validate.h"
 #include "robocell/task/base_placement.h"
 #include "robocell/task/sampler_kind.h"
+#include "robocell/task/start_contents.h"
 #include "robocell/task/start_sampler.h"
 #include "robocell/task/task_kind.h"
 
@@ -103,6 +106,12 @@ void ValidateStreams(const RunConfig& run, Problems& problems) {
   }
 }
 
+// Returns true for a stream that may follow an object of a sampler of the run's own, which is only
+// known with its starts.
+bool IsOfSampler(const RunConfig& run, const CameraConfig& stream) {
+  return !run.sampler.empty() && !stream.follow.empty();
+}
+
 // Draws one image of each stream with the settings of the run. Throws IoError without an encoder
 // and Error without OpenGL, each naming what needs it; a stream that cannot be drawn becomes a
 // problem. Does nothing without streams. `scene` must have the streams' cameras.
@@ -118,6 +127,7 @@ void ValidateStreamsHere(const RunConfig& run, const Scene& scene, Problems& pro
   std::vector<uint8_t> rgb;
   for (size_t i = 0; i < run.cameras.streams.size(); ++i) {
     const CameraConfig& stream = run.cameras.streams[i];
+    if (IsOfSampler(run, stream)) continue;
     Problems::Scope cameras(problems, "cameras.streams");
     Problems::Scope item(problems, i);
     Try(problems, nullptr, [&] {
@@ -199,16 +209,20 @@ class SceneValidator {
     if (!Try("scenes", [&] { RequireSameAgain(run_, *source_, first, bases.front()); })) return;
     if (!ValidateSupports(bases)) return;
     std::optional<Scene> scene;
-    if (!Try("task", [&] { Scene::Build(WithContents(bases.front(), false)); })) return;
-    if (!Try("robot", [&] { scene = Scene::Build(WithContents(bases.front())); })) return;
+    std::vector<SceneObject> contents;
+    if (!Try("task", [&] { contents = task_->Contents(run_); })) return;
+    if (!Try("task", [&] { BuildWith(bases.front(), contents, false); })) return;
+    if (!Try("robot", [&] { scene = BuildWith(bases.front(), contents); })) return;
     compile_warnings_ = scene->compiled()->warnings();
-    ValidateCameras(*scene);
+    std::optional<Scene> start = scene;
+    if (FollowsObjects() && !Try("task", [&] { start = BuildStart(first, bases.front()); })) return;
+    ValidateCameras(*start);
     std::optional<Robot> robot;
     if (!Try("robot", [&] { robot = Robot::Of(*scene, run_.robot.config.name); })) return;
     // A robot that cannot be measured is reported once.
     if (ValidateRobotItself(*robot)) ValidateForTask(*scene, *robot);
     if (problems_.empty()) ValidateStarts(bases);
-    if (demands_.on_this_machine && problems_.empty()) ValidateStreamsHere(run_, *scene, problems_);
+    if (demands_.on_this_machine && problems_.empty()) ValidateStreamsHere(run_, *start, problems_);
   }
 
  private:
@@ -238,11 +252,75 @@ class SceneValidator {
     return good;
   }
 
-  SceneSpec WithContents(SceneSpec spec, bool with_robot = true) const {
+  bool FollowsObjects() const {
+    return std::ranges::any_of(run_.cameras.streams.boxes(), [&](const auto& stream) {
+      return !stream->follow.empty() && !IsOfSampler(run_, *stream);
+    });
+  }
+
+  // Builds the scene of a start, whose objects have other names than one of each kind, and
+  // remembers what else starts have.
+  Scene BuildStart(int index, const SceneSpec& base) {
+    const auto known = [&] {
+      return std::make_shared<const SceneAnnotations>(source_->Annotations(index));
+    };
+    starts_ = task_->TaskKind::PossibleContents(run_, index, base, known);
+    return BuildWith(base, starts_.front().objects);
+  }
+
+  // Requires that what a stream follows is in each start.
+  void RequireAlwaysThere(const Scene& scene, const CameraConfig& stream) const {
+    const SegmentLabel followed =
+        internal::SegmentLabelsOf(scene)[internal::FollowedBody(scene, stream)];
+    // The model of an object decides on its bodies' names; its root has one in each model.
+    for (const StartContents& start : starts_) {
+      if (HasFollowed(start, followed, stream.follow)) continue;
+      throw ArgumentError(fmt::format("'{}' is not in every start; follow an object that is: {}",
+                                      stream.follow, ListNames(AlwaysThere(scene))));
+    }
+  }
+
+  bool HasFollowed(const StartContents& start, const SegmentLabel& followed,
+                   const std::string& name) const {
+    const StartContents& first = starts_.front();
+    const auto kind_of = [&](const StartContents& of) -> std::string {
+      for (size_t i = 0; i < of.objects.size(); ++i) {
+        if ("objects/" + of.objects[i].name == followed.owner) return of.kinds[i];
+      }
+      return "";
+    };
+    if (kind_of(first).empty()) return true;  // of the scene itself, or of the robot
+    const bool is_object = "objects/" + name == followed.owner;
+    return is_object ? !kind_of(start).empty() : kind_of(start) == kind_of(first);
+  }
+
+  std::vector<std::string> AlwaysThere(const Scene& scene) const {
+    std::vector<std::string> names = scene.object_names();
+    const std::vector<SceneObject>& drawn = starts_.front().objects;
+    std::erase_if(names, [&](const std::string& name) {
+      const auto has_name = [&](const SceneObject& object) { return object.name == name; };
+      return std::ranges::any_of(drawn, has_name) &&
+             !std::ranges::all_of(starts_, [&](const StartContents& start) {
+               return std::ranges::any_of(start.objects, has_name);
+             });
+    });
+    return names;
+  }
+
+  // Builds a scene with objects of the task, apart from each other, and the robot.
+  Scene BuildWith(SceneSpec spec, const std::vector<SceneObject>& objects,
+                  bool with_robot = true) const {
+    const size_t before = spec.objects.size();
+    spec = WithContents(std::move(spec), objects, with_robot);
+    return BuildPrepared(spec, before, *task_->Make(run_.task));
+  }
+
+  SceneSpec WithContents(SceneSpec spec, const std::vector<SceneObject>& objects,
+                         bool with_robot) const {
     std::set<std::string> names;
     for (const SceneObject& object : spec.objects) names.insert(object.name);
     double x = 10;
-    for (SceneObject object : task_->Contents(run_)) {
+    for (SceneObject object : objects) {
       object.pos = Vec3{x++, 0, 1};
       // A kind may be called like an object of the scene.
       const std::string name = object.name;
@@ -264,12 +342,17 @@ class SceneValidator {
       Problems::Scope streams(problems_, "cameras.streams");
       Problems::Scope item(problems_, i);
       const CameraConfig& stream = run_.cameras.streams[i];
-      Try(stream.follow.empty() ? "camera" : "follow",
-          [&] { internal::ViewOfStream(scene, stream); });
+      if (IsOfSampler(run_, stream)) continue;
+      if (stream.follow.empty())
+        Try("camera", [&] { internal::ViewOfStream(scene, stream); });
+      else
+        Try("follow", [&] { RequireAlwaysThere(scene, stream); });
     }
     for (const std::string& camera : run_.start.visible_from) {
-      Try("start.visible_from",
-          [&] { internal::ViewOfStream(scene, StreamToSee(run_.cameras, camera)); });
+      Try("start.visible_from", [&] {
+        const CameraConfig stream = StreamToSee(run_.cameras, camera);
+        if (stream.follow.empty()) internal::ViewOfStream(scene, stream);  // else checked above
+      });
     }
   }
 
@@ -309,6 +392,7 @@ class SceneValidator {
   const RunConfig& run_;
   const std::shared_ptr<const TaskKind> task_ = FindTaskKind(run_.task.kind());
   std::shared_ptr<SceneSource> source_;
+  std::vector<StartContents> starts_;  // contents of a number of starts; set with FollowsObjects
   const RunDemands& demands_;
   Problems& problems_;
   Problems doubts_;

@@ -107,6 +107,73 @@ TEST(ValidateRun, SuggestsCamerasByTheirNamesInTheFile) {
   EXPECT_THAT(text, Not(HasSubstr("robot_0/")));
 }
 
+// Starts name their objects by the part they have in the task, not by their kinds.
+TEST(ValidateRun, AStreamFollowsWhatEachStartHas) {
+  RunConfig run = Demo();
+  run.task.As<PickTaskConfig>().objects.names = {"mug", "box", "cylinder"};
+  CameraConfig& stream = run.cameras.streams[0];
+  stream.camera.clear();
+  const auto following = [&](const std::string& name) {
+    stream.follow = name;
+    return [&run] { ValidateRun(run); };
+  };
+  EXPECT_NO_THROW(following("target")());
+  EXPECT_NO_THROW(following("table")());
+  ExpectThrow<SpecError>(following("object_1"),
+                         "(cameras.streams[0]).follow: 'object_1' is not in every start; follow an "
+                         "object that is: target");
+  ExpectThrow<SpecError>(following("box"), "no object or body 'box'");
+  ExpectThrow<SpecError>(following("targte"), "Did you mean 'target'?");
+  run.start.visible_from = {stream.name};
+  EXPECT_NO_THROW(following("target")());
+}
+
+// The model decides on the names of its bodies.
+TEST(ValidateRun, AStreamFollowsABodyOfAnObjectOfOneKind) {
+  RunConfig run = Demo();
+  run.cameras.streams[0].camera.clear();
+  run.cameras.streams[0].follow = "target_mug";
+  run.task.As<PickTaskConfig>().objects.names = {"mug"};
+  EXPECT_NO_THROW(ValidateRun(run));
+  run.task.As<PickTaskConfig>().objects.names = {"mug", "bottle"};
+  ExpectThrow<SpecError>([&] { ValidateRun(run); }, "follow: ");
+}
+
+TEST(ValidateRun, RejectsAGoalAtWhichADrawnObjectCannotRest) {
+  RunConfig run = Demo();
+  PickAndPlaceTaskConfig task{.goal = Vec3{0.1, 0.2, 0.75}};
+  task.objects.names = {"box", "mug"};
+  run.task = task;
+  const RunDemands here{.on_this_machine = false};
+  const std::string text = ExpectThrow<SpecError>(
+      [&] { ValidateRun(run, here); },
+      "task.goal: box, mug cannot come to rest there ('box': put down there it falls by");
+  EXPECT_THAT(text, HasSubstr("fits the height of each kind of `objects`"));
+  run.task.As<PickAndPlaceTaskConfig>().goal = Vec3{0.1, 0.2, 0.48};
+  EXPECT_NO_THROW(ValidateRun(run, here));
+}
+
+// Once, and with what holds for the body of a scene's file.
+TEST(ValidateRun, ABodyOfTheScenesFileIsNoObjectOfTheTask) {
+  TempDir folder;
+  AtomicWrite(folder / "lab.xml", R"(<mujoco><worldbody>
+    <body name="bench" pos="0 0 0.2"><geom type="box" size="0.5 0.5 0.2"/></body>
+    <body name="cube" pos="0 0 0.42"><freejoint/><geom type="box" size="0.02 0.02 0.02"/></body>
+    </worldbody></mujoco>)");
+  AtomicWrite(folder / "run.yaml",
+              "run: mine\nrobot: " + assets::BuiltinRobotFile("rc7") +
+                  "\ntask: {kind: pick, object: cube}\nscenes: {files: [lab.xml]}\noutput: out\n");
+  RunConfig run = RunConfig::Load((folder / "run.yaml").string());
+  const std::string text =
+      ExpectThrow<SpecError>([&] { ValidateRun(run, {.on_this_machine = false}); },
+                             "task.object: no object 'cube': scene 0 of source 'files' has no "
+                             "objects, which a source puts "
+                             "into SceneSpec.objects, and a body of its model file is none");
+  EXPECT_EQ(text.find("no object 'cube'"), text.rfind("no object 'cube'")) << text;
+  run.task.As<PickTaskConfig>().object.clear();
+  EXPECT_NO_THROW(ValidateRun(run, {.on_this_machine = false})) << "as the message says";
+}
+
 TEST(ValidateRun, ReportsAnUnknownExpertAtItsField) {
   RunConfig run = Demo();
   run.expert = "pikc";
@@ -236,6 +303,7 @@ TEST(ValidateRun, RejectsAnImpossibleLift) {
 struct BallConfig {
   Vec2 distance = {0.3, 0.5};
   bool has_ball = true;
+  std::string model = {};  // of the ball; "": a sphere
 
   static constexpr const char* kKind = "ball_of_validate_test";
   static constexpr const char* kTypeName = "BallConfig";
@@ -243,6 +311,7 @@ struct BallConfig {
   static void Fields(V&& v) {
     v("distance", &BallConfig::distance, "Of the base.");
     v("has_ball", &BallConfig::has_ball, "Whether there is a ball.");
+    v("model", &BallConfig::model, "Model of the ball.");
   }
 };
 
@@ -251,6 +320,10 @@ class Ball final : public Task {
   explicit Ball(const BallConfig& fields) : fields_(fields) {}
   void Prepare(SceneSpec& spec, Rng& /*rng*/) override {
     if (!fields_.has_ball) return;
+    if (!fields_.model.empty()) {
+      spec.objects.push_back({.name = "ball", .mjcf_path = fields_.model});
+      return;
+    }
     spec.objects.push_back({.name = "ball",
                             .shape = Shape::kSphere,
                             .size = Vec3{0.03, 0, 0},
@@ -261,6 +334,9 @@ class Ball final : public Task {
   BaseRange base_range() const override { return {.distance = fields_.distance}; }
   TaskVerdict Judge(const Scene& /*scene*/) override { return {}; }
   std::string instruction() const override { return "look at the ball"; }
+  std::string PlaceOfHook(const char* method) const override {
+    return "mine.cc:7, in " + std::string(method);
+  }
 
  private:
   BallConfig fields_;
@@ -297,6 +373,13 @@ TEST(ValidateRun, ReportsABaseRangeOutOfReachForAnyTask) {
   ExpectThrow<SpecError>([&] { ValidateRun(run, here); }, "start.base_height_offset: -7 m puts");
   EXPECT_NO_THROW(ValidateRun(RunOfBall({.distance = {2, 3}, .has_ball = false}), here))
       << "there is nothing to reach";
+}
+
+// As in an environment.
+TEST(ValidateRun, AModelThatATaskAddsIsNamedWithItsLine) {
+  ExpectThrow<SpecError>(
+      [&] { ValidateRun(RunOfBall({.model = "nowhere.xml"}), {.on_this_machine = false}); },
+      "mine.cc:7, in prepare: object 'ball': model file 'nowhere.xml' not found");
 }
 
 // A run file beside a robot file: that of rc7 with other lines.

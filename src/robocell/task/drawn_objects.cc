@@ -2,12 +2,22 @@
 
 namespace robocell::internal {
 
+std::string NameOfDrawn(const std::string& part, const std::string& kind,
+                        const std::vector<std::string>& kinds) {
+  return kinds == std::vector<std::string>{kind} ? part : part + "_" + kind;
+}
+
 std::vector<DrawnObject> DrawnObjects(const Scene& scene, const TaskSetting& setting,
-                                      const std::string& prefix) {
+                                      const std::string& part,
+                                      const std::vector<std::string>& kinds) {
+  const std::string prefix = part + "_";
   std::vector<DrawnObject> drawn;
   for (const SceneObject& object : scene.spec().objects) {
-    if (object.name.starts_with(prefix) && !setting.objects.contains(object.name))
+    if (setting.objects.contains(object.name)) continue;
+    if (object.name.starts_with(prefix))
       drawn.push_back({object.name, object.name.substr(prefix.size())});
+    else if (object.name == part && kinds.size() == 1)
+      drawn.push_back({part, kinds.front()});
   }
   return drawn;
 }

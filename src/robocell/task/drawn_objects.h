@@ -1,5 +1,6 @@
 // The objects that a task draws in a scene that serves all starts (Task::is_prepared_once): Prepare
-// names them by their kinds, and the task that is bound to the scene finds them by these names.
+// names them by their kinds, and the task that is bound to the scene finds them by these names. The
+// object of a single kind has the name of a run's, so that both have the same columns.
 #pragma once
 
 #include <string>
@@ -11,15 +12,21 @@
 
 namespace robocell::internal {
 
-inline constexpr const char* kTargetPrefix = "target_";
-inline constexpr const char* kGoalPrefix = "goal_";
+// Names of the objects in runs.
+inline constexpr const char* kTarget = "target";
+inline constexpr const char* kGoal = "goal";
 
 struct DrawnObject {
   std::string name, kind;
 };
-// Returns the objects of a scene with that prefix that the setting does not have itself.
+// Returns the name of an object in a scene that serves all starts: "target_mug", or "target" if
+// `kinds`, those that the task's fields name, are one. `part`: kTarget or kGoal.
+std::string NameOfDrawn(const std::string& part, const std::string& kind,
+                        const std::vector<std::string>& kinds);
+// Returns the objects of a scene with such names that the setting does not have itself.
 std::vector<DrawnObject> DrawnObjects(const Scene& scene, const TaskSetting& setting,
-                                      const std::string& prefix);
+                                      const std::string& part,
+                                      const std::vector<std::string>& kinds);
 
 // Returns a feature of a place, x y z in the shared base frame.
 Feature PlaceFeature(const char* name, const char* description);

@@ -20,10 +20,24 @@ TEST(DrawnObjects, AreFoundByTheirNamesUnlessTheRigHasThem) {
   TaskSetting setting{.place = "test", .robots = {}};
   setting.objects["target_of_rig"] = Pose();
   std::vector<std::string> found;
-  for (const DrawnObject& each : DrawnObjects(scene, setting, kTargetPrefix))
+  for (const DrawnObject& each : DrawnObjects(scene, setting, kTarget, {}))
     found.push_back(each.name + " is a " + each.kind);
   EXPECT_THAT(found, ::testing::ElementsAre("target_box is a box", "target_mug is a mug"));
-  EXPECT_EQ(DrawnObjects(scene, setting, kGoalPrefix).front().kind, "tray");
+  EXPECT_EQ(DrawnObjects(scene, setting, kGoal, {}).front().kind, "tray");
+}
+
+TEST(DrawnObjects, ASingleKindHasTheNameThatItHasInRuns) {
+  EXPECT_EQ(NameOfDrawn(kTarget, "mug", {"mug"}), "target");
+  EXPECT_EQ(NameOfDrawn(kTarget, "mug", {"mug", "box"}), "target_mug");
+  EXPECT_EQ(NameOfDrawn(kGoal, "tray", {}), "goal_tray");
+  SceneSpec spec{.name = "room", .timestep = 0.002, .add_floor = true, .add_skybox = true};
+  spec.objects.push_back(BoxObject("target", {0, 0, 0.02}));
+  const Scene scene = Scene::Build(spec);
+  const TaskSetting setting{.place = "test", .robots = {}};
+  const std::vector<DrawnObject> found = DrawnObjects(scene, setting, kTarget, {"mug"});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].name + " is a " + found[0].kind, "target is a mug");
+  EXPECT_TRUE(DrawnObjects(scene, setting, kTarget, {"mug", "box"}).empty());
 }
 
 TEST(PlaceFeature, HasThreeBoundedNumbers) {

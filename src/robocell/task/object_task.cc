@@ -24,8 +24,8 @@ namespace {
 
 constexpr size_t kMostBeside = 2;  // objects beside the target
 
-// Returns the name of a drawn object in the scene; number 0 is the target.
-std::string NameOfDrawn(size_t i) { return i == 0 ? "target" : fmt::format("object_{}", i); }
+// Returns the name of a drawn object in the scene of a run; number 0 is the target.
+std::string NameInRun(size_t i) { return i == 0 ? internal::kTarget : fmt::format("object_{}", i); }
 
 }  // namespace
 
@@ -65,7 +65,8 @@ void ObjectTask::Prepare(SceneSpec& spec, Rng& rng) {
   const std::vector<std::string> kinds = ChooseKinds(rng);
   if (kinds.empty()) throw ArgumentError("choose_kinds() must return at least the target's kind");
   const auto name = [&](size_t i) {
-    return is_prepared_once() ? internal::kTargetPrefix + kinds[i] : NameOfDrawn(i);
+    return is_prepared_once() ? internal::NameOfDrawn(internal::kTarget, kinds[i], fields_.kinds)
+                              : NameInRun(i);
   };
   fields_.name = name(0);
   fields_.word = kinds.front();
@@ -106,7 +107,7 @@ std::vector<StartContents> ObjectTask::PossibleContents(const std::vector<std::s
     StartContents& contents = possible.emplace_back();
     for (size_t i = 0; i < kinds.size(); ++i) {
       const std::string& kind = kinds[(target + i) % kinds.size()];
-      const std::string name = i <= kMostBeside ? NameOfDrawn(i) : kind;
+      const std::string name = i <= kMostBeside ? NameInRun(i) : kind;
       contents.objects.push_back(MakeCatalogueObject(kind, name, rng));
       contents.kinds.push_back(kind);
     }
@@ -117,7 +118,8 @@ std::vector<StartContents> ObjectTask::PossibleContents(const std::vector<std::s
 // Another task of the same fields prepared the scene.
 void ObjectTask::FindCandidates(const Scene& scene, const TaskSetting& setting) {
   candidates_.clear();
-  for (auto& [name, kind] : internal::DrawnObjects(scene, setting, internal::kTargetPrefix))
+  for (auto& [name, kind] :
+       internal::DrawnObjects(scene, setting, internal::kTarget, fields_.kinds))
     candidates_.push_back(
         {name, kind, BodyHandle(scene, scene.compiled()->object(name).root_body)});
   if (candidates_.empty()) {
@@ -224,12 +226,12 @@ TaskVerdict ObjectTask::Judge(const Scene& scene) {
 }
 
 std::vector<Feature> ObjectTask::signals() const {
-  if (candidates_.empty()) return {};
+  if (candidates_.size() < 2) return {};
   return {internal::PlaceFeature("target", "Where the object is that is to be picked up.")};
 }
 
 void ObjectTask::Observe(const Scene& scene, std::span<double> out) const {
-  if (candidates_.empty()) return;
+  if (candidates_.size() < 2) return;
   const Eigen::Vector3d target = scene.shared_base_frame_to_world().inverse() * ObjectInWorld();
   std::copy_n(target.data(), 3, out.begin());
 }
@@ -243,6 +245,17 @@ std::vector<double> ObjectTask::memory() const {
 void ObjectTask::Recall(std::span<const double> memory) {
   start_ = {memory[0], memory[1], memory[2]};
   if (!candidates_.empty()) Choose(static_cast<size_t>(memory[3]));
+}
+
+bool ObjectTask::IsIndex(double number, size_t count) {
+  return number >= 0 && number < static_cast<double>(count) && number == std::floor(number);
+}
+
+bool ObjectTask::CanRecall(std::span<const double> memory) const {
+  if (!Task::CanRecall(memory)) return false;
+  const auto is_finite = [](double number) { return std::isfinite(number); };
+  return std::ranges::all_of(memory, is_finite) &&
+         (candidates_.empty() || IsIndex(memory[3], candidates_.size()));
 }
 
 Pose ObjectTask::Around(const Pose& offset, const Vec2& spread, Rng& rng) {

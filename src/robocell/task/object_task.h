@@ -4,7 +4,7 @@
 // The task names an object of the scene, or draws objects of the catalogue. In a run each start has
 // a drawn target of a kind that takes its turn, and up to two objects of other kinds beside it. The
 // scene of an environment has one object of each kind, and each start draws which one is the
-// target. The stages of the start place the drawn objects; a start from which no grasp of a drawn
+// target (drawn_objects.h). The stages of the start place the drawn objects; a start from which no grasp of a drawn
 // object is in reach is refused, and in runs also one of a named object.
 #pragma once
 
@@ -62,20 +62,26 @@ class ObjectTask : public Task {
   // Returns contents that together have each of `kinds` as the target, with all others beside it:
   // those that one start has are named as there, and further ones by their kind.
   static std::vector<StartContents> PossibleContents(const std::vector<std::string>& kinds);
-  // Where each start draws the target: its position.
+  // Where each start draws the target from several objects: its position.
   std::vector<Feature> signals() const override;
   void Observe(const Scene& scene, std::span<double> out) const override;
   // Returns the position where the episode began, and the number of a target that each start draws.
   std::vector<double> memory() const override;
   void Recall(std::span<const double> memory) override;
+  // Also requires finite numbers, and a target that the scene has.
+  bool CanRecall(std::span<const double> memory) const override;
 
  protected:
+  // Returns true for a whole number from 0 to `count` - 1.
+  static bool IsIndex(double number, size_t count);
   virtual bool IsDone(const Scene& scene) = 0;
   // Returns the progress of a state without success, less than 1.
   virtual double Progress() const = 0;
 
   // Returns true if the task draws its objects: it names none.
   bool draws_objects() const { return draws_objects_; }
+  // Returns true in runs, where each start draws a place of the robot's base.
+  bool is_run() const { return is_run_; }
   // Returns true if a start is refused without a grasp in reach.
   bool checks_grasps() const { return draws_objects_ || is_run_; }
   // Draws which of the objects is the target, if one scene serves all starts.

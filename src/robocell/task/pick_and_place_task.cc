@@ -13,6 +13,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/motion/geom_extent.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/task/base_placement.h"
 #include "robocell/task/drawn_objects.h"
@@ -27,9 +28,10 @@ namespace {
 constexpr double kRestSpeed = 0.02;  // m/s
 constexpr double kRestTurn = 0.2;    // rad/s
 constexpr int kTries = 1000;
-constexpr const char* kGoal = "goal";  // name of a drawn goal object in the scene
 constexpr const char* kTray = "tray";
-constexpr const char* kNoWayToPlace = "the object cannot be put down at the goal";  // a refusal
+// Reasons of refusals.
+constexpr const char* kNoWayToPlace = "the object cannot be put down at the goal";
+constexpr const char* kNoRest = "the object cannot come to rest at the goal";
 
 std::vector<std::string> NamedObjects(const PickAndPlaceTaskConfig& fields) {
   std::vector<std::string> objects;
@@ -81,15 +83,15 @@ void PickAndPlaceTask::Prepare(SceneSpec& spec, Rng& rng) {
   const std::vector<std::string> kinds = GoalKindsOf(task_);
   if (is_prepared_once()) {
     for (const std::string& kind : kinds) {
-      const std::string name = internal::kGoalPrefix + kind;
+      const std::string name = internal::NameOfDrawn(internal::kGoal, kind, kinds);
       spec.objects.push_back(MakeGoalObject(kind, name, rng));
       Observed(name, kind);
     }
     return;
   }
   goal_word_ = kinds[rng.UniformInt(kinds.size())];
-  task_.goal_object = kGoal;
-  AddDrawn(spec, MakeGoalObject(goal_word_, kGoal, rng), goal_word_);
+  task_.goal_object = internal::kGoal;
+  AddDrawn(spec, MakeGoalObject(goal_word_, internal::kGoal, rng), goal_word_);
 }
 
 std::vector<StartContents> PickAndPlaceTask::WithGoals(const std::vector<StartContents>& picks,
@@ -101,7 +103,7 @@ std::vector<StartContents> PickAndPlaceTask::WithGoals(const std::vector<StartCo
     const std::ptrdiff_t after_target = contents.objects.empty() ? 0 : 1;
     const std::string& goal = goals[i % goals.size()];
     contents.objects.insert(contents.objects.begin() + after_target,
-                            MakeGoalObject(goal, kGoal, rng));
+                            MakeGoalObject(goal, internal::kGoal, rng));
     contents.kinds.insert(contents.kinds.begin() + after_target, goal);
   }
   return possible;
@@ -110,7 +112,8 @@ std::vector<StartContents> PickAndPlaceTask::WithGoals(const std::vector<StartCo
 // Another task of the same fields prepared the scene.
 void PickAndPlaceTask::FindGoals(const Scene& scene, const TaskSetting& setting) {
   goals_.clear();
-  for (auto& [name, kind] : internal::DrawnObjects(scene, setting, internal::kGoalPrefix)) {
+  for (auto& [name, kind] :
+       internal::DrawnObjects(scene, setting, internal::kGoal, GoalKindsOf(task_))) {
     goals_.push_back({name, kind, BodyHandle(scene, scene.compiled()->object(name).root_body)});
     Observed(name, kind);
   }
@@ -135,6 +138,7 @@ void PickAndPlaceTask::Bind(const Scene& scene, const TaskSetting& setting) {
   ObjectTask::Bind(scene, setting);
   if (task_.goal && !has_goal_object()) {
     goal_offset_ = Pose(ToEigen(*task_.goal));
+    goal_ = goal_offset_.translation();
     return;
   }
   if (draws_goal() && (is_prepared_once() || !has_goal_object() || !goals_.empty()))
@@ -186,8 +190,9 @@ BodyPoses PickAndPlaceTask::Starts(Rng& rng) {
 
 std::optional<Refusal> PickAndPlaceTask::Arrange(Scene& scene, Rng& rng) {
   if (auto refusal = ObjectTask::Arrange(scene, rng)) return refusal;
-  if (is_named() && !is_possible_) RequirePossible(scene);
-  is_possible_ = true;
+  if (!draws_goal()) {
+    if (auto refusal = CheckPossible(scene)) return refusal;
+  }
   return CheckDrawnGoal(scene);
 }
 
@@ -210,7 +215,33 @@ std::optional<Refusal> PickAndPlaceTask::RefuseGrasp(const Scene& scene, Plannin
                       PosesAbout(PlaceOver(GoalInWorld()), object), motion.up.back(),
                       {.gap = motion.grasp.width});
   if (places.Next()) return std::nullopt;
-  return Refusal{kNoWayToPlace, places.Reasons()};
+  return Refusal{kNoWayToPlace, places.Reasons() + WhyTooLow(scene)};
+}
+
+// Returns the height of the object's root over its lowest point, as it lies now.
+double PickAndPlaceTask::HeightOfRoot(const Scene& scene) const {
+  double bottom = std::numeric_limits<double>::infinity();
+  for (const int g : internal::CollisionGeomsOf(scene.model(), object().id())) {
+    bottom = std::min(
+        bottom,
+        internal::GeomExtent(scene.model(), scene.data(), g, Eigen::Vector3d::UnitZ()).lower);
+  }
+  return ObjectInWorld().z() - bottom;
+}
+
+// Returns the end of a message about a goal at which the object would be inside its support; "" for
+// other goals.
+std::string PickAndPlaceTask::WhyTooLow(const Scene& scene) const {
+  constexpr double kInside = 1e-3;  // m
+  if (!task_.goal || has_goal_object()) return "";
+  const double own = HeightOfRoot(scene);
+  const double goal = internal::HeightOverSupport(scene, GoalInWorld(), object().id());
+  if (!std::isfinite(goal) || !std::isfinite(own) || goal > own - kInside) return "";
+  return fmt::format(
+      "; task.goal is where the root of the object comes to rest: it is {:.3f} m over what is "
+      "under "
+      "it, and the root of '{}' rests {:.3f} m over its support",
+      goal, object().name(), own);
 }
 
 std::vector<std::string> PickAndPlaceTask::resting_objects() const {
@@ -249,31 +280,62 @@ std::vector<Eigen::Vector3d> PickAndPlaceTask::PossibleGoals() const {
   return goals;
 }
 
-void PickAndPlaceTask::RequirePossible(const Scene& scene) {
-  Begin(scene);
-  const mjModel* m = scene.model();
-  const std::string goal = task_.goal ? fmt::format("task.goal [{}]", fmt::join(*task_.goal, ", "))
-                                      : fmt::format("the goal on top of '{}'", task_.goal_object);
+std::string PickAndPlaceTask::GoalText() const {
+  return task_.goal ? fmt::format("task.goal [{}]", fmt::join(*task_.goal, ", "))
+                    : fmt::format("the goal on top of '{}'", task_.goal_object);
+}
+
+std::string PickAndPlaceTask::WhyGoalOutOfReach(const Scene& scene) const {
   const double spread = 2 * std::hypot(task_.goal_spread[0], task_.goal_spread[1]);
-  const double slack = internal::RadiusOf(m, object().id()) + task_.goal_tolerance + spread;
+  const double slack =
+      internal::RadiusOf(scene.model(), object().id()) + task_.goal_tolerance + spread;
   const Eigen::Vector3d at = GoalInWorld();
-  if (const std::string why = WhyOutOfReach(robots(), at, at.z(), slack); !why.empty()) {
-    throw ArgumentError(fmt::format(
-        "{}: {} is out of reach: {}. Move the goal or the robot (robot_to_shared_base_frame)",
-        place(), goal, why));
+  return WhyOutOfReach(robots(), at, at.z(), slack);
+}
+
+// Drawn objects that are not the target may lie at the goal now, and elsewhere in the next start.
+std::string PickAndPlaceTask::WhyNoRest(const Scene& scene, const std::string& object) const {
+  const auto body_of = [&](const std::string& name) {
+    return FindId(scene.model(), mjOBJ_BODY, scene.compiled()->object(name).root_body);
+  };
+  std::vector<int> beside;
+  for (const std::string& other : objects()) {
+    if (other != object && other != task_.goal_object) beside.push_back(body_of(other));
   }
   std::vector<internal::RestPlace> places;
   for (const Eigen::Vector3d& at : PossibleGoals()) {
     places.push_back(has_goal_object() ? internal::RestPlace{goal_body_->id(), at}
                                        : internal::RestPlace{0, root() * at});
   }
-  const std::string why = internal::WhyNoRest(scene, object().id(), places, task_.goal_tolerance);
-  if (why.empty()) return;
-  throw ArgumentError(fmt::format(
-      "{}: '{}' cannot come to rest at {}: {}. Give the position of its root at rest there, "
-      "within task.goal_tolerance ({:g} m){}",
-      place(), fields().name, goal, why, task_.goal_tolerance,
-      has_goal_object() ? ", in the frame of '" + task_.goal_object + "'" : ""));
+  return internal::WhyNoRest(scene, body_of(object), places, task_.goal_tolerance, beside);
+}
+
+std::optional<Refusal> PickAndPlaceTask::CheckPossible(const Scene& scene) {
+  Begin(scene);
+  if (is_possible_) return std::nullopt;
+  if (const std::string why = WhyGoalOutOfReach(scene); !why.empty()) {
+    throw ArgumentError(fmt::format(
+        "{}: {} is out of reach: {}. Move the goal or the robot (robot_to_shared_base_frame)",
+        place(), GoalText(), why));
+  }
+  // The goal on top of an object depends on what is put there.
+  const std::vector<std::string> targets =
+      task_.goal ? ObjectTask::resting_objects() : std::vector<std::string>{fields().name};
+  for (const std::string& target : targets) {
+    const std::string why = WhyNoRest(scene, target);
+    if (why.empty()) continue;
+    // The next start of a run has another object.
+    if (is_run() && draws_objects())
+      return Refusal{.reason = kNoRest, .detail = why, .holds_everywhere = true};
+    throw ArgumentError(fmt::format(
+        "{}: '{}' cannot come to rest at {}: {}. Give the position of its root at rest there, "
+        "within task.goal_tolerance ({:g} m){}{}",
+        place(), target, GoalText(), why, task_.goal_tolerance,
+        has_goal_object() ? ", in the frame of '" + task_.goal_object + "'" : "",
+        draws_objects() ? ", which fits the height of each kind of task.objects" : ""));
+  }
+  is_possible_ = true;
+  return std::nullopt;
 }
 
 void PickAndPlaceTask::Begin(const Scene& scene) {
@@ -290,12 +352,11 @@ Eigen::Vector3d PickAndPlaceTask::TopOfGoalObject(const Scene& scene) const {
   const auto extent = [&](int geom) {
     return internal::GeomExtent(m, d, geom, Eigen::Vector3d::UnitZ());
   };
-  double bottom = std::numeric_limits<double>::infinity(), top = -bottom;
-  for (const int g : internal::CollisionGeomsOf(m, object().id()))
-    bottom = std::min(bottom, extent(g).lower);
+  double top = -std::numeric_limits<double>::infinity();
+  const double height = HeightOfRoot(scene);
   const std::vector<int> geoms = internal::CollisionGeomsOf(m, goal_body_->id());
   for (const int g : geoms) top = std::max(top, extent(g).upper);
-  if (!std::isfinite(bottom) || !std::isfinite(top)) {
+  if (!std::isfinite(height) || !std::isfinite(top)) {
     throw ArgumentError(fmt::format(
         "{}: '{}' cannot be put on '{}', since one of them has no shape that collides; set "
         "task.goal, where it is to rest in the frame of '{}'",
@@ -306,7 +367,7 @@ Eigen::Vector3d PickAndPlaceTask::TopOfGoalObject(const Scene& scene) const {
   at.z() = top + 1;
   const double below = internal::CastRay(m, d, geoms, at, -Eigen::Vector3d::UnitZ()).distance;
   if (std::isfinite(below)) top = at.z() - below;  // a tray's floor is below its rims
-  at.z() = top + ObjectInWorld().z() - bottom;
+  at.z() = top + height;
   return goal_object.inverse() * at;
 }
 
@@ -359,6 +420,10 @@ std::vector<double> PickAndPlaceTask::memory() const {
   memory.insert(memory.end(), {goal_.x(), goal_.y(), goal_.z(), was_lifted_ ? 1.0 : 0.0});
   if (!goals_.empty()) memory.push_back(static_cast<double>(chosen_goal_));
   return memory;
+}
+
+bool PickAndPlaceTask::CanRecall(std::span<const double> memory) const {
+  return ObjectTask::CanRecall(memory) && (goals_.empty() || IsIndex(memory.back(), goals_.size()));
 }
 
 void PickAndPlaceTask::Recall(std::span<const double> memory) {

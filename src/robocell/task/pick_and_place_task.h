@@ -39,10 +39,11 @@ class PickAndPlaceTask final : public ObjectTask {
   BodyPoses Starts(Rng& rng) override;
   // Includes the goal object if each episode places it.
   std::vector<std::string> resting_objects() const override;
-  // With a named object and goal, throws ArgumentError if the object can come to rest at no goal of
-  // this task, or if no robot can bring it there; this is checked once, with the first start.
-  // Refuses a place of the goal whose support differs from that of task.goal, so that another one
-  // is drawn.
+  // With a named goal, checks that the object can come to rest there and that a robot can bring it
+  // there. In environments this is done once for all objects that may be the target, and throws
+  // ArgumentError; in runs a start is refused whose drawn object does not fit the goal.
+  // Also refuses a place of the goal whose support differs from that of task.goal, so that another
+  // one is drawn.
   std::optional<Refusal> Arrange(Scene& scene, Rng& rng) override;
   // Also refuses a target that lies nearer to its goal than goal_distance.
   std::optional<Refusal> CheckStart(const Scene& scene) override;
@@ -53,8 +54,11 @@ class PickAndPlaceTask final : public ObjectTask {
   void Observe(const Scene& scene, std::span<double> out) const override;
   std::vector<double> memory() const override;
   void Recall(std::span<const double> memory) override;
+  bool CanRecall(std::span<const double> memory) const override;
   // Returns where the object's root is to rest. The scene is the one that Begin saw, then or later.
   Eigen::Vector3d GoalInWorld() const;
+  // Returns why one of the task's objects cannot come to rest at any of the goals; "" if all can.
+  std::string WhyNoRest(const Scene& scene, const std::string& object) const;
   // Returns `picks` (ObjectTask::PossibleContents), each with a goal object, of all kinds in turn.
   static std::vector<StartContents> WithGoals(const std::vector<StartContents>& picks,
                                               const std::vector<std::string>& goals);
@@ -69,13 +73,17 @@ class PickAndPlaceTask final : public ObjectTask {
   double Progress() const override;
   // Returns true if the task draws a goal object: it names no goal.
   bool draws_goal() const { return draws_goal_; }
-  // Returns true if neither object nor goal is drawn.
+  // Returns true if the task draws neither the object nor the goal.
   bool is_named() const { return !draws_objects() && !draws_goal(); }
   void FindGoals(const Scene& scene, const TaskSetting& setting);
   void ChooseGoal(size_t candidate);
   bool has_goal_object() const { return !task_.goal_object.empty(); }
   Eigen::Vector3d TopOfGoalObject(const Scene& scene) const;
-  void RequirePossible(const Scene& scene);
+  double HeightOfRoot(const Scene& scene) const;
+  std::string WhyTooLow(const Scene& scene) const;
+  std::string GoalText() const;
+  std::string WhyGoalOutOfReach(const Scene& scene) const;
+  std::optional<Refusal> CheckPossible(const Scene& scene);
   std::optional<Refusal> CheckDrawnGoal(const Scene& scene) const;
   std::vector<Eigen::Vector3d> PossibleGoals() const;
   bool IsPutDown(const Scene& scene) const;

@@ -15,6 +15,7 @@ namespace robocell::internal {
 namespace {
 
 using ::testing::Contains;
+using ::testing::Not;
 
 // The oracle is the simulation: what is let go where the goal is comes to rest there.
 TEST(PickAndPlaceTask, AGoalOnAnObjectIsTheRestPose) {
@@ -128,6 +129,30 @@ TEST(PickAndPlaceTask, SuggestsTheNearestGoal) {
                              "Did you mean 'tray'?");
   EXPECT_THAT(PickAndPlaceTask::AllGoalKinds(), Contains("tray"));
   EXPECT_THAT(PickAndPlaceTask::AllGoalKinds(), Contains("mug"));
+}
+
+// Returns the reasons of refusals of a run whose goal is a place over the table.
+std::set<std::string> ReasonsAt(const Vec3& goal) {
+  RunConfig run = PlaceRun();
+  PickAndPlaceTaskConfig& task = run.task.As<PickAndPlaceTaskConfig>();
+  task.objects = {"box"};
+  task.goal = goal;
+  StartSampler sampler(run);
+  std::set<std::string> reasons;
+  for (int episode = 0; episode < 6; ++episode) {
+    Rng rng = Rng::Stream(5, episode);
+    const SampleResult result = sampler.Sample({.episode = episode}, rng);
+    reasons.insert(result.start ? "" : result.refusal.counted_as());
+  }
+  return reasons;
+}
+
+// The next start of a run has another object, and its base somewhere else.
+TEST(PickAndPlaceTask, StartsOfARunAreRefusedIfTheGoalCannotBe) {
+  EXPECT_EQ(ReasonsAt({0.1, 0.2, 0.7}),
+            std::set<std::string>{"task: the object cannot come to rest at the goal"});
+  EXPECT_THAT(ReasonsAt({3, 0.2, 0.02}), Not(Contains(""))) << "out of reach";
+  EXPECT_THAT(ReasonsAt({0.1, 0.1, 0.48}), Contains(""));
 }
 
 }  // namespace

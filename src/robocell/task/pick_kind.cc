@@ -1,6 +1,7 @@
 #include "robocell/task/pick_kind.h"
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
 
 #include <algorithm>
 #include <memory>
@@ -8,6 +9,7 @@
 #include <vector>
 
 #include "robocell/base/suggestions.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/spec/validate.h"
@@ -53,8 +55,9 @@ void RequireRigObject(const EnvConfig& env, const char* field, const std::string
 }
 
 // Requires an object that all scenes of a run have themselves.
-void RequireObjectOfScenes(const RunConfig& run, const char* field, const std::string& object,
-                           Problems& problems) {
+// `scene`: the first of them, compiled.
+void RequireObjectOfScenes(const RunConfig& run, const Scene& scene, const char* field,
+                           const std::string& object, Problems& problems) {
   if (object.empty()) return;
   const std::shared_ptr<SceneSource> source = MakeSceneSource(run);
   for (const int index : SceneIndices(run)) {
@@ -62,14 +65,47 @@ void RequireObjectOfScenes(const RunConfig& run, const char* field, const std::s
     for (const SceneObject& each : MakeBaseScene(run, *source, index).objects)
       known.push_back(each.name);
     if (std::ranges::find(known, object) != known.end()) continue;
-    const std::string scene = fmt::format("scene {} of source '{}'", index, run.scenes.kind());
-    if (!known.empty()) return problems.AddAt(field, NoSuchName(scene, "object", object, known));
+    const std::string place = fmt::format("scene {} of source '{}'", index, run.scenes.kind());
+    if (!known.empty()) return problems.AddAt(field, NoSuchName(place, "object", object, known));
+    const bool is_body = FindId(scene.model(), mjOBJ_BODY, object) >= 0;
     return problems.AddAt(
-        field, fmt::format("no object '{}': {} has no objects, which a source puts into "
-                           "SceneSpec.objects. Leave `{}` out, so that the task draws objects of "
-                           "the catalogue, or take a source whose scenes have the object",
-                           object, scene, field));
+        field,
+        fmt::format(
+            "no object '{}': {} has no objects, which a source puts into "
+            "SceneSpec.objects{}. Leave `{}` out, so that the task draws objects of the "
+            "catalogue, or register a source of your own that adds the object, as "
+            "docs/tasks.md shows",
+            object, place,
+            is_body ? ", and a body of its model file is none: give it a file of its own" : "",
+            field));
   }
+}
+
+// Rejects a goal at which kinds of objects that the task draws cannot come to rest. `scene` has one
+// of each kind, which is named by it.
+void RequireRestAtGoal(const PickAndPlaceTaskConfig& task, const Scene& scene, Problems& problems) {
+  std::vector<std::string> wrong;
+  std::string why;
+  const auto& objects = scene.compiled()->objects();
+  for (const std::string& kind : task.objects.empty() ? ObjectKinds() : task.objects.names) {
+    const auto object = std::ranges::find(objects, kind, &ObjectRecord::name);
+    if (object == objects.end() || !object->free_joint) continue;  // the scene's own has the name
+    PickAndPlaceTaskConfig one = task;
+    one.object = kind;
+    one.objects = {};
+    PickAndPlaceTask placing(one);
+    placing.Bind(scene, {.place = "task", .robots = {}, .is_run = true});
+    const std::string why_not = placing.WhyNoRest(scene, kind);
+    if (why_not.empty()) continue;
+    if (wrong.empty()) why = why_not;
+    wrong.push_back(kind);
+  }
+  if (wrong.empty()) return;
+  problems.AddAt(
+      "goal", fmt::format("{} cannot come to rest there ('{}': {}). Give the position of the "
+                          "object's root at rest, which fits the height of each kind of `objects` "
+                          "within `goal_tolerance` ({:g} m)",
+                          ListNames(wrong), wrong.front(), why, task.goal_tolerance));
 }
 
 // Rejects a length that no arm reaches. What a run's arm can do is found with the robot.
@@ -107,10 +143,10 @@ class KindOfPick : public TaskKindOf<Config, T> {
     ValidateTask(task, problems);
     if (!task.object.empty()) RequireRigObject(env, "object", task.object, problems);
   }
-  void ValidateScene(const RunConfig& run, const Scene& /*scene*/, Robot& /*robot*/,
-                     Problems& problems, Problems& /*doubts*/) const override {
+  void ValidateScene(const RunConfig& run, const Scene& scene, Robot& /*robot*/, Problems& problems,
+                     Problems& /*doubts*/) const override {
     const Problems::Scope scope(problems, "task");
-    RequireObjectOfScenes(run, "object", run.task.As<Config>().object, problems);
+    RequireObjectOfScenes(run, scene, "object", run.task.As<Config>().object, problems);
   }
   std::vector<StartContents> PossibleContents(const RunConfig& run, int /*scene*/,
                                               const SceneSpec& /*base*/,
@@ -154,8 +190,10 @@ class PickAndPlaceKind final : public KindOfPick<PickAndPlaceTaskConfig, PickAnd
                      Problems& doubts) const override {
     KindOfPick::ValidateScene(run, scene, robot, problems, doubts);
     const Problems::Scope scope(problems, "task");
-    RequireObjectOfScenes(run, "goal_object", run.task.As<PickAndPlaceTaskConfig>().goal_object,
-                          problems);
+    const auto& task = run.task.As<PickAndPlaceTaskConfig>();
+    RequireObjectOfScenes(run, scene, "goal_object", task.goal_object, problems);
+    if (task.object.empty() && task.goal && task.goal_object.empty())
+      RequireRestAtGoal(task, scene, problems);
   }
   std::vector<StartContents> PossibleContents(const RunConfig& run, int /*scene*/,
                                               const SceneSpec& /*base*/,

@@ -245,6 +245,38 @@ TEST(PickKind, ARunPicksTheObjectOfItsScene) {
   EXPECT_GT(farthest, 0.01) << "the spread is drawn";
 }
 
+// As in an environment: its place in relation to something comes before its pose in the scene.
+TEST(PickKind, ARunPlacesTheObjectOfItsSceneByARelation) {
+  RunConfig run = RunOnShelf(PickTaskConfig{.object = "cube"}, 0);
+  run.start.places = {{"cube", {.on_top_of = "table"}}};
+  const Vec3 own = Shelf({}).Make(0).objects[0].pos.value();
+  StartSampler sampler(run);
+  Problems problems;
+  sampler.ValidateStarts(std::vector<int>{0}, problems);
+  EXPECT_TRUE(problems.empty()) << problems.Text("it");
+  int accepted = 0;
+  double farthest = 0;
+  for (int episode = 0; episode < 8; ++episode) {
+    Rng rng = Rng::Stream(7, "placed", episode);
+    const SampleResult result = sampler.Sample({.episode = episode}, rng);
+    if (!result.start) continue;
+    ++accepted;
+    const Scene& scene = result.start->scene;
+    EXPECT_EQ(result.start->target_object, "cube");
+    EXPECT_EQ(result.start->object_kinds, std::vector<std::string>{"cube"});
+    const Eigen::Vector3d at =
+        scene.body_pose(scene.compiled()->object("cube").root_body).translation();
+    EXPECT_NEAR(at.z(), own[2], 0.002);
+    farthest = std::max(farthest, (at - ToEigen(own)).norm());
+  }
+  EXPECT_GE(accepted, 2);
+  EXPECT_GT(farthest, 0.02) << "it does not stay at its place";
+  run.start.places = {{"cub", {.on_top_of = "table"}}};
+  StartSampler wrong(run);
+  wrong.ValidateStarts(std::vector<int>{0}, problems);
+  EXPECT_THAT(problems.Text("it"), HasSubstr("start.places.cub: no object 'cub'"));
+}
+
 TEST(PickKind, ARunPutsANamedObjectOnADrawnTray) {
   const RunConfig run = RunOnShelf(PickAndPlaceTaskConfig{.object = "cube"}, 0);
   StartSampler sampler(run);

@@ -33,7 +33,10 @@ class PickTask : public ObjectTask {
                     .all = std::move(all_objects)}) {}
 
   BodyPoses Starts(Rng& rng) override {
-    if (draws_objects()) return DrawTarget(rng), BodyPoses();
+    if (draws_objects()) {
+      DrawTarget(rng);
+      return {};
+    }
     return {{object().name(), root() * Start(rng)}};
   }
   std::string instruction() const override { return "pick up the " + word(); }

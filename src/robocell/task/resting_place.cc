@@ -49,26 +49,30 @@ std::array<Eigen::Quaterniond, 8> Turns() {
   return turns;
 }
 
-// Returns the same scene without the robots' contacts and motors.
-ModelPtr WithoutRobots(const Scene& scene) {
-  ModelPtr model = CopyModel(scene.model());
-  for (const RobotRecord& robot : scene.compiled()->robots()) {
-    const int base = FindId(model.get(), mjOBJ_BODY, robot.base_body);
-    for (int g = 0; base >= 0 && g < model->ngeom; ++g) {
-      if (!IsInSubtree(model.get(), model->geom_bodyid[g], base)) continue;
-      model->geom_contype[g] = 0;
-      model->geom_conaffinity[g] = 0;
-    }
+void RemoveContacts(mjModel* model, int body) {
+  for (int g = 0; body >= 0 && g < model->ngeom; ++g) {
+    if (!IsInSubtree(model, model->geom_bodyid[g], body)) continue;
+    model->geom_contype[g] = 0;
+    model->geom_conaffinity[g] = 0;
   }
+}
+
+// Returns the same scene without the motors and the contacts of the robots, and without the
+// contacts of the `ignored` bodies.
+ModelPtr WithoutRobots(const Scene& scene, std::span<const int> ignored) {
+  ModelPtr model = CopyModel(scene.model());
+  for (const RobotRecord& robot : scene.compiled()->robots())
+    RemoveContacts(model.get(), FindId(model.get(), mjOBJ_BODY, robot.base_body));
+  for (const int body : ignored) RemoveContacts(model.get(), body);
   model->opt.disableflags |= mjDSBL_ACTUATION;
   return model;
 }
 
 class Trial {
  public:
-  Trial(const Scene& scene, int object, double tolerance)
+  Trial(const Scene& scene, int object, double tolerance, std::span<const int> ignored)
       : scene_(scene),
-        model_(WithoutRobots(scene)),
+        model_(WithoutRobots(scene, ignored)),
         data_(CopyData(scene.model(), scene.data())),
         start_(CopyData(scene.model(), scene.data())),
         object_(object),
@@ -183,9 +187,9 @@ class Trial {
 }  // namespace
 
 std::string WhyNoRest(const Scene& scene, int object, std::span<const RestPlace> places,
-                      double tolerance) {
+                      double tolerance, std::span<const int> ignored) {
   scene.SyncPoses();
-  Trial trial(scene, object, tolerance);
+  Trial trial(scene, object, tolerance, ignored);
   const double far = kAside * tolerance;
   const std::array<Vector3d, 5> asides = {
       {{0, 0, 0}, {far, 0, 0}, {-far, 0, 0}, {0, far, 0}, {0, -far, 0}}};

@@ -23,9 +23,10 @@ struct RestPlace {
 // Returns "" if the root of a free object (a body) can come to rest within `tolerance` of one of
 // the places, else what happens to it at the first one. The check puts the object down at and
 // beside each place, upright as it is now, turned and lying, in a separate simulation in which
-// robots do not count as obstacles. All other objects are where they are in the present state.
+// robots and `ignored` bodies do not count as obstacles. All other objects are where they are in
+// the present state.
 std::string WhyNoRest(const Scene& scene, int object, std::span<const RestPlace> places,
-                      double tolerance);
+                      double tolerance, std::span<const int> ignored = {});
 
 // Returns the height in metres of a place in the world above the nearest collision geometry under
 // it: negative inside something, infinite above nothing. Robots and the subtree of the body

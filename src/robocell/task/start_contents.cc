@@ -4,16 +4,60 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <memory>
 #include <set>
+#include <string_view>
+#include <utility>
 
 #include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
 #include "robocell/base/paths.h"
+#include "robocell/spec/locations.h"
 #include "robocell/spec/problems.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/task_calls.h"
 
 namespace robocell {
+namespace {
+
+// A model that cannot be measured has the same error in a scene, where it has a place. Missing files
+// are errors of the hook.
+ObjectSize SizeOf(const SceneObject& object, const Task& task, ObjectSizes& sizes) {
+  try {
+    return sizes.Of(object);
+  } catch (const NotFoundError&) {
+    throw;
+  } catch (const Error&) {
+    SceneSpec alone{.timestep = 0.002, .add_floor = false, .add_skybox = false};
+    alone.objects.push_back({.name = object.name, .mjcf_path = object.mjcf_path});
+    BuildPrepared(alone, 0, task);
+    throw;
+  }
+}
+
+}  // namespace
+
+Scene BuildPrepared(const SceneSpec& spec, size_t before, const Task& task,
+                    const DataFactory& scene_data) {
+  try {
+    return Scene::Build(spec, scene_data);
+  } catch (const Error&) {
+    const std::string place = task.PlaceOfHook("prepare");
+    if (place.empty() || before == spec.objects.size()) throw;
+    SourceMap sources;
+    for (size_t i = before; i < spec.objects.size(); ++i)
+      sources[fmt::format("objects[{}]", i)] = place;
+    SceneSpec located = spec;
+    located.locations = Locations(std::make_shared<const SourceMap>(std::move(sources)));
+    try {
+      Scene::Build(located, scene_data);
+    } catch (const Error& error) {
+      if (std::string_view(error.what()).find(place) != std::string_view::npos) throw;
+    }
+    throw;  // it is not about them
+  }
+}
+
 StartContents PrepareContents(Task& task, const StartPreparation& how, SceneSpec& spec, Rng& rng) {
   const size_t before = spec.objects.size();
   internal::TaskCalls calls(task);
@@ -45,7 +89,7 @@ void RequireSound(const StartContents& contents, const Task& task, const std::st
                                       fmt::join(LinesOf(problems), "; ")));
     }
     for (const SceneObject& object : contents.objects) {
-      if (const std::string why = WhyTooLarge(object, sizes.Of(object)); !why.empty())
+      if (const std::string why = WhyTooLarge(object, SizeOf(object, task, sizes)); !why.empty())
         throw ArgumentError(fmt::format("{}an object that cannot be handled: {}", who, why));
     }
   });

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "robocell/base/rng.h"
+#include "robocell/scene/scene.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/spec/scene_object.h"
 #include "robocell/spec/scene_spec.h"
@@ -32,9 +33,15 @@ struct StartPreparation {
 StartContents PrepareContents(Task& task, const StartPreparation& how, SceneSpec& spec, Rng& rng);
 
 // Throws HookError for objects that are not valid or too large to be handled: they are measured before
-// they are compiled into a scene. `kind` names the task.
+// they are compiled into a scene. Throws the errors of BuildPrepared for models that do not compile.
+// `kind` names the task.
 void RequireSound(const StartContents& contents, const Task& task, const std::string& kind,
                   ObjectSizes& sizes);
+
+// Builds a scene to which the task added its objects from number `before` on. Errors about them name
+// the line of its prepare(), if the task is a user's.
+Scene BuildPrepared(const SceneSpec& spec, size_t before, const Task& task,
+                    const DataFactory& scene_data = {});
 
 // Returns one object of each kind in `contents`, which is named by its kind if that can be a name.
 // Contents in which objects are attached to each other give all of their objects, by their names.

@@ -8,13 +8,19 @@
 #include <utility>
 #include <vector>
 
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
 #include "robocell/base/hook_error.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::Not;
 using ::testing::UnorderedElementsAre;
 
 // Adds a cup or a jug, in turns, and a ball beside it.
@@ -101,6 +107,51 @@ TEST(StartContents, ObjectsThatAreAttachedKeepTheirNames) {
   std::vector<std::string> names;
   for (const SceneObject& object : OneOfEachKind({contents})) names.push_back(object.name);
   EXPECT_THAT(names, ElementsAre("vessel", "ball"));
+}
+
+// Adds a model, at a known line.
+class OfAModel final : public Task {
+ public:
+  explicit OfAModel(std::string model) : model_(std::move(model)) {}
+  void Prepare(SceneSpec& spec, Rng& /*rng*/) override {
+    spec.objects.push_back({.name = "cup", .mjcf_path = model_});
+  }
+  TaskVerdict Judge(const Scene& /*scene*/) override { return {}; }
+  std::string instruction() const override { return "drink"; }
+  std::string PlaceOfHook(const char* method) const override {
+    return "mine.cc:7, in " + std::string(method);
+  }
+
+ private:
+  std::string model_;
+};
+
+TEST(StartContents, ErrorsOfModelsNameTheLineThatAddedThem) {
+  const TempDir folder;
+  const std::string broken = folder.path() / "broken.xml";
+  AtomicWrite(broken, R"(<mujoco><worldbody><body><geom size="-1"/></body></worldbody></mujoco>)");
+  const auto message = [](const auto& call) -> std::string {
+    try {
+      call();
+    } catch (const Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  for (const std::string& model : {std::string("nowhere.xml"), broken}) {
+    OfAModel task(model);
+    ObjectSizes sizes;
+    const StartContents contents = Prepared(task, 0);
+    const std::string of_size = message([&] { RequireSound(contents, task, "drink", sizes); });
+    EXPECT_THAT(of_size, HasSubstr("mine.cc:7, in prepare"));
+    EXPECT_EQ(of_size.find("mine.cc"), of_size.rfind("mine.cc")) << of_size;
+    SceneSpec spec{.name = "lab", .timestep = 0.002, .add_floor = false, .add_skybox = false};
+    for (const SceneObject& object : contents.objects) spec.objects.push_back(object);
+    EXPECT_THAT(message([&] { BuildPrepared(spec, 0, task); }),
+                HasSubstr("mine.cc:7, in prepare: object 'cup'"));
+    const std::string of_other = message([&] { BuildPrepared(spec, 1, task); });
+    EXPECT_THAT(of_other, AllOf(HasSubstr("object 'cup'"), Not(HasSubstr("mine.cc"))));
+  }
 }
 
 }  // namespace

@@ -49,6 +49,11 @@ void ReplaceObjects(SceneSpec& spec, size_t before, const std::vector<SceneObjec
   }
 }
 
+void Append(StartContents& contents, const StartContents& more) {
+  contents.objects.insert(contents.objects.end(), more.objects.begin(), more.objects.end());
+  contents.kinds.insert(contents.kinds.end(), more.kinds.begin(), more.kinds.end());
+}
+
 void AddParkedRobot(SceneSpec& spec, const RobotConfig& robot) {
   spec.robots.push_back({.name = robot.name,
                          .config = robot,
@@ -203,6 +208,29 @@ std::optional<internal::RelatedPlaces> StartSampler::RelationsOf(const SceneSpec
   return internal::RelatedPlaces(std::move(links));
 }
 
+StartContents StartSampler::TakePlaced(SceneSpec& spec, size_t before) {
+  StartContents taken;
+  const std::vector<internal::SaidPlaces> said = SaidOfPlaces();
+  std::vector<SceneObject> others;
+  for (size_t i = 0; i < spec.objects.size(); ++i) {
+    SceneObject object = spec.objects[i];
+    const auto says = [&](const internal::SaidPlaces& each) {
+      return each.places.contains(object.name);
+    };
+    if (i >= before || std::ranges::none_of(said, says)) {
+      others.push_back(std::move(object));
+      continue;
+    }
+    if (!internal::IsFixed(object)) internal::ForgetPose(object);
+    taken.kinds.push_back(object.name);
+    taken.objects.push_back(std::move(object));
+  }
+  if (taken.objects.empty()) return taken;
+  ReplaceObjects(spec, 0, others);
+  ReplaceObjects(spec, others.size(), taken.objects);
+  return taken;
+}
+
 std::vector<StartContents> StartSampler::PossibleContents(int scene_index) {
   return kind_->PossibleContents(run_, scene_index, MakeBaseScene(scene_index),
                                  [&] { return AnnotationsOf(scene_index); });
@@ -241,12 +269,15 @@ void StartSampler::ValidateStarts(std::span<const int> scenes, Problems& problem
     AddContents({.scene = scene}, spec, rng);  // tasks may choose their places in prepare()
     const std::vector<internal::SaidPlaces> said = SaidOfPlaces();
     if (said.empty()) continue;
-    const std::shared_ptr<const internal::Landmarks> base =
-        LandmarksOf(MakeBaseScene(scene), scene);
+    SceneSpec own = MakeBaseScene(scene);
+    const StartContents placed = TakePlaced(own, own.objects.size());
+    own.objects.boxes().resize(own.objects.size() - placed.objects.size());
+    const std::shared_ptr<const internal::Landmarks> base = LandmarksOf(own, scene);
     const auto may_come = [&](const std::string& name) {
       return PossibleNames(scene).contains(name);
     };
-    for (const StartContents& contents : PossibleContents(scene)) {
+    for (StartContents contents : PossibleContents(scene)) {
+      Append(contents, placed);
       internal::LinkPlaces(base, said, {contents.objects, contents.kinds, may_come}, found,
                            reported);
     }
@@ -484,8 +515,11 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   SceneSpec spec = MakeBaseScene(request.scene);
   Rng support_rng = rng.Fork("support");
   const Support support = FindSupportOf(spec, request.scene, support_rng);
-  const size_t before = spec.objects.size();
+  const size_t own = spec.objects.size();
   StartContents contents = AddContents(request, spec, rng);
+  const StartContents placed = TakePlaced(spec, own);
+  const size_t before = own - placed.objects.size();
+  Append(contents, placed);
   std::vector<std::string> kinds = contents.kinds;
   const std::string first = kinds.empty() ? "" : kinds.front();
   const BasePlacement placement = ChooseBasePlacement(request, rng);
@@ -499,7 +533,7 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   }
   ReplaceObjects(spec, before, objects);
   AddParkedRobot(spec, run_.robot.config);
-  Scene scene = Scene::Build(spec, request.scene_data);
+  Scene scene = BuildPrepared(spec, before, *task_, request.scene_data);
   scene.Reset({.seed = rng.Fork("home").NextBits()});
   const std::shared_ptr<Task> task = task_;
   internal::TaskCalls(*task).Bind(

@@ -97,6 +97,9 @@ class StartSampler : public TaskSampler {
                                  const BasePlacement& placement, Rng& rng);
   BaseRange base_range();
   std::vector<internal::SaidPlaces> SaidOfPlaces();
+  // Moves the objects among the first `before` of a scene that have a place in relation to something
+  // to its end, without their poses, and returns them: they are placed like the task's.
+  StartContents TakePlaced(SceneSpec& spec, size_t before);
   const std::shared_ptr<const internal::Landmarks>& LandmarksOf(const SceneSpec& base,
                                                                 int scene_index);
   std::optional<internal::RelatedPlaces> RelationsOf(const SceneSpec& spec, size_t before,
