@@ -14,7 +14,7 @@ from importlib.machinery import PathFinder
 from pathlib import Path
 
 from robocell._core import ArgumentError, NotFoundError, imports_of_run_file
-from robocell._own_code import file_of_module
+from robocell._own_code import source_of_module
 
 
 def needed_imports(source: str | os.PathLike[str], imports: Sequence[str]) -> dict[str, Path]:
@@ -38,7 +38,7 @@ def file_of_import(name: str, folder: Path) -> Path:
     """
     found: Path | None = folder / name
     if not name.endswith((".py", ".so")) and "/" not in name:
-        found = file_of_module(name)
+        found = source_of_module(name)
         if found is None:  # names are looked up in the folder, too
             spec = PathFinder.find_spec(name.partition(".")[0], [str(folder)])
             beside = Path(spec.origin) if spec is not None and spec.origin else None

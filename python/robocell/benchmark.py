@@ -178,7 +178,7 @@ def load(file: str | os.PathLike[str]) -> Benchmark:
     if (damage := json_damage(text)) is not None:
         raise IoError(f"benchmark '{path}' is damaged or was edited: {damage}")
     for name, kind in CONTENT.items():
-        if not isinstance(content.get(name), kind) or not content[name] and name == "starts":
+        if not isinstance(content.get(name), kind) or (name == "starts" and not content[name]):
             raise IoError(
                 f"benchmark '{path}' has no {name} of this version of robocell; write it again "
                 "with `robocell benchmark`"
