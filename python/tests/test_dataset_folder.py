@@ -12,8 +12,8 @@ import pytest
 
 from command_line import write_run
 from robocell import IoError
-from robocell._generation import supervised_job
 from robocell._generation import report as reports
+from robocell._generation import supervised_job
 from robocell._generation.check import Found
 from robocell._generation.job import Job
 from robocell._generation.observer import Observer
