@@ -82,7 +82,8 @@ def from_dataset(
             dataset uses. Its own task judges, and start i is that of seed i.
 
     Raises:
-        ArgumentError: `dataset` is a file, or a list of columns is empty.
+        ArgumentError: `dataset` is a file, a list of columns is empty, or `env` has
+            `home_on_reset: false`: its starts depend on the episodes before.
         NotFoundError: The dataset has no such name (the message has the nearest), or the task is
             not registered.
         SpecError: The task's code differs from the code that made the dataset, or a module of that
