@@ -193,6 +193,19 @@ def test_the_cell_of_a_moved_dataset_and_of_its_run_file_is_the_same(dataset: Pa
     ]
 
 
+def test_a_refused_folder_is_told_by_the_options_of_the_command(dataset: Path, tmp_path: Path):
+    words = ("evaluate", dataset, "--policy", "random", "-n", 1, "--output", tmp_path / "out")
+    assert robocell_command(*words).returncode == 0
+    said = refusal(*words, "--max-steps", 30)
+    assert "--max-steps 30: rates.max_steps: 120 then, 30 now" in said
+    assert "--set" not in said
+
+
+def test_a_misspelt_dataset_is_told_with_the_nearest_one(dataset: Path):
+    said = refusal("evaluate", dataset.with_name("pickks"), "--policy", "expert")
+    assert f"no dataset or run file '{dataset.with_name('pickks')}'. Did you mean 'picks'?" in said
+
+
 def test_a_stored_evaluation_is_read_again(tmp_path: Path):
     mine = evaluation({"s0_e0": True, "s0_e1": False})
     with pytest.raises(rc.IoError, match="`robocell evaluate` writes it"):
