@@ -32,7 +32,7 @@ from robocell._core import (
     PlanItem,
     SpecError,
 )
-from robocell._dataset_run import is_recorded_folder, plan_numbers
+from robocell._dataset_run import is_recorded_folder, plan_numbers, require_cell
 from robocell._env_job import EnvJob
 from robocell._evaluated import cell_of, difference_of, rollout_end
 from robocell._generation.items import ItemRecord
@@ -336,6 +336,7 @@ def evaluate(
     Raises IoError if a policy server is gone; the same call continues the evaluation.
     """
     _require_there(source)
+    require_cell(source)
     recorded = is_recorded_folder(source)
     if policy == REPLAY:
         own_seed = 0 if recorded else replayed_seed(source)
