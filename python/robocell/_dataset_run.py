@@ -32,6 +32,7 @@ __all__ = [
     "manifest_of_dataset",
     "plan_numbers",
     "recorded_attempts",
+    "require_cell",
     "run_of_dataset",
     "seed_of_dataset",
 ]
@@ -76,6 +77,25 @@ def is_recorded_folder(source: str | Path) -> bool:
     except (Error, OSError):
         return False
     return "environment" in metadata
+
+
+def require_cell(source: str | Path) -> None:
+    """Raises ArgumentError for an imported dataset: nothing says in which cell it was made."""
+    folder = Path(source)
+    if not folder.is_dir():
+        return
+    try:
+        dataset = Dataset(folder)
+        metadata: Any = dataset[0].metadata if len(dataset) else {}
+    except (Error, OSError):
+        return  # told by what reads it next
+    origin = metadata.get("imported") if isinstance(metadata, dict) else None
+    if isinstance(origin, dict):
+        raise ArgumentError(
+            f"'{folder}' was imported from {origin.get('format', 'another format')}, so it has no "
+            "cell to act in: train on it, and evaluate in a run, or in a dataset that a run or an "
+            "environment made"
+        )
 
 
 def seed_of_dataset(source: str | Path) -> int:

@@ -63,6 +63,16 @@ def test_lerobot_datasets_come_back(dataset: robocell.Dataset, tmp_path: Path, f
             assert np.array_equal(own.frames(camera), episode.frames(camera)), "copied"
 
 
+def test_an_imported_dataset_has_no_cell_to_act_in(dataset: robocell.Dataset, tmp_path: Path):
+    export_dataset(dataset, tmp_path / "there", "lerobot-v3", cameras=[])
+    import_dataset(tmp_path / "there", tmp_path / "back")
+    with pytest.raises(robocell.ArgumentError, match=r"was imported from LeRobot.*no cell to act"):
+        robocell.envs.from_dataset(tmp_path / "back")
+    said = refused("evaluate", tmp_path / "back", "--policy", "random")
+    assert "was imported from LeRobot" in said
+    assert "so it has no cell to act in: train on it" in said
+
+
 def test_videos_with_other_key_frames_are_cut_at_the_frame(
     dataset: robocell.Dataset, tmp_path: Path
 ):
