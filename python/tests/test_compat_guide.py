@@ -223,7 +223,10 @@ def test_misspelt_argument_errors_suggest_the_nearest_name(scene: mjk.Scene):
             lambda: mjk.VideoRecorder(),
             r"To begin a video: VideoRecorder\.open\(env, 'video\.mp4'\)",
         ),
-        (lambda: mjk.VideoRecorder(3), r"takes a robocell\.VideoRecorder, got int\. To begin"),
+        (
+            lambda: mjk.VideoRecorder(3),
+            r"takes a robocell\.render\.VideoRecorder, got int\. To begin",
+        ),
         (lambda: mjk.menagerie.model_path(nam="a"), r"model_path\(\): .*mean 'name'\?"),
     ):
         with pytest.raises(TypeError, match=message):

@@ -454,7 +454,8 @@ def test_rejects_an_unknown_unit(unit: str, near: str):
 
 
 @pytest.mark.parametrize(
-    "frame", ["", "world", "base of rc7", "TCP of rc7", "body 'cup'", "shared base frame"]
+    "frame",
+    ["", "world", "base of robot", "TCP of robot", "body 'cube_green_cube'", "shared base frame"],
 )
 def test_accepts_frames_of_robocell(frame: str):
     rc.features.register_feature("frame_of_test", frame=frame)(lambda scene: 0.0)
