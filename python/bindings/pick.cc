@@ -94,6 +94,10 @@ void BindPickTask(nb::module_& m) {
           "objects", [](const PickTask& t) { return t.PickTask::objects(); },
           "Returns the names of the objects, the target first.")
       .def(
+          "object_of",
+          [](const PickTask& t, const std::string& name) { return t.PickTask::object_of(name); },
+          "name"_a, "Returns the object of the scene for which a name of objects() stands.")
+      .def(
           "resting_objects", [](const PickTask& t) { return t.PickTask::resting_objects(); },
           "Returns the names of the objects that must lie still when an episode begins.")
       .def(

@@ -341,8 +341,13 @@ void BindTaskClass(nb::module_& m) {
       .def(
           "objects", [](const Task&) { return std::vector<std::string>(); },
           nb::sig("def objects(self) -> collections.abc.Sequence[str]"),
-          "Returns the names of the objects whose poses are observed and recorded, the target "
-          "first.")
+          "Returns the names under which the poses of objects are observed and recorded, the "
+          "target first.")
+      .def(
+          "object_of", [](const Task&, const std::string& name) { return name; }, "name"_a,
+          "Returns the object of the scene for which a name of objects() stands in the present "
+          "episode, the object of that name by default. In an environment, a task that draws its "
+          "target among several objects observes it as 'target', as in a run.")
       .def(
           "kind_of", [](const Task&, const std::string& object) { return object; }, "object"_a,
           "Returns the kind of an object that prepare added, its name by default. Reports count by "

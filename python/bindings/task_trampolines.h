@@ -166,6 +166,11 @@ class PyTaskOf : public Base {
     const nb::gil_scoped_acquire acquire;
     return Names("objects");
   }
+  std::string object_of(const std::string& name) const override {
+    if (!Defines(nb_trampoline, "object_of")) return Base::object_of(name);
+    const nb::gil_scoped_acquire acquire;
+    return Returned<std::string>(self(), "object_of", Call("object_of", name));
+  }
   std::string kind_of(const std::string& object) const override {
     if (!Defines(nb_trampoline, "kind_of")) return Base::kind_of(object);
     const nb::gil_scoped_acquire acquire;
@@ -231,6 +236,9 @@ class PyTaskOf : public Base {
     // Its own memory() may need what begin() sets.
     if (has_memory()) return !has_begun_ || Base::CanRecall(memory);
     return memory.size() >= Base::memory().size();
+  }
+  std::string WhyNotRecalled(std::span<const double> memory) const override {
+    return has_memory() ? "" : Base::WhyNotRecalled(memory.first(Base::memory().size()));
   }
   bool HoldsElsewhere(std::span<const double> memory) const override {
     return has_memory() || !HasAttributes(memory.subspan(Base::memory().size()));

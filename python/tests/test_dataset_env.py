@@ -368,19 +368,19 @@ def test_a_recorded_environment_takes_actions_of_one_kind(tmp_path: Path):
         mixed.step({own: [0, 0, 0, 0, 0, 0, 1], "robots/robot/action/gripper": 1})
 
 
-def own_cell(**fields: object) -> rc.Env:
-    """The robot of the dataset before an object of its name, in an environment of its own."""
+def own_cell(name: str = "target", **fields: object) -> rc.Env:
+    """The robot of the dataset before an object, in an environment of its own."""
     config = rc.EnvConfig(
         robots={"rc7": rc.models.robot_file("rc7")},
         root_frame_objects={
-            "target": {
+            name: {
                 "shape": "cylinder",
                 "size": [0.02, 0.04, 0],
                 "mass": 0.1,
                 "offset": rc.Pose(translation=[0.45, 0, 0.04]),
             }
         },
-        task={"kind": "pick", "object": "target"},
+        task={"kind": "pick", "object": name},
         sim={"async_control": True, "frequency": 500 / 33},
         **fields,
     )
@@ -412,9 +412,50 @@ def test_an_environment_of_ones_own_is_compared_with_the_dataset(dataset: rc.Dat
     other = rc.Env(rc.EnvConfig(robots={"arm": rc.models.robot_file("rc7")}))
     with pytest.warns(UserWarning, match=r"until the arms have arrived, and a row .* 66 ms"):
         env = from_dataset(dataset, ["robots/rc7/arm/qpos"], cameras=False, env=other)
-    with pytest.raises(rc.NotFoundError, match="'robots/rc7/arm/qpos' is in the dataset and not"):
+    text = (
+        r"'robots/rc7/arm/qpos' is in the dataset and not in the cell here, whose robots are: "
+        r"'arm'. For 'rc7' name the robot so in `robots`"
+    )
+    with pytest.raises(rc.NotFoundError, match=text):
         env.reset(seed=0)
     other.close()
+    cell = own_cell("cube")
+    env = from_dataset(dataset, ["robots/rc7/objects/target/pose_in_tcp"], env=cell)
+    with pytest.raises(rc.NotFoundError, match=r"whose objects are: 'cube'. For 'target' name it"):
+        env.reset(seed=0)
+    cell.close()
+
+
+@pytest.mark.parametrize("kind", ["pick", "pick_and_place"])
+def test_one_task_block_has_the_same_columns_in_a_run_and_an_environment(tmp_path: Path, kind: str):
+    """A policy of the dataset sees the drawn objects by the same names, whichever are drawn."""
+    task = {"kind": kind, "objects": ["box", "nut"]}
+    dataset = make(tmp_path / "out", 2, task=task)
+    cell = rc.Env(
+        rc.EnvConfig(
+            robots={"rc7": rc.models.robot_file("rc7")},
+            add_floor=True,
+            task=task,
+            sim={"async_control": True, "frequency": 500 / 33},
+        )
+    )
+    env = from_dataset(dataset, privileged=True, cameras=False, env=cell)
+    shared = env.observations
+    said = set()
+    for seed in range(8):
+        row, info = env.reset(seed=seed)
+        assert list(row) == shared
+        drawn = info["instruction"].split()[3]
+        said.add(drawn)
+        place = cell.scene.compiled.object(f"target_{drawn}").root_body
+        pose = cell.scene.body_pose(place)
+        np.testing.assert_allclose(row["objects/target/pose"][:3], pose.translation, atol=1e-9)
+    assert said == {"box", "nut"}
+    recorded = [f.name for f in dataset[0].features if f.name in shared]
+    assert [name for name in cell.row() if name in shared] == recorded
+    assert "objects/target/pose" in shared
+    assert ("objects/goal/pose" in shared) == (kind == "pick_and_place")
+    cell.close()
 
 
 def test_the_random_policy_acts_on_any_group_name(dataset: rc.Dataset, tmp_path: Path):

@@ -423,10 +423,66 @@ def test_pick_without_an_object_draws_the_target_at_each_reset():
         observation, info = env.reset(seed=seed)
         said.add(info["instruction"])
         target = "target_" + info["instruction"].removeprefix("pick up the ")
-        place = observation["objects"][target]["tquat"][:3]
-        np.testing.assert_allclose(observation["task"]["target"], place, atol=1e-6)
+        body = env.scene.compiled.object(target).root_body
+        place = env.row()["objects/target/pose"][:3]
+        np.testing.assert_allclose(place, env.scene.body_pose(body).translation, atol=1e-9)
+        assert set(observation["objects"]) == {"target", "object_1"}
     assert said == {"pick up the box", "pick up the nut"}
     env.close()
+
+
+class OneOfTwo(rc.tasks.Task):
+    """Draws one of two cubes, and observes it as "target"."""
+
+    def prepare(self, spec, rng):
+        look = {"mass": 0.1, "rgba": [1, 0, 0, 1], "friction": [1, 0.02, 0.001]}
+        for name in ("red", "blue"):
+            spec.objects.append(
+                rc.SceneObject(name=name, shape=rc.Shape.BOX, size=[0.02] * 3, **look)
+            )
+
+    def starts(self, rng):
+        self.drawn = "red" if rng.uniform() < 0.5 else "blue"
+        return {}
+
+    def objects(self):
+        return ["target"]
+
+    def object_of(self, name):
+        return getattr(self, "drawn", "red")
+
+    def instruction(self):
+        return f"pick up the {self.drawn} cube"
+
+    def judge(self, scene):
+        return rc.tasks.TaskVerdict()
+
+
+def test_a_task_observes_what_it_draws_under_one_name():
+    @rc.register_task("one_of_two")
+    class Registered(OneOfTwo):
+        pass
+
+    env = rc.Env(pick_cube_config(task={"kind": "one_of_two"}))
+    said = set()
+    for seed in range(16):
+        observation, info = env.reset(seed=seed)
+        drawn = info["instruction"].split()[3]
+        said.add(drawn)
+        body = env.scene.compiled.object(drawn).root_body
+        place = env.scene.body_pose(body).translation
+        np.testing.assert_allclose(env.row()["objects/target/pose"][:3], place, atol=1e-9)
+        assert set(observation["objects"]) == {"target"}
+    assert said == {"red", "blue"}
+    env.close()
+
+    @rc.register_task("one_of_none")
+    class Wrong(OneOfTwo):
+        def object_of(self, name):
+            return "gren"
+
+    with pytest.raises(rc.Error, match=r"no object 'gren'. Its objects: cube, red"):
+        rc.Env(pick_cube_config(task={"kind": "one_of_none"}))
 
 
 def test_rejects_tasks_without_a_name_or_a_required_field():

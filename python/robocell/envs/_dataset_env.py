@@ -7,6 +7,7 @@ observations and actions are vectors in the order of the chosen names, as in
 
 from __future__ import annotations
 
+import re
 import warnings
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -34,7 +35,7 @@ from robocell._core import (
 )
 from robocell._dataset_run import plan_numbers, require_cell, run_of_dataset
 from robocell._generation.run_source import import_named
-from robocell._suggestions import did_you_mean, fitting
+from robocell._suggestions import did_you_mean, fitting, shortened
 from robocell.data._recorder import cell_of_a_run
 from robocell.envs._protocols import CellEnv
 from robocell.envs._recorded_env import OWN, RecordedEnv, is_recorded
@@ -197,6 +198,27 @@ def _default_actions(own: bool, features: Mapping[str, Feature]) -> list[str]:
     return [name for name in names if f"{name}_relative" in features]
 
 
+# What gives a robot or an object of an environment its name.
+_NAMING = {
+    "robots": "name the robot so in `robots` of the environment's configuration",
+    "objects": "name it so in `root_frame_objects` and in `task.object`; objects that a task draws "
+    "are observed as 'target' and 'goal'",
+}
+
+
+def _why_missing(name: str, known: Sequence[str]) -> str:
+    """Returns what a feature of the dataset has that the cell has not, and the next step."""
+    text = f"feature '{name}' is in the dataset and not in the cell here"
+    for part, naming in _NAMING.items():
+        element = re.compile(rf"(?:^|/){part}/([^/]+)/")
+        wanted = element.search(name)
+        here = {found[1] for each in known if (found := element.search(each))}
+        if wanted and wanted[1] not in here:
+            there = ", ".join(map(repr, sorted(here))) or "none"
+            return f"{text}, whose {part} are: {there}. For '{wanted[1]}' {naming}"
+    return text + (f".{near}" if (near := did_you_mean(name, known)) else f": {shortened(known)}")
+
+
 class DatasetEnv(gymnasium.Env[Any, Any]):
     """An environment made by `from_dataset`; `core` is the `CellEnv` that it steps.
 
@@ -285,7 +307,7 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
             if recorded is None:
                 continue
             if name not in here:
-                raise NotFoundError(f"feature '{name}' is in the dataset and not in the cell here")
+                raise NotFoundError(_why_missing(name, sorted(here)))
             if difference := recorded.difference_from(here[name]):
                 raise ArgumentError(f"{difference}: the dataset is of another cell")
         self._checked = True

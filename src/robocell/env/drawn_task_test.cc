@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -38,14 +39,36 @@ Eigen::Vector3d At(const Env& env, const std::string& object) {
   return env.scene().body_pose(env.scene().compiled()->object(object).root_body).translation();
 }
 
-// Returns a place that the task observes, x y z in the shared base frame.
-Eigen::Vector3d Observed(const Env& env, const std::string& name) {
+// Returns an observed place, x y z in the shared base frame.
+Eigen::Vector3d Place(const Env& env, const std::string& path) {
   for (int i = 0; i < env.layout().observation.size(); ++i) {
-    if (NameOfObservation(env.layout(), i) != "task." + name + "[0]") continue;
+    if (NameOfObservation(env.layout(), i) != path + "[0]") continue;
     const auto numbers = env.observation().subspan(i, 3);
     return {numbers[0], numbers[1], numbers[2]};
   }
-  ADD_FAILURE() << "no " << name;
+  ADD_FAILURE() << "no " << path;
+  return Eigen::Vector3d::Zero();
+}
+
+Eigen::Vector3d Observed(const Env& env, const std::string& object) {
+  return Place(env, "objects." + object + ".tquat");
+}
+
+std::vector<std::string> ColumnsOf(Env& env) {
+  std::vector<std::string> names;
+  for (const Feature& feature : env.features().observed().features())
+    names.push_back(feature.column.name);
+  return names;
+}
+
+// Returns the place in a pose column of the row that would be recorded now.
+Eigen::Vector3d Recorded(Env& env, const std::string& column) {
+  std::span<const double> rest = env.features().ReadState();
+  for (const Feature& feature : env.features().observed().features()) {
+    if (feature.column.name == column) return {rest[0], rest[1], rest[2]};
+    rest = rest.subspan(static_cast<size_t>(feature.size()));
+  }
+  ADD_FAILURE() << "no " << column;
   return Eigen::Vector3d::Zero();
 }
 
@@ -80,6 +103,52 @@ TEST(DrawnTask, EachResetDrawsPlacesAndTheTargetFromItsSeed) {
               UnorderedElementsAre("pick up the box", "pick up the sphere", "pick up the nut"));
 }
 
+// A run observes the drawn objects by the same names, whichever body stands for them.
+TEST(DrawnTask, TargetAndGoalAreObservedByTheirPartsWhateverIsDrawn) {
+  PickAndPlaceTaskConfig task;
+  task.objects = {"mug", "nut"};
+  task.goals = {"tray", "box"};
+  Env env(OnTheFloor(task));
+  EXPECT_THAT(ColumnsOf(env),
+              ::testing::IsSupersetOf({"objects/target/pose", "objects/goal/pose",
+                                       "robots/robot/objects/target/pose_in_tcp",
+                                       "robots/robot/objects/goal/pose_in_tcp", "task/goal"}));
+  EXPECT_THAT(ColumnsOf(env), ::testing::Not(::testing::Contains("objects/target_mug/pose")));
+  EXPECT_THAT(ColumnsOf(env), ::testing::Not(::testing::Contains("task/target")));
+  std::set<std::string> said;
+  for (uint64_t seed = 0; seed < 12; ++seed) {
+    env.Reset({.seed = seed});
+    const std::string words = env.instruction();
+    said.insert(words);
+    const bool is_mug = words.find("mug") != std::string::npos;
+    const Eigen::Vector3d target = At(env, is_mug ? "target_mug" : "target_nut");
+    const bool on_tray = words.find("tray") != std::string::npos;
+    const Eigen::Vector3d goal = At(env, on_tray ? "goal_tray" : "goal_box");
+    EXPECT_LT((Recorded(env, "objects/target/pose") - target).norm(), 1e-12) << words;
+    EXPECT_LT((Recorded(env, "objects/goal/pose") - goal).norm(), 1e-12) << words;
+    const Pose tcp = Robot::Of(env.scene(), "robot").tcp_in_world();
+    EXPECT_LT((tcp * Recorded(env, "robots/robot/objects/target/pose_in_tcp") - target).norm(),
+              1e-9);
+    const Pose base = env.scene().shared_base_frame_to_world();
+    EXPECT_LT((base * Observed(env, "target") - target).norm(), 1e-6);
+    EXPECT_LT((base * Observed(env, "goal") - goal).norm(), 1e-6);
+    EXPECT_EQ(env.task()->kind_of("target"), is_mug ? "mug" : "nut");
+    const Eigen::Vector3d other = At(env, is_mug ? "target_nut" : "target_mug");
+    EXPECT_LT((Recorded(env, "objects/object_1/pose") - other).norm(), 1e-12) << words;
+  }
+  EXPECT_THAT(env.task()->objects(), ::testing::ElementsAre("target", "goal", "object_1"));
+  EXPECT_EQ(said.size(), 4u) << "both of each were drawn";
+}
+
+TEST(DrawnTask, ObjectsAreAlsoObservedByTheirNamesInTheScene) {
+  EnvConfig config = OnTheFloor(PickTaskConfig{.objects = {"box", "nut"}});
+  config.features = {"objects/target_nut/pose"};
+  Env env(config);
+  env.Reset({.seed = 1});
+  const Eigen::Vector3d nut = Place(env, "features.objects/target_nut/pose");
+  EXPECT_LT((nut - At(env, "target_nut")).norm(), 1e-6);
+}
+
 TEST(DrawnTask, WithoutKindsThreeOfTheCatalogueAreThere) {
   const Env env(OnTheFloor(TaskSpec(PickTaskConfig{})));
   EXPECT_EQ(env.scene().object_names().size(), 3u);
@@ -110,10 +179,16 @@ TEST(DrawnTask, RejectsAStateWhoseTargetIsNotThere) {
     for (const double wrong : {99.0, 2.0, -1.0, 0.5, 1e300, std::nan("")}) {
       EnvState state = saved;
       state.task[number] = wrong;
-      ExpectThrow<ArgumentError>([&] { env.SetState(state); }, "state is of another environment");
+      ExpectThrow<ArgumentError>([&] { env.SetState(state); },
+                                 "the memory of task 'pick_and_place' in the state: number " +
+                                     std::to_string(number) + ", which object is the " +
+                                     (number == 3 ? "target" : "goal"));
     }
   }
   EXPECT_EQ(env.instruction(), words) << "nothing changed";
+  EnvState nowhere = saved;
+  nowhere.task[5] = std::nan("");
+  ExpectThrow<ArgumentError>([&] { env.SetState(nowhere); }, "number 5, of the goal, is nan");
   EXPECT_NO_THROW(env.SetState(saved));
 }
 
@@ -123,7 +198,7 @@ TEST(DrawnTask, PickAndPlaceDrawsAGoalObject) {
   for (uint64_t seed = 0; seed < 6; ++seed) {
     env.Reset({.seed = seed});
     EXPECT_THAT(env.instruction(), HasSubstr(" and put it on the tray"));
-    const Eigen::Vector3d goal = env.scene().shared_base_frame_to_world() * Observed(env, "goal");
+    const Eigen::Vector3d goal = env.scene().shared_base_frame_to_world() * Place(env, "task.goal");
     const Eigen::Vector3d tray = At(env, "goal");
     EXPECT_LT((goal - tray).head<2>().norm(), 0.02) << "in the middle of the tray";
     const Eigen::Vector3d target =
@@ -152,7 +227,7 @@ TEST(DrawnTask, ObjectAndGoalMayBeNamedOneByOne) {
   Env to_place(OnTheFloor(task));
   EXPECT_THAT(to_place.scene().object_names(), UnorderedElementsAre("target"));
   to_place.Reset({.seed = 1});
-  const Eigen::Vector3d goal = Observed(to_place, "goal");
+  const Eigen::Vector3d goal = Place(to_place, "task.goal");
   EXPECT_LT((goal - Eigen::Vector3d(0.35, 0.25, 0.03)).norm(), 1e-6);
 
   EnvConfig config = OnTheFloor(PickAndPlaceTaskConfig{.object = "cube"});
@@ -167,13 +242,24 @@ TEST(DrawnTask, ObjectAndGoalMayBeNamedOneByOne) {
   EXPECT_LT((At(on_tray, "cube") - Eigen::Vector3d(0.4, 0, 0.02)).norm(), 1e-3);
 }
 
-TEST(DrawnTask, ObjectsOfTheRigKeepTheirNames) {
+TEST(DrawnTask, RejectsAnObjectOfTheRigWithTheNameOfADrawnOne) {
   EnvConfig config = OnTheFloor(PickTaskConfig{.objects = {"box"}});
   config.root_frame_objects["target"] = {.offset = Pose(Eigen::Vector3d(0.4, 0, 0.02)),
                                          .shape = Shape::kBox,
                                          .size = Vec3{0.02, 0.02, 0.02},
                                          .mass = 0.05};
-  ExpectThrow<HookError>([&] { const Env env(config); }, "object 'target', a name that scene");
+  ExpectThrow<SpecError>([&] { const Env env(config); },
+                         "root_frame_objects.target: task 'pick' gives this name to an object that "
+                         "it draws; choose another name, or let the task use this object: "
+                         "task.object: target");
+  const EnvObject block = config.root_frame_objects["target"];
+  config = OnTheFloor(PickTaskConfig{.objects = {"box"}});
+  config.root_frame_objects["target_cup"] = block;
+  EXPECT_NO_THROW(Env{config});
+  config = OnTheFloor(PickAndPlaceTaskConfig{});
+  config.world_frame_objects["goal_tray"] = block;
+  ExpectThrow<SpecError>([&] { const Env env(config); },
+                         "world_frame_objects.goal_tray: task 'pick_and_place' gives this name");
 }
 
 // Each object may become the target, so that the goal has to fit all of them.
@@ -218,8 +304,23 @@ TEST(DrawnTask, PlacesMayNameObjectsByTheirKinds) {
     env.Reset({.seed = seed});
     EXPECT_LT(distance(), 0.2) << seed;
   }
+  // The entry of the target is about another object in each start.
+  config.places = {{"target", {.next_to = "box"}}};
+  Env other(config);
+  std::set<std::string> said;
+  for (uint64_t seed = 0; seed < 8; ++seed) {
+    other.Reset({.seed = seed});
+    const Eigen::Vector3d box = At(other, "target_box");
+    const std::string target = other.task()->object_of("target");
+    said.insert(target);
+    EXPECT_LT((At(other, target) - box).head<2>().norm(), 0.2) << seed;
+  }
+  EXPECT_THAT(said, UnorderedElementsAre("target_nut", "target_bottle")) << "there is one box";
+  config.places = {{"target", {.next_to = "shpere"}}};
+  ExpectThrow<SpecError>([&] { const Env wrong(config); },
+                         "places.target: no object or body 'shpere'");
   config.places = {{"sphere", {.next_to = "box"}}};
-  ExpectThrow<SpecError>([&] { const Env other(config); }, "places.sphere: no object 'sphere'");
+  ExpectThrow<SpecError>([&] { const Env wrong(config); }, "places.sphere: no object 'sphere'");
 }
 
 }  // namespace

@@ -60,11 +60,12 @@ std::vector<internal::CollisionMonitor::Watched> WatchedOf(
   return watched;
 }
 
-std::vector<BodyHandle> ObservedObjects(const EnvLayout& layout, const Scene& scene) {
-  std::vector<BodyHandle> bodies;
+std::vector<ObservedObject> ObservedObjects(const EnvLayout& layout, const Scene& scene,
+                                            const std::shared_ptr<Task>& task) {
+  std::vector<ObservedObject> objects;
   for (const ObjectLayout& object : layout.objects)
-    bodies.emplace_back(scene, scene.compiled()->object(object.object).root_body);
-  return bodies;
+    objects.emplace_back(scene, object.object, ObjectOfNameIn(Lent(task)));
+  return objects;
 }
 
 CameraSystemConfig StreamsOf(const EnvConfig& config) {
@@ -163,7 +164,7 @@ Env::State::State(EnvConfig config, Scene scene, std::optional<int> copy,
                                                        config_.features.names);
                      })),
       layout_(MakeEnvLayout(config_, ArmsOf(config_, scene_), task_.get(), signals_, chosen_)),
-      objects_(ObservedObjects(layout_, scene_)),
+      objects_(ObservedObjects(layout_, scene_, task_)),
       arms_(DriversOf(config_, scene_.inner(), layout_)),
       cell_(scene_.inner(), RobotsOfDrivers(arms_), {.control_ticks = 1, .sim_steps = 1},
             task_.get(), place()),
@@ -253,6 +254,7 @@ std::string Env::State::instruction() const {
 
 void Env::State::DropTask() {
   features_.reset();
+  objects_.clear();
   cell_.DropTask();
   task_.reset();
 }

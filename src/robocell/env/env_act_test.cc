@@ -210,17 +210,46 @@ TEST(EnvResets, AMisspeltKeyframeChangesNothing) {
 
 // The target that later actions start from and that episodes record is the one the arm is driven to.
 TEST(EnvAct, ATargetBeyondALimitBecomesTheNearestInside) {
-  Env env(Rc7Env(ControlMode::kJoints, RelativeTo::kLastStep));
+  for (const ControlKind control :
+       {ControlKind::kJointPosition, ControlKind::kRelativeJointPosition}) {
+    EnvConfig config = Rc7Env(ControlMode::kJoints, RelativeTo::kLastStep);
+    config.robots["robot"].control["arm"] = control;
+    Env env(config);
+    env.Reset();
+    const double upper = Robot::Of(env.scene(), "robot").chain().joints()[0].upper;
+    std::vector<double> target = TargetOfArm(env);
+    target[0] = 9;
+    ASSERT_GT(target[0], upper);
+    env.Act({{kArm, target}});
+    EXPECT_NEAR(TargetOfArm(env)[0], upper, 1e-9);
+    EXPECT_NEAR(RecordedTargets(env)[kArm][0], upper, 1e-9);
+    env.Step(std::vector<double>(static_cast<size_t>(env.layout().action.size())));
+    EXPECT_NEAR(TargetOfArm(env)[0], upper, 1e-9);
+    env.Act({{"robots/robot/action/arm_relative", {5, 0, 0, 0, 0, 0, 0}}, {kGripper, {7}}});
+    EXPECT_NEAR(TargetOfArm(env)[0], upper, 1e-9);
+    EXPECT_EQ(RecordedTargets(env)[kGripper][0], 1);
+  }
+}
+
+TEST(EnvAct, AnAbsoluteActionBeyondALimitBecomesTheNearestInside) {
+  Env env(Rc7Env(ControlMode::kJoints, RelativeTo::kNone));
   env.Reset();
   const double upper = Robot::Of(env.scene(), "robot").chain().joints()[0].upper;
-  std::vector<double> target = TargetOfArm(env);
-  target[0] = 9;
-  ASSERT_GT(target[0], upper);
-  env.Act({{kArm, target}});
+  std::vector<double> action(static_cast<size_t>(env.layout().action.size()));
+  action[0] = 9;
+  env.Step(action);
   EXPECT_NEAR(TargetOfArm(env)[0], upper, 1e-9);
-  EXPECT_NEAR(RecordedTargets(env)[kArm][0], upper, 1e-9);
+}
+
+// A pose out of reach keeps the last target, from which later actions start.
+TEST(EnvAct, APoseOutOfReachKeepsTheTarget) {
+  Env env(Rc7Env(ControlMode::kJoints, RelativeTo::kLastStep));
+  env.Reset();
+  const std::vector<double> before = TargetOfArm(env);
+  env.Act({{"robots/robot/action/tcp_pose", {9, 0, 0, 0, 0, 0, 1}}});
+  EXPECT_EQ(TargetOfArm(env), before);
   env.Step(std::vector<double>(static_cast<size_t>(env.layout().action.size())));
-  EXPECT_NEAR(TargetOfArm(env)[0], upper, 1e-9);
+  EXPECT_EQ(TargetOfArm(env), before);
 }
 
 }  // namespace

@@ -23,8 +23,8 @@
 #include "robocell/features/cell_features.h"
 #include "robocell/features/chosen_features.h"
 #include "robocell/features/declared_features.h"
+#include "robocell/features/observed_object.h"
 #include "robocell/robot/action.h"
-#include "robocell/scene/body_handle.h"
 #include "robocell/scenes/start_inspector.h"
 
 namespace robocell {
@@ -122,7 +122,7 @@ class Env::State {
   DeclaredFeatures signals_;  // of the task
   internal::ChosenFeatures chosen_;
   EnvLayout layout_;
-  std::vector<BodyHandle> objects_;  // bodies of layout_.objects
+  std::vector<ObservedObject> objects_;  // those of layout_.objects
   std::vector<internal::ArmDriver> arms_;
   std::optional<internal::PreparedObjects> prepared_;  // unset when no place is drawn
   std::vector<std::string> resting_;                   // objects that have to rest at the start

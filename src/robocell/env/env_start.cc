@@ -177,8 +177,12 @@ void Env::State::FindPreparedObjects(bool is_first) {
   prepared_.emplace(scene_.inner(), config_, task_.get());
   if (prepared_->empty()) return prepared_.reset();
   Rng of_task = Rng::Stream(kTriedSeed, "env task"), of_places = Rng::Stream(kTriedSeed, "places");
-  BodyPoses starts = TaskStarts(of_task);
-  const internal::PreparedObjects::Drawn drawn = prepared_->Draw(starts, of_places);
+  BodyPoses starts;
+  internal::PreparedObjects::Drawn drawn{.why_not = "not drawn"};
+  for (int i = 0; i < kMostStarts && !drawn.why_not.empty(); ++i) {
+    starts = TaskStarts(of_task);
+    drawn = prepared_->Draw(starts, of_places);
+  }
   ResetToStart({.body_poses = starts});
   if (task_ && internal::TaskCalls(*task_).Arrange(scene_, of_task))
     ResetToStart({.body_poses = starts});

@@ -221,7 +221,14 @@ void Env::State::RequireState(const EnvState& state) const {
                         ": the state is of another environment; states fit those of the same "
                         "configuration, but for root_frame_to_world");
   }
-  // A task's memory may have any content.
+  if (task_) {
+    const std::string why = internal::TaskCalls(*task_).WhyNotRecalled(state.task);
+    if (!why.empty()) {
+      throw ArgumentError(fmt::format("{}: the memory of task '{}' in the state: {}", place(),
+                                      config_.task->kind(), why));
+    }
+  }
+  // A task's memory may have any other content.
   const auto task =
       static_cast<std::ptrdiff_t>(kNumbersBeforePhysics + 1 + state.physics.size() + 1);
   const std::vector<double> numbers = state.numbers();

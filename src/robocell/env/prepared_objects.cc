@@ -103,24 +103,28 @@ std::optional<Support> PatchAround(const Support& support, const Eigen::Vector3d
 }  // namespace
 
 PreparedObjects::PreparedObjects(const Scene& scene, const EnvConfig& config, Task* task)
-    : scene_(scene) {
+    : scene_(scene),
+      task_(task),
+      place_("environment '" + config.name + "'"),
+      locations_(config.locations) {
   if (task) RequireObjects(config, *task);
   FindObjects(config);
-  Relate(config, task);
-  std::erase_if(loose_, [&](size_t i) { return IsRelated(i); });
+  loose_ = added_;
+  Relate(config);
   ObjectSizes sizes;
   sizes_.resize(objects_.size());
   for (size_t i = 0; i < objects_.size(); ++i) {
-    if (!related_ && !IsLoose(i)) continue;
+    const bool is_added = std::ranges::find(added_, i) != added_.end();
+    if (!related_ && !is_added) continue;
     ResolveModel(objects_[i]);
     sizes_[i] = sizes.Of(objects_[i]);
-    if (const std::string why = WhyTooLarge(objects_[i], sizes_[i]); IsLoose(i) && !why.empty()) {
+    if (const std::string why = WhyTooLarge(objects_[i], sizes_[i]); is_added && !why.empty()) {
       throw SpecError(fmt::format(
           "environment '{}': task '{}': prepare() added an object that cannot be handled: {}",
           config.name, config.task ? config.task->kind() : "", why));
     }
   }
-  if (!loose_.empty()) FindSupports(config, task);
+  if (!added_.empty()) FindSupports(config, task);
 }
 
 void PreparedObjects::RequireObjects(const EnvConfig& config, Task& task) const {
@@ -142,7 +146,7 @@ void PreparedObjects::FindObjects(const EnvConfig& config) {
     object.attach_to = {};
     ForgetPose(object);
     if (is_loose) {
-      loose_.push_back(objects_.size());
+      added_.push_back(objects_.size());
     } else {
       object.pos = ToVec3(compiled.translation());
       object.quat = compiled.quaternion();
@@ -159,34 +163,56 @@ void PreparedObjects::ResolveModel(SceneObject& object) const {
 }
 
 // `places` of the configuration come before those of the task.
-void PreparedObjects::Relate(const EnvConfig& config, Task* task) {
-  std::vector<SaidPlaces> said;
-  Problems problems(config.locations);
+void PreparedObjects::Relate(const EnvConfig& config) {
+  Problems problems(locations_);
   const auto add = [&](SaidPlaces places) {
-    if (!places.places.empty()) said.push_back(OfFreeObjects(std::move(places), scene_, problems));
+    if (!places.places.empty()) said_.push_back(OfFreeObjects(std::move(places), scene_, problems));
   };
   add({.places = config.places, .path = "places"});
-  if (task) add({.places = TaskCalls(*task).Places(), .path = "task", .hook = "places()"});
-  if (said.empty()) return;
-  // A place takes the place of a pose.
-  std::vector<SceneObject> objects = objects_;
-  std::vector<std::string> kinds;
+  if (task_) add({.places = TaskCalls(*task_).Places(), .path = "task", .hook = "places()"});
+  problems.Throw(place_);
+  if (said_.empty()) return;
+  placed_ = objects_;
   const std::set<std::string> of_config = NamesOfConfig(config);
-  for (SceneObject& object : objects) {
-    const bool is_of_task = task && !of_config.contains(object.name);
+  for (SceneObject& object : placed_) {
+    const bool is_of_task = task_ && !of_config.contains(object.name);
     const std::string& kind =
-        kinds.emplace_back(is_of_task ? TaskCalls(*task).KindOf(object.name) : object.name);
+        kinds_.emplace_back(is_of_task ? TaskCalls(*task_).KindOf(object.name) : object.name);
     ResolveModel(object);
     const auto says = [&](const SaidPlaces& each) {
       return each.places.contains(object.name) || each.places.contains(kind);
     };
-    if (std::ranges::any_of(said, says)) ForgetPose(object);
+    // A place takes the place of a pose.
+    if (std::ranges::any_of(said_, says)) ForgetPose(object);
   }
   landmarks_ = SharedLandmarks(Without(scene_.spec(), objects_));
+  RelateParts(PresentParts());
+}
+
+std::vector<std::string> PreparedObjects::PresentParts() const {
+  std::vector<std::string> parts(objects_.size());
+  if (!task_) return parts;
+  for (const std::string& name : TaskCalls(*task_).Objects()) {
+    const std::string object = TaskCalls(*task_).ObjectOf(name);
+    for (size_t i = 0; i < objects_.size() && object != name; ++i) {
+      if (objects_[i].name == object) parts[i] = name;
+    }
+  }
+  return parts;
+}
+
+// Resolves the relations of starts in which these names stand for the objects.
+void PreparedObjects::RelateParts(std::vector<std::string> parts) {
+  if (related_ && parts == parts_) return;
+  Problems problems(locations_);
   const auto may_come = [](const std::string&) { return false; };
-  std::vector<PlaceLink> links = LinkPlaces(landmarks_, said, {objects, kinds, may_come}, problems);
-  problems.Throw("environment '" + config.name + "'");
+  std::vector<PlaceLink> links =
+      LinkPlaces(landmarks_, said_, {placed_, kinds_, may_come, parts}, problems);
+  problems.Throw(place_);
+  parts_ = std::move(parts);
   related_.emplace(std::move(links));
+  loose_ = added_;
+  std::erase_if(loose_, [&](size_t i) { return IsRelated(i); });
 }
 
 void PreparedObjects::FindSupports(const EnvConfig& config, Task* task) {
@@ -300,7 +326,8 @@ std::vector<SceneObject> PreparedObjects::ObjectsAt(const BodyPoses& starts) con
   return objects;
 }
 
-PreparedObjects::Drawn PreparedObjects::Draw(BodyPoses& starts, Rng& rng) const {
+PreparedObjects::Drawn PreparedObjects::Draw(BodyPoses& starts, Rng& rng) {
+  if (related_) RelateParts(PresentParts());
   std::erase_if(starts, [&](const auto& start) {
     const auto body = std::ranges::find(bodies_, start.first);
     return body != bodies_.end() && IsRelated(static_cast<size_t>(body - bodies_.begin()));

@@ -18,9 +18,12 @@
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scenes/catalogue.h"
+#include "robocell/scenes/place_links.h"
 #include "robocell/scenes/related_places.h"
 #include "robocell/scenes/support.h"
 #include "robocell/spec/env_config.h"
+#include "robocell/spec/locations.h"
+#include "robocell/spec/scene_object.h"
 #include "robocell/task/task.h"
 
 namespace robocell::internal {
@@ -48,7 +51,7 @@ class PreparedObjects {
   };
   // Draws a robot and places for all objects that `starts` does not place, and adds them. Does
   // nothing if they fit nowhere; Unplaced names them.
-  Drawn Draw(BodyPoses& starts, Rng& rng) const;
+  Drawn Draw(BodyPoses& starts, Rng& rng);
   // Returns the names of those that lie at their compiled pose, which was not chosen.
   std::vector<std::string> Unplaced() const;
   // Those that are where Draw put them.
@@ -66,7 +69,9 @@ class PreparedObjects {
   void RequireObjects(const EnvConfig& config, Task& task) const;
   void FindObjects(const EnvConfig& config);
   void ResolveModel(SceneObject& object) const;
-  void Relate(const EnvConfig& config, Task* task);
+  void Relate(const EnvConfig& config);
+  std::vector<std::string> PresentParts() const;
+  void RelateParts(std::vector<std::string> parts);
   void FindSupports(const EnvConfig& config, Task* task);
   bool IsRelated(size_t i) const { return related_ && related_->IsRelated(i); }
   bool IsLoose(size_t i) const;
@@ -77,12 +82,21 @@ class PreparedObjects {
   std::vector<SceneObject> ObjectsAt(const BodyPoses& starts) const;
 
   Scene scene_;
+  Task* task_;
+  std::string place_;  // "environment 'duo'"
+  Locations locations_;
   // All that can move, as they are in the world; without a pose if they were added without one.
   std::vector<SceneObject> objects_;
   std::vector<std::string> bodies_;  // bodies of objects_
   std::vector<ObjectSize> sizes_;
   std::vector<Pose> compiled_;  // their poses after a reset
-  std::vector<size_t> loose_;   // those that are put on a support
+  std::vector<size_t> added_;   // those that were added without a pose
+  std::vector<size_t> loose_;   // of them, those that are put on a support in this start
+  std::vector<SaidPlaces> said_;
+  std::vector<SceneObject> placed_;  // objects_ without the poses that said_ replaces
+  std::vector<std::string> kinds_;   // their kinds
+  // The names of the task that stand for objects in this start (Task::object_of), "" for none.
+  std::vector<std::string> parts_;
   std::optional<RelatedPlaces> related_;
   std::shared_ptr<const Landmarks>
       landmarks_;              // landmarks of all bodies but objects_; set with related_

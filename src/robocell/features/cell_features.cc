@@ -15,9 +15,10 @@ namespace robocell {
 std::vector<std::unique_ptr<FeatureSource>> SourcesOfCell(const Scene& scene,
                                                           const std::vector<Robot>& robots,
                                                           const std::vector<std::string>& objects,
-                                                          const std::vector<std::string>& own) {
+                                                          const std::vector<std::string>& own,
+                                                          const ObjectOfName& object_of) {
   std::vector<std::unique_ptr<FeatureSource>> sources;
-  sources.push_back(std::make_unique<internal::SceneFeatures>(scene, robots, objects));
+  sources.push_back(std::make_unique<internal::SceneFeatures>(scene, robots, objects, object_of));
   sources.push_back(std::make_unique<internal::SensorFeatures>(scene));
   for (const Robot& robot : robots) sources.push_back(std::make_unique<RobotFeatures>(robot));
   if (!own.empty()) sources.push_back(std::make_unique<OwnFeatureSource>(scene, own));
@@ -26,7 +27,7 @@ std::vector<std::unique_ptr<FeatureSource>> SourcesOfCell(const Scene& scene,
 
 CellFeatures::CellFeatures(const Scene& scene, const std::vector<Robot>& robots,
                            CellFeatureOptions options) {
-  sources_ = SourcesOfCell(scene, robots, options.objects, options.own);
+  sources_ = SourcesOfCell(scene, robots, options.objects, options.own, options.object_of);
   if (options.more) sources_.push_back(std::move(options.more));
   for (const auto& source : sources_) {
     for (const Feature& feature : source->features()) observed_.Add(feature);

@@ -20,13 +20,15 @@
 #include <vector>
 
 #include "robocell/features/feature_source.h"
+#include "robocell/features/observed_object.h"
 #include "robocell/features/robot_features.h"
 #include "robocell/robot/action.h"
 
 namespace robocell {
 
 struct CellFeatureOptions {
-  std::vector<std::string> objects = {};     // objects whose poses are observed
+  std::vector<std::string> objects = {};     // names of the objects whose poses are observed
+  ObjectOfName object_of = {};               // the objects that these names stand for at present
   std::vector<std::string> own = {};         // registered features (own_features.h)
   std::unique_ptr<FeatureSource> more = {};  // additional sources
 };
@@ -36,7 +38,8 @@ struct CellFeatureOptions {
 std::vector<std::unique_ptr<FeatureSource>> SourcesOfCell(const Scene& scene,
                                                           const std::vector<Robot>& robots,
                                                           const std::vector<std::string>& objects,
-                                                          const std::vector<std::string>& own);
+                                                          const std::vector<std::string>& own,
+                                                          const ObjectOfName& object_of = {});
 
 class CellFeatures {
  public:

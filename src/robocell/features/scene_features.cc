@@ -5,11 +5,11 @@
 namespace robocell::internal {
 
 SceneFeatures::SceneFeatures(Scene given, std::vector<Robot> robots,
-                             const std::vector<std::string>& objects)
+                             const std::vector<std::string>& objects, const ObjectOfName& object_of)
     : FeatureSource(std::move(given)), robots_(std::move(robots)) {
   Add({.column = {.name = "time", .units = "s"}, .source = "scene"});
   for (const std::string& object : objects) {
-    objects_.emplace_back(scene(), scene().compiled()->object(object).root_body);
+    objects_.emplace_back(scene(), object, object_of);
     const std::string source = "object " + object;
     Add(PoseFeature("objects/" + object + "/pose", "world", FeatureRole::kPrivileged, source,
                     "Pose of the object's root body."));
@@ -31,7 +31,7 @@ void SceneFeatures::ReadNumbers(std::span<double> out) {
     PutPose(pose, out);
     out = out.subspan(kPoseNumbers);
   };
-  for (const BodyHandle& object : objects_) {
+  for (ObservedObject& object : objects_) {
     const Pose in_world = object.pose_in_world();
     put(in_world);
     for (const Robot& robot : robots_) {

@@ -19,7 +19,9 @@ std::optional<size_t> Named(const std::string& name, const StartObjects& start) 
   for (size_t i = 0; i < start.objects.size(); ++i) {
     if (start.objects[i].name == name) return i;
   }
-  return std::nullopt;
+  const auto part = std::ranges::find(start.parts, name);
+  if (name.empty() || part == start.parts.end()) return std::nullopt;
+  return static_cast<size_t>(part - start.parts.begin());
 }
 
 // Returns the first of a kind, except the object itself.
@@ -37,8 +39,10 @@ bool IsKind(const std::string& name, const StartObjects& start) {
 std::vector<std::string> NamesOf(const StartObjects& start) {
   std::vector<std::string> names;
   for (const SceneObject& object : start.objects) names.push_back(object.name);
-  for (const std::string& kind : start.kinds) {
-    if (std::ranges::find(names, kind) == names.end()) names.push_back(kind);
+  for (const auto& more : {start.parts, start.kinds}) {
+    for (const std::string& name : more) {
+      if (!name.empty() && std::ranges::find(names, name) == names.end()) names.push_back(name);
+    }
   }
   return names;
 }
@@ -85,7 +89,8 @@ struct Entry {
 std::optional<Entry> EntryOf(std::span<const SaidPlaces> said, const StartObjects& start,
                              size_t i) {
   for (const SaidPlaces& each : said) {
-    for (const std::string& key : {start.objects[i].name, start.kinds[i]}) {
+    const std::string part = start.parts.empty() ? "" : start.parts[i];
+    for (const std::string& key : {start.objects[i].name, part, start.kinds[i]}) {
       if (const ObjectPlace* place = each.places.find(key)) return Entry{&each, key, place};
     }
   }

@@ -38,6 +38,8 @@ struct StartObjects {
   const std::vector<std::string>& kinds;
   // Decides which names and kinds objects of other starts may have.
   std::function<bool(const std::string& name)> may_come;
+  // The names that stand for them in this start, "target"; "" for none. Empty if none has one.
+  std::vector<std::string> parts = {};
 };
 
 // A relation between an object of the start, by its index, and another one or an element of the
@@ -78,8 +80,8 @@ struct PlaceMistake {
 using PlaceMistakes = std::set<PlaceMistake>;
 
 // The link of each object that has an entry, each after those that it refers to. Of `said`, what
-// comes first counts; in each, an object's name comes before its kind. An entry by kind does not
-// concern the object that it refers to.
+// comes first counts; in each, an object's name comes before its part, and that before its kind. An
+// entry by part or kind does not concern the object that it refers to.
 // Adds problems, at the path of the entry: no object has that name or kind, a place is not valid,
 // the reference is nothing in the scene or cannot be put on, into or beside, or relations run in a
 // circle. Entries with problems have no link. The second form leaves out mistakes that `reported`

@@ -3,6 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <string>
+#include <utility>
+#include <vector>
+
 #include "robocell/scenes/testing/start_on_table.h"
 
 namespace robocell::internal {
@@ -90,6 +94,29 @@ TEST(PlaceLinks, AKindCanReferToATargetOfThatKind) {
   Rng rng = Rng::Stream(4, "alone");
   EXPECT_THAT(alone.Put(alone.Related({{"target", {.next_to = "box"}}}), rng),
               Optional(HasSubstr("there is no other 'box' in this start")));
+}
+
+TEST(PlaceLinks, APartNamesTheObjectThatItStandsFor) {
+  const Start start({Block("brick", {0.01, 0.01, 0.01}), Block("cube", {0.02, 0.02, 0.01})});
+  const auto may_come = [](const std::string&) { return false; };
+  const auto linked = [&](const Map<ObjectPlace>& places, std::vector<std::string> parts) {
+    const std::vector<SaidPlaces> said = {{places, "places"}};
+    Problems problems;
+    std::vector<std::string> links;
+    for (const PlaceLink& link :
+         LinkPlaces(LandmarksOf(start.base), said,
+                    {start.objects, start.kinds, may_come, std::move(parts)}, problems)) {
+      links.push_back(std::to_string(link.object) + " on " +
+                      (link.other ? std::to_string(*link.other) : link.mark));
+    }
+    return problems.empty() ? links : std::vector<std::string>{problems.Text("it")};
+  };
+  const Map<ObjectPlace> of_target = {{"target", {.next_to = "cube"}}};
+  EXPECT_THAT(linked(of_target, {"target", ""}), ElementsAre("0 on 1"));
+  EXPECT_THAT(linked(of_target, {"", "target"}), ::testing::IsEmpty()) << "it refers to itself";
+  EXPECT_THAT(linked({{"brick", {.on_top_of = "target"}}}, {"", "target"}), ElementsAre("0 on 1"));
+  EXPECT_THAT(linked({{"taget", {.on_top_of = "table"}}}, {"", "target"}),
+              ElementsAre(HasSubstr("Did you mean 'target'?")));
 }
 
 TEST(PlaceLinks, ErrorsAreReported) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <utility>
 
@@ -95,9 +96,37 @@ void ObjectTask::Observed(const std::string& object, const std::string& kind) {
   kinds_[object] = kind;
 }
 
+void ObjectTask::ObservedAs(const std::string& part, const std::string& object,
+                            const std::string& kind) {
+  Observed(object, kind);
+  parts_[object] = part;
+  stands_for_.emplace(part, object);
+}
+
+std::vector<std::string> ObjectTask::objects() const {
+  std::vector<std::string> names;
+  for (const std::string& object : all_) {
+    const auto part = parts_.find(object);
+    const std::string& name = part == parts_.end() ? object : part->second;
+    if (std::ranges::find(names, name) == names.end()) names.push_back(name);
+  }
+  // As in a run, those beside the target follow what is drawn.
+  auto after = std::ranges::find_if_not(
+      names, [&](const std::string& name) { return stands_for_.contains(name); });
+  for (size_t i = 1; i <= kMostBeside && i < candidates_.size(); ++i)
+    after = std::next(names.insert(after, NameInRun(i)));
+  return names;
+}
+
+std::string ObjectTask::object_of(const std::string& name) const {
+  const auto object = stands_for_.find(name);
+  return object == stands_for_.end() ? name : object->second;
+}
+
 std::string ObjectTask::kind_of(const std::string& object) const {
-  const auto drawn = kinds_.find(object);
-  return drawn == kinds_.end() ? object : drawn->second;
+  const std::string name = object_of(object);
+  const auto drawn = kinds_.find(name);
+  return drawn == kinds_.end() ? name : drawn->second;
 }
 
 std::vector<StartContents> ObjectTask::PossibleContents(const std::vector<std::string>& kinds) {
@@ -129,7 +158,7 @@ void ObjectTask::FindCandidates(const Scene& scene, const TaskSetting& setting) 
                     place_));
   }
   all_.clear();
-  for (const Candidate& each : candidates_) Observed(each.name, each.kind);
+  for (const Candidate& each : candidates_) ObservedAs(internal::kTarget, each.name, each.kind);
   Choose(0);
 }
 
@@ -139,6 +168,10 @@ void ObjectTask::Choose(size_t candidate) {
   fields_.name = target.name;
   fields_.word = target.kind;
   object_ = target.body;
+  Stand(internal::kTarget, target.name);
+  size_t beside = 0;
+  for (size_t i = 0; i < candidates_.size() && beside < kMostBeside; ++i)
+    if (i != candidate) Stand(NameInRun(++beside), candidates_[i].name);
 }
 
 void ObjectTask::DrawTarget(Rng& rng) {
@@ -225,17 +258,6 @@ TaskVerdict ObjectTask::Judge(const Scene& scene) {
   return {.reward = progress, .success = success, .progress = progress};
 }
 
-std::vector<Feature> ObjectTask::signals() const {
-  if (candidates_.size() < 2) return {};
-  return {internal::PlaceFeature("target", "Where the object is that is to be picked up.")};
-}
-
-void ObjectTask::Observe(const Scene& scene, std::span<double> out) const {
-  if (candidates_.size() < 2) return;
-  const Eigen::Vector3d target = scene.shared_base_frame_to_world().inverse() * ObjectInWorld();
-  std::copy_n(target.data(), 3, out.begin());
-}
-
 std::vector<double> ObjectTask::memory() const {
   std::vector<double> memory = {start_.x(), start_.y(), start_.z()};
   if (!candidates_.empty()) memory.push_back(static_cast<double>(chosen_));
@@ -247,15 +269,22 @@ void ObjectTask::Recall(std::span<const double> memory) {
   if (!candidates_.empty()) Choose(static_cast<size_t>(memory[3]));
 }
 
-bool ObjectTask::IsIndex(double number, size_t count) {
-  return number >= 0 && number < static_cast<double>(count) && number == std::floor(number);
+std::string ObjectTask::WhyNoIndex(std::span<const double> memory, size_t number, const char* what,
+                                   size_t count) {
+  const double value = memory[number];
+  if (value >= 0 && value < static_cast<double>(count) && value == std::floor(value)) return "";
+  return fmt::format("number {}, {}, is {:g}; it is a whole number from 0 to {}", number, what,
+                     value, count - 1);
 }
 
-bool ObjectTask::CanRecall(std::span<const double> memory) const {
-  if (!Task::CanRecall(memory)) return false;
-  const auto is_finite = [](double number) { return std::isfinite(number); };
-  return std::ranges::all_of(memory, is_finite) &&
-         (candidates_.empty() || IsIndex(memory[3], candidates_.size()));
+std::string ObjectTask::WhyNotRecalled(std::span<const double> memory) const {
+  for (size_t i = 0; i < 3; ++i) {
+    if (std::isfinite(memory[i])) continue;
+    return fmt::format("number {}, of the place where the object began, is {:g}; it is finite", i,
+                       memory[i]);
+  }
+  if (candidates_.empty()) return "";
+  return WhyNoIndex(memory, 3, "which object is the target", candidates_.size());
 }
 
 Pose ObjectTask::Around(const Pose& offset, const Vec2& spread, Rng& rng) {

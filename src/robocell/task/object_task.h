@@ -52,7 +52,10 @@ class ObjectTask : public Task {
   void Begin(const Scene& scene) override;
   // Returns the reward 1 at success, else the largest progress so far.
   TaskVerdict Judge(const Scene& scene) override;
-  std::vector<std::string> objects() const override { return all_; }
+  // Returns "target" for the object that each start draws from those of the scene, and "object_1" and
+  // "object_2" for those beside it.
+  std::vector<std::string> objects() const override;
+  std::string object_of(const std::string& name) const override;
   std::string kind_of(const std::string& object) const override;
   std::vector<std::string> resting_objects() const override;
   // Returns the kinds of the objects to draw, the target's first: the one whose turn it is, and up
@@ -62,18 +65,16 @@ class ObjectTask : public Task {
   // Returns contents that together have each of `kinds` as the target, with all others beside it:
   // those that one start has are named as there, and further ones by their kind.
   static std::vector<StartContents> PossibleContents(const std::vector<std::string>& kinds);
-  // Where each start draws the target from several objects: its position.
-  std::vector<Feature> signals() const override;
-  void Observe(const Scene& scene, std::span<double> out) const override;
   // Returns the position where the episode began, and the number of a target that each start draws.
   std::vector<double> memory() const override;
   void Recall(std::span<const double> memory) override;
-  // Also requires finite numbers, and a target that the scene has.
-  bool CanRecall(std::span<const double> memory) const override;
+  // Requires finite numbers, and a target that the scene has.
+  std::string WhyNotRecalled(std::span<const double> memory) const override;
 
  protected:
-  // Returns true for a whole number from 0 to `count` - 1.
-  static bool IsIndex(double number, size_t count);
+  // Returns why a number of a memory, `what`, is no whole number from 0 to `count` - 1; "" if it is.
+  static std::string WhyNoIndex(std::span<const double> memory, size_t number, const char* what,
+                                size_t count);
   virtual bool IsDone(const Scene& scene) = 0;
   // Returns the progress of a state without success, less than 1.
   virtual double Progress() const = 0;
@@ -95,6 +96,12 @@ class ObjectTask : public Task {
   void AddDrawn(SceneSpec& spec, const SceneObject& object, const std::string& kind);
   // Has another object of the scene observed.
   void Observed(const std::string& object, const std::string& kind);
+  // Has an object observed as `part` while the part stands for it (Stand), and never otherwise.
+  void ObservedAs(const std::string& part, const std::string& object, const std::string& kind);
+  void Stand(const std::string& part, const std::string& object) { stands_for_[part] = object; }
+  // Returns the objects of the scene that the task has to do with, also those that this start has
+  // not drawn.
+  const std::vector<std::string>& all_objects() const { return all_; }
 
   const ObjectOfTask& fields() const { return fields_; }
   std::string word() const { return fields_.word.empty() ? fields_.name : fields_.word; }
@@ -134,8 +141,10 @@ class ObjectTask : public Task {
   std::vector<Candidate> candidates_;  // none if the scene has one target
   size_t chosen_ = 0;                  // among candidates_
   std::vector<std::string> all_;
-  std::map<std::string, std::string> kinds_;  // of the drawn objects, by name
-  std::map<std::string, GraspCheck> grasps_;  // of each robot
+  std::map<std::string, std::string> kinds_;       // of the drawn objects, by name
+  std::map<std::string, std::string> parts_;       // part of each object that ObservedAs names
+  std::map<std::string, std::string> stands_for_;  // object of each part
+  std::map<std::string, GraspCheck> grasps_;       // of each robot
   std::string place_ = "task";
   Pose root_, offset_;
   std::optional<BodyHandle> object_;

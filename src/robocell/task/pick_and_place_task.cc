@@ -115,7 +115,7 @@ void PickAndPlaceTask::FindGoals(const Scene& scene, const TaskSetting& setting)
   for (auto& [name, kind] :
        internal::DrawnObjects(scene, setting, internal::kGoal, GoalKindsOf(task_))) {
     goals_.push_back({name, kind, BodyHandle(scene, scene.compiled()->object(name).root_body)});
-    Observed(name, kind);
+    ObservedAs(internal::kGoal, name, kind);
   }
   if (goals_.empty()) {
     throw ArgumentError(
@@ -132,6 +132,7 @@ void PickAndPlaceTask::ChooseGoal(size_t candidate) {
   task_.goal_object = goal.name;
   goal_word_ = goal.kind;
   goal_body_ = goal.body;
+  Stand(internal::kGoal, goal.name);
 }
 
 void PickAndPlaceTask::Bind(const Scene& scene, const TaskSetting& setting) {
@@ -299,7 +300,7 @@ std::string PickAndPlaceTask::WhyNoRest(const Scene& scene, const std::string& o
     return FindId(scene.model(), mjOBJ_BODY, scene.compiled()->object(name).root_body);
   };
   std::vector<int> beside;
-  for (const std::string& other : objects()) {
+  for (const std::string& other : all_objects()) {
     if (other != object && other != task_.goal_object) beside.push_back(body_of(other));
   }
   std::vector<internal::RestPlace> places;
@@ -404,15 +405,12 @@ std::string PickAndPlaceTask::instruction() const {
 }
 
 std::vector<Feature> PickAndPlaceTask::signals() const {
-  std::vector<Feature> signals = {internal::PlaceFeature("goal", "Where the object is to be put.")};
-  for (Feature& target : ObjectTask::signals()) signals.push_back(std::move(target));
-  return signals;
+  return {internal::PlaceFeature("goal", "Where the object is to be put.")};
 }
 
 void PickAndPlaceTask::Observe(const Scene& scene, std::span<double> out) const {
   const Eigen::Vector3d goal = scene.shared_base_frame_to_world().inverse() * GoalInWorld();
   std::copy_n(goal.data(), 3, out.begin());
-  ObjectTask::Observe(scene, out.subspan(3));
 }
 
 std::vector<double> PickAndPlaceTask::memory() const {
@@ -422,8 +420,15 @@ std::vector<double> PickAndPlaceTask::memory() const {
   return memory;
 }
 
-bool PickAndPlaceTask::CanRecall(std::span<const double> memory) const {
-  return ObjectTask::CanRecall(memory) && (goals_.empty() || IsIndex(memory.back(), goals_.size()));
+std::string PickAndPlaceTask::WhyNotRecalled(std::span<const double> memory) const {
+  if (std::string why = ObjectTask::WhyNotRecalled(memory); !why.empty()) return why;
+  const size_t first = ObjectTask::memory().size();  // those of the goal, and what was lifted
+  for (size_t i = first; i < first + 4; ++i) {
+    if (std::isfinite(memory[i])) continue;
+    return fmt::format("number {}, of the goal, is {:g}; it is finite", i, memory[i]);
+  }
+  if (goals_.empty()) return "";
+  return WhyNoIndex(memory, first + 4, "which object is the goal", goals_.size());
 }
 
 void PickAndPlaceTask::Recall(std::span<const double> memory) {

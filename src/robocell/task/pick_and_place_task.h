@@ -54,7 +54,7 @@ class PickAndPlaceTask final : public ObjectTask {
   void Observe(const Scene& scene, std::span<double> out) const override;
   std::vector<double> memory() const override;
   void Recall(std::span<const double> memory) override;
-  bool CanRecall(std::span<const double> memory) const override;
+  std::string WhyNotRecalled(std::span<const double> memory) const override;
   // Returns where the object's root is to rest. The scene is the one that Begin saw, then or later.
   Eigen::Vector3d GoalInWorld() const;
   // Returns why one of the task's objects cannot come to rest at any of the goals; "" if all can.

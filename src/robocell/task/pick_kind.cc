@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <memory>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "robocell/base/suggestions.h"
@@ -13,6 +15,7 @@
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/spec/validate.h"
+#include "robocell/task/drawn_objects.h"
 #include "robocell/task/pick_and_place_task.h"
 #include "robocell/task/pick_task.h"
 #include "robocell/task/pick_task_config.h"
@@ -52,6 +55,34 @@ void RequireRigObject(const EnvConfig& env, const char* field, const std::string
                                     "task goes with the rig, and so do its objects: move it to "
                                     "root_frame_objects",
                                     object));
+}
+
+// Rejects an object of the rig with the name of one that the task adds, as `part` ("target"), of one
+// of these kinds.
+void RequireFreeNames(const EnvConfig& env, const std::string& part,
+                      const std::vector<std::string>& kinds, const std::string& field,
+                      Problems& problems) {
+  std::set<std::string> taken = {part};
+  for (const std::string& kind : kinds) taken.insert(part + "_" + kind);
+  const auto check = [&](const Map<EnvObject>& objects) {
+    for (const std::string& name : objects.keys()) {
+      if (!taken.contains(name)) continue;
+      problems.AddAt(name, fmt::format("task '{}' gives this name to an object that it draws; "
+                                       "choose another name, or let the task use this object: "
+                                       "task.{}: {}",
+                                       env.task->kind(), field, name));
+    }
+  };
+  for (const auto& [path, objects] : {std::pair{"root_frame_objects", &env.root_frame_objects},
+                                      std::pair{"world_frame_objects", &env.world_frame_objects}}) {
+    const Problems::Scope scope(problems, path);
+    check(*objects);
+  }
+  const Problems::Scope of_robots(problems, "robot_frame_objects");
+  for (const auto& [robot, objects] : env.robot_frame_objects.entries()) {
+    const Problems::Scope scope(problems, robot);
+    check(*objects);
+  }
 }
 
 // Requires an object that all scenes of a run have themselves.
@@ -139,6 +170,9 @@ class KindOfPick : public TaskKindOf<Config, T> {
   }
   void ValidateEnv(const EnvConfig& env, Problems& problems) const override {
     const auto& task = env.task->As<Config>();
+    if (task.object.empty())
+      RequireFreeNames(env, kTarget, task.objects.empty() ? ObjectKinds() : task.objects.names,
+                       "object", problems);
     const Problems::Scope scope(problems, "task");
     ValidateTask(task, problems);
     if (!task.object.empty()) RequireRigObject(env, "object", task.object, problems);
@@ -183,6 +217,8 @@ class PickAndPlaceKind final : public KindOfPick<PickAndPlaceTaskConfig, PickAnd
   void ValidateEnv(const EnvConfig& env, Problems& problems) const override {
     KindOfPick::ValidateEnv(env, problems);
     const auto& task = env.task->As<PickAndPlaceTaskConfig>();
+    if (!task.goal && task.goal_object.empty())
+      RequireFreeNames(env, kGoal, PickAndPlaceTask::GoalKindsOf(task), "goal_object", problems);
     const Problems::Scope scope(problems, "task");
     if (!task.goal_object.empty()) RequireRigObject(env, "goal_object", task.goal_object, problems);
   }

@@ -90,8 +90,12 @@ class Task : public DeclaresFeatures {
   virtual TaskVerdict Judge(const Scene& scene) = 0;
 
   virtual std::string instruction() const = 0;
-  // Returns the names of the objects whose poses are observed and recorded, the target first.
+  // Returns the names under which the poses of objects are observed and recorded, the target first.
   virtual std::vector<std::string> objects() const { return {}; }
+  // Returns the object of the scene for which a name of objects() stands in the present episode. A
+  // task that draws its target among the objects of one scene (is_prepared_once) observes it as
+  // "target", as in a run. Default: the object of that name.
+  virtual std::string object_of(const std::string& name) const { return name; }
   // Returns the objects that have to lie still when an episode begins: touching no robot, inside of
   // nothing and with something under them (scenes/start_inspector.h). Objects whose place is drawn
   // have to as well; others, which the task itself puts somewhere, need not. A run lets them come to
@@ -133,6 +137,9 @@ class Task : public DeclaresFeatures {
   virtual bool CanRecall(std::span<const double> memory) const {
     return memory.size() == this->memory().size();
   }
+  // Returns which number of a memory that CanRecall accepts is not one of this task, and what it may
+  // be: "number 3, the target, is 99; it is a whole number from 0 to 1". "" for a good memory.
+  virtual std::string WhyNotRecalled(std::span<const double> /*memory*/) const { return ""; }
   // Returns true if this memory holds for a rig that stands elsewhere.
   virtual bool HoldsElsewhere(std::span<const double> /*memory*/) const { return true; }
 

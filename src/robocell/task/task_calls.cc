@@ -116,7 +116,7 @@ void TaskCalls::RequireObjects(const Scene& scene, std::span<const SceneObject> 
     }
   });
   CallHook(task_, "objects", [&] {
-    for (const std::string& name : task_.objects()) compiled.object(name);  // NotFoundError
+    for (const std::string& name : task_.objects()) compiled.object(task_.object_of(name));
   });
 }
 
@@ -160,6 +160,10 @@ std::vector<std::string> TaskCalls::Objects() {
   return CallHook(task_, "objects", [&] { return task_.objects(); });
 }
 
+std::string TaskCalls::ObjectOf(const std::string& name) {
+  return CallHook(task_, "object_of", [&] { return task_.object_of(name); });
+}
+
 std::string TaskCalls::KindOf(const std::string& object) {
   return CallHook(task_, "kind_of", [&] { return task_.kind_of(object); });
 }
@@ -186,6 +190,10 @@ void TaskCalls::Recall(std::span<const double> memory) {
 
 bool TaskCalls::CanRecall(std::span<const double> memory) {
   return CallHook(task_, "memory", [&] { return task_.CanRecall(memory); });
+}
+
+std::string TaskCalls::WhyNotRecalled(std::span<const double> memory) {
+  return CallHook(task_, "memory", [&] { return task_.WhyNotRecalled(memory); });
 }
 
 bool TaskCalls::HoldsElsewhere(std::span<const double> memory) {

@@ -46,6 +46,7 @@ class TaskCalls {
   std::vector<std::string> RestingObjects(const Scene& scene);
   Map<ObjectPlace> Places();
   std::vector<std::string> Objects();
+  std::string ObjectOf(const std::string& name);
   std::string KindOf(const std::string& object);
 
   std::string Instruction();
@@ -55,6 +56,7 @@ class TaskCalls {
   std::vector<double> Memory();
   void Recall(std::span<const double> memory);
   bool CanRecall(std::span<const double> memory);
+  std::string WhyNotRecalled(std::span<const double> memory);
   bool HoldsElsewhere(std::span<const double> memory);
 
  private:

@@ -11,12 +11,29 @@
 
 namespace robocell {
 
+namespace {
+
+std::string ObjectOf(const Task& task, const Scene& scene, const std::string& name) {
+  return internal::CallHook(task, "object_of", [&] {
+    return scene.compiled()->object(task.object_of(name)).name;  // NotFoundError
+  });
+}
+
+}  // namespace
+
+ObjectOfName ObjectOfNameIn(std::shared_ptr<const Task> task) {
+  if (!task) return {};
+  return [task = std::move(task)](const Scene& scene, const std::string& name) {
+    return ObjectOf(*task, scene, name);
+  };
+}
+
 std::vector<std::string> ObjectsOf(const Task& task, const Scene& scene) {
   return internal::CallHook(task, "objects", [&] {
     std::vector<std::string> names = task.objects();
     std::set<std::string> known;
     for (const std::string& name : names) {
-      scene.compiled()->object(name);  // NotFoundError
+      scene.compiled()->object(task.object_of(name));  // NotFoundError
       if (known.insert(name).second) continue;
       throw ArgumentError(fmt::format(
           "the task's objects() names '{}' twice: {}; name each object once, the target first",
@@ -31,6 +48,7 @@ CellFeatures FeaturesOfCell(const Scene& scene, const std::vector<Robot>& robots
   CellFeatureOptions options{.own = own};
   if (task) {
     options.objects = ObjectsOf(*task, scene);
+    options.object_of = ObjectOfNameIn(task);
     options.more = std::make_unique<DeclaredFeatures>(scene, std::move(task), "task");
   }
   return {scene, robots, std::move(options)};

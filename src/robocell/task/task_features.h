@@ -11,9 +11,12 @@
 
 namespace robocell {
 
-// Returns the objects that a bound task names. Throws HookError for one that the scene does not
-// have and for one that is named twice.
+// Returns the names under which a bound task observes objects. Throws HookError for one that stands
+// for no object of the scene and for one that is there twice.
 std::vector<std::string> ObjectsOf(const Task& task, const Scene& scene);
+// Returns a function of the objects for which these names stand (Task::object_of), which throws
+// HookError if the scene has no such object. Null without a task.
+ObjectOfName ObjectOfNameIn(std::shared_ptr<const Task> task);
 
 // `task`: bound to the scene; null for a cell without one. `own`: registered features.
 CellFeatures FeaturesOfCell(const Scene& scene, const std::vector<Robot>& robots,
