@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from robocell._core import SpecError
+from robocell._placeholders import require_column, require_placeholders
 from robocell._policy_presets.parts import FORMS, Part
 from robocell._preset_fields import (
     columns_of,
@@ -51,6 +52,7 @@ def read_preset(name: str | Path) -> dict[str, Any]:
     for key, camera in images.items():
         if not isinstance(camera, str) or not camera:
             raise SpecError(f"{place}: images.{key} is an image stream, got {camera!r}")
+        require_placeholders(camera, f"{place}: images.{key}", ())
     return {
         "name": str(name),
         "files": tuple(files),
@@ -123,4 +125,6 @@ def _flag(content: Mapping[str, Any], name: str, place: str) -> bool:
 
 def _parts(listed: object, place: str, *, clips: bool = False) -> tuple[Part, ...]:
     entries = columns_of(listed, place, FORMS, clips=clips)
+    for index, each in enumerate(entries):
+        require_column(each.column, f"{place}[{index}]")
     return tuple(Part(each.column, each.times, each.clip, each.form) for each in entries)

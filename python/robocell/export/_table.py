@@ -29,8 +29,10 @@ def read_table(file: Path) -> dict[str, Any]:
     return read_fields(file, "mapping", FIELDS, "robocell.export", "export")
 
 
-def merge_table(table: dict[str, Any], own: dict[str, Any], place: str, *, replaces: bool) -> None:
-    """Puts the fields of a file into a table.
+def merge_table(
+    table: dict[str, Any], own: dict[str, Any], place: str, *, replaces: bool
+) -> set[str]:
+    """Puts the fields of a file into a table, and returns the features that the file names.
 
     Args:
         table: The table.
@@ -56,6 +58,7 @@ def merge_table(table: dict[str, Any], own: dict[str, Any], place: str, *, repla
         ):
             raise SpecError(f"{place}: images is a table of cameras, 'observation.images.x: wrist'")
         table[name] = content
+    return set(own.get("features", {}))
 
 
 def require_names(names: Iterable[object], place: str) -> None:
