@@ -27,7 +27,7 @@ from robocell._placeholders import (
 )
 from robocell._preset_fields import gripper_of, image_size_of
 from robocell._suggestions import did_you_mean, shortened
-from robocell.export._features import DONE, Resolved, Term, feature_of
+from robocell.export._features import DONE, Feature, Resolved, Term, feature_of
 from robocell.export._table import (
     TABLES,
     chosen_action,
@@ -122,7 +122,7 @@ class Mapping:
             whole["features"][chosen] = (
                 actions if actions in choices else listed_actions(actions, choices)
             )
-            wanted.add(chosen)
+            wanted.add(str(chosen))
         features = {}
         for name, columns in whole["features"].items():
             if isinstance(columns, str) and name == chosen:
@@ -183,7 +183,7 @@ class Mapping:
         groups = _groups(episode)
         robots = list(groups)
         known = [*_step_columns(episode), DONE]
-        features = []
+        features: list[Feature] = []
         for name, entries in self.features.items():
             before = len(features)
             for own_name, columns, of_robots in _named(name, entries, groups):

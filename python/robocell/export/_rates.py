@@ -84,8 +84,9 @@ def _require_even(episode: Episode, rate: Fraction) -> None:
 
 def _engine_step(episode: Episode) -> float:
     milliseconds = _rates(episode).get("sim_ms")
-    known = isinstance(milliseconds, int | float) and milliseconds > 0
-    return float(milliseconds) / 1e3 if known else DEFAULT_STEP_S
+    if isinstance(milliseconds, int | float) and milliseconds > 0:
+        return float(milliseconds) / 1e3
+    return DEFAULT_STEP_S
 
 
 def _rates(episode: Episode) -> dict[str, Any]:
