@@ -12,10 +12,12 @@ from robocell._core import SpecError
 from robocell._placeholders import require_column, require_placeholders
 from robocell._policy_presets.parts import FORMS, Part
 from robocell._preset_fields import (
+    EXTENDS,
     columns_of,
     file_of_preset,
     gripper_of,
     image_size_of,
+    read_extended,
     read_fields,
     require_known,
     shipped_in,
@@ -23,7 +25,7 @@ from robocell._preset_fields import (
 
 FOLDER = Path(__file__).parent
 FIELDS = (
-    "extends",
+    EXTENDS,
     "observation",
     "images",
     "image_size",
@@ -45,7 +47,7 @@ def shipped_presets() -> list[str]:
 def read_preset(name: str | Path) -> dict[str, Any]:
     """Returns the fields of `Preset`."""
     place = f"preset '{name}'"
-    content, files = _extended(_file_of(name), place)
+    content, files = read_extended(_file_of(name), place, FOLDER, _content)
     require_known(content, place, FIELDS)
     observation = _table(content, "observation", place)
     images = _table(content, "images", place)
@@ -69,21 +71,6 @@ def read_preset(name: str | Path) -> dict[str, Any]:
         "horizon": _above_zero(content, "horizon", int, place),
         "rate": _above_zero(content, "rate", (int, float), place),
     }
-
-
-def _extended(file: Path, place: str) -> tuple[dict[str, Any], list[Path]]:
-    """Returns the fields of a file and of those that it extends, and all files."""
-    content = _content(file)
-    base = content.pop("extends", None)
-    if base is None:
-        return content, [file]
-    if base not in shipped_presets() or file == FOLDER / f"{base}.yaml":
-        raise SpecError(
-            f"{place}: extends is a preset of robocell, {', '.join(shipped_presets())}; got "
-            f"{base!r}"
-        )
-    inherited, files = _extended(FOLDER / f"{base}.yaml", place)
-    return inherited | content, [file, *files]
 
 
 def _file_of(name: str | Path) -> Path:

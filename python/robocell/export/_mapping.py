@@ -34,6 +34,7 @@ from robocell.export._table import (
     listed_actions,
     merge_table,
     preset_file,
+    read_preset,
     read_table,
     require_apart,
     require_names,
@@ -106,7 +107,7 @@ class Mapping:
         if preset is not None:
             path = preset_file(preset)
             place, template = f"preset '{preset}'", ""
-            wanted |= merge_table(whole, read_table(path), place, replaces=True)
+            wanted |= merge_table(whole, read_preset(path, place), place, replaces=True)
         if file is not None:
             place = f"mapping '{file}'"
             wanted |= merge_table(whole, read_table(file), place, replaces=False)
