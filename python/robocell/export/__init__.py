@@ -160,12 +160,14 @@ def export_dataset(
     words = ["robocell", "export", opened.folder, given, "--format", format]
     words += ["--preset", preset] if preset is not None else []
 
-    def report(done: int) -> None:
-        if on_episodes is not None:
-            on_episodes(done, whole)
-
     try:
         with staging(target, request) as place:
+
+            def report(done: int) -> None:
+                place.has_episodes = True
+                if on_episodes is not None:
+                    on_episodes(done, whole)
+
             written = write(source, place, options, report)
             text = card(
                 source,
