@@ -7,6 +7,7 @@ is sent: the same robots in the same order, with grippers of the same polarity.
 from __future__ import annotations
 
 import itertools
+import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol, TypeVar
@@ -14,12 +15,14 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from robocell._core import NotFoundError
-from robocell._suggestions import fitting, is_pattern
+from robocell._core import NotFoundError, SpecError
+from robocell._suggestions import did_you_mean, fitting, is_pattern
 
 OPENING = "opening"  # the component of every gripper column
 RELATIVE = "_relative"  # the end of the name of a column of differences
 OF_THE_TCP = ("tcp_pose", "tcp_displacement")  # actions that are of no group
+ROBOT, ARM, GRIPPER = "{robot}", "{arm}", "{gripper}"
+OF_COLUMNS = (ROBOT, ARM, GRIPPER)
 
 
 @dataclass(frozen=True)
@@ -100,6 +103,40 @@ def groups_of(columns: Iterable[str], openings: Collection[str]) -> dict[str, Gr
         else:
             found[robot] = replace(known, arms=(*known.arms, group))
     return found
+
+
+def require_placeholders(text: str, place: str, allowed: Sequence[str]) -> None:
+    """Raises SpecError for a text with a placeholder that is not among `allowed`."""
+    used = re.findall(r"\{[^{}]*\}", text)
+    there = f"There are: {', '.join(allowed)}" if allowed else "There are none here"
+    for each in used:
+        if each not in allowed:
+            near = did_you_mean(each, allowed)
+            raise SpecError(f"{place}: no placeholder '{each}' in '{text}'.{near} {there}")
+    if text.count("{") + text.count("}") != 2 * len(used):
+        raise SpecError(f"{place}: '{text}' has a brace without its other one. {there}")
+
+
+def require_column(column: str, place: str, more: Sequence[str] = ()) -> None:
+    """Raises SpecError for a column whose placeholders stand for nothing.
+
+    Args:
+        column: The name, as written in a file.
+        place: Begins error messages.
+        more: Placeholders of the feature's name, which its columns may have too.
+    """
+    require_placeholders(column, place, [*OF_COLUMNS, *(each for each in more if each != ARM)])
+    groups = [each for each in (ARM, GRIPPER) if each in column and each not in more]
+    if groups and ROBOT not in column:
+        raise SpecError(
+            f"{place}: '{column}' has {groups[0]} without {ROBOT}. Write 'robots/{ROBOT}/...', or "
+            "the name of the group"
+        )
+    if len(groups) > 1:
+        raise SpecError(
+            f"{place}: '{column}' has {ARM} and {GRIPPER}, which are different groups. Write a "
+            "column for each"
+        )
 
 
 def expanded(entries: Iterable[E], groups: Mapping[str, Groups]) -> Iterator[tuple[E, str]]:

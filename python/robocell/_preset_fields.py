@@ -10,18 +10,19 @@ docs/presets.md describes them. A problem is reported with the place, and what i
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from robocell._core import IoError, NotFoundError, SpecError
-from robocell._extras import needed_by
+from robocell._core import NotFoundError, SpecError
 from robocell._placeholders import AS_RECORDED, Gripper
 from robocell._suggestions import did_you_mean
+from robocell._yaml import read_yaml
 
 LARGEST_SIDE = 8192
 SNAP = "snap"
+EXTENDS = "extends"
 
 
 @dataclass(frozen=True)
@@ -66,17 +67,34 @@ def read_fields(
     file: Path, what: str, fields: Sequence[str], module: str, extra: str
 ) -> dict[str, Any]:
     """Returns the content of a YAML file that is a table. `what` is 'preset' or 'mapping'."""
-    with needed_by(module, extra):
-        import yaml
-    try:
-        content = yaml.safe_load(file.read_text())
-    except OSError as error:
-        raise IoError(f"cannot read {what} '{file}': {error.strerror}") from error
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
-        raise SpecError(f"{what} '{file}' is no YAML: {error}") from error
+    content = read_yaml(file, what, module, extra)
     if not isinstance(content, dict):
         raise SpecError(f"{what} '{file}' is a table with the fields {', '.join(fields)}")
     return content
+
+
+def read_extended(
+    file: Path, place: str, folder: Path, read: Callable[[Path], dict[str, Any]]
+) -> tuple[dict[str, Any], list[Path]]:
+    """Returns the fields of a preset and of those that it extends, and all files.
+
+    Args:
+        file: The preset.
+        place: Begins error messages.
+        folder: Where the shipped presets of its kind are, which it may extend.
+        read: Reads a file.
+    """
+    content = read(file)
+    base = content.pop(EXTENDS, None)
+    if base is None:
+        return content, [file]
+    known = shipped_in(folder)
+    if base not in known or file == folder / f"{base}.yaml":
+        raise SpecError(
+            f"{place}: {EXTENDS} is a preset of robocell, {', '.join(known)}; got {base!r}"
+        )
+    inherited, files = read_extended(folder / f"{base}.yaml", place, folder, read)
+    return inherited | content, [file, *files]
 
 
 def require_known(entry: Iterable[object], place: str, fields: Sequence[str]) -> None:

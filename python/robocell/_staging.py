@@ -1,7 +1,8 @@
 """The folder in which a result is made, and which becomes the result by one rename.
 
 It lies beside the result, under a hidden name, and stays behind when the command is killed; the
-same command continues in it, another one begins anew.
+same command continues in it, another one begins anew. A command that is refused before its first
+episode leaves none.
 """
 
 from __future__ import annotations
@@ -28,11 +29,13 @@ class Staging:
     Attributes:
         folder: The hidden folder.
         out: Its name when it is complete.
+        has_episodes: Whether it has anything that another command can continue. `keep` sets it.
     """
 
     def __init__(self, folder: Path, out: Path) -> None:
         self.folder = folder
         self.out = out
+        self.has_episodes = False
 
     def state(self, name: str) -> Any:
         """Returns what a killed command has kept under a name; None without it."""
@@ -41,6 +44,7 @@ class Staging:
 
     def keep(self, name: str, content: Any) -> None:
         """Keeps a value for the command that continues this one."""
+        self.has_episodes = True
         text = json.dumps(content)
         _core.atomic_write(self.folder / STATE / f"{name}.json", text.encode())
 
@@ -93,12 +97,20 @@ def staging(out: Path, request: dict[str, Any]) -> Iterator[Staging]:
                 f"another process makes '{out}'. Wait for it, or choose another name"
             ) from error
         whole = Staging(hidden, out)
-        if whole.state("request") != digest:
+        whole.has_episodes = whole.state("request") == digest
+        if not whole.has_episodes:
             for entry in hidden.iterdir():
                 shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
             (hidden / STATE).mkdir()
             whole.keep("request", digest)
-        yield whole
+            whole.has_episodes = False
+        try:
+            yield whole
+        except Exception as error:
+            is_of_disk = isinstance(error, OSError) and not isinstance(error, IoError)
+            if not (whole.has_episodes or is_of_disk):
+                shutil.rmtree(hidden, ignore_errors=True)
+            raise
     finally:
         os.close(lock)
 

@@ -361,7 +361,8 @@ def evaluate(
         *([] if max_steps is None else [f"rates.max_steps={max_steps}"]),
     ]
     modules = (imports,) if isinstance(imports, str) else tuple(imports)
-    acting = PolicyOptions(str(preset), horizon, ensemble, policy_timeout_s)
+    # Workers may run in another folder, and the name is part of the evaluation's identity.
+    acting = PolicyOptions(str(preset), horizon, ensemble, policy_timeout_s).absolute()
     chosen = RunSource(str(source), modules, policy, acting)
     with modules_of_one_run():
         job: Job | EnvJob

@@ -23,10 +23,10 @@ import robocell
 from command_line import refused, robocell_command
 from exported import hashes, psnr, three_episodes
 from read_back import decoded
+from robocell.export import FORMATS, export_dataset
 from robocell.export import _lerobot_rows as lerobot_rows
 from robocell.export import _lerobot_v3 as lerobot_v3
 from robocell.export import _lerobot_v21 as lerobot_v21
-from robocell.export import export_dataset
 from robocell.export._mp4 import Mp4
 from robocell.export._source import choose
 from robocell.export._statistics import Images, Vectors
@@ -579,6 +579,27 @@ def test_numbers_that_are_none_are_named(
         raised.value
     )
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("format", list(FORMATS))
+def test_a_refusal_before_the_first_episode_leaves_nothing(
+    dataset: robocell.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, format: str
+):
+    from robocell.export import _features as features
+
+    read = features._column
+
+    def spoilt(episode: robocell.data.Episode, name: str) -> NDArray[Any]:
+        return np.full(read(episode, name).shape, np.nan)
+
+    mapping = tmp_path / "mapping.yaml"
+    mapping.write_text('features: {own: ["robots/rc7/opening"]}\n')
+    folder = tmp_path / "results"
+    folder.mkdir()
+    monkeypatch.setattr(features, "_column", spoilt)
+    with pytest.raises(robocell.ArgumentError, match="is nan in row 0"):
+        export_dataset(dataset, folder / "out", format, mapping=mapping)
+    assert not list(folder.iterdir())
 
 
 def test_a_missing_package_is_named_with_the_command_that_installs_it(

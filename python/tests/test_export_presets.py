@@ -208,6 +208,33 @@ def test_bad_presets_are_named(dataset: robocell.Dataset, tmp_path: Path, conten
     assert not (tmp_path / "out").exists()
 
 
+def test_a_preset_may_extend_a_shipped_one(dataset: robocell.Dataset, tmp_path: Path):
+    preset, out = tmp_path / "mine.yaml", tmp_path / "out"
+    preset.write_text("extends: droid\ngripper: {open: 1, closed: 0}\nimages: {x: exo}\n")
+    rows = exported(dataset, out, preset=preset)
+    assert shapes(out) == {
+        "x": [180, 320, 3],
+        "joint_position": [7],
+        "gripper_position": [1],
+        "actions": [8],
+    }
+    assert np.allclose(rows["gripper_position"], dataset[0][f"{ROBOT}/opening"], atol=1e-6)
+
+
+def test_files_for_presets_are_called_presets(dataset: robocell.Dataset, tmp_path: Path):
+    preset = tmp_path / "mine.yaml"
+    for text, said in (
+        ("- a", f"preset '{preset}' is a table with the fields extends, features"),
+        ("a: [", f"preset '{preset}' is no YAML"),
+        ("extends: droit", f"preset '{preset}': extends is a preset of robocell, aloha, droid"),
+        ("feature: 1", f"preset '{preset}': no field 'feature'. Did you mean 'features'?"),
+    ):
+        preset.write_text(text)
+        with pytest.raises(robocell.SpecError) as raised:
+            export_dataset(dataset, tmp_path / "out", preset=preset)
+        assert str(raised.value).startswith(said)
+
+
 def test_an_unknown_preset_is_named(dataset: robocell.Dataset, tmp_path: Path):
     text = refused("export", dataset.folder, tmp_path / "out", "--preset", "driod")
     assert "no preset 'driod'. Did you mean 'droid'? Presets: aloha, droid, libero, or" in text

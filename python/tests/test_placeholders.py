@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from robocell import NotFoundError, SpecError
 from robocell._placeholders import Gripper, Groups, camera_of, first_of, groups_of
 from robocell._policy_presets import Preset
 from robocell.export._mapping import Mapping
@@ -19,10 +20,10 @@ OPENINGS = ("opening",)
 class Recorded:
     """As much of an episode of robots "right" and "left" as a mapping file looks at."""
 
-    def __init__(self, robots: tuple[str, ...] = ("right", "left")) -> None:
+    def __init__(self, robots: tuple[str, ...] = ("right", "left"), *, hands: bool = True) -> None:
         self.features: list[Any] = []
         for robot in robots:
-            for group, names in (("arm", ("a", "b")), ("hand", OPENINGS)):
+            for group, names in (("arm", ("a", "b")), ("hand", OPENINGS))[: 1 + hands]:
                 size = len(names)
                 column = f"robots/{robot}/action/{group}"
                 self._add(f"robots/{robot}/{group}/qpos", "observation", names[:size])
@@ -133,3 +134,79 @@ def test_only_a_name_alone_may_be_a_camera_that_is_taken():
     assert camera_of("wrist", cameras, ["wrist"]) == "wrist"
     assert camera_of("wrist|*", cameras, ["wrist"]) == "exo"
     assert camera_of("*", cameras, cameras) is None
+
+
+def resolved(tmp_path: Path, text: str, **recorded: Any) -> list[str]:
+    """The names of the features that a preset of an export with this text makes."""
+    file = tmp_path / "own.yaml"
+    file.write_text(f"{text}\nimages: null\n")
+    episode: Any = Recorded(**recorded)
+    return [each.name for each in Mapping.load(preset=str(file)).resolve(episode).features]
+
+
+@pytest.mark.parametrize(
+    ("column", "message"),
+    [
+        ("robots/{robt}/{arm}/qpos", "no placeholder '{robt}' in 'robots/{robt}/{arm}/qpos'. Did "),
+        ("robots/{robot}/{gripr}/qpos?", "Did you mean '{gripper}'? There are: {robot}, {arm}, "),
+        ("robots/{robot/{arm}/qpos", "has a brace without its other one"),
+        ("robots/robot}/qpos", "has a brace without its other one"),
+        ("robots/left/{arm}/qpos", "has {arm} without {robot}"),
+        ("robots/{robot}/{arm}/{gripper}?", "has {arm} and {gripper}"),
+    ],
+)
+@pytest.mark.parametrize("good", ["", '"robots/{robot}/{arm}/qpos", '])
+def test_placeholders_that_stand_for_nothing_are_rejected(
+    tmp_path: Path, column: str, message: str, good: str
+):
+    acted = tmp_path / "policy.yaml"
+    for text in (f'features: {{state: [{good}"{column}"]}}', f'actions: {{a: [{good}"{column}"]}}'):
+        with pytest.raises(SpecError) as raised:
+            resolved(tmp_path, text)
+        assert message in str(raised.value)
+    for text in (f'observation: {{s: [{good}"{column}"]}}', f'actions: [{good}"{column}"]'):
+        acted.write_text(text)
+        with pytest.raises(SpecError) as raised:
+            Preset.load(acted)
+        assert message in str(raised.value)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ('features: {"q_{m}": ["time"]}', "no placeholder '{m}' in 'q_{m}'"),
+        ('features: {"q_{n}_{arm}": ["time"]}', "has several of {n}, {group}, {arm}"),
+        ('features: {}\nimages: {"c.{camra}": "*"}', "Did you mean '{camera}'?"),
+        ('features: {}\nimages: {c: "{camera}?"}', "There are none here"),
+    ],
+)
+def test_placeholders_of_names_and_cameras_are_checked(tmp_path: Path, text: str, message: str):
+    file = tmp_path / "own.yaml"
+    file.write_text(text)
+    with pytest.raises(SpecError) as raised:
+        Mapping.load(preset=str(file))
+    assert message in str(raised.value)
+
+
+def test_a_feature_without_columns_is_an_error_unless_it_may_be_left_out(tmp_path: Path):
+    hands = '"robots/{robot}/{gripper}/qpos"'
+    assert resolved(tmp_path, f"features: {{a: [{hands}]}}") == ["a"]
+    with pytest.raises(NotFoundError) as raised:
+        resolved(tmp_path, f"features: {{a: [{hands}]}}", hands=False)
+    assert "features.a: episode 'out/e0' has no column for 'robots/{robot}/{gr" in str(raised.value)
+    assert "Its columns: robots/left/action/arm" in str(raised.value)
+    optional = hands.replace('qpos"', 'qpos?"')
+    assert resolved(tmp_path, f"features: {{a: [{optional}]}}", hands=False) == []
+    both = f'["robots/{{robot}}/{{arm}}/qpos", {hands}]'
+    assert resolved(tmp_path, f"features: {{a: {both}}}", hands=False) == ["a"]
+
+
+def test_an_empty_instruction_is_called_empty(tmp_path: Path):
+    file = tmp_path / "own.yaml"
+    file.write_text("images: null\n")
+    episode: Any = Recorded()
+    episode.metadata = {"instruction": ""}
+    with pytest.raises(NotFoundError) as raised:
+        Mapping.load(file).resolve(episode)
+    assert "'instruction' of episode 'out/e0' is empty" in str(raised.value)
+    assert "Did you mean" not in str(raised.value)

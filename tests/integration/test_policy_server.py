@@ -102,6 +102,21 @@ def test_a_policy_of_openpi_is_evaluated_with_a_preset(evaluated: Evaluated):
     np.testing.assert_allclose(first["observation/joint_position"], qpos[0], atol=1e-6)
 
 
+@pytest.mark.parametrize("recorded", [False, True])
+def test_a_preset_may_be_a_file_in_the_working_folder(
+    run: Path, evaluated: Evaluated, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, recorded: bool
+):
+    (tmp_path / "mine.yaml").write_text("extends: droid\n")
+    monkeypatch.chdir(tmp_path)
+    source = Path(evaluated.result.dataset) if recorded else run
+    with openpi_server(lambda _: {"actions": np.zeros((10, 8), np.float32)}) as url:
+        options: dict[str, Any] = {"episodes": 1, "output": "out", "preset": "mine.yaml"}
+        result = evaluate(source, url, **options)
+        assert (result.rollouts, result.policy_errors) == (1, 0)
+        again = evaluate(source, url, **(options | {"preset": tmp_path / "mine.yaml"}))
+        assert again.outcomes == result.outcomes
+
+
 def test_recorded_actions_over_the_socket_repeat_an_evaluation(
     run: Path, evaluated: Evaluated, tmp_path: Path
 ):

@@ -126,10 +126,11 @@ def _list(text: str) -> list[str]:
 
 def _print(result: Exported, format: str) -> None:
     form = FORMATS[format]
-    rate = f"{result.fps} fps" if form.is_lerobot else f"{result.rate:.6g} Hz"
+    rate = f"at {result.fps} fps" if form.is_lerobot else f"at {result.rate:.6g} Hz"
+    rate = rate if result.is_even else "at uneven times"
     print(
         f"{form.title}: {counted(result.episodes, 'episode')}, "
-        f"{counted(result.frames, 'frame')} at {rate}, "
+        f"{counted(result.frames, 'frame')} {rate}, "
         f"{counted(result.cameras, 'camera')}: {result.folder}"
     )
     if result.resumed:

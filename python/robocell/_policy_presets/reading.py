@@ -9,12 +9,15 @@ from typing import Any
 import numpy as np
 
 from robocell._core import SpecError
+from robocell._placeholders import require_column, require_placeholders
 from robocell._policy_presets.parts import FORMS, Part
 from robocell._preset_fields import (
+    EXTENDS,
     columns_of,
     file_of_preset,
     gripper_of,
     image_size_of,
+    read_extended,
     read_fields,
     require_known,
     shipped_in,
@@ -22,7 +25,7 @@ from robocell._preset_fields import (
 
 FOLDER = Path(__file__).parent
 FIELDS = (
-    "extends",
+    EXTENDS,
     "observation",
     "images",
     "image_size",
@@ -44,13 +47,14 @@ def shipped_presets() -> list[str]:
 def read_preset(name: str | Path) -> dict[str, Any]:
     """Returns the fields of `Preset`."""
     place = f"preset '{name}'"
-    content, files = _extended(_file_of(name), place)
+    content, files = read_extended(_file_of(name), place, FOLDER, _content)
     require_known(content, place, FIELDS)
     observation = _table(content, "observation", place)
     images = _table(content, "images", place)
     for key, camera in images.items():
         if not isinstance(camera, str) or not camera:
             raise SpecError(f"{place}: images.{key} is an image stream, got {camera!r}")
+        require_placeholders(camera, f"{place}: images.{key}", ())
     return {
         "name": str(name),
         "files": tuple(files),
@@ -67,21 +71,6 @@ def read_preset(name: str | Path) -> dict[str, Any]:
         "horizon": _above_zero(content, "horizon", int, place),
         "rate": _above_zero(content, "rate", (int, float), place),
     }
-
-
-def _extended(file: Path, place: str) -> tuple[dict[str, Any], list[Path]]:
-    """Returns the fields of a file and of those that it extends, and all files."""
-    content = _content(file)
-    base = content.pop("extends", None)
-    if base is None:
-        return content, [file]
-    if base not in shipped_presets() or file == FOLDER / f"{base}.yaml":
-        raise SpecError(
-            f"{place}: extends is a preset of robocell, {', '.join(shipped_presets())}; got "
-            f"{base!r}"
-        )
-    inherited, files = _extended(FOLDER / f"{base}.yaml", place)
-    return inherited | content, [file, *files]
 
 
 def _file_of(name: str | Path) -> Path:
@@ -123,4 +112,6 @@ def _flag(content: Mapping[str, Any], name: str, place: str) -> bool:
 
 def _parts(listed: object, place: str, *, clips: bool = False) -> tuple[Part, ...]:
     entries = columns_of(listed, place, FORMS, clips=clips)
+    for index, each in enumerate(entries):
+        require_column(each.column, f"{place}[{index}]")
     return tuple(Part(each.column, each.times, each.clip, each.form) for each in entries)

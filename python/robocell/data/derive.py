@@ -314,6 +314,7 @@ def _make(
                 folder = place.path(str(Path(part) / MANIFEST)).parent
                 for item in items:
                     copied += _add(place, folder, item, copy)
+                    place.has_episodes = True
                     done += 1
                     if on_episodes is not None:
                         on_episodes(done, whole)

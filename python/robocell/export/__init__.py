@@ -29,11 +29,12 @@ class Exported:
         episodes: Number of episodes.
         frames: Number of rows.
         cameras: Number of cameras.
-        rate: Rows per second of the episodes.
+        rate: Rows per second of the episodes; their mean where `is_even` is False.
         fps: The whole number of frames per second that is nearest; LeRobot datasets count it.
         encoded: Why the videos of a camera were encoded again; copied cameras are missing.
         left_out: What the episodes have and the result does not contain.
         resumed: Number of episodes that an earlier, killed export had written.
+        is_even: Whether all rows are `1 / rate` apart; only formats that store times have others.
     """
 
     folder: Path
@@ -45,6 +46,7 @@ class Exported:
     encoded: dict[str, str]
     left_out: tuple[str, ...]
     resumed: int
+    is_even: bool = True
 
 
 def export_dataset(
@@ -95,8 +97,8 @@ def export_dataset(
 
     Raises:
         NotFoundError: There is no such format, column, camera or episode.
-        ArgumentError: There are no episodes, they differ, `out` exists, or the format has no such
-            option.
+        ArgumentError: There are no episodes, they differ, their rows are not evenly spaced, `out`
+            exists, or the format has no such option.
         SpecError: The mapping is not one.
         IoError: Reading or writing failed.
         ModuleNotFoundError: A package that the format needs is missing.
@@ -140,7 +142,9 @@ def export_dataset(
     )
     if cameras is not None:
         table = table.only_cameras(cameras)
-    source = gather(opened, choose(opened, episodes, successes_only), table)
+    source = gather(
+        opened, choose(opened, episodes, successes_only), table, stores_times=form.stores_times
+    )
     options = Options(keyframe_interval, pack, action_horizon)
     request = {
         "robocell": __version__,
@@ -156,12 +160,14 @@ def export_dataset(
     words = ["robocell", "export", opened.folder, given, "--format", format]
     words += ["--preset", preset] if preset is not None else []
 
-    def report(done: int) -> None:
-        if on_episodes is not None:
-            on_episodes(done, whole)
-
     try:
         with staging(target, request) as place:
+
+            def report(done: int) -> None:
+                place.has_episodes = True
+                if on_episodes is not None:
+                    on_episodes(done, whole)
+
             written = write(source, place, options, report)
             text = card(
                 source,
@@ -190,4 +196,5 @@ def export_dataset(
         encoded=written.encoded,
         left_out=source.left_out,
         resumed=written.resumed,
+        is_even=source.is_even,
     )

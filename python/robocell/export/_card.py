@@ -44,8 +44,8 @@ def card(source: Source, form: Format, written: Written, *, title: str, command:
     kind = f"LeRobot dataset {form.title.rpartition(' ')[2]}" if form.is_lerobot else form.title
     parts = [
         f"{FRONT.format(tags=LEROBOT_TAGS if form.is_lerobot else '- robocell')}\n# {title}",
-        f"{counted(len(source.items), 'episode')}, {source.rows} frames at {_rate(source, form)}, "
-        f"{source.rows / float(source.rate) / 60:.1f} minutes. Simulated with robocell; {kind}.",
+        f"{counted(len(source.items), 'episode')}, {source.rows} frames {_rate(source, form)}. "
+        f"Simulated with robocell; {kind}.",
         _success(source),
         _time(source, form),
         "## Features\n\nRow i holds the observation before action i.",
@@ -94,10 +94,15 @@ def _success(source: Source) -> str:
 
 
 def _rate(source: Source, form: Format) -> str:
-    return f"{source.fps} fps" if form.is_lerobot else f"{float(source.rate):.6g} Hz"
+    if not source.is_even:
+        return "at uneven times"
+    rate = f"{source.fps} fps" if form.is_lerobot else f"{float(source.rate):.6g} Hz"
+    return f"at {rate}, {source.rows / float(source.rate) / 60:.1f} minutes"
 
 
 def _time(source: Source, form: Format) -> str:
+    if not source.is_even:
+        return "**Time.** Rows are not evenly spaced; every row has its own time."
     if not form.is_lerobot:
         return f"A row is {1 / source.rate} s."
     if source.rate == source.fps:

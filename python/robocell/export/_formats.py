@@ -25,6 +25,7 @@ class Format:
         table: Its table of features, in the folder `tables`.
         is_lerobot: Whether it is a LeRobot dataset: videos, statistics, a whole number of frames
             per second. The others hold images as arrays.
+        stores_times: Whether it stores the time of each row; the others store a rate.
         reserved: Arrays and groups of arrays that it writes itself.
         options: The options of `export_dataset` that only some formats have.
     """
@@ -33,6 +34,7 @@ class Format:
     module: str
     table: str
     is_lerobot: bool = False
+    stores_times: bool = False
     reserved: tuple[str, ...] = ()
     options: tuple[str, ...] = ()
 
@@ -111,7 +113,11 @@ FORMATS = {
         reserved=("fail", "obs_scene", "obs/sensor_data", "obs/sensor_param"),
     ),
     "mcap": Format(
-        "MCAP", "mcap_log", "mcap.yaml", reserved=("joint_states", "tf", "events", "poses")
+        "MCAP",
+        "mcap_log",
+        "mcap.yaml",
+        stores_times=True,
+        reserved=("joint_states", "tf", "events", "poses"),
     ),
 }
 

@@ -22,22 +22,27 @@ from robocell._placeholders import (
     first_of,
     groups_of,
     is_opening,
+    require_column,
+    require_placeholders,
 )
 from robocell._preset_fields import gripper_of, image_size_of
 from robocell._suggestions import did_you_mean, shortened
-from robocell.export._features import DONE, Resolved, Term, feature_of
+from robocell.export._features import DONE, Feature, Resolved, Term, feature_of
 from robocell.export._table import (
     TABLES,
     chosen_action,
     listed_actions,
     merge_table,
     preset_file,
+    read_preset,
     read_table,
     require_apart,
     require_names,
     template_of,
     terms_of,
 )
+
+OF_NAMES = ("{n}", "{group}", "{arm}")  # placeholders of names of features
 
 
 @dataclass(frozen=True)
@@ -56,6 +61,7 @@ class Mapping:
         image_size: Width and height of exported images; None for those of the episodes.
         gripper: The numbers of open and closed grippers.
         cameras: The cameras that `images` may choose from; None for all.
+        own: Features that a preset, a file or the user names; each must have a column.
     """
 
     place: str
@@ -68,6 +74,7 @@ class Mapping:
     image_size: tuple[int, int] | None = None
     gripper: Gripper = AS_RECORDED
     cameras: tuple[str, ...] | None = None
+    own: frozenset[str] = frozenset()
 
     @classmethod
     def load(
@@ -96,13 +103,14 @@ class Mapping:
         """
         whole = read_table(TABLES / table)
         place, template = f"mapping '{table}'", template_of(whole["images"])
+        wanted: set[str] = set()
         if preset is not None:
             path = preset_file(preset)
             place, template = f"preset '{preset}'", ""
-            merge_table(whole, read_table(path), place, replaces=True)
+            wanted |= merge_table(whole, read_preset(path, place), place, replaces=True)
         if file is not None:
             place = f"mapping '{file}'"
-            merge_table(whole, read_table(file), place, replaces=False)
+            wanted |= merge_table(whole, read_table(file), place, replaces=False)
         choices = {name: terms_of(whole["actions"], name, place) for name in whole["actions"]}
         chosen = whole.get("action_feature", "action")
         if not isinstance(chosen, str | None):
@@ -115,6 +123,7 @@ class Mapping:
             whole["features"][chosen] = (
                 actions if actions in choices else listed_actions(actions, choices)
             )
+            wanted.add(str(chosen))
         features = {}
         for name, columns in whole["features"].items():
             if isinstance(columns, str) and name == chosen:
@@ -122,6 +131,7 @@ class Mapping:
             elif columns is not None:
                 features[name] = terms_of(whole["features"], name, place)
         require_names([*features, *(whole["images"] or {})], place)
+        _require_words(features, choices, whole["images"] or {}, place)
         named = [("features", name) for name in features]
         named += [("images", name) for name in whole["images"] or {}]
         own = [
@@ -150,6 +160,7 @@ class Mapping:
             template,
             image_size_of(whole.get("image_size"), place, even=True),
             gripper_of(whole.get("gripper"), place),
+            own=frozenset(wanted),
         )
 
     def only_cameras(self, cameras: Sequence[str]) -> Mapping:
@@ -173,12 +184,15 @@ class Mapping:
         groups = _groups(episode)
         robots = list(groups)
         known = [*_step_columns(episode), DONE]
-        features = []
+        features: list[Feature] = []
         for name, entries in self.features.items():
+            before = len(features)
             for own_name, columns, of_robots in _named(name, entries, groups):
                 terms = self._expand(episode, own_name, columns, of_robots, known)
                 if terms:
                     features.append(feature_of(episode, own_name, terms, robots, self.gripper))
+            if name in self.own and len(features) == before:
+                self._require_optional(episode, name, entries, known)
         images = self._images(episode)
         require_apart([*(feature.name for feature in features), *images], self.place)
         return Resolved(
@@ -207,6 +221,19 @@ class Mapping:
             for column in self._find(episode, feature, name, known):
                 terms[replace(entry, column=column)] = None
         return list(terms)
+
+    def _require_optional(
+        self, episode: Episode, feature: str, entries: list[Term], known: list[str]
+    ) -> None:
+        """Raises NotFoundError for a feature without a column, unless it may be left out."""
+        for entry in entries:
+            if not entry.column.endswith("?"):
+                raise NotFoundError(
+                    f"{self.place}: features.{feature}: episode '{episode.folder}' has no column "
+                    f"for '{entry.column}': its robots have no such group. Its columns: "
+                    f"{shortened(_nearest_first(entry.column, known))}. '{entry.column}?' may be "
+                    "left out"
+                )
 
     def _find(self, episode: Episode, feature: str, entry: str, known: list[str]) -> list[str]:
         """Returns the columns of one entry, without placeholders."""
@@ -266,12 +293,43 @@ class Mapping:
         task = metadata.get(self.task)
         if isinstance(task, str) and task:
             return task
+        if task == "":
+            raise NotFoundError(
+                f"{self.place}: task: '{self.task}' of episode '{episode.folder}' is empty. A "
+                'mapping file with `task: {text: "..."}` gives one'
+            )
         texts = [name for name, value in metadata.items() if isinstance(value, str)]
         raise NotFoundError(
             f"{self.place}: task: the metadata of episode '{episode.folder}' has no text "
             f"'{self.task}'.{did_you_mean(self.task, texts)} Its texts: "
             f'{shortened(texts) or "none"}. A mapping file with `task: {{text: "..."}}` gives one'
         )
+
+
+def _require_words(
+    features: dict[str, list[Term]],
+    choices: dict[str, list[Term]],
+    images: dict[str, str],
+    place: str,
+) -> None:
+    """Raises SpecError for a placeholder that stands for nothing."""
+    for name in features:
+        require_placeholders(str(name), f"{place}: features", OF_NAMES)
+        if sum(each in str(name) for each in OF_NAMES) > 1:
+            raise SpecError(
+                f"{place}: '{name}' has several of {', '.join(OF_NAMES)}; one is allowed"
+            )
+    for field, table in (("features", features), ("actions", choices)):
+        for name, terms in table.items():
+            more = [
+                each for each in ("{group}", "{arm}") if field == "features" and each in str(name)
+            ]
+            for index, term in enumerate(terms):
+                require_column(term.column, f"{place}: {field}.{name}[{index}]", more)
+    for name, camera in images.items():
+        require_placeholders(name, f"{place}: images", ["{camera}"])
+        allowed = ["{camera}"] if "{camera}" in name else []
+        require_placeholders(camera, f"{place}: images.{name}", allowed)
 
 
 def _named(

@@ -41,6 +41,7 @@ def write(
         done = 0
     root = zarr.open_group(str(place), mode="a", zarr_format=2)
     data, meta = root.require_group("data"), root.require_group("meta")
+    _write_numbers(source, data)  # first: numbers that are refused cost no images
     images = [_image_array(data, source, camera) for camera in source.cameras]
     for index, item in enumerate(source.items):
         if index < done:
@@ -52,7 +53,6 @@ def write(
                 array[first + row : first + row + len(block)] = block
         staging.keep("images", index + 1)
         on_episode(index + 1)
-    _write_numbers(source, data)
     _array(meta, "episode_ends", (len(ends),), np.dtype(np.int64))[:] = ends
     notes = (
         f"`{NAME}` is a replay buffer: `data/<feature>` has the rows of all episodes, "

@@ -16,6 +16,7 @@ from robocell._placeholders import AS_RECORDED, Gripper
 from robocell._suggestions import did_you_mean, shortened
 from robocell.export._features import Resolved
 from robocell.export._mapping import Mapping
+from robocell.export._rates import mean_rate, rate_of
 
 
 @dataclass(frozen=True)
@@ -69,10 +70,11 @@ class Source:
         items: The episodes, in order.
         resolved: Their features.
         cameras: Their cameras.
-        rate: Rows per second.
+        rate: Rows per second; where they are not even, their mean.
         left_out: What the episodes have and the export does not contain, in words.
         image_size: Width and height of exported images; None for those of the cameras.
         gripper: The numbers of open and closed grippers.
+        is_even: Whether the rows of all episodes are known to have this rate.
     """
 
     dataset: Dataset
@@ -83,6 +85,7 @@ class Source:
     left_out: tuple[str, ...]
     image_size: tuple[int, int] | None = None
     gripper: Gripper = AS_RECORDED
+    is_even: bool = True
 
     @property
     def fps(self) -> int:
@@ -177,25 +180,36 @@ def _named(dataset: Dataset, wanted: Sequence[str]) -> list[str]:
     return list(chosen)
 
 
-def gather(dataset: Dataset, ids: Sequence[str], mapping: Mapping) -> Source:
+def gather(
+    dataset: Dataset, ids: Sequence[str], mapping: Mapping, *, stores_times: bool = False
+) -> Source:
     """Reads what the episodes are, and checks that they fit in one training dataset.
 
+    Args:
+        dataset: The dataset.
+        ids: The episodes.
+        mapping: The table of features.
+        stores_times: Whether the format stores the time of each row, so rates may differ.
+
     Raises:
-        ArgumentError: Two episodes differ in features, rate or cameras.
+        ArgumentError: Two episodes differ in features, rate or cameras, or rows have no rate.
         NotFoundError: An episode lacks a column or a camera.
     """
     first = dataset[ids[0]]
     resolved = mapping.resolve(first)
-    rate = _rate(first, resolved)
     cameras = _cameras(first, resolved)
     items = []
+    rates: list[Fraction | None] = []
     for name in ids:
         episode = dataset[name]
         own = mapping.resolve(episode)
         resolved.require_same(own, episode, first)
-        _require_same(episode, first, "rate", _rate(episode, own), rate)
+        rates.append(_rate(episode, own, stores_times))
+        if not stores_times:
+            _require_same(episode, first, "rate", rates[-1], rates[0])
         _require_same(episode, first, "sizes of images", _cameras(episode, own), cameras)
         items.append(_item(episode, own, cameras))
+    rate = rates[0] if len(set(rates)) == 1 else None
     left_out = [f"depth of {name}" for name in first.depth_cameras]
     left_out += [f"segmentation of {name}" for name in first.segmentation_cameras]
     used = {camera.name for camera in cameras}
@@ -205,11 +219,22 @@ def gather(dataset: Dataset, ids: Sequence[str], mapping: Mapping) -> Source:
         tuple(items),
         resolved,
         cameras,
-        rate,
+        rate if rate is not None else mean_rate(dataset[name] for name in ids),
         tuple(left_out),
         mapping.image_size,
         mapping.gripper,
+        rate is not None,
     )
+
+
+def _rate(episode: Episode, resolved: Resolved, stores_times: bool) -> Fraction | None:
+    """Returns the rate of an episode, or None without one if the format needs none."""
+    try:
+        return rate_of(episode, (*resolved.images.values(), *episode.cameras))
+    except ArgumentError:
+        if not stores_times:
+            raise
+        return None
 
 
 def _require_same(episode: Episode, first: Episode, what: str, own: object, other: object) -> None:
@@ -241,26 +266,6 @@ def _item(episode: Episode, resolved: Resolved, cameras: Sequence[Camera]) -> It
         end_reason=episode.end_reason,
         video_bytes=max(sizes, default=0),
         digest=str(described.get("run", {}).get("json_sha256", "")),
-    )
-
-
-def _rate(episode: Episode, resolved: Resolved) -> Fraction:
-    """Returns the rows per second: of a camera, of the run, or of the column `time`."""
-    described: Any = episode.json
-    for camera in (*resolved.images.values(), *episode.cameras):
-        return Fraction(*described["cameras"][camera]["fps"])
-    metadata: Any = episode.metadata or {}
-    hertz = metadata.get("rates", {}).get("policy_hz") if isinstance(metadata, dict) else None
-    if isinstance(hertz, list) and len(hertz) == 2:
-        return Fraction(*hertz)
-    if "time" in episode and len(episode) > 1:
-        time = episode["time"]
-        period = Fraction(float(time[-1] - time[0]) / (len(time) - 1)).limit_denominator(100_000)
-        if period > 0:
-            return 1 / period
-    raise ArgumentError(
-        f"episode '{episode.folder}': its rate is unknown. Episodes have cameras, rates in their "
-        "metadata, or a column 'time'"
     )
 
 

@@ -10,13 +10,21 @@ from pathlib import Path
 from typing import Any
 
 from robocell._core import NotFoundError, SpecError
-from robocell._preset_fields import columns_of, file_of_preset, read_fields, require_known
+from robocell._preset_fields import (
+    EXTENDS,
+    columns_of,
+    file_of_preset,
+    read_extended,
+    read_fields,
+    require_known,
+)
 from robocell._suggestions import did_you_mean
 from robocell.export._features import PARTS, Term
 
 TABLES = Path(__file__).with_name("tables")
 PRESETS = Path(__file__).with_name("presets")
 FIELDS = ("features", "actions", "action_feature", "images", "image_size", "gripper", "task")
+PRESET_FIELDS = (EXTENDS, *FIELDS)
 
 
 def preset_file(name: str) -> Path:
@@ -29,8 +37,21 @@ def read_table(file: Path) -> dict[str, Any]:
     return read_fields(file, "mapping", FIELDS, "robocell.export", "export")
 
 
-def merge_table(table: dict[str, Any], own: dict[str, Any], place: str, *, replaces: bool) -> None:
-    """Puts the fields of a file into a table.
+def read_preset(file: Path, place: str) -> dict[str, Any]:
+    """Returns the content of a preset, with the fields of the one that it extends."""
+
+    def read(one: Path) -> dict[str, Any]:
+        return read_fields(one, "preset", PRESET_FIELDS, "robocell.export", "export")
+
+    content, _ = read_extended(file, place, PRESETS, read)
+    require_known(content, place, PRESET_FIELDS)
+    return content
+
+
+def merge_table(
+    table: dict[str, Any], own: dict[str, Any], place: str, *, replaces: bool
+) -> set[str]:
+    """Puts the fields of a file into a table, and returns the features that the file names.
 
     Args:
         table: The table.
@@ -56,6 +77,7 @@ def merge_table(table: dict[str, Any], own: dict[str, Any], place: str, *, repla
         ):
             raise SpecError(f"{place}: images is a table of cameras, 'observation.images.x: wrist'")
         table[name] = content
+    return set(own.get("features", {}))
 
 
 def require_names(names: Iterable[object], place: str) -> None:

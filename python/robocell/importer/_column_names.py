@@ -16,9 +16,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from robocell._core import ArgumentError, IoError, NotFoundError, SpecError
-from robocell._extras import needed_by
+from robocell._core import ArgumentError, NotFoundError, SpecError
 from robocell._suggestions import did_you_mean
+from robocell._yaml import read_yaml
 from robocell.importer._entries import is_text
 from robocell.importer._recording import Column, Origin, Recording
 
@@ -52,15 +52,8 @@ class Names:
             SpecError: It is not such a table.
             IoError: It cannot be read.
         """
-        with needed_by("robocell.importer", "export"):
-            import yaml
         place = f"mapping '{file}'"
-        try:
-            content = yaml.safe_load(file.read_text(encoding="utf-8"))
-        except OSError as error:
-            raise IoError(f"cannot read {place}: {error.strerror}") from error
-        except (yaml.YAMLError, ValueError, RecursionError) as error:
-            raise SpecError(f"{place} is no YAML: {error}") from error
+        content = read_yaml(file, "mapping", "robocell.importer", "export")
         if not isinstance(content, dict):
             raise SpecError(f"{place} is a table with the fields {', '.join(FIELDS)}")
         for name in content:

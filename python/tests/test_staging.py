@@ -1,0 +1,65 @@
+"""The hidden folder of a result: it stays where a command can continue, and nowhere else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from robocell import ArgumentError, IoError
+from robocell._staging import Staging, staging
+
+
+def write_two(out: Path, request: dict[str, int], error: Exception) -> None:
+    """Makes one episode, unless it is there, and fails at the next."""
+    with staging(out, request) as place:
+        if not place.has_episodes:
+            place.path("e0").write_text("whole")
+            place.keep("e0", 1)
+        raise error
+
+
+def fail(out: Path, error: BaseException) -> None:
+    """Fails in the first episode."""
+    with staging(out, {"of": 2}) as place:
+        assert isinstance(place, Staging)
+        assert not place.has_episodes
+        place.path("data/half").touch()
+        place.scratch("half").touch()
+        raise error
+
+
+@pytest.mark.parametrize("error", [ArgumentError("x"), IoError("x"), ZeroDivisionError("x")])
+def test_a_refusal_before_the_first_episode_leaves_nothing(tmp_path: Path, error: Exception):
+    with pytest.raises(type(error)):
+        fail(tmp_path / "out", error)
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("error", [OSError(28, "No space left"), KeyboardInterrupt()])
+def test_a_full_disk_and_an_interrupt_leave_the_folder(tmp_path: Path, error: BaseException):
+    with pytest.raises(type(error)):
+        fail(tmp_path / "out", error)
+    assert [path.name for path in tmp_path.iterdir()] == [".out.partial"]
+
+
+def test_episodes_stay_for_the_command_that_continues(tmp_path: Path):
+    for _ in range(2):  # the second one finds those of the first
+        with pytest.raises(ArgumentError):
+            write_two(tmp_path / "out", {"of": 1}, ArgumentError("e1 is refused"))
+        assert (tmp_path / ".out.partial/e0").read_text() == "whole"
+    with pytest.raises(ArgumentError):
+        fail(tmp_path / "out", ArgumentError("another request has none of them"))
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_of_another_process_stays(tmp_path: Path):
+    with staging(tmp_path / "out", {}) as place:
+        with (
+            pytest.raises(ArgumentError, match="another process makes"),
+            staging(tmp_path / "out", {}),
+        ):
+            pass
+        place.path("e0").write_text("whole")
+        place.commit()
+    assert [path.name for path in tmp_path.rglob("*")] == ["out", "e0"]
