@@ -30,8 +30,10 @@ from robocell._own_code import loaded_sources, modules_of_one_run, set_modules_o
 __all__ = [
     "is_recorded_folder",
     "manifest_of_dataset",
+    "origin_of_import",
     "plan_numbers",
     "recorded_attempts",
+    "require_cell",
     "run_of_dataset",
     "seed_of_dataset",
 ]
@@ -78,12 +80,30 @@ def is_recorded_folder(source: str | Path) -> bool:
     return "environment" in metadata
 
 
+def origin_of_import(dataset: Dataset) -> str:
+    """Returns what a dataset was imported from: "LeRobot v3.0". "" for one of robocell's own."""
+    metadata: Any = dataset[0].metadata if len(dataset) else {}
+    imported = metadata.get("imported")
+    return str(imported.get("format", "another format")) if isinstance(imported, dict) else ""
+
+
+def require_cell(dataset: Dataset) -> None:
+    """Raises ArgumentError for an imported dataset: its episodes do not describe their cell."""
+    if origin := origin_of_import(dataset):
+        raise ArgumentError(
+            f"'{dataset.folder}' was imported from {origin}, so its cell is unknown: it cannot be "
+            "simulated. Train on it (robocell.data), export it, or merge it with others like it"
+        )
+
+
 def seed_of_dataset(source: str | Path) -> int:
     """Returns the seed of the run that made a dataset; no kind has to be registered for it.
 
     Raises ArgumentError for a dataset without episodes, and for one that no run made.
     """
-    metadata: Any = first_episode_of_run(Dataset(Path(source))).metadata
+    dataset = Dataset(Path(source))
+    require_cell(dataset)
+    metadata: Any = first_episode_of_run(dataset).metadata
     return int(metadata["seed"])
 
 
@@ -120,7 +140,9 @@ def run_of_dataset(source: str | Path, modules: Sequence[str] = ()) -> RunConfig
     """
     with modules_of_one_run():
         set_modules_of_run(modules)
-        run = _run_of_dataset(Dataset(Path(source)))
+        dataset = Dataset(Path(source))
+        require_cell(dataset)
+        run = _run_of_dataset(dataset)
     _require_imported(Path(source), run)
     return run
 

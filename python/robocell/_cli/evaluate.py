@@ -11,7 +11,13 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
-from robocell._cli.common import ExitCode, print_warning, print_wide
+from robocell._cli.common import (
+    ExitCode,
+    print_warning,
+    print_wide,
+    require_preset,
+    require_run_source,
+)
 from robocell._core import atomic_write
 
 if TYPE_CHECKING:
@@ -130,6 +136,8 @@ def evaluate(
         if not as_json and (done == of or done % 10 == 0):
             print(f"{done}/{of} rollouts", flush=True)
 
+    require_run_source(source)
+    require_preset(preset)
     run: Callable[..., Evaluation] = evaluate_run
     if source.endswith(".json"):
         from robocell.benchmark import evaluate as run

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -12,7 +13,7 @@ import robocell
 from robocell import _core, data
 from robocell._cells import load_cell
 from robocell._cli.common import ExitCode, fail, print_error, print_warning, require_folder
-from robocell._dataset_run import manifest_of_dataset, run_of_dataset
+from robocell._dataset_run import manifest_of_dataset, require_cell, run_of_dataset
 from robocell._generation.run_source import import_named
 from robocell._own_code import RAISED, raise_interrupt
 from robocell._raised import is_of_own_code, text_with_place
@@ -76,6 +77,8 @@ def replay(
     ids = [episode] if episode is not None else episodes.ids
     if not ids:
         fail(f"'{dataset}' has no episodes")
+    with contextlib.suppress(robocell.IoError):  # reported with the other episodes
+        require_cell(episodes)
     if imports:
         _require_same_code(episodes, modules)
     if actions or env is not None:

@@ -32,7 +32,7 @@ from robocell._core import (
     RunEnv,
     make_plan,
 )
-from robocell._dataset_run import plan_numbers, run_of_dataset
+from robocell._dataset_run import plan_numbers, require_cell, run_of_dataset
 from robocell._generation.run_source import import_named
 from robocell._suggestions import did_you_mean, fitting
 from robocell.data._recorder import cell_of_a_run
@@ -82,7 +82,7 @@ def from_dataset(
             dataset uses. Its own task judges, and start i is that of seed i.
 
     Raises:
-        ArgumentError: `dataset` is a file, or a list of columns is empty.
+        ArgumentError: `dataset` is a file or imported, or a list of columns is empty.
         NotFoundError: The dataset has no such name (the message has the nearest), or the task is
             not registered.
         SpecError: The task's code differs from the code that made the dataset, or a module of that
@@ -101,6 +101,7 @@ def from_dataset(
         if columns is not None and len(columns) == 0:
             raise ArgumentError(f"`{name}` is empty; leave it out for the default columns")
     opened = dataset if isinstance(dataset, Dataset) else Dataset(Path(dataset))
+    require_cell(opened)
     named = [imports] if isinstance(imports, str) else imports
     modules = [import_named(module, Path.cwd()) for module in named]
     shared = _shared_features(opened)
