@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-FOLDERS = ("src", "python/robocell", "python/bindings", "cmake", "models")
+FOLDERS = ("src", "python/robocell", "python/bindings", "cmake", "models", "packages")
 ELSEWHERE = {"pip", "random", "add_subdirectory", "find_package"}  # of other programs
 KINDS = {".cc", ".h", ".py", ".yaml", ".cmake", ".in"}
 

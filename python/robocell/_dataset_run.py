@@ -30,7 +30,6 @@ from robocell._own_code import loaded_sources, modules_of_one_run, set_modules_o
 __all__ = [
     "is_recorded_folder",
     "manifest_of_dataset",
-    "origin_of_import",
     "plan_numbers",
     "recorded_attempts",
     "require_cell",
@@ -80,19 +79,21 @@ def is_recorded_folder(source: str | Path) -> bool:
     return "environment" in metadata
 
 
-def origin_of_import(dataset: Dataset) -> str:
-    """Returns what a dataset was imported from: "LeRobot v3.0". "" for one of robocell's own."""
-    metadata: Any = dataset[0].metadata if len(dataset) else {}
-    imported = metadata.get("imported")
-    return str(imported.get("format", "another format")) if isinstance(imported, dict) else ""
-
-
-def require_cell(dataset: Dataset) -> None:
-    """Raises ArgumentError for an imported dataset: its episodes do not describe their cell."""
-    if origin := origin_of_import(dataset):
+def require_cell(source: str | Path) -> None:
+    """Raises ArgumentError for an imported dataset: nothing says in which cell it was made."""
+    folder = Path(source)
+    if not folder.is_dir():
+        return
+    try:
+        dataset = Dataset(folder)
+        metadata: Any = dataset[0].metadata if len(dataset) else {}
+    except (Error, OSError):
+        return  # told by what reads it next
+    origin = metadata.get("imported") if isinstance(metadata, dict) else None
+    if isinstance(origin, dict):
         raise ArgumentError(
-            f"'{dataset.folder}' was imported from {origin}, so its cell is unknown: it cannot be "
-            "simulated. Train on it (robocell.data), export it, or merge it with others like it"
+            f"'{folder}' was imported from {origin.get('format', 'another format')}, so it has no "
+            "cell to act in: train on it, export it, or merge it with others like it"
         )
 
 
@@ -101,9 +102,8 @@ def seed_of_dataset(source: str | Path) -> int:
 
     Raises ArgumentError for a dataset without episodes, and for one that no run made.
     """
-    dataset = Dataset(Path(source))
-    require_cell(dataset)
-    metadata: Any = first_episode_of_run(dataset).metadata
+    require_cell(source)
+    metadata: Any = first_episode_of_run(Dataset(Path(source))).metadata
     return int(metadata["seed"])
 
 
@@ -140,9 +140,8 @@ def run_of_dataset(source: str | Path, modules: Sequence[str] = ()) -> RunConfig
     """
     with modules_of_one_run():
         set_modules_of_run(modules)
-        dataset = Dataset(Path(source))
-        require_cell(dataset)
-        run = _run_of_dataset(dataset)
+        require_cell(source)
+        run = _run_of_dataset(Dataset(Path(source)))
     _require_imported(Path(source), run)
     return run
 

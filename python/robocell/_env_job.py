@@ -5,33 +5,34 @@ It offers what `evaluate` needs of a `Job`: `items`, `dataset`, `rate` and `do`.
 
 from __future__ import annotations
 
-import shlex
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from robocell._core import ArgumentError, Dataset, SpecError
+from robocell._core import ArgumentError, Dataset, SpecError, atomic_write
 from robocell._env_rollouts import (
+    MODELS,
     EnvRollouts,
     EnvStarts,
     command,
     longest_episode,
     rollout_of,
 )
-from robocell._generation.disk import disk_trouble, flush, require_writable
+from robocell._generation.disk import require_writable
 from robocell._generation.items import Item, ItemRecord
-from robocell._generation.job import Result
-from robocell._generation.observer import Observer, Unfailing
+from robocell._generation.observer import Observer
 from robocell._generation.run_source import RunSource
-from robocell._generation.signals import stop_on_signals
-from robocell._generation.supervisor import Limits, Supervisor
+from robocell._generation.supervised_job import SupervisedJob
+from robocell._generation.supervisor import Limits
 from robocell._policy_calls import error_of
 from robocell.policy import EXPERT, POLICY_ERROR, REPLAY
 
-MODELS = "models"  # a folder of every dataset; makes the output one before its first episode
+IDENTITY = "evaluation_identity.json"  # what the rollouts of a folder belong to
+CODE, CELL = "code", "cell"  # its parts that are told otherwise than by their values
 
 
-class EnvJob:
+class EnvJob(SupervisedJob):
     """The rollouts of a policy in the environment of a recorded dataset.
 
     Args:
@@ -80,38 +81,55 @@ class EnvJob:
         rollouts = EnvRollouts(source, self._starts)
         sim = rollouts.config.sim
         self.rate = float(sim.frequency) if sim.async_control else None
-        self.cell = f"{rollouts.config.to_yaml()}\nmax_steps: {self._starts.max_steps}\n"
-        self._identity = rollouts.identity
+        self.cell = rollouts.cell_fields
+        self._identity: dict[str, Any] = json.loads(json.dumps(rollouts.identity))
         rollouts.env.close()
 
     def failure_of(self, item_id: str) -> str:
         """Returns the error of a policy that raised before its first action; "" without one."""
         return error_of(self.dataset, item_id)
 
-    def do(self, observer: Observer, limits: Limits | None = None) -> Result:
-        """Makes the missing rollouts. Raises IoError if the folder is not writable."""
-        require_writable(self.dataset)
-        self._require_same_evaluation()
-        (self.dataset / MODELS).mkdir(parents=True, exist_ok=True)
-        made = {item.id for item in self.items if self._on_disk(item.id)}
-        supervisor = Supervisor(
-            [item for item in self.items if item.id not in made],
-            command(self.source, self._starts),
-            workers=self._workers,
-            logs=self.dataset / ".logs",
-            on_disk=self._on_disk,
-            flush=lambda: flush(self.dataset),
-            observer=Unfailing(observer),
-            already=len(made),
-            reproduce=self._reproduce,
-            disk_trouble=lambda: disk_trouble(self.dataset),
-            limits=limits or Limits(),
-        )
-        with stop_on_signals(supervisor.request_stop):
-            outcome = supervisor.run()
-        return Result(outcome, sum(self._on_disk(item.id) is not None for item in self.items))
+    @property
+    def workers(self) -> int:
+        """Number of processes."""
+        return self._workers
 
-    def _on_disk(self, item_id: str) -> ItemRecord | None:
+    def prepare(self, observer: Observer, limits: Limits) -> Mapping[str, str]:
+        """Makes the folder. Raises IoError if it is not writable."""
+        require_writable(self.dataset)
+        if (self.dataset / "dataset.json").exists():
+            raise SpecError(f"'{self.dataset}' belongs to a run; choose another --output")
+        # Makes it a dataset before its first episode.
+        (self.dataset / MODELS).mkdir(parents=True, exist_ok=True)
+        return {}
+
+    def claim(self) -> None:
+        """Writes the identity of the evaluation, or compares it with that of the folder."""
+        path = self.dataset / IDENTITY
+        if path.exists():
+            self._require_same(path)
+            return
+        if any(self.result_of(item.id) for item in self.items):
+            raise SpecError(
+                f"'{self.dataset}' has rollouts, and no {IDENTITY} says which evaluation they are "
+                "of; choose another --output, or remove the folder"
+            )
+        atomic_write(path, (json.dumps(self._identity, indent=1) + "\n").encode())
+
+    def made(self) -> set[str]:
+        """Returns the items whose rollouts are on the disk."""
+        return {item.id for item in self.items if self.result_of(item.id)}
+
+    def worker_command(self) -> list[str]:
+        """Returns the command that starts a worker."""
+        return command(self.source, self._starts)
+
+    def reproduce(self, item: Item) -> str:
+        """Returns the command for all rollouts up to this one."""
+        starts = self._starts
+        return self.reproduce_evaluation(item, starts.seed, starts.max_steps, starts.cameras)
+
+    def result_of(self, item_id: str) -> ItemRecord | None:
         """Returns the result of a rollout that was made."""
         episode = rollout_of(self.dataset, Item(item_id, 0))
         reason = "" if episode else self.failure_of(item_id)
@@ -129,32 +147,32 @@ class EnvJob:
             rows=len(episode) if episode else 0,
         )
 
-    def _require_same_evaluation(self) -> None:
-        """Raises SpecError if the folder has rollouts of another evaluation."""
-        if not self.dataset.is_dir():
-            return
-        for item in self.items:
-            if (episode := rollout_of(self.dataset, item)) is None:
-                continue
-            metadata: Any = episode.metadata
-            earlier = dict(metadata.get("user", {}).get("evaluation", {}))
-            differing = [
-                name for name, value in self._identity.items() if earlier.get(name) != value
-            ]
-            if differing:
-                raise SpecError(
-                    f"'{self.dataset}' has another evaluation: {' and '.join(differing)} differ; "
-                    "choose another --output, or remove the folder"
-                )
-            return
+    def _require_same(self, path: Path) -> None:
+        """Raises SpecError unless the folder has the same evaluation."""
+        try:
+            earlier = json.loads(path.read_text())
+        except (OSError, ValueError) as error:
+            raise SpecError(
+                f"cannot read '{path}': {error}; choose another --output, or remove the folder"
+            ) from error
+        if not isinstance(earlier, dict):
+            earlier = {}
+        if differing := _differences(earlier, self._identity):
+            raise SpecError(
+                f"'{self.dataset}' has another evaluation: {', '.join(differing)}; choose another "
+                "--output, or remove the folder"
+            )
 
-    def _reproduce(self, item: Item) -> str:
-        """Returns the command for all rollouts up to this one."""
-        imports = [part for module in self.source.imports for part in ("--import", module)]
-        options: Sequence[str] = [
-            *("--policy", self.source.policy, *self.source.acting.arguments()),
-            *("-n", str(item.index + 1)),
-            *([] if self._starts.seed is None else ["--seed", str(self._starts.seed)]),
-            *("--output", str(self.dataset.with_name(f"{self.dataset.name}_alone"))),
-        ]
-        return shlex.join(["robocell", "evaluate", self.source.run, *imports, *options])
+
+def _differences(earlier: Mapping[str, Any], present: Mapping[str, Any]) -> list[str]:
+    """Returns the fields that differ, and of the code the files that changed."""
+    found = [
+        f"{name}: {earlier.get(name)} and now {present.get(name)}"
+        for name in dict.fromkeys((*earlier, *present))
+        if name not in (CODE, CELL) and earlier.get(name) != present.get(name)
+    ]
+    if earlier.get(CELL) != present[CELL]:
+        found.append("the environment of the dataset changed")
+    then, now = dict(earlier.get(CODE) or {}), present[CODE]
+    changed = [file for file in sorted({*then, *now}) if then.get(file) != now.get(file)]
+    return found + [f"code file {file} changed since then" for file in changed]

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import json
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
@@ -25,6 +26,7 @@ from robocell._generation.worker import MakeEpisode, serve
 from robocell._own_code import RAISED, own_sources, raise_interrupt
 from robocell._policy_calls import present
 from robocell._raised import LostPolicyError, UnmadePolicyError, text_of_hook
+from robocell._spec_fields import fields_of, file_hashes, hashes_in
 from robocell.policy import (
     POLICY_ERROR,
     Context,
@@ -35,6 +37,7 @@ from robocell.policy import (
 if TYPE_CHECKING:
     from robocell.envs import RecordedCellEnv
 
+MODELS = "models"  # a folder of every dataset
 TIMEOUT = "timeout"  # end of a rollout whose actions are used up
 
 
@@ -88,7 +91,9 @@ def _derived(seed: int | None, number: int, purpose: str) -> int:
     return int.from_bytes(digest[:4], "little") >> 1
 
 
-def identity_of(starts: EnvStarts, named: NamedPolicy, modules: Sequence[str]) -> dict[str, Any]:
+def identity_of(
+    starts: EnvStarts, named: NamedPolicy, modules: Sequence[str], cell: str
+) -> dict[str, Any]:
     """Returns what an evaluation is continued by: policy, code, starts; kept with each episode."""
     described = asdict(starts) | {"dataset": str(starts.dataset.absolute()), "policy": named.kind}
     del described["output"]
@@ -96,6 +101,7 @@ def identity_of(starts: EnvStarts, named: NamedPolicy, modules: Sequence[str]) -
         *own_sources(getattr(named.make, "__module__", None), *modules),
         *_files_of(named.files),
     ]
+    described["cell"] = hashlib.sha256(cell.encode()).hexdigest()
     described["code"] = {str(file): _hash(file) for file in sorted(set(files))}
     return described
 
@@ -138,7 +144,15 @@ class EnvRollouts:
                 "says which rollouts succeed: give its configuration a `task`, such as {kind: "
                 "pick}, and record again"
             )
-        self.identity = identity_of(starts, self.named, modules)
+        models = file_hashes(hashes_in(starts.dataset / MODELS))
+        # Without images it has no streams either.
+        cell = models | {
+            name: value
+            for name, value in fields_of(self.config).items()
+            if not name.startswith("cameras.")
+        }
+        self.identity = identity_of(starts, self.named, modules, json.dumps(cell))
+        self.cell_fields = cell | {"max_steps": str(starts.max_steps)}
         self._policy: ActingPolicy | None = None
 
     def run(self, item: Item, stop: StopFlag) -> ItemRecord:

@@ -7,17 +7,20 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from robocell._core import Episode, run_identity
+from robocell._core import Episode
 from robocell._dataset_run import manifest_of_dataset
 from robocell._env_job import EnvJob
 from robocell._generation.job import Job
 from robocell._policy_calls import error_of
+from robocell._spec_fields import fields_of, file_hashes
 from robocell._suggestions import shortened
 from robocell.policy import POLICY_ERROR
 
-# Fields of a run that belong to the policy or to the number of rollouts.
-OF_THE_POLICY = ("run", "expert", "keep", "episodes", "episodes_per_scene", "seed", "cameras.draw")
-CAMERAS = "cameras."  # of environments: without images it has no streams either
+# Fields of a run that belong to the policy, to the number of rollouts or to where they are kept.
+OF_THE_POLICY = (
+    *("run", "expert", "keep", "episodes", "episodes_per_scene", "seed", "cameras.draw"),
+    *("workers", "output", "render", "imports", "scenes.houses"),
+)
 CODE = "code/"  # begins the names of files of code in a dataset's manifest
 POLICY_ERROR_RESULT = "policy_error"  # src/robocell/rollout/rollout.cc
 
@@ -53,38 +56,15 @@ def rollout_end(dataset: Path, rollout: str) -> RolloutEnd | None:
 def cell_of(job: Job | EnvJob) -> dict[str, str]:
     """Returns the fields of a run or environment without the policy's, and hashes of its models."""
     if isinstance(job, EnvJob):
-        fields = fields_of(job.cell)
-        return {name: value for name, value in fields.items() if not name.startswith(CAMERAS)}
-    fields = fields_of(run_identity(job.run))
-    cell = {name: value for name, value in fields.items() if name not in OF_THE_POLICY}
+        return job.cell
+    fields = fields_of(job.run)
+    cell = {name: value for name, value in fields.items() if not _is_of_the_policy(name)}
     files: Mapping[str, str] = (manifest_of_dataset(job.dataset) or {}).get("files", {})
-    models = {name: hash for name, hash in files.items() if not name.startswith(CODE)}
-    return cell | {f"file '{name}'": hash for name, hash in sorted(models.items())}
+    return cell | file_hashes(each for each in files.items() if not each[0].startswith(CODE))
 
 
-def fields_of(yaml: str) -> dict[str, str]:
-    """Returns {'rates.policy_ms': '40'} of YAML in block style, as robocell writes it.
-
-    Lists and what cannot be told apart stay one value.
-    """
-    found: dict[str, str] = {}
-    path: list[tuple[int, str]] = []  # indentation and key
-    for line in yaml.splitlines():
-        text = line.strip()
-        if not text or text.startswith("#"):
-            continue
-        indent = len(line) - len(line.lstrip())
-        key, colon, value = text.partition(":")
-        is_field = bool(colon) and not text.startswith("-") and key.strip("'\"").isprintable()
-        while is_field and path and path[-1][0] >= indent:
-            path.pop()
-        if is_field:
-            path.append((indent, key.strip("'\"")))
-        name = ".".join(key for _, key in path) or "?"
-        more = value.strip() if is_field else text
-        if more:
-            found[name] = f"{found[name]} {more}" if name in found else more
-    return found
+def _is_of_the_policy(name: str) -> bool:
+    return any(name == each or name.startswith(f"{each}.") for each in OF_THE_POLICY)
 
 
 def difference_of(one: Mapping[str, str], other: Mapping[str, str]) -> str:

@@ -126,7 +126,7 @@ def own_sources(*modules: str | None) -> list[Path]:
         seen.add(name)
         if "." in name:  # a folder without code has parents with code
             waiting.append(name.rpartition(".")[0])
-        file = _file_of(name)
+        file = source_of_module(name)
         if file is None or not is_own(file):
             continue
         found[file.resolve()] = None
@@ -155,7 +155,7 @@ def _installed_folders() -> list[Path]:
     return [folder.resolve() for folder in folders]
 
 
-def _file_of(module: str) -> Path | None:
+def source_of_module(module: str) -> Path | None:
     """Returns the file that a module is or would be loaded from; None without one, or installed.
 
     `find_spec` of a dotted name imports its parents, which the user's code may never do: they may

@@ -5,7 +5,8 @@ arrays, poses, enumerations, containers of them, and the attributes of its own o
 attributes belong to the configuration and may differ where a state is restored. Handles of robocell
 (scenes, robots, bodies) belong to the scene and stay unchanged. Saving a state rejects anything
 else: a missing attribute would change the continuation. It also rejects containers and arrays that
-two places share, at any depth: each place would get its own copy.
+two places share, at any depth: each place would get its own copy; functions whose closure, defaults
+or attributes the episode has set; and attributes of the class that it has changed.
 
 The attributes are JSON, packed into numbers as the states of environments are. Nothing of a state
 is executed or imported.
@@ -33,6 +34,8 @@ from robocell._shared_places import shared_places
 
 # The attribute that holds the others as they were when the task was bound: name -> JSON.
 _BOUND = "_robocell_bound"
+# The same of the attributes of its class, and of the classes of its objects: class -> name -> JSON.
+_BOUND_CLASSES = "_robocell_bound_classes"
 
 _BYTES_PER_NUMBER = 6  # doubles hold 48-bit integers exactly
 
@@ -44,12 +47,17 @@ class _UnknownError(Exception):
 def remember_bound(task: Any) -> None:
     """Notes the attributes of a task that has just been bound to its scene."""
     bound: dict[str, str] = {}
+    classes = {type(task)}
     for name, value in _attributes(task):
+        encoder = _Encoder(task)
         try:
-            bound[name] = _Encoder(task).text(value)
+            bound[name] = encoder.text(value)
         except _UnknownError:  # refused when a state is saved
             continue
+        finally:
+            classes |= encoder.classes
     setattr(task, _BOUND, bound)
+    setattr(task, _BOUND_CLASSES, {kind: _class_texts(kind) for kind in classes})
 
 
 def memory_of(task: Any) -> npt.NDArray[np.float64]:
@@ -66,6 +74,11 @@ def memory_of(task: Any) -> npt.NDArray[np.float64]:
             text = encoder.text(value)
             if bound.get(name) == text or _is_handle(value):
                 continue
+            if encoder.has_functions_with_state:
+                raise _UnknownError(
+                    "holds a function with a closure, defaults or attributes of its own, which "
+                    "robocell cannot keep"
+                )
             if encoder.has_objects_in_containers:
                 raise _UnknownError("holds a container of objects, which robocell cannot keep")
         except _UnknownError as error:
@@ -74,6 +87,7 @@ def memory_of(task: Any) -> npt.NDArray[np.float64]:
                 f"{_NEXT_STEP}"
             ) from None
         changed[name] = text
+    _require_same_classes(task)
     for one, other in shared_places(_attributes(task), task, _has_stored_attributes, _attributes):
         if one.attribute in changed or other.attribute in changed:
             raise ArgumentError(
@@ -82,6 +96,48 @@ def memory_of(task: Any) -> npt.NDArray[np.float64]:
                 f"{_NEXT_STEP}"
             )
     return _to_numbers(json.dumps(changed))
+
+
+def _require_same_classes(task: Any) -> None:
+    """Raises ArgumentError if an attribute of a class has changed since the task was bound."""
+    bound: Mapping[type, Mapping[str, str]] = getattr(task, _BOUND_CLASSES, {})
+    for kind, before in bound.items():
+        now = _class_texts(kind)
+        for name in dict.fromkeys((*before, *now)):
+            if name in before and before[name] == now.get(name) != _UNKNOWN:
+                continue
+            what = "is no value that can be kept" if now.get(name) == _UNKNOWN else "has changed"
+            raise ArgumentError(
+                f"{_called(task)}: its state cannot be saved, because attribute '{name}' of class "
+                f"'{kind.__name__}' {what}, and all tasks of the class share it. Set it in bind() "
+                f"or begin() as self.{name}"
+            )
+
+
+def _class_texts(kind: type) -> dict[str, str]:
+    """Returns the attributes of a class and of its bases that are values, as JSON."""
+    texts: dict[str, str] = {}
+    for base in reversed(kind.__mro__):
+        if base.__module__.partition(".")[0] in ("robocell", "builtins", "abc", "typing", "enum"):
+            continue
+        for name, value in vars(base).items():
+            if name.startswith(("__", "_abc_")) or hasattr(type(value), "__get__"):
+                continue  # of Python's own, or functions and properties
+            try:
+                texts[name] = _Encoder(kind).text(value)
+            except _UnknownError:
+                if not _is_value(value):
+                    texts[name] = _UNKNOWN
+    return texts
+
+
+_UNKNOWN = ""  # instead of the JSON of what cannot be kept
+
+
+def _is_value(value: Any) -> bool:
+    """Returns True for values that are equal by their content, such as a Fraction: none changes."""
+    kind = type(value)
+    return kind.__eq__ is not object.__eq__ and kind.__hash__ not in (None, object.__hash__)
 
 
 def has_attributes(memory: npt.NDArray[np.float64]) -> bool:
@@ -135,7 +191,7 @@ def _text_of(task: Any, value: Any) -> str | None:
 def _attributes(owner: Any) -> Iterator[tuple[str, Any]]:
     """Yields the attributes of an object itself, not of its class."""
     for name, value in list(getattr(owner, "__dict__", {}).items()):
-        if name != _BOUND:
+        if name not in (_BOUND, _BOUND_CLASSES):
             yield name, value
     for name in _slots(type(owner)):
         if hasattr(owner, name):
@@ -204,6 +260,8 @@ class _Encoder:
         self._outer = {id(task)}  # what the value is an attribute of
         self._depth = 0  # of containers
         self.has_objects_in_containers = False
+        self.has_functions_with_state = False
+        self.classes: set[type] = set()  # of the objects in it
 
     def text(self, value: Any) -> str:
         return json.dumps(self._plain(value))
@@ -230,6 +288,11 @@ class _Encoder:
         if id(value) in self._outer:
             return ["outer"]
         if isinstance(value, _CONSTANTS):
+            self._outer.add(id(value))
+            state = [self._plain(each) for each in _state_of(value)]
+            if any(not _is_constant(each) for each in state):
+                self.has_functions_with_state = True
+                return ["constant", _name_of(value), state]
             return ["constant", _name_of(value)]
         if _is_handle(value):
             return ["handle"]
@@ -239,6 +302,7 @@ class _Encoder:
                 f"holds a {kind.__module__}.{kind.__qualname__}, which robocell cannot keep"
             )
         self._outer.add(id(value))
+        self.classes.add(type(value))
         return ["object", {name: self._plain(each) for name, each in _attributes(value)}]
 
     def _container(self, value: Any) -> Any:
@@ -258,6 +322,28 @@ class _Encoder:
 
 
 _CONTAINERS = (list, tuple, dict, set, frozenset)
+
+
+def _state_of(value: Any) -> list[Any]:
+    """Returns what a function has beside its code, or what a method is of."""
+    owner = getattr(value, "__self__", None)
+    if isinstance(value, types.MethodType | types.BuiltinFunctionType):
+        return [] if owner is None or isinstance(owner, types.ModuleType | type) else [owner]
+    if not isinstance(value, types.FunctionType):
+        return []
+    state = [*(value.__defaults__ or ()), *(value.__kwdefaults__ or {}).values()]
+    state += vars(value).values()
+    for cell in value.__closure__ or ():
+        try:
+            state.append(cell.cell_contents)
+        except ValueError:  # not set yet
+            continue
+    return state
+
+
+def _is_constant(plain: Any) -> bool:
+    """Returns True for what restored states leave as it is."""
+    return isinstance(plain, list) and plain[0] in ("outer", "handle", "constant")
 
 
 def _name_of(value: Any) -> str:

@@ -36,6 +36,13 @@ from robocell._core import (
 )
 from robocell._dataset_run import manifest_of_dataset
 from robocell._generation.run_source import RunSource
+from robocell._named_modules import (
+    hash_of,
+    imports_of,
+    needed_imports,
+    require_named,
+    stored_name,
+)
 from robocell._own_code import modules_of_one_run
 from robocell.evaluate import SEED, Evaluation
 from robocell.evaluate import evaluate as evaluate_run
@@ -43,6 +50,14 @@ from robocell.evaluate import evaluate as evaluate_run
 __all__ = ["Benchmark", "create", "evaluate", "load"]
 
 FORMAT, VERSION = "robocell-benchmark", 1
+CONTENT: dict[str, type] = {
+    "source": str,
+    "imports": dict,
+    "seed": int,
+    "task": str,
+    "starts": list,
+    "files": dict,
+}
 # What a start is: columns of a row, by the end of their names.
 STATE = ("/qpos", "/base_pose", "/pose")
 
@@ -54,7 +69,8 @@ class Benchmark:
     Attributes:
         path: Its file.
         source: The run file or dataset, as a path from the file's folder or absolute.
-        imports: Modules that register its task or features.
+        imports: Modules that register its task or features -> SHA-256 of their files. Paths are
+            relative to the file's folder.
         seed: Seed of the starts.
         task: The task with all its fields, as YAML: what counts as a success.
         starts: Each start: `id`, `instruction`, `object_kinds`, and the numbers of its `state`.
@@ -63,7 +79,7 @@ class Benchmark:
 
     path: Path
     source: str
-    imports: tuple[str, ...]
+    imports: dict[str, str]
     seed: int
     task: str
     starts: tuple[dict[str, Any], ...]
@@ -104,8 +120,12 @@ def create(
     path = Path(out)
     if path.exists():
         raise ArgumentError(f"'{path}' exists already. Choose another name; nothing is replaced")
+    if not Path(source).exists():
+        raise NotFoundError(f"there is no run file or dataset '{source}', which a benchmark names")
+    named = [imports] if isinstance(imports, str) else imports
+    needed = needed_imports(source, named)
     with modules_of_one_run():
-        run = _run_of(source, imports, seed, episodes)
+        run = _run_of(source, named, seed, episodes)
         starts = []
         for done, start in enumerate(_drawn(run, make_plan(run)[:episodes]), 1):
             starts.append(start)
@@ -120,7 +140,10 @@ def create(
         "format": FORMAT,
         "format_version": VERSION,
         "source": relative,
-        "imports": list(imports),
+        "imports": {
+            stored_name(name, file, path.absolute().parent): hash_of(file)
+            for name, file in needed.items()
+        },
         "seed": seed,
         "task": _task_of(manifest),
         "versions": {"robocell": __version__, **manifest.get("versions", {})},
@@ -154,10 +177,16 @@ def load(file: str | os.PathLike[str]) -> Benchmark:
         )
     if (damage := json_damage(text)) is not None:
         raise IoError(f"benchmark '{path}' is damaged or was edited: {damage}")
+    for name, kind in CONTENT.items():
+        if not isinstance(content.get(name), kind) or (name == "starts" and not content[name]):
+            raise IoError(
+                f"benchmark '{path}' has no {name} of this version of robocell; write it again "
+                "with `robocell benchmark`"
+            )
     return Benchmark(
         path,
         content["source"],
-        tuple(content["imports"]),
+        content["imports"],
         content["seed"],
         content["task"],
         tuple(content["starts"]),
@@ -170,26 +199,31 @@ def evaluate(
     policy: str,
     *,
     output: str | os.PathLike[str] | None = None,
+    imports: Sequence[str] = (),
     **options: Any,
 ) -> Evaluation:
     """Evaluates a policy from the starts of a benchmark.
+
+    The file imports nothing: `imports` names the modules that it needs, after reading them.
 
     Args:
         benchmark: A benchmark or its file.
         policy: As for `robocell.evaluate.evaluate`.
         output: Folder of the rollouts; default: beside the file, `<name>_evaluation/<policy>-...`.
-        options: Further arguments of `robocell.evaluate.evaluate`; seed, episodes and imports are
-            those of the benchmark.
+        imports: The modules of the benchmark and of its run file, by name or file; their contents
+            have to be those that the benchmark was made with.
+        options: Further arguments of `robocell.evaluate.evaluate`; seed and episodes are those of
+            the benchmark.
 
     Raises:
-        ArgumentError: A start, or a file of the models, is not that of the benchmark; or an option
-            belongs to the benchmark.
+        ArgumentError: A start, a file of the models or a module is not that of the benchmark; a
+            module is not named; or an option belongs to the benchmark.
         NotFoundError: The run file or dataset is not where the benchmark says.
     """
     from robocell.evaluate import default_output
 
     own = benchmark if isinstance(benchmark, Benchmark) else load(benchmark)
-    for name in ("seed", "episodes", "imports"):
+    for name in ("seed", "episodes"):
         if options.get(name):
             raise ArgumentError(f"{name} is that of the benchmark '{own.path}'; leave it out")
         options.pop(name, None)
@@ -199,8 +233,12 @@ def evaluate(
         )
     if policy == "replay":
         raise ArgumentError("a benchmark has new starts, and no recorded actions to replay")
+    named = [imports] if isinstance(imports, str) else list(imports)
+    command = ["robocell", "evaluate", str(own.path), "--policy", policy]
+    command += [] if output is None else ["--output", str(output)]
+    require_named(own.path, own.imports, imports_of(own.place).values(), named, command)
     with modules_of_one_run():
-        run = _run_of(own.place, own.imports, own.seed, len(own.starts))
+        run = _run_of(own.place, named, own.seed, len(own.starts))
         first = next(iter(_drawn(run, make_plan(run)[:1])))
     _require_same(own, own.starts[0], first)  # before hours of rollouts
     place = Path(output) if output is not None else default_output(own.path, policy, own.seed)
@@ -209,7 +247,7 @@ def evaluate(
         policy,
         episodes=len(own.starts),
         seed=own.seed,
-        imports=own.imports,
+        imports=named,
         output=place,
         **options,
     )

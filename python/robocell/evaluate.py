@@ -12,18 +12,32 @@ with their videos.
 
 from __future__ import annotations
 
+import contextlib
 import json
 import math
 import re
 import sys
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from robocell._core import ArgumentError, Dataset, Error, IoError, PlanItem
-from robocell._dataset_run import is_recorded_folder, plan_numbers
+from robocell._core import (
+    ArgumentError,
+    Dataset,
+    Error,
+    IoError,
+    NotFoundError,
+    PlanItem,
+    SpecError,
+)
+from robocell._dataset_run import (
+    is_recorded_folder,
+    naming_what_to_evaluate,
+    plan_numbers,
+    require_cell,
+)
 from robocell._env_job import EnvJob
 from robocell._evaluated import cell_of, difference_of, rollout_end
 from robocell._generation.items import ItemRecord
@@ -36,6 +50,7 @@ from robocell._generation.totals import Totals, Unmade
 from robocell._own_code import modules_of_one_run
 from robocell._policy_calls import latency
 from robocell._policy_options import PolicyOptions, is_url
+from robocell._suggestions import did_you_mean
 from robocell.policy import EXPERT, RANDOM, REPLAY, replayed_seed
 
 __all__ = [
@@ -325,6 +340,9 @@ def evaluate(
     the reason, if no rollout could be made; `errors` lists single ones that could not be made.
     Raises IoError if a policy server is gone; the same call continues the evaluation.
     """
+    _require_there(source)
+    with naming_what_to_evaluate():
+        require_cell(source)
     recorded = is_recorded_folder(source)
     if policy == REPLAY:
         own_seed = 0 if recorded else replayed_seed(source)
@@ -364,10 +382,12 @@ def evaluate(
                 cameras=cameras,
             )
         else:
-            job = Job(chosen, overrides, choose=starts.choose)
+            with _naming_options(overrides):
+                job = Job(chosen, overrides, choose=starts.choose)
         server = _greeting(policy) if is_url(policy) else {}
         _warn_of_rate(acting, _rate_of(job))
-        result = job.do(_Watching(job.dataset, on_rollout), limits)
+        with _naming_options(overrides):
+            result = job.do(_Watching(job.dataset, on_rollout), limits)
     if result.outcome.interrupted:
         raise KeyboardInterrupt
     if result.outcome.fatal:
@@ -380,6 +400,48 @@ def evaluate(
         first = _without_logs(first, [first])
         raise Error(f"none of {len(job.items)} rollouts could be made: {first}")
     return replace(evaluation, server=server)
+
+
+def _require_there(source: str | Path) -> None:
+    """Raises NotFoundError, with the nearest name, for a path without a file or folder."""
+    path = Path(source)
+    if path.exists() or RunSource(str(source)).in_python:
+        return
+    there = list(path.parent.iterdir()) if path.parent.is_dir() else []
+    names = [each.name for each in there if each.suffix in (".yaml", ".yml") or each.is_dir()]
+    near = did_you_mean(path.name, [name for name in names if not name.startswith(".")])
+    raise NotFoundError(
+        f"no dataset or run file '{source}'.{near} Name the folder of a dataset, a run file, or "
+        "module:name of a RunConfig"
+    )
+
+
+# Options of `evaluate` by the field of the run that they set.
+_OPTIONS = {
+    "seed": "--seed",
+    "episodes": "-n",
+    "workers": "--workers",
+    "output": "--output",
+    "cameras.draw": "--no-cameras",
+    "rates.max_steps": "--max-steps",
+}
+
+
+@contextlib.contextmanager
+def _naming_options(overrides: Sequence[str]) -> Iterator[None]:
+    """Context manager: errors about a field that an option set name the option, not `--set`."""
+    try:
+        yield
+    except SpecError as error:
+        text = str(error)
+        for override in overrides:
+            field, _, value = override.partition("=")
+            if field in _OPTIONS:
+                shown = "" if field == "cameras.draw" else f" {value.strip(chr(34))}"
+                text = text.replace(f"--set {override}", f"{_OPTIONS[field]}{shown}")
+        if text == str(error):
+            raise
+        raise SpecError(text) from None
 
 
 def _rate_of(job: Job | EnvJob) -> float | None:

@@ -140,3 +140,76 @@ def test_mistakes_are_named(folder: Path, tmp_path: Path):
     assert "is no benchmark; `robocell benchmark` writes one" in refused(
         "evaluate", copy, "--policy", "expert", code=3
     )
+
+
+MARKING = """
+from pathlib import Path
+with Path(__file__).with_suffix(".imported").open("a") as file:
+    file.write("x")
+"""
+
+
+@pytest.fixture
+def with_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A benchmark whose module leaves a file when it is imported."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "marking.py").write_text(MARKING)
+    write_run(tmp_path, cameras={"streams": []})
+    arguments = ("benchmark", "run.yaml", "picks.json", "-n", 1, "--import", "marking.py")
+    said = robocell_command(*arguments)
+    assert said.returncode == 0, said.stderr
+    assert list(benchmark.load("picks.json").imports) == ["marking.py"]
+    Path("marking.imported").unlink()
+    return tmp_path
+
+
+def test_a_benchmark_imports_only_what_the_user_names(with_module: Path):
+    evaluate = ("evaluate", "picks.json", "--policy", "random", "-o", "out")
+    said = refused(*evaluate)
+    assert "needs the module 'marking.py', and a file never imports code by itself" in said
+    command = "robocell evaluate picks.json --policy random --output out --import marking.py"
+    assert f"`{command}`" in said
+    assert not Path("marking.imported").exists()
+    done = robocell_command(*command.split()[1:])
+    assert done.returncode == 0, done.stderr
+    assert Path("marking.imported").exists()
+
+
+def test_modules_with_another_content_are_refused_unread(with_module: Path):
+    Path("marking.py").write_text(MARKING + "# another\n")
+    named = ("evaluate", "picks.json", "--policy", "random", "--import")
+    said = refused(*named, "marking.py")
+    assert "'marking.py' is not the module that benchmark 'picks.json' was made with" in said
+    Path("more.py").write_text(MARKING)
+    Path("marking.py").unlink()
+    Path("other.py").write_text("")
+    assert "was made without the module 'other.py'" in refused(*named, "other.py")
+    assert not list(with_module.glob("*.imported"))
+
+
+def test_a_run_file_that_a_benchmark_names_imports_nothing_by_itself(with_module: Path):
+    def change(content: Any) -> None:
+        content["imports"] = {}
+
+    run = yaml.safe_load(Path("run.yaml").read_text()) | {"imports": ["evil.py"]}
+    Path("run.yaml").write_text(yaml.safe_dump(run))
+    Path("evil.py").write_text(MARKING)
+    edited(with_module, with_module / "b.json", change)
+    said = refused("evaluate", "b.json", "--policy", "random")
+    assert "needs the module 'evil.py'" in said
+    assert "--import evil.py`" in said
+    said = refused("evaluate", "b.json", "--policy", "random", "--import", "evil.py")
+    assert "was made without the module 'evil.py'" in said
+    assert not list(with_module.glob("*.imported"))
+
+
+def test_a_benchmark_needs_a_file_or_folder(tmp_path: Path):
+    said = refused("benchmark", "tasks.py:config", tmp_path / "b.json")
+    assert "no run file or dataset 'tasks.py:config'" in said
+
+
+@pytest.mark.parametrize("name", ["source", "imports", "starts", "files"])
+def test_a_file_of_another_shape_is_refused(folder: Path, tmp_path: Path, name: str):
+    file = edited(folder, tmp_path / "b.json", lambda content: content.update({name: 3}))
+    said = refused("evaluate", file, "--policy", "expert", code=3)
+    assert f"has no {name} of this version of robocell" in said

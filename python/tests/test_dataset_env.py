@@ -425,3 +425,55 @@ def test_the_random_policy_acts_on_any_group_name(dataset: rc.Dataset, tmp_path:
     actions = rc.Dataset(tmp_path / "out")[0][ARM]
     assert len(np.unique(np.asarray(actions)[:, 0])) > 10
     assert run.robot.name == "rc7"
+
+
+def recorded_where_arms_stay(folder: Path) -> rc.Dataset:
+    config = pick_cube_config(relative_to="last_step")
+    config.wrappers.home_on_reset = False
+    env = rc.Env(config)
+    with rc.data.EnvRecorder(env, folder):
+        for seed in (3, 4):
+            env.reset(seed=seed)
+            for _ in range(3):
+                env.step({"robot": {"tquat": [0.03, 0, -0.03, 0, 0, 0, 1], "gripper": 1}})
+    env.close()
+    return rc.Dataset(folder)
+
+
+def test_a_start_depends_on_its_number_alone_where_arms_stay(tmp_path: Path):
+    dataset = recorded_where_arms_stay(tmp_path / "out")
+
+    def start(numbers: list[int], steps: int) -> np.ndarray:
+        env = from_dataset(dataset, cameras=False)
+        for number in numbers:
+            env.reset(seed=number)
+            for _ in range(steps if number != numbers[-1] else 0):
+                env.step(
+                    {"action/robot/tquat": [0, 0, -0.05, 0, 0, 0, 1], "action/robot/gripper": [0]}
+                )
+        state = np.array(env.recordable.get_state().numbers)
+        env.close()
+        return state
+
+    alone = start([5], 0)
+    assert np.array_equal(alone, start([1, 5], 4))
+    assert np.array_equal(alone, start([5, 2, 5], 2))
+    assert not np.array_equal(alone, start([6], 0))
+
+    one = evaluate(dataset.folder, "random", episodes=3, max_steps=2, output=tmp_path / "one")
+    two = evaluate(
+        dataset.folder, "random", episodes=3, max_steps=2, output=tmp_path / "two", workers=2
+    )
+    for id in one.outcomes.keys() | two.outcomes.keys():
+        first, second = (rc.Dataset(tmp_path / name)[id]["env_state"] for name in ("one", "two"))
+        assert np.array_equal(first, second)
+
+
+def test_an_environment_of_ones_own_whose_arms_stay_is_rejected(tmp_path: Path):
+    dataset = recorded_where_arms_stay(tmp_path / "out")
+    config = pick_cube_config(relative_to="last_step")
+    config.wrappers.home_on_reset = False
+    env = rc.Env(config)
+    with pytest.raises(rc.ArgumentError, match="its starts depend on the episodes before"):
+        from_dataset(dataset, env=env)
+    env.close()

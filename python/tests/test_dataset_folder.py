@@ -12,8 +12,8 @@ import pytest
 
 from command_line import write_run
 from robocell import IoError
-from robocell._generation import job as jobs
 from robocell._generation import report as reports
+from robocell._generation import supervised_job
 from robocell._generation.check import Found
 from robocell._generation.job import Job
 from robocell._generation.observer import Observer
@@ -74,7 +74,7 @@ def test_warns_about_leftovers_that_cannot_be_removed(
     def fail(*_: object) -> None:
         raise IoError("cannot list 'models/x'")
 
-    monkeypatch.setattr(jobs, "remove_leftovers", fail)
+    monkeypatch.setattr(supervised_job, "remove_leftovers", fail)
     told = Told()
     Job(write_run(tmp_path), []).clean_up("e7", 42, told)
     assert told.warnings == [

@@ -5,6 +5,8 @@ from __future__ import annotations
 import enum
 import pickle
 from dataclasses import dataclass
+from fractions import Fraction
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -320,14 +322,97 @@ def test_rejects_attributes_that_would_change_on_restore(made, told: str):
     env.close()
 
 
-def test_a_first_state_starts_the_task():
-    class Holds(Pushed):
-        count = 2
+def counter():
+    count = 0
 
+    def next_one() -> int:
+        nonlocal count
+        count += 1
+        return count
+
+    return next_one
+
+
+def with_default(seen: list[int] = []) -> int:  # noqa: B006  (what is tested)
+    seen.append(0)
+    return len(seen)
+
+
+class Log:
+    lines: ClassVar[list[int]] = []
+
+
+class Keeping(Pushed):
+    noted: ClassVar[list[int]] = []
+    table: ClassVar[np.ndarray] = np.zeros(2)
+    share = Fraction(1, 3)
+
+    def bind(self, scene, setting):
+        super().bind(scene, setting)
+        self.count, self.log, self.take = counter(), Log(), with_default
+        self.add = [1].append
+        self.name_of = lambda: type(self).__name__  # has no state of its own
+
+    def begin(self, scene):
+        super().begin(scene)
+        self.change()
+
+    def change(self):
+        pass
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda task: task.count(), "'count' holds a function with a closure, defaults or"),
+        (lambda task: task.take(), "'take' holds a function with a closure, defaults or"),
+        (lambda task: setattr(task, "new", counter()), "'new' holds a function with a closure"),
+        (lambda task: task.add(3), "'add' holds a function with a closure"),
+        (lambda task: task.noted.append(1), "'noted' of class 'Changes' has changed, and all"),
+        (lambda task: task.table.fill(1), "'table' of class 'Changes' has changed, and all"),
+        (lambda task: Log.lines.append(1), "'lines' of class 'Log' has changed, and all tasks"),
+        (
+            lambda task: setattr(type(task), "rng", np.random.default_rng(1)),
+            "'rng' of class 'Changes' is no value that can be kept, and all",
+        ),
+    ],
+)
+def test_rejects_what_functions_and_classes_keep_of_an_episode(change, told: str):
+    class Changes(Keeping):
+        noted: ClassVar[list[int]] = []
+        table: ClassVar[np.ndarray] = np.zeros(2)
+
+        def change(self):
+            if not hasattr(self, "done"):
+                self.done = True
+                change(self)
+
+    env = rc.Env(pushed_config(Changes))
+    env.reset(seed=1)
+    with pytest.raises(rc.ArgumentError, match=told):
+        env.save("here")
+    env.close()
+
+
+def test_functions_and_classes_that_stay_do_not_hinder_saving():
+    env = rc.Env(pushed_config(Keeping))
+    env.reset(seed=1)
+    rewards_after(env, 2)
+    state = env.get_state()
+    expected = rewards_after(env)
+    env.set_state(state)
+    assert rewards_after(env) == expected
+    env.close()
+
+
+def test_a_first_state_starts_the_task():
+    parts = [2]
+
+    class Holds(Pushed):
         def begin(self, scene):
             super().begin(scene)
             self.cup = scene.robot("robot")  # a handle, which no state has
-            self.names = [f"part {i}" for i in range(Holds.count)]
+            self.names = [f"part {i}" for i in range(parts[0])]
 
         def subtasks(self):
             return self.names
@@ -344,7 +429,7 @@ def test_a_first_state_starts_the_task():
     fresh = rc.Env(pushed_config(Holds))
     fresh.set_state(state)
     assert rewards_after(fresh) == expected
-    Holds.count = 3
+    parts[0] = 3
     env.reset(seed=2)
     rewards_after(env, 1)
     longer = env.get_state()

@@ -235,13 +235,15 @@ def test_imported_datasets_are_said_to_have_no_cell(dataset: robocell.Dataset, t
     export_dataset(dataset, tmp_path / "there", "lerobot-v2.1", cameras=[])
     back = tmp_path / "back"
     import_dataset(tmp_path / "there", back)
-    reason = f"'{back}' was imported from LeRobot v2.1, so its cell is unknown: "
+    reason = f"'{back}' was imported from LeRobot v2.1, so it has no cell to act in: train "
     with pytest.raises(robocell.ArgumentError) as raised:
         robocell.envs.from_dataset(back)
     assert reason in str(raised.value)
     assert "export it, or merge it" in str(raised.value)
     for policy in ("expert", "random", "replay"):
-        assert reason in refused("evaluate", back, "--policy", policy)
+        said = refused("evaluate", back, "--policy", policy)
+        assert reason in said
+        assert said.count("Evaluate a run, or a dataset that") == 1
     said = refused("replay", back)
     assert said.count(reason) == 1, "once, not for each episode"
     report = robocell_command("report", back)

@@ -166,6 +166,25 @@ def test_the_package_has_the_name_that_lerobot_looks_for():
     assert (PACKAGE / project["name"] / "__init__.py").is_file()
 
 
+def test_it_imports_the_modules_that_its_configuration_names(
+    dataset: robocell.Dataset,
+    plugin: dict[str, Any],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+):
+    for name in ("lerobot_tasks_one", "lerobot_tasks_two"):
+        (tmp_path / f"{name}.py").write_text(f"NAME = {name!r}\n")
+    monkeypatch.chdir(tmp_path)
+    names = "lerobot_tasks_one, lerobot_tasks_two.py"
+    config = plugin["robocell"](task=str(dataset.folder), cameras="", imports=names)
+    assert config.of_cell["imports"] == ["lerobot_tasks_one", "lerobot_tasks_two.py"]
+    for name in ("lerobot_tasks_one", "lerobot_tasks_two"):
+        assert name == sys.modules.pop(name).NAME
+    vector = config.create_envs()["robocell"][0]
+    assert "lerobot_tasks_one" in sys.modules
+    vector.close()
+
+
 def test_its_configuration_knows_the_features_of_the_export(
     dataset: robocell.Dataset, plugin: dict[str, Any]
 ):

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 from commands import ROOT, generate, refusal, robocell_command
 
 import robocell as rc
@@ -170,6 +172,39 @@ def test_an_evaluation_stores_its_cell(dataset: Path, tmp_path: Path):
     assert "expert" not in same.cell
     with pytest.raises(rc.ArgumentError, match=r"cells: rates\.max_steps: 700 and 120; evaluate"):
         compare(longer, same)
+
+
+def test_the_cell_of_a_moved_dataset_and_of_its_run_file_is_the_same(dataset: Path, tmp_path: Path):
+    shutil.copytree(dataset, tmp_path / "moved")
+    run = yaml.safe_load(DEMO.read_text()) | {"output": "out"}
+    run["robot"] = str(DEMO.parent / run["robot"])
+    run["cameras"]["streams"], run["rates"]["max_steps"] = [], 120
+    (tmp_path / "own.yaml").write_text(yaml.safe_dump(run))
+    sources = (dataset, tmp_path / "moved", tmp_path / "own.yaml")
+    mine, moved, own = (
+        evaluate(source, "random", episodes=1, output=tmp_path / f"rollouts{number}")
+        for number, source in enumerate(sources)
+    )
+    assert compare(mine, moved).neither == 1
+    assert compare(mine, own).neither == 1
+    assert [name for name in mine.cell if name.endswith("rc7.xml'")]
+    assert not [
+        value for value in mine.cell.values() if str(tmp_path) in value or " at 0x" in value
+    ]
+
+
+def test_a_refused_folder_is_told_by_the_options_of_the_command(dataset: Path, tmp_path: Path):
+    words = ("evaluate", dataset, "--policy", "random", "-n", 1, "--output", tmp_path / "out")
+    assert robocell_command(*words).returncode == 0
+    said = refusal(*words, "--max-steps", 30)
+    assert "--max-steps 30: rates.max_steps: 120 then, 30 now" in said
+    assert "--set" not in said
+
+
+def test_a_misspelt_dataset_is_told_with_the_nearest_one(dataset: Path):
+    said = refusal("evaluate", dataset.with_name("pickks"), "--policy", "expert")
+    assert f"no dataset or run file '{dataset.with_name('pickks')}'." in said
+    assert f"Did you mean '{dataset}'?" in said
 
 
 def test_a_stored_evaluation_is_read_again(tmp_path: Path):

@@ -11,6 +11,8 @@ import pytest
 from commands import refusal, robocell_command
 
 import robocell as rc
+from robocell._env_job import EnvJob
+from robocell._generation.run_source import RunSource
 from robocell.data import EnvRecorder, env_of_episode, replay_actions
 from robocell.evaluate import Evaluation, compare, evaluate
 from robocell.gym import pick_cube_config
@@ -174,10 +176,63 @@ def test_an_evaluation_continues_only_as_the_same(recorded: Path, tmp_path: Path
     more = evaluate(recorded, f"{file}:Still", episodes=2, output=out)
     assert (out / "start000000-000000/episode.json").read_bytes() == before
     assert first.outcomes.items() < more.outcomes.items()
-    with pytest.raises(rc.SpecError, match="has another evaluation: max_steps differ"):
+    with pytest.raises(rc.SpecError, match="has another evaluation: max_steps: 7 and now 2; "):
         evaluate(recorded, f"{file}:Still", episodes=2, output=out, max_steps=2)
-    with pytest.raises(rc.SpecError, match="has another evaluation: policy differ"):
+    with pytest.raises(
+        rc.SpecError, match=r"has another evaluation: policy: \S+:Still and now \S+:Picker; "
+    ):
         evaluate(recorded, f"{file}:Picker", episodes=2, output=out)
+
+
+def test_a_corrected_policy_is_another_evaluation(recorded: Path, tmp_path: Path):
+    """Its rollouts have no episode: they ended before their first action."""
+    file = tmp_path / "corrected.py"
+    still = POLICIES.replace("class Still(Policy)", "class Mine(Policy)").replace(
+        "(Still)", "(Mine)"
+    )
+    wrong = "    def reset(self, context): raise KeyError('nope')\n\n"
+    file.write_text(still.replace("class Mine(Policy):\n", f"class Mine(Policy):\n{wrong}"))
+    out = tmp_path / "out"
+    words = ("evaluate", recorded, "--policy", f"{file}:Mine", "-n", "2", "--output", out)
+    said = robocell_command(*words)
+    assert said.returncode == 1, said.stderr
+    assert not rc.Dataset(out).ids
+    file.write_text(still)
+    said = refusal(*words)
+    assert f"another evaluation: code file {file} changed since then; choose another" in said
+    said = refusal(*words[:2], "--policy", "random", *words[4:])
+    assert "has another evaluation: policy:" in said
+
+
+def test_the_cell_of_a_moved_dataset_is_the_same(recorded: Path, tmp_path: Path):
+    moved = shutil.copytree(recorded, tmp_path / "moved")
+    one = evaluate(recorded, "random", episodes=1, max_steps=1, output=tmp_path / "one")
+    other = evaluate(moved, "random", episodes=1, max_steps=1, output=tmp_path / "other")
+    assert compare(one, other).neither == 1
+    assert any(name.startswith("file ") for name in one.cell)
+    assert one.cell["task.kind"] == "pick"
+
+
+def test_two_evaluations_do_not_share_a_folder(recorded: Path, tmp_path: Path):
+    out = tmp_path / "out"
+    out.mkdir()
+    with rc.data.DatasetLock(out), pytest.raises(rc.IoError, match="is in use by process"):
+        evaluate(recorded, "random", episodes=1, max_steps=1, output=out)
+    assert not list(out.glob("start*"))
+
+
+def test_the_command_for_one_rollout_has_all_options(recorded: Path, tmp_path: Path):
+    source = RunSource(str(recorded), ("tasks.py",), "random")
+    made = source.evaluation_command(3, 5, 7, False, tmp_path / "alone")
+    assert made == (
+        f"robocell evaluate {recorded} --import tasks.py --policy random -n 3 --seed 5 "
+        f"--max-steps 7 --no-cameras --output {tmp_path / 'alone'}"
+    )
+    job = EnvJob(
+        RunSource(str(recorded), policy="random"), tmp_path / "out",
+        episodes=4, seed=5, max_steps=7, workers=1, cameras=False,
+    )  # fmt: skip
+    assert "-n 3 --seed 5 --max-steps 7 --no-cameras --output" in job.reproduce(job.items[2])
 
 
 def test_the_command_evaluates_in_the_recorded_environment(recorded: Path, tmp_path: Path):

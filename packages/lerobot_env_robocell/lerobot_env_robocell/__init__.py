@@ -32,6 +32,8 @@ class RobocellEnv(EnvConfig):  # type: ignore[misc]
         mapping: The mapping file of the export.
         actions: The actions of the export.
         cameras: The cameras of the export, separated by commas; None for all.
+        imports: Modules or files to import first, separated by commas, which register the task or
+            features: a dataset imports none.
         features: Observations and actions; found in the dataset.
         features_map: Their names in LeRobot datasets.
     """
@@ -43,6 +45,7 @@ class RobocellEnv(EnvConfig):  # type: ignore[misc]
     mapping: str | None = None
     actions: str | None = None
     cameras: str | None = None
+    imports: str | None = None
     features: dict[str, PolicyFeature] = field(default_factory=dict)
     features_map: dict[str, str] = field(default_factory=dict)
 
@@ -92,7 +95,8 @@ class RobocellEnv(EnvConfig):  # type: ignore[misc]
             "preset": self.preset,
             "mapping": self.mapping,
             "actions": self.actions,
-            "cameras": None if cameras is None else [each for each in cameras.split(",") if each],
+            "cameras": None if cameras is None else _listed(cameras),
+            "imports": _listed(self.imports or ""),
             "max_episode_steps": self.episode_length,
         }
 
@@ -108,6 +112,10 @@ class RobocellEnv(EnvConfig):  # type: ignore[misc]
         )
         mode = gymnasium.vector.AutoresetMode.SAME_STEP
         return {"robocell": {0: vector([make] * n_envs, autoreset_mode=mode)}}
+
+
+def _listed(text: str) -> list[str]:
+    return [each.strip() for each in text.split(",") if each.strip()]
 
 
 def _feature(kind: FeatureType, space: Any) -> PolicyFeature:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -77,8 +76,7 @@ def replay(
     ids = [episode] if episode is not None else episodes.ids
     if not ids:
         fail(f"'{dataset}' has no episodes")
-    with contextlib.suppress(robocell.IoError):  # reported with the other episodes
-        require_cell(episodes)
+    require_cell(dataset)
     if imports:
         _require_same_code(episodes, modules)
     if actions or env is not None:

@@ -5,17 +5,16 @@ from __future__ import annotations
 import json
 import platform
 import shlex
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence, Set
 from pathlib import Path
 
-from robocell import Error, IoError
+from robocell import IoError
 from robocell._dataset_run import manifest_of_dataset
 from robocell._generation import work
 from robocell._generation.check import Found, check_in_child
-from robocell._generation.disk import disk_trouble, flush, require_writable
-from robocell._generation.items import Item
-from robocell._generation.observer import Observer, Unfailing
+from robocell._generation.disk import require_writable
+from robocell._generation.items import Item, ItemRecord
+from robocell._generation.observer import Observer
 from robocell._generation.report import (
     Command,
     DamagedReportError,
@@ -30,9 +29,8 @@ from robocell._generation.report import (
 )
 from robocell._generation.resume import DamagedEpisodesError, made_items, result_of
 from robocell._generation.run_source import RunSource, require_utf8
-from robocell._generation.signals import stop_on_signals
-from robocell._generation.supervisor import Limits, Outcome, Supervisor
-from robocell.data import DatasetLock, remove_leftovers
+from robocell._generation.supervised_job import Result, SupervisedJob
+from robocell._generation.supervisor import Limits, Outcome
 from robocell.generate import (
     PlanItem,
     make_plan,
@@ -63,24 +61,7 @@ def _decoded(override: str) -> str:
     return value if isinstance(value, str) else text
 
 
-@dataclass(frozen=True)
-class Result:
-    """How a job ended; `on_disk` is the number of its episodes on the disk."""
-
-    outcome: Outcome
-    on_disk: int
-
-    @property
-    def end(self) -> str:
-        """The end in one word, such as 'complete'."""
-        if self.outcome.fatal:
-            return "failed"
-        if self.outcome.interrupted:
-            return "interrupted"
-        return "complete" if self.on_disk >= self.outcome.totals.planned else "incomplete"
-
-
-class Job:
+class Job(SupervisedJob):
     """The items of a run, or of a shard of it.
 
     Args:
@@ -111,6 +92,8 @@ class Job:
         self.shard = parse_shard(shard) if shard is not None else (0, 1)
         self._chosen = shard_plan(plan, *self.shard) if shard is not None else plan
         self.items = [Item(item.id, item.index) for item in self._chosen]
+        self._by_id = {item.id: item for item in self._chosen}
+        self.shares_folder = self.shard[1] > 1
 
     def made(self) -> set[str]:
         """Returns the items on the disk. Raises DamagedEpisodesError for unreadable ones."""
@@ -155,80 +138,61 @@ class Job:
         return shlex.join(command)
 
     def _reproduce_evaluation(self, item: Item) -> str:
-        """Returns the command for all items up to this one: a start follows from its number."""
-        imports = [part for module in self.source.imports for part in ("--import", module)]
-        alone = str(self.dataset.with_name(f"{self.dataset.name}_alone"))
-        options = ["--policy", self.source.policy, *self.source.acting.arguments()]
-        options += ["-n", str(item.index + 1)]
-        seed = ["--seed", str(self.run.seed), "--output", alone]
-        return shlex.join(["robocell", "evaluate", self.source.run, *imports, *options, *seed])
+        fields = [override.partition("=")[0] for override in self.overrides]
+        most = self.run.rates.max_steps if "rates.max_steps" in fields else None
+        cameras = self.run.cameras.draw or "cameras.draw" not in fields
+        return self.reproduce_evaluation(item, self.run.seed, most, cameras)
 
-    def do(self, observer: Observer, limits: Limits | None = None) -> Result:
-        """Makes the missing episodes. Raises SpecError like `check`, before anything is written.
+    @property
+    def workers(self) -> int:
+        """Number of processes."""
+        return self.run.workers
 
-        Raises IoError or OSError if the dataset is not writable or in use. Ctrl-C and SIGTERM stop
-        it; see `Supervisor`.
-        """
-        limits = limits or Limits()
-        observer = Unfailing(observer)
+    def prepare(self, observer: Observer, limits: Limits) -> Mapping[str, str]:
+        """Raises SpecError like `check`, before anything is written."""
         found = self._look_through(limits.item_timeout_s)
         for warning in found.warnings:
             observer.warning(warning)
         prepare_dataset(self.run, validate=False)
-        with DatasetLock(self.dataset, *self.shard):
-            require_same_run(self.run)  # another command may have been quicker
-            # Single files are not locked: another shard may be writing them.
-            remove_leftovers(self.dataset, folders_only=self.shard[1] > 1)
-            made = self.made()
-            started = utc_now()
-            by_id = {item.id: item for item in self._chosen}
-            given_up = self._given_up_before() - made
-            if given_up:
-                observer.warning(
-                    f"given up before for errors, and tried once now instead of {TRIES} times: "
-                    + first_few(sorted(given_up))
-                )
-            supervisor = Supervisor(
-                [item for item in self.items if item.id not in made],
-                work.command(self.source, self.overrides),
-                workers=self.run.workers,
-                logs=self._logs(),
-                on_disk=lambda item_id: result_of(self.run, by_id[item_id]),
-                flush=lambda: flush(self.dataset),
-                observer=observer,
-                already=len(made),
-                reproduce=self.reproduce,
-                clean_up=lambda item_id, pid: self.clean_up(item_id, pid, observer),
-                disk_trouble=lambda: disk_trouble(self.dataset),
-                limits=limits,
-                tried_once=given_up,
-                environment=found.environment,
-            )
-            # A signal that comes after the last worker must not take the report.
-            with stop_on_signals(supervisor.request_stop):
-                outcome = supervisor.run()
-                damaged: DamagedEpisodesError | None = None
-                try:
-                    on_disk = self.made()
-                except DamagedEpisodesError as error:  # it came meanwhile; the report goes first
-                    damaged, on_disk = error, error.made
-                result = Result(outcome, len(on_disk))
-                try:
-                    self._report(result, started, observer)
-                except OSError as error:  # the episodes are there all the same
-                    observer.warning(f"the report could not be written: {error}")
-            if damaged:
-                raise damaged
-            return result
+        return found.environment
 
-    def clean_up(self, item_id: str, pid: int, observer: Observer) -> None:
-        """Removes the remains of a worker that died, and reports those that it cannot remove."""
-        try:
-            remove_leftovers(self.dataset, item_id, pid)
-        except (Error, OSError) as error:
+    def claim(self) -> None:
+        """Compares the dataset with the run: another command may have been quicker."""
+        require_same_run(self.run)
+
+    def result_of(self, item_id: str) -> ItemRecord | None:
+        """Returns the result of an item on the disk; None for one that is not made."""
+        return result_of(self.run, self._by_id[item_id])
+
+    def worker_command(self) -> list[str]:
+        """Returns the command that starts a worker."""
+        return work.command(self.source, self.overrides)
+
+    def tried_once(self, made: Set[str], observer: Observer) -> Set[str]:
+        """Returns the items that the last command gave up, and warns of them."""
+        given_up = self._given_up_before() - made
+        if given_up:
             observer.warning(
-                f"what a worker (pid {pid}) left of {item_id} could not be removed: {error}"
+                f"given up before for errors, and tried once now instead of {TRIES} times: "
+                + first_few(sorted(given_up))
             )
+        return given_up
+
+    def finish(self, outcome: Outcome, started: str, observer: Observer) -> Result:
+        """Writes the report. Raises DamagedEpisodesError for episodes damaged meanwhile."""
+        damaged: DamagedEpisodesError | None = None
+        try:
+            on_disk = self.made()
+        except DamagedEpisodesError as error:  # it came meanwhile; the report goes first
+            damaged, on_disk = error, error.made
+        result = Result(outcome, len(on_disk))
+        try:
+            self._report(result, started, observer)
+        except OSError as error:  # the episodes are there all the same
+            observer.warning(f"the report could not be written: {error}")
+        if damaged:
+            raise damaged
+        return result
 
     def _given_up_before(self) -> set[str]:
         """Returns the items that the last command gave up and that still have no result."""
@@ -286,7 +250,8 @@ class Job:
             report.houses = former.houses
         return report
 
-    def _logs(self) -> Path:
+    def logs(self) -> Path:
+        """Returns the folder of the workers' logs, and makes it."""
         shard, count = self.shard
         name = ".logs" if count == 1 else f".logs/shard-{shard}-of-{count}"
         folder = self.dataset / name

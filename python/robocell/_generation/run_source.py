@@ -12,6 +12,7 @@ import argparse
 import contextlib
 import importlib
 import importlib.util
+import shlex
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager
@@ -70,6 +71,21 @@ class RunSource:
             *policy,
             *self.acting.arguments(),
         ]
+
+    def evaluation_command(
+        self, episodes: int, seed: int | None, max_steps: int | None, cameras: bool, output: Path
+    ) -> str:
+        """Returns the command that evaluates the policy; None leaves an option out."""
+        imports = [part for module in self.imports for part in ("--import", module)]
+        options = [
+            *("--policy", self.policy, *self.acting.arguments()),
+            *("-n", str(episodes)),
+            *([] if seed is None else ["--seed", str(seed)]),
+            *([] if max_steps is None else ["--max-steps", str(max_steps)]),
+            *([] if cameras else ["--no-cameras"]),
+            *("--output", str(output)),
+        ]
+        return shlex.join(["robocell", "evaluate", self.run, *imports, *options])
 
     @staticmethod
     def add_options(parser: argparse.ArgumentParser) -> None:

@@ -82,7 +82,8 @@ def from_dataset(
             dataset uses. Its own task judges, and start i is that of seed i.
 
     Raises:
-        ArgumentError: `dataset` is a file or imported, or a list of columns is empty.
+        ArgumentError: `dataset` is a file or was imported, a list of columns is empty, or `env` has
+            `home_on_reset: false`: its starts depend on the episodes before.
         NotFoundError: The dataset has no such name (the message has the nearest), or the task is
             not registered.
         SpecError: The task's code differs from the code that made the dataset, or a module of that
@@ -101,7 +102,7 @@ def from_dataset(
         if columns is not None and len(columns) == 0:
             raise ArgumentError(f"`{name}` is empty; leave it out for the default columns")
     opened = dataset if isinstance(dataset, Dataset) else Dataset(Path(dataset))
-    require_cell(opened)
+    require_cell(opened.folder)
     named = [imports] if isinstance(imports, str) else imports
     modules = [import_named(module, Path.cwd()) for module in named]
     shared = _shared_features(opened)

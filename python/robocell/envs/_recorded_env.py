@@ -28,10 +28,25 @@ CELL = "robots/"  # begins those of its cell
 
 
 class RecordedEnv:
-    """An environment whose rows and actions have the names of its episodes' columns."""
+    """An environment whose rows and actions have the names of its episodes' columns.
+
+    A start depends on its seed only. Without `home_on_reset`, where arms stay in place, each start
+    has them where the first start of seed 0 has them.
+
+    Raises ArgumentError for an environment of the caller's without `home_on_reset`: nobody knows
+    where its arms are.
+    """
 
     def __init__(self, dataset: Dataset, images: bool, env: Env | None = None) -> None:
+        if env is not None and not env.config.wrappers.home_on_reset:
+            raise ArgumentError(
+                f"environment '{env.config.name}' has `wrappers: {{home_on_reset: false}}`: its "
+                "starts depend on the episodes before, and here start i is that of seed i. Make it "
+                "with home_on_reset: true"
+            )
         self.env: Env = env_of_episode(dataset[0], images) if env is None else env
+        self._arms_stay = not self.env.config.wrappers.home_on_reset
+        self._first: EnvState | None = None  # of the first start, if arms stay
         self._cell = _recorded_features(self.env)
         self._observation: dict[str, Any] = {}
         self.object_kinds: list[str] = []
@@ -58,7 +73,15 @@ class RecordedEnv:
 
     def reset(self, index: int) -> None:
         """Resets to the start of seed `index`."""
+        if self._arms_stay:
+            self._place_arms()
         self._observation, _ = self.env.reset(index)
+
+    def _place_arms(self) -> None:
+        if self._first is None:
+            self.env.reset(0)
+            self._first = self.env.get_state()
+        self.env.set_state(self._first)
 
     def begin_at(self, state: EnvState) -> None:
         """Begins an episode in a state, such as the start of a recorded one."""
