@@ -130,6 +130,7 @@ def evaluate(
     3  reading or writing failed
     """
     from robocell._generation.supervisor import Limits
+    from robocell._raised import without_names
     from robocell.evaluate import evaluate as evaluate_run
 
     def print_count(done: int, of: int, success: bool) -> None:
@@ -164,7 +165,8 @@ def evaluate(
     else:
         print_wide(_table(result))
         if result.failures:
-            counts = ", ".join(f"{reason} {count}" for reason, count in result.failures.items())
+            failures = result.failures.items()
+            counts = ", ".join(f"{without_names(reason)} {count}" for reason, count in failures)
             print(f"failures: {counts}")
         if result.server and result.latency:
             calls = result.latency
