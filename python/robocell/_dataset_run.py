@@ -93,8 +93,7 @@ def require_cell(source: str | Path) -> None:
     if isinstance(origin, dict):
         raise ArgumentError(
             f"'{folder}' was imported from {origin.get('format', 'another format')}, so it has no "
-            "cell to act in: train on it, and evaluate in a run, or in a dataset that a run or an "
-            "environment made"
+            "cell to act in: train on it, export it, or merge it with others like it"
         )
 
 
@@ -103,6 +102,7 @@ def seed_of_dataset(source: str | Path) -> int:
 
     Raises ArgumentError for a dataset without episodes, and for one that no run made.
     """
+    require_cell(source)
     metadata: Any = first_episode_of_run(Dataset(Path(source))).metadata
     return int(metadata["seed"])
 
@@ -140,6 +140,7 @@ def run_of_dataset(source: str | Path, modules: Sequence[str] = ()) -> RunConfig
     """
     with modules_of_one_run():
         set_modules_of_run(modules)
+        require_cell(source)
         run = _run_of_dataset(Dataset(Path(source)))
     _require_imported(Path(source), run)
     return run

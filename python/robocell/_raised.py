@@ -68,9 +68,29 @@ def message_and_place(error: BaseException) -> tuple[str, str]:
     text = " ".join(text.split())
     found = _PLACE.search(text)
     message = text[: found.start()] if found else text
-    if len(message) > LONGEST_MESSAGE:
-        message = message[:LONGEST_MESSAGE] + " ..."
-    return message, found[1] if found else ""
+    return _cut(message), found[1] if found else ""
+
+
+def _cut(message: str) -> str:
+    """Cuts a long message: a list of names at its end after a name, other text after a word."""
+    if len(message) <= LONGEST_MESSAGE:
+        return message
+    head, comma, _ = message[: LONGEST_MESSAGE + 2].rpartition(", ")
+    rest = message[len(head) + len(comma) :]
+    if comma and ": " in head and not re.search(r"[.:?] ", rest):
+        names, _, more = re.sub(r" and (\d+) more$", r"\n\1", rest).partition("\n")
+        return f"{head} and {names.count(', ') + 1 + int(more or 0)} more"
+    head = message[: LONGEST_MESSAGE + 1].rpartition(" ")[0]
+    return f"{head if len(head) > LONGEST_MESSAGE // 2 else message[:LONGEST_MESSAGE]} ..."
+
+
+# A list of names: those of a row differ from one start to the next.
+_NAMES = re.compile(r" It has: [^()]*(?=$| \()")
+
+
+def without_names(text: str) -> str:
+    """Returns an error of a hook without the names that there are: one text for one mistake."""
+    return _NAMES.sub("", text)
 
 
 def text_of_hook(error: BaseException) -> str:

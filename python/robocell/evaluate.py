@@ -32,7 +32,12 @@ from robocell._core import (
     PlanItem,
     SpecError,
 )
-from robocell._dataset_run import is_recorded_folder, plan_numbers, require_cell
+from robocell._dataset_run import (
+    is_recorded_folder,
+    naming_what_to_evaluate,
+    plan_numbers,
+    require_cell,
+)
 from robocell._env_job import EnvJob
 from robocell._evaluated import cell_of, difference_of, rollout_end
 from robocell._generation.items import ItemRecord
@@ -45,6 +50,7 @@ from robocell._generation.totals import Totals, Unmade
 from robocell._own_code import modules_of_one_run
 from robocell._policy_calls import latency
 from robocell._policy_options import PolicyOptions, is_url
+from robocell._raised import without_names
 from robocell._suggestions import did_you_mean
 from robocell.policy import EXPERT, RANDOM, REPLAY, replayed_seed
 
@@ -95,7 +101,8 @@ class Evaluation:
         interval: 95 % Wilson interval of the success rate.
         mean_length: Mean number of actions of a rollout; 0 without any.
         unmade: Starts without a rollout: none was accepted, or something raised.
-        failures: Reason -> rollouts.
+        failures: Reason -> rollouts, most frequent first. Errors about a missing name count as one
+            reason, with the names that the first rollout had.
         policy_errors: Rollouts that an error of the policy ended; they count as failures too.
         outcomes: Id of the start's episode -> success; `compare` pairs those of two policies.
         dataset: Folder of the rollouts.
@@ -224,8 +231,8 @@ class _Watching(Observer):
         """Counts an episode. Prints an error of the policy at once, and once."""
         self._done += 1
         end = rollout_end(self._dataset, result.id)
-        if end is not None and end.policy_error and end.reason not in self._warned:
-            self._warned.add(end.reason)
+        if end is not None and end.policy_error and without_names(end.reason) not in self._warned:
+            self._warned.add(without_names(end.reason))
             self.warning(f"{result.id}: {end.reason}")
         if self._on_rollout is not None:
             self._on_rollout(totals.already + self._done, totals.planned, result.success)
@@ -336,7 +343,8 @@ def evaluate(
     Raises IoError if a policy server is gone; the same call continues the evaluation.
     """
     _require_there(source)
-    require_cell(source)
+    with naming_what_to_evaluate():
+        require_cell(source)
     recorded = is_recorded_folder(source)
     if policy == REPLAY:
         own_seed = 0 if recorded else replayed_seed(source)
@@ -486,7 +494,7 @@ def _evaluation_of(job: Job | EnvJob, policy: str, seed: int, totals: Totals) ->
     planned = [item.id for item in job.items]
     ends = {id: end for id in sorted(planned) if (end := rollout_end(job.dataset, id))}
     outcomes = {id: end.success for id, end in ends.items()}
-    failures = Counter(end.reason for end in ends.values() if not end.success)
+    failures = _by_reason([end.reason for end in ends.values() if not end.success])
     successes = sum(outcomes.values())
     return Evaluation(
         policy=policy,
@@ -495,7 +503,7 @@ def _evaluation_of(job: Job | EnvJob, policy: str, seed: int, totals: Totals) ->
         interval=wilson_interval(successes, len(outcomes)),
         mean_length=sum(end.rows for end in ends.values()) / max(1, len(ends)),
         unmade=len(planned) - len(outcomes),
-        failures=dict(failures.most_common()),
+        failures=failures,
         policy_errors=sum(end.policy_error for end in ends.values()),
         outcomes=outcomes,
         dataset=str(job.dataset),
@@ -504,3 +512,12 @@ def _evaluation_of(job: Job | EnvJob, policy: str, seed: int, totals: Totals) ->
         latency=latency(job.dataset, list(ends)),
         cell=cell_of(job),
     )
+
+
+def _by_reason(reasons: Sequence[str]) -> dict[str, int]:
+    """Counts reasons, most frequent first; reasons that differ only in a list of names are one."""
+    full: dict[str, str] = {}
+    for reason in reasons:
+        full.setdefault(without_names(reason), reason)
+    counts = Counter(map(without_names, reasons))
+    return {full[reason]: count for reason, count in counts.most_common()}

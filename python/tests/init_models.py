@@ -80,6 +80,20 @@ def arm_with_hand() -> str:
     return model("six", six_axis(two_fingers()), rest)
 
 
+def arm_without_hand() -> str:
+    """A six-axis arm with a flange."""
+    return model("bare", six_axis(), f"<actuator>{servos(SIX_GAINS)}</actuator>")
+
+
+def arm_of_motors_without_inertia() -> str:
+    """A six-axis arm whose servos overshoot at their force limit in the last joints."""
+    drives = servos(SIX_GAINS).replace("ctrlrange", "forcerange='-50 50' ctrlrange")
+    text = model("light", six_axis(), f"<actuator>{drives}</actuator>")
+    return text.replace("armature='.05'", "").replace(
+        "<default>", "<option integrator='implicitfast'/><default>", 1
+    )
+
+
 def scara() -> str:
     """Two hinges, a slide and a hinge about upright axes; a site `tool` that looks down."""
     world = (

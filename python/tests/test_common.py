@@ -12,7 +12,10 @@ from robocell._cli.common import (
     fail,
     print_warning,
     print_wide,
+    require_mapping,
     require_png,
+    require_preset,
+    require_run_source,
     require_spec_file,
 )
 
@@ -37,6 +40,31 @@ def test_a_missing_spec_file_error_suggests_the_nearest_file(tmp_path: Path, cap
     assert code == ExitCode.USAGE
     assert "no robot file" in told
     assert f"Did you mean '{tmp_path / 'arm.yaml'}'?" in told
+
+
+def test_a_missing_dataset_or_run_file_error_suggests_the_nearest(tmp_path: Path, capsys):
+    (tmp_path / "picks").mkdir()
+    (tmp_path / "run.yaml").write_text("run: tiny")
+    (tmp_path / "frozen.json").write_text("{}")
+    near = {"pikcs": "picks", "picks2": "picks", "run": "run.yaml", "rnu.yaml": "run.yaml"}
+    near["frozn.json"] = "frozen.json"
+    for name, meant in near.items():
+        code, told = ended(capsys, lambda name=name: require_run_source(str(tmp_path / name)))
+        assert code == ExitCode.USAGE
+        assert f"Did you mean '{tmp_path / meant}'?" in told
+    for found in ("picks", "run.yaml", "frozen.json", "my.py:config"):
+        require_run_source(str(tmp_path / found))
+
+
+def test_missing_mapping_and_preset_files_are_wrong_commands(tmp_path: Path, capsys):
+    (tmp_path / "names.yaml").write_text("")
+    for require in (require_mapping, lambda path: require_preset(str(path))):
+        require(tmp_path / "names.yaml")
+        code, told = ended(capsys, lambda require=require: require(tmp_path / "name.yaml"))
+        assert code == ExitCode.USAGE
+        assert f"Did you mean '{tmp_path / 'names.yaml'}'?" in told
+    require_mapping(None)
+    require_preset("droid")
 
 
 def test_a_picture_path_must_be_a_png_in_an_existing_folder(tmp_path: Path, capsys):

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import pickle
+import shutil
 from pathlib import Path
 
+import gymnasium
 import numpy as np
 import pytest
 from gymnasium.utils.env_checker import check_env
@@ -22,8 +24,9 @@ ROOT = Path(__file__).parents[2]
 ARM, GRIPPER = "robots/rc7/action/arm", "robots/rc7/action/gripper"
 
 
-def make(folder: Path, episodes: int, **fields: object) -> rc.Dataset:
-    run = rc.RunConfig.load(ROOT / "examples" / "demo.yaml")
+def make(folder: Path, episodes: int, robot: Path | None = None, **fields: object) -> rc.Dataset:
+    overrides = [] if robot is None else [f"robot={robot}"]
+    run = rc.RunConfig.load(ROOT / "examples" / "demo.yaml", overrides)
     run.cameras.resolution = [64, 48]
     for name, value in fields.items():
         setattr(run, name, value)
@@ -171,6 +174,29 @@ def test_numbers_beyond_their_range_are_recorded_and_observed_in_the_space(tmp_p
     flat = from_dataset(dataset, flat=True)
     vector, _ = flat.reset(seed=0)
     assert flat.observation_space.contains(vector)
+
+
+def test_actions_of_hinges_without_limits_have_the_range_of_env(tmp_path: Path):
+    shutil.copytree(Path(rc.models.robot_file("rc7")).parent, tmp_path / "rc7")
+    model = tmp_path / "rc7" / "rc7.xml"
+    text = model.read_text()
+    for limited, free in (
+        ('"joint1" class="shoulder" range="-2.9 2.9"', '"joint1" class="shoulder" limited="false"'),
+        ('joint="joint1"', 'joint="joint1" inheritrange="0" ctrlrange="-7 7"'),
+    ):
+        assert text.count(limited) == 1
+        text = text.replace(limited, free)
+    model.write_text(text)
+    dataset = make(tmp_path / "out", 1, robot=tmp_path / "rc7" / "rc7.yaml")
+    env = from_dataset(dataset, cameras=False)
+    assert env.features[ARM].lower[0] == -np.inf
+    space = env.action_space[ARM]
+    assert (space.low[0], space.high[0]) == (-2 * np.pi, 2 * np.pi)
+    assert (space.low[1], space.high[1]) == (-1.9, 1.9), "of the joint"
+    seen = env.observation_space["robots/rc7/arm/qpos"]
+    assert seen.high[0] == np.inf, "what is observed is not clipped"
+    flat = from_dataset(dataset, flat=True)
+    assert gymnasium.wrappers.RescaleAction(flat, -1.0, 1.0).action_space.is_bounded()
 
 
 def test_rows_reject_an_image_stream(dataset: rc.Dataset):

@@ -63,16 +63,6 @@ def test_lerobot_datasets_come_back(dataset: robocell.Dataset, tmp_path: Path, f
             assert np.array_equal(own.frames(camera), episode.frames(camera)), "copied"
 
 
-def test_an_imported_dataset_has_no_cell_to_act_in(dataset: robocell.Dataset, tmp_path: Path):
-    export_dataset(dataset, tmp_path / "there", "lerobot-v3", cameras=[])
-    import_dataset(tmp_path / "there", tmp_path / "back")
-    with pytest.raises(robocell.ArgumentError, match=r"was imported from LeRobot.*no cell to act"):
-        robocell.envs.from_dataset(tmp_path / "back")
-    said = refused("evaluate", tmp_path / "back", "--policy", "random")
-    assert "was imported from LeRobot" in said
-    assert "so it has no cell to act in: train on it" in said
-
-
 def test_videos_with_other_key_frames_are_cut_at_the_frame(
     dataset: robocell.Dataset, tmp_path: Path
 ):
@@ -239,6 +229,35 @@ def test_a_mapping_gives_columns_and_cameras_other_names(dataset: robocell.Datas
         for name in ("there", "again")
     )
     assert first.to_pylist() == second.to_pylist()
+
+
+def test_imported_datasets_are_said_to_have_no_cell(dataset: robocell.Dataset, tmp_path: Path):
+    export_dataset(dataset, tmp_path / "there", "lerobot-v2.1", cameras=[])
+    back = tmp_path / "back"
+    import_dataset(tmp_path / "there", back)
+    reason = f"'{back}' was imported from LeRobot v2.1, so it has no cell to act in: train "
+    with pytest.raises(robocell.ArgumentError) as raised:
+        robocell.envs.from_dataset(back)
+    assert reason in str(raised.value)
+    assert "export it, or merge it" in str(raised.value)
+    for policy in ("expert", "random", "replay"):
+        said = refused("evaluate", back, "--policy", policy)
+        assert reason in said
+        assert said.count("Evaluate a run, or a dataset that") == 1
+    said = refused("replay", back)
+    assert said.count(reason) == 1, "once, not for each episode"
+    report = robocell_command("report", back)
+    assert (report.returncode, report.stderr) == (0, "")
+
+
+def test_a_missing_source_of_an_import_is_a_wrong_command(tmp_path: Path):
+    (tmp_path / "kitchen").mkdir()
+    said = refused("import", tmp_path / "kitchn", tmp_path / "back")
+    assert f"Did you mean '{tmp_path / 'kitchen'}'?" in said
+    (tmp_path / "names.yaml").write_text("columns: {}")
+    names = ("--mapping", tmp_path / "name.yaml")
+    said = refused("import", tmp_path / "kitchen", tmp_path / "back", *names)
+    assert f"Did you mean '{tmp_path / 'names.yaml'}'?" in said
 
 
 @pytest.mark.parametrize(

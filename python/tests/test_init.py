@@ -112,6 +112,32 @@ class TestRobots:
         assert written["move_groups"]["arm"]["leaf"] == {"site": "tip"}
         assert "suction cup" in (tmp_path / "out.yaml").read_text()
 
+    def test_motors_without_inertia_get_the_armature_that_check_names(self, tmp_path: Path):
+        written = init(tmp_path, init_models.arm_of_motors_without_inertia())
+        joints = [edit["joint"] for edit in written["edits"] if set(edit) == {"joint", "armature"}]
+        assert "j6" in joints
+        assert len(joints) == len(set(joints)) == len(written["edits"])
+        text = (tmp_path / "out.yaml").read_text()
+        words = text.replace("#", " ").split()
+        assert "Does the model leave out the inertia of the motors?" in " ".join(words)
+        assert "armature" not in robocell_command("check", tmp_path / "out.yaml").stdout
+
+    def test_an_arm_without_a_hand_shows_how_to_mount_one(self, tmp_path: Path):
+        (tmp_path / "arm.xml").write_text(init_models.arm_without_hand())
+        result = robocell_command("init", tmp_path / "arm.xml", "-o", tmp_path / "out.yaml")
+        assert "no run file: it picks, and the robot has no gripper. Comments in" in result.stdout
+        assert not (tmp_path / "out_pick.yaml").exists()
+        (tmp_path / "HAND.xml").write_text(
+            init_models.model("hand", init_models.two_fingers(), init_models.finger_drive())
+        )
+        lines = (tmp_path / "out.yaml").read_text().splitlines()
+        begin = lines.index("# attachments:")
+        mount = [line.removeprefix("# ") for line in lines[begin : begin + 2]]
+        (tmp_path / "out.yaml").write_text("\n".join([*lines, *mount]))
+        config = robocell.RobotConfig.load(tmp_path / "out.yaml")
+        scene = robocell.Scene.build(_alone(config))
+        assert any(str(name).endswith("hand_left_finger") for name in scene.joint_names()), mount
+
     def test_an_arm_rooted_at_the_world_gets_a_base(self, tmp_path: Path):
         written = init(tmp_path, init_models.first_joint_at_the_root())
         assert written["root_body"] == "robot_base"
@@ -195,6 +221,24 @@ class TestCommand:
     def test_leaves_no_other_files(self, tmp_path: Path):
         init(tmp_path, init_models.scara())
         assert sorted(file.name for file in tmp_path.iterdir()) == ["arm.xml", "out.yaml"]
+
+    def test_takes_models_of_the_menagerie_by_their_names(self, tmp_path: Path):
+        folder = tmp_path / "menagerie" / "acme_scara"
+        folder.mkdir(parents=True)
+        (folder / "acme_scara.xml").write_text(init_models.scara())
+        root = {"MENAGERIE_ROOT": str(folder.parent)}
+        out = tmp_path / "out.yaml"
+        name = "menagerie:acme_scara/acme_scara.xml"
+        for given in (name, "menagerie:acme_scara", folder / "acme_scara.xml"):
+            made = robocell_command("init", given, "-o", out, "--force", environment=root)
+            assert made.returncode == 0, made.stderr
+            assert yaml.safe_load(out.read_text())["model"] == name
+        for given, meant in (("acme_scara", name[:-4]), ("acme_scar/acme_scara.xml", name)):
+            said = robocell_command("init", given, environment=root)
+            assert said.returncode == 2
+            assert f"Did you mean '{meant.removesuffix('/acme_scara')}'?" in said.stderr
+        said = robocell_command("init", "menagerie:acme_scar", environment=root)
+        assert (said.returncode, "Did you mean 'acme_scara'?" in said.stderr) == (2, True)
 
     def test_a_missing_model_error_lists_the_models_in_the_folder(self, tmp_path: Path):
         (tmp_path / "panda.xml").write_text(init_models.scara())

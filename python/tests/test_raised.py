@@ -19,6 +19,7 @@ from robocell._raised import (
     text_of_hook,
     trace_of,
     where,
+    without_names,
 )
 
 
@@ -75,6 +76,32 @@ def test_the_message_of_a_hook_is_one_short_line():
     message, _ = message_and_place(KeyError("x" * 1000))
     assert len(message) == LONGEST_MESSAGE + len(" ...")
     assert message.endswith(" ...")
+    message, _ = message_and_place(ValueError("word " * 100))
+    assert message.endswith("word ...")
+    assert len(message) <= LONGEST_MESSAGE + len(" ...")
+
+
+def test_a_long_list_of_names_is_cut_after_a_name():
+    names = [f"robots/left/joint_{number:03d}" for number in range(40)]
+    for more in ("", " and 5 more"):
+        error = rc.NotFoundError(f"no 'x'. It has: {', '.join(names)}{more}")
+        message, _ = message_and_place(error)
+        assert len(message) <= LONGEST_MESSAGE + len(" and 45 more")
+        *listed, last = message.partition("It has: ")[2].split(", ")
+        last, _, rest = last.partition(" and ")
+        assert [*listed, last] == names[: len(listed) + 1]
+        assert rest == f"{40 - len(listed) - 1 + (5 if more else 0)} more"
+    message, _ = message_and_place(rc.NotFoundError(f"There are: {', '.join(names)}. Choose one"))
+    assert message.endswith(" ..."), "the rest is not a list"
+
+
+def test_an_error_without_the_names_is_the_same_for_all_rows():
+    near = "act(): the row has no 'x'. Did you mean 'y'?"
+    place = " (policy.py:5, in act)"
+    for names in ("a, y", "y and 3 more"):
+        assert without_names(f"{near} It has: {names}{place}") == near + place
+        assert without_names(f"{near} It has: {names}") == near
+    assert without_names("timeout") == "timeout"
 
 
 def test_the_message_of_robocells_own_error_needs_no_class():

@@ -201,9 +201,18 @@ def test_a_refused_folder_is_told_by_the_options_of_the_command(dataset: Path, t
     assert "--set" not in said
 
 
+def test_reasons_that_differ_in_the_names_there_are_count_as_one():
+    errors = [
+        f"policy error: the row has no 'x'. It has: {names} (p.py:5, in act)" for names in "ab"
+    ]
+    counts = rc.evaluate._by_reason(["timeout", *errors, errors[1]])
+    assert counts == {errors[0]: 3, "timeout": 1}
+
+
 def test_a_misspelt_dataset_is_told_with_the_nearest_one(dataset: Path):
     said = refusal("evaluate", dataset.with_name("pickks"), "--policy", "expert")
-    assert f"no dataset or run file '{dataset.with_name('pickks')}'. Did you mean 'picks'?" in said
+    assert f"no dataset or run file '{dataset.with_name('pickks')}'." in said
+    assert f"Did you mean '{dataset}'?" in said
 
 
 def test_a_stored_evaluation_is_read_again(tmp_path: Path):

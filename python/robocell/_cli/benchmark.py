@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from robocell._cli.common import counting
+from robocell._cli.common import counting, require_run_source
 from robocell._suggestions import counted
 
 
@@ -39,6 +39,7 @@ def benchmark(
     """
     from robocell.benchmark import SEED, create
 
+    require_run_source(source)
     with counting() as count:
         made = create(
             source,

@@ -139,10 +139,45 @@ def require_folder(path: Path, what: str) -> None:
         fail(f"'{path}' is a file; give the folder of a {what}.")
     if path.is_dir():
         return
-    _fail_missing(path, what, "Folders", Path.is_dir)
+    fail_missing(path, what, "Folders", Path.is_dir)
 
 
-def _fail_missing(path: Path, what: str, kind: str, is_one: Callable[[Path], bool]) -> NoReturn:
+def require_mapping(path: Path | None) -> None:
+    """Ends the command if the file of `--mapping` does not exist."""
+    if path is not None and not os.path.lexists(path):
+        fail_missing(path, "mapping file", "YAML files", is_yaml)
+
+
+def require_preset(preset: str) -> None:
+    """Ends the command if `--preset` names a YAML file that does not exist."""
+    path = Path(preset)
+    if is_yaml(path) and not os.path.lexists(path):
+        fail_missing(path, "preset file", "YAML files", is_yaml)
+
+
+def require_run_source(source: str) -> None:
+    """Ends the command if there is no such dataset, run file or benchmark.
+
+    `module:name` is looked up later.
+    """
+    path = Path(source)
+    if os.path.lexists(path) or ":" in path.name or path.suffix == ".py":
+        return
+    if is_yaml(path):
+        require_spec_file(path, _core.RunConfig)
+    if path.suffix == ".json":
+        fail_missing(path, "benchmark", "JSON files", lambda file: file.suffix == ".json")
+    fail_missing(
+        path, "dataset or run file", "Folders and YAML files", lambda p: p.is_dir() or is_yaml(p)
+    )
+
+
+def is_yaml(path: Path) -> bool:
+    """Returns True for the name of a YAML file."""
+    return path.suffix in (".yaml", ".yml")
+
+
+def fail_missing(path: Path, what: str, kind: str, is_one: Callable[[Path], bool]) -> NoReturn:
     """Ends the command and lists the entries beside `path`, with the nearest."""
     folder = path.parent
     if not folder.is_dir():

@@ -11,7 +11,13 @@ from rich.box import SIMPLE
 from rich.table import Table
 from rich.text import Text
 
-from robocell._cli.common import ExitCode, print_warning, print_wide
+from robocell._cli.common import (
+    ExitCode,
+    print_warning,
+    print_wide,
+    require_preset,
+    require_run_source,
+)
 from robocell._core import atomic_write
 
 if TYPE_CHECKING:
@@ -124,12 +130,15 @@ def evaluate(
     3  reading or writing failed
     """
     from robocell._generation.supervisor import Limits
+    from robocell._raised import without_names
     from robocell.evaluate import evaluate as evaluate_run
 
     def print_count(done: int, of: int, success: bool) -> None:
         if not as_json and (done == of or done % 10 == 0):
             print(f"{done}/{of} rollouts", flush=True)
 
+    require_run_source(source)
+    require_preset(preset)
     run: Callable[..., Evaluation] = evaluate_run
     if source.endswith(".json"):
         from robocell.benchmark import evaluate as run
@@ -156,7 +165,8 @@ def evaluate(
     else:
         print_wide(_table(result))
         if result.failures:
-            counts = ", ".join(f"{reason} {count}" for reason, count in result.failures.items())
+            failures = result.failures.items()
+            counts = ", ".join(f"{without_names(reason)} {count}" for reason, count in failures)
             print(f"failures: {counts}")
         if result.server and result.latency:
             calls = result.latency

@@ -11,7 +11,14 @@ import typer
 
 import robocell
 from robocell import _core
-from robocell._cli.common import ExitCode, counting, fail, print_warning, require_folder
+from robocell._cli.common import (
+    ExitCode,
+    counting,
+    fail,
+    print_warning,
+    require_folder,
+    require_mapping,
+)
 from robocell._suggestions import counted
 from robocell.export import FORMATS, Exported, export_dataset
 from robocell.export._formats import require_format
@@ -95,6 +102,7 @@ def export(
     require_format(format)
     require_folder(dataset, "dataset")
     _core.require_dataset(dataset)
+    require_mapping(mapping)
     try:
         with counting() as count:
             result = export_dataset(

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 import robocell
-from robocell._cli.common import ExitCode, counting, fail
+from robocell._cli.common import ExitCode, counting, fail, fail_missing, require_mapping
 from robocell._suggestions import counted
 from robocell.importer import FORMATS, import_dataset
 
@@ -53,6 +54,9 @@ def import_(
     2  wrong command or mapping; SOURCE is no such dataset
     3  a file cannot be read or written
     """
+    if not os.path.lexists(source):
+        fail_missing(source, "file or folder", "Files and folders", lambda _: True)
+    require_mapping(mapping)
     try:
         with counting() as count:
             result = import_dataset(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -20,6 +21,7 @@ from robocell._cli.common import (
 if TYPE_CHECKING:
     from robocell._onboarding import Guess, RobotGuess
 
+MENAGERIE = "menagerie:"
 MODELS = ("*.xml", "*.urdf")
 # Files that are called after what they are, not after the robot in them.
 GENERIC_NAMES = {"robot", "scene", "model", "main", "arm", "index"}
@@ -29,7 +31,9 @@ def init(
     model: Annotated[
         Path,
         typer.Argument(
-            metavar="MODEL", help="The robot's MJCF or URDF, or a scene that contains the robot."
+            metavar="MODEL",
+            help="The robot's MJCF or URDF, or a scene that contains the robot: a path, or "
+            "menagerie:ROBOT/FILE.xml.",
         ),
     ],
     output: Annotated[
@@ -59,7 +63,7 @@ def init(
     if picture:
         require_png(picture)
     declare_packages(package)
-    _require_model(model)
+    model = _model_file(model)
     file = output or Path(f"{_name_of(model)}.yaml")
     files = {
         "robot": file,
@@ -84,6 +88,8 @@ def init(
     if picks and (force or not files["run"].exists()):
         _core.atomic_write(files["run"], run_text(guess, file).encode())
         print(f"wrote {files['run']}: a run file, to try it")
+    elif not picks:
+        print(_no_run_file(guess, file))
     print()
     _report(file, picture)
     print(_next_steps(file, files["run"] if picks else None))
@@ -112,18 +118,44 @@ def _ask(what: str, guess: Guess[Any]) -> Guess[Any]:
     return Guess(options[answer - 1], "chosen", Confidence.HIGH)
 
 
-def _require_model(model: Path) -> None:
+def _no_run_file(guess: RobotGuess, file: Path) -> str:
+    """Returns why there is no run file, and the next step."""
+    missing = [kind for kind in ("arm", "gripper") if not guess.of_kind(kind)]
+    text = f"no run file: it picks, and the robot has no {' and no '.join(missing)}"
+    if missing == ["gripper"] and guess.tool_places:
+        text += f". Comments in {file} show how to mount a hand"
+    return text
+
+
+def _model_file(model: Path) -> Path:
+    """Returns the file of a path or `menagerie:` name; ends the command without one."""
+    if str(model).startswith(MENAGERIE):
+        from robocell import _core
+
+        return Path(_core.menagerie_model_path(str(model).removeprefix(MENAGERIE)))
     if model.is_dir():
         files = sorted(str(file) for kind in MODELS for file in model.glob(kind))
         fail(f"'{model}' is a folder; give one of its models: {', '.join(files) or 'it has none'}")
     if not model.is_file():
         near = sorted(str(file) for kind in MODELS for file in model.parent.glob(kind))
         there = f" Models there: {', '.join(near[:8])}" if near else ""
-        fail(f"no model '{model}'.{there}")
+        fail(f"no model '{model}'.{there}{_menagerie_advice(model)}")
     if model.suffix in (".yaml", ".yml"):
         fail(
             f"'{model}' is YAML. Give the MJCF or URDF; `robocell check {model}` checks robot files"
         )
+    return model
+
+
+def _menagerie_advice(model: Path) -> str:
+    """Returns the Menagerie's robot that a path without a file may mean."""
+    from robocell import menagerie
+
+    near = difflib.get_close_matches(model.parts[0] if model.parts else "", menagerie.folders(), 1)
+    if near:
+        named = Path(near[0], *model.parts[1:])
+        return f" Did you mean '{MENAGERIE}{named}'?"
+    return f" Robots of the MuJoCo Menagerie are named {MENAGERIE}ROBOT; `robocell fetch` gets them"
 
 
 def _require_new(file: Path, force: bool) -> None:

@@ -12,7 +12,7 @@ import robocell
 from robocell import _core, data
 from robocell._cells import load_cell
 from robocell._cli.common import ExitCode, fail, print_error, print_warning, require_folder
-from robocell._dataset_run import manifest_of_dataset, run_of_dataset
+from robocell._dataset_run import manifest_of_dataset, require_cell, run_of_dataset
 from robocell._generation.run_source import import_named
 from robocell._own_code import RAISED, raise_interrupt
 from robocell._raised import is_of_own_code, text_with_place
@@ -76,6 +76,7 @@ def replay(
     ids = [episode] if episode is not None else episodes.ids
     if not ids:
         fail(f"'{dataset}' has no episodes")
+    require_cell(dataset)
     if imports:
         _require_same_code(episodes, modules)
     if actions or env is not None:

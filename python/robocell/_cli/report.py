@@ -194,7 +194,7 @@ def _totals(reports: Sequence[RunReport]) -> Totals | None:
 def _summary(dataset: Path, found: Sequence[EpisodeFacts], reports: Sequence[RunReport]) -> Summary:
     good = sum(episode.success for episode in found)
     totals = _totals(reports)
-    if totals is None and not report_paths(dataset) and not _is_recorded(dataset, found):
+    if totals is None and not report_paths(dataset) and not _is_unreported(dataset, found):
         print_warning(
             "no report.json, so only the contents of the disk are reported: `robocell generate` "
             "writes one when it ends; a Runner writes none, nor does a command that still runs or "
@@ -221,12 +221,16 @@ def _summary(dataset: Path, found: Sequence[EpisodeFacts], reports: Sequence[Run
     )
 
 
-def _is_recorded(dataset: Path, found: Sequence[EpisodeFacts]) -> bool:
-    """Returns True if an environment recorded the episodes: no command reports about them."""
-    if not found or (dataset / "dataset.json").exists():
+def _is_unreported(dataset: Path, found: Sequence[EpisodeFacts]) -> bool:
+    """Returns True if an environment recorded the episodes, or an import made them.
+
+    No command writes a report about them.
+    """
+    if not found:
         return False
     metadata: Any = robocell.Dataset(dataset)[found[0].id].metadata
-    return "environment" in metadata
+    recorded = "environment" in metadata and not (dataset / "dataset.json").exists()
+    return recorded or "imported" in metadata
 
 
 def _share_of(found: Sequence[EpisodeFacts]) -> str:

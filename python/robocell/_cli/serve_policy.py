@@ -9,7 +9,13 @@ from typing import Annotated
 import typer
 
 import robocell
-from robocell._cli.common import ExitCode, fail, print_warning
+from robocell._cli.common import (
+    ExitCode,
+    fail,
+    print_warning,
+    require_preset,
+    require_run_source,
+)
 
 LOOPBACK = ("127.0.0.1", "localhost", "::1")
 
@@ -56,6 +62,9 @@ def serve_policy(
     2  wrong command, run, policy or preset
     3  the port cannot be used, or a file cannot be read
     """
+    require_preset(preset)
+    if run is not None:
+        require_run_source(run)
     try:
         from robocell.policy_server import policy_server
     except ModuleNotFoundError as error:

@@ -222,6 +222,8 @@ class _Detection:
             cup = next((body for body in cups if body in fixed), None)
             tcp = self._choose(f"TCP of {name}", tcp_without_hand(source, limb, cup))
             approach_body, approach = limb.end, self._outward(limb, tcp.value)
+            if not limb.hand and cup is None:
+                self._out.tool_places.append(tcp.value.leaf)
         frame = self._frame(limb, tcp.value, approach_body, approach)
         if tcp.value.edit:
             self._out.edits.append(Field(tcp.value.edit, f"the TCP of '{name}': {tcp.comment()}"))

@@ -5,9 +5,9 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from robocell import __version__
+from robocell import __version__, menagerie
 from robocell._onboarding.robot_guess import Field, RobotGuess
-from robocell._onboarding.yaml_text import comment, flow, quoted
+from robocell._onboarding.yaml_text import Raw, comment, flow, quoted
 
 
 def robot_text(guess: RobotGuess, file: Path) -> str:
@@ -30,6 +30,8 @@ def robot_text(guess: RobotGuess, file: Path) -> str:
         lines += ["reset_root_pose: true"]
     lines += _list("edits", guess.edits)
     lines += _groups(guess)
+    if not guess.of_kind("gripper"):
+        lines += _mounting(guess.tool_places)
     if guess.home:
         lines += comment(f"rad and m: {guess.home_comment}")
         lines += [f"home: {flow(guess.home)}"]
@@ -67,6 +69,25 @@ def _list(name: str, fields: list[Field]) -> list[str]:
     return lines
 
 
+def _mounting(places: list[dict[str, str]]) -> list[str]:
+    """Returns comments with the lines that mount a hand at each place."""
+    if not places:
+        return []
+    hands = [{"mjcf_path": Raw("HAND.xml"), "attach_to": place} for place in places]
+    prefixes = ["hand_"] if len(hands) == 1 else [f"hand{i}_" for i in range(1, len(hands) + 1)]
+    return [
+        *comment(
+            "No hand was found. To mount one, write these lines with its model, and a group of "
+            "`kind: gripper` with its joints, actuators and fingers:"
+        ),
+        "# attachments:",
+        *(
+            f"#   - {flow({**hand, 'prefix': prefix})}"
+            for hand, prefix in zip(hands, prefixes, strict=True)
+        ),
+    ]
+
+
 def _groups(guess: RobotGuess) -> list[str]:
     if not guess.groups:
         return []
@@ -78,13 +99,21 @@ def _groups(guess: RobotGuess) -> list[str]:
 
 
 def _model_name(guess: RobotGuess, file: Path) -> str:
-    """Returns the path relative to the robot file if the model is near; else the whole path."""
-    path = guess.source.path
-    folder = file.absolute().parent
-    relative = os.path.relpath(path, folder)
-    return relative if relative.count("..") <= 2 else str(path)
+    """Returns the `menagerie:` name, or the path relative to the robot file if the model is near.
+
+    Else it is the whole path.
+    """
+    return _short(guess.source.path, file) or str(guess.source.path)
 
 
 def _shown(path: Path, file: Path) -> str:
+    return _short(path, file) or path.name
+
+
+def _short(path: Path, file: Path) -> str:
+    """Returns the `menagerie:` name or a relative path; "" for a file that is far away."""
+    for robot, folder in menagerie.folders().items():
+        if path.is_relative_to(folder):
+            return f"menagerie:{robot}/{path.relative_to(folder)}"
     relative = os.path.relpath(path, file.absolute().parent)
-    return relative if relative.count("..") <= 2 else path.name
+    return relative if relative.count("..") <= 2 else ""

@@ -35,6 +35,7 @@ class RobotGuess:
     Attributes:
         source: The model that the file names: the given one, or one made from it.
         prepared: Why that model had to be made; empty for the given one.
+        tool_places: Where a hand could be mounted: the TCP of each arm that has none.
         notes: What could not be guessed or cannot be used yet, with the next step.
     """
 
@@ -56,6 +57,7 @@ class RobotGuess:
     streams: list[tuple[str, str]] = field(default_factory=list)
     gravcomp: Field | None = None
     reach: float = 0.0
+    tool_places: list[dict[str, str]] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
     def of_kind(self, kind: str) -> list[Group]:

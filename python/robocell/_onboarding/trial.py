@@ -21,6 +21,8 @@ from robocell.robots import GripperGroup
 
 ROUNDS = 8  # each mends one thing, or several that are independent
 TIMESTEP_S = 0.002
+# Edits of a note about joints whose model leaves out the inertia of the motors.
+ARMATURES = r"edits: \[((?:(?:, )?\{joint: '[^']*', armature: [-+.e\d]+\})+)\]"
 
 
 @dataclass(frozen=True)
@@ -129,11 +131,17 @@ def _take_edits(guess: RobotGuess, robot: Robot) -> bool:
     for warning in robot.scene.warnings:
         if found := re.search(r"`edits: \[(.+?)\]`", warning):
             named.append((found[1], re.sub(r"^\S+:\d+(:\d+)?: ", "", warning)))
+    for note in robot.scene.notes:
+        said, *found = re.split(ARMATURES, note)[:2]
+        for edit in re.findall(r"\{[^}]*\}", "".join(found)):
+            named.append((edit, re.sub(r"^\S+:\d+(:\d+)?: ", "", said).strip()))
+    before = ""
     added = False
     for edit, text in named:
         if edit in known:
             continue
-        guess.edits.append(Field(Raw(edit), f"`robocell check`: {text}"))
+        why = "" if text == before else f"`robocell check`: {text}"  # one for several edits
+        guess.edits.append(Field(Raw(edit), why))
         known.add(edit)
-        added = True
+        before, added = text, True
     return added

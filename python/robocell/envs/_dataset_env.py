@@ -46,6 +46,7 @@ __all__ = ["DatasetEnv", "from_dataset"]
 LOOKED_AT = 50
 # Share by which a step may last longer or shorter than a row: whole engine steps.
 RATE_SLACK = 0.02
+TURNS = 2 * np.pi  # range of hinges without limits, as in `Env`
 
 
 def from_dataset(
@@ -227,7 +228,7 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
     episodes again, those after failed rollouts included. Numbers beyond the plan are new starts, as
     are items without an episode: the first one that the sampler accepts. In a dataset of
     `EnvRecorder`, and in an environment of your own, start i is that of seed i. The spaces have the
-    ranges of the dataset's schema.
+    ranges of the dataset's schema; actions of hinges without limits have +-2 pi, as in `Env`.
     """
 
     metadata = {"render_modes": []}  # noqa: RUF012  (as in Gymnasium)
@@ -247,7 +248,7 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
         self._start = -1
         self._checked = False
         seen = {name: self._space(name) for name in observations}
-        done = {name: self._space(name) for name in actions}
+        done = {name: self._action_space(name) for name in actions}
         self._ranges = {
             name: space
             for name, space in seen.items()
@@ -272,6 +273,19 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
         if kind:
             return spaces.Box(0, 65535, shape, np.uint16)
         return spaces.Box(0, 255, (*shape, 3), np.uint8)
+
+    def _action_space(self, name: str) -> spaces.Box:
+        """Returns the range of an action: that of `Env` where hinges have no limits."""
+        space = self._space(name)
+        units = self.features[name].units.split(", ")  # one for all numbers, or one for each
+        if len(units) not in (1, np.prod(space.shape)):
+            return space  # of the parts of a pose
+        is_angle = np.broadcast_to([unit == "rad" for unit in units], np.prod(space.shape))
+        unlimited = ~(np.isfinite(space.low) & np.isfinite(space.high))
+        turning = unlimited & is_angle.reshape(space.shape)
+        lower = np.where(turning, -TURNS, space.low)
+        upper = np.where(turning, TURNS, space.high)
+        return spaces.Box(lower, upper, space.shape, np.float64)
 
     @property
     def recordable(self) -> Env:
