@@ -29,12 +29,12 @@ def read_yaml(file: Path, what: str, module: str, extra: str) -> Any:
     with needed_by(module, extra):
         import yaml
     try:
-        return yaml.load(file.read_text(), Loader=_loader())
+        return yaml.load(file.read_text(encoding="utf-8"), Loader=_loader())
     except _TwiceError as error:
         raise SpecError(f"{what} '{file}': {error}") from error
     except OSError as error:
         raise IoError(f"cannot read {what} '{file}': {error.strerror}") from error
-    except (yaml.YAMLError, UnicodeDecodeError, RecursionError) as error:
+    except (yaml.YAMLError, ValueError, RecursionError) as error:
         raise SpecError(f"{what} '{file}' is no YAML: {error}") from error
 
 
