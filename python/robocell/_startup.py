@@ -6,6 +6,8 @@ that imports robocell keeps its own handling. `__main__` switches back.
 The command looks for modules in the working folder last, since it needs many of them itself. What
 the shell closed of its standard streams (`2>&-`) is opened on nothing, or the next file that is
 opened would take its place.
+
+`python -m robocell.generate` is an error: modules do nothing by themselves.
 """
 
 from __future__ import annotations
@@ -15,23 +17,53 @@ import signal
 import sys
 from pathlib import Path
 
+COMMANDS_OF_MODULES = {
+    "benchmark": "benchmark",
+    "evaluate": "evaluate",
+    "export": "export",
+    "generate": "generate",
+    "importer": "import",
+}
 _quiet = False
 
 
 def is_command(arguments: list[str]) -> bool:
     """Returns True if this process is `robocell ...` or `python -m robocell ...`."""
-    rest = iter(arguments)
-    if Path(next(rest, "")).name == "robocell":
+    if Path(arguments[0] if arguments else "").name == "robocell":
         return True
+    module, script = _what_runs(arguments)
+    return module == "robocell" or Path(script).name == "robocell"
+
+
+def refusal_of_module(arguments: list[str]) -> str:
+    """Returns the error for `python -m robocell.generate`, and "" for all other processes."""
+    name, _ = _what_runs(arguments)
+    first, *parts = name.split(".")
+    if first != "robocell" or not parts or any(each.startswith("_") for each in parts):
+        return ""
+    folder = Path(__file__).parent
+    path = folder.joinpath(*parts)
+    if not (path.is_dir() or path.with_name(f"{path.name}.py").is_file()):
+        return ""
+    known = COMMANDS_OF_MODULES.get(".".join(parts))
+    remedy = f"Run `robocell {known}`" if known else "`robocell --help` lists the commands"
+    return f"error: '{name}' is a module to import, and does nothing by itself. {remedy}"
+
+
+def _what_runs(arguments: list[str]) -> tuple[str, str]:
+    """Returns the module or the script of a command line of Python; "" for what it has not."""
+    rest = iter(arguments[1:])
     # The interpreter's options come before what it runs: -m and a module, -c, or a script.
     for argument in rest:
         if argument == "-m":
-            return next(rest, "") == "robocell"
+            return next(rest, ""), ""
+        if argument == "-c":
+            break
         if argument in ("-X", "-W"):
             next(rest, "")
         elif not argument.startswith("-"):
-            return Path(argument).name == "robocell"
-    return False
+            return "", argument
+    return "", ""
 
 
 def be_quiet() -> None:
@@ -77,6 +109,9 @@ def open_closed_streams() -> None:
     sys.stderr = sys.stderr or os.fdopen(2, "w", closefd=False)
 
 
+if refusal := refusal_of_module(sys.orig_argv):
+    print(refusal, file=sys.stderr)
+    sys.exit(2)
 if is_command(sys.orig_argv):
     open_closed_streams()
     be_quiet()

@@ -11,7 +11,8 @@ from pathlib import Path
 import pytest
 
 import robocell as rc
-from robocell._startup import is_command
+from robocell._cli import COMMANDS
+from robocell._startup import COMMANDS_OF_MODULES, is_command, refusal_of_module
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -69,6 +70,39 @@ def test_a_program_that_imports_robocell_keeps_its_ctrl_c(tmp_path: Path):
 )
 def test_recognises_the_command_line(line: str, command: bool):
     assert is_command(line.split()) is command
+
+
+@pytest.mark.parametrize("module", COMMANDS_OF_MODULES)
+def test_a_module_that_is_run_like_a_command_names_the_command(module: str):
+    done = subprocess.run(
+        [sys.executable, "-m", f"robocell.{module}", "run.yaml"],
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr == (
+        f"error: 'robocell.{module}' is a module to import, and does nothing by itself. Run "
+        f"`robocell {COMMANDS_OF_MODULES[module]}`\n"
+    )
+    assert COMMANDS_OF_MODULES[module] in COMMANDS
+
+
+@pytest.mark.parametrize(
+    ("line", "is_refused"),
+    [
+        ("python -u -m robocell.data.derive", True),
+        ("python -m robocell", False),
+        ("python -m robocell._generation.work run.yaml", False),
+        ("python -m robocell.nothing", False),
+        ("python script.py -m robocell.generate", False),
+        ("python -c code -m robocell.generate", False),
+        ("python", False),
+    ],
+)
+def test_recognises_modules_that_do_nothing(line: str, is_refused: bool):
+    assert bool(refusal_of_module(line.split())) is is_refused
 
 
 def test_it_starts_in_a_folder_that_was_deleted(tmp_path: Path):
