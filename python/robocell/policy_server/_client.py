@@ -160,8 +160,10 @@ class PolicyClient:
             first = self._channel.receive(deadline)
         except (OSError, DroppedError, MisbehavedError) as error:
             self.close()
+            refused = isinstance(error, ConnectionRefusedError)
             raise LostServerError(
                 f"no policy server at {self.url}: {getattr(error, 'strerror', None) or error}"
+                f"{'. Start it; `robocell serve-policy` serves a policy of yours' if refused else ''}"
             ) from error
         if isinstance(first, str):
             raise self._refused(f"the server's first message is an error: {_brief(first)}")
