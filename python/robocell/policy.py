@@ -305,7 +305,8 @@ def maker_of_policy(name: str, folder: Path) -> tuple[MakePolicy, list[Path]]:
     if not callable(maker):
         raise SpecError(
             f"policy '{name}': module '{module_name}' has no class or function '{attribute}'."
-            f"{did_you_mean(attribute, _policies_of(module))}"
+            f"{did_you_mean(attribute, named := _policies_of(module))}"
+            f"{f' It has: {shortened(named)}' if named else ''}"
         )
     if takes(maker, 0) is False and takes(maker, 1) is False:
         raise SpecError(

@@ -8,6 +8,7 @@ import json
 from rich.console import Console
 
 from robocell._generation.items import ItemRecord
+from robocell._generation.observer import CANNOT_GO_ON
 from robocell._generation.progress import Bar, JsonLines, PlainLines, beginning, status
 from robocell._generation.totals import Unmade
 from test_totals import RESULT, totals_after_one
@@ -44,6 +45,12 @@ def test_plain_lines_are_rare_and_describe_events():
         "stopping (Ctrl-C); finished episodes are kept; interrupt again to kill",
         f"6/20 episodes, {status(totals)}",
     ]
+
+
+def test_a_run_that_ends_itself_was_not_interrupted():
+    file = io.StringIO()
+    PlainLines(file, interval_s=0).stopping(CANNOT_GO_ON, totals_after_one())
+    assert file.getvalue() == "stopping (it cannot go on); finished episodes are kept\n"
 
 
 def test_the_last_plain_line_comes_once():

@@ -476,7 +476,9 @@ def test_rejects_a_policy_with_required_arguments(tmp_path: Path, monkeypatch: p
     )
     with pytest.raises(rc.SpecError, match=r"made as Clone\(\) or Clone\(run\), which does not"):
         register_named_policy("takes_of_test.py:Clone", tmp_path)
-    with pytest.raises(rc.SpecError, match=r"no class or function 'Cone'. Did you mean 'Clone'\?"):
+    with pytest.raises(
+        rc.SpecError, match=r"no class or function 'Cone'. Did you mean 'Clone'\? It has: Clone"
+    ):
         register_named_policy("takes_of_test.py:Cone", tmp_path)
 
 

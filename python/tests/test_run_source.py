@@ -144,6 +144,13 @@ def test_a_python_file_is_no_run_file(module):
         RunSource("tasks_alone.py:run").load()
 
 
+def test_a_missing_configuration_error_lists_the_functions_of_the_module(tmp_path: Path):
+    file = tmp_path / "stacking.py"
+    file.write_text("def config(): ...\ndef _hidden(): ...\ndef judge(scene): ...\n")
+    with pytest.raises(rc.NotFoundError, match=r"Its functions: config\.$"):
+        RunSource(f"{file}:my_run").load()
+
+
 def test_an_unknown_kind_names_the_imports_of_the_run_file(tmp_path):
     file = tmp_path / "run.yaml"
     file.write_text("run: a\nrobot: rc7\ntask: {kind: press}\noutput: out\n")

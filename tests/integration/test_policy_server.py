@@ -234,7 +234,7 @@ def test_options_of_policies_that_do_not_fit_are_explained(run: Path, tmp_path: 
     assert "--preset is for a policy server" in said("--policy", "random", "--preset", "droid")
     assert "for policies that return chunks" in said("--policy", "expert", "--horizon", "3")
     server = ("--policy", "ws://127.0.0.1:9")
-    assert "no policy server at ws://127.0.0.1:9: Connection refused" in said(*server)
+    assert "no policy server at ws://127.0.0.1:9: Connection refused. Start it" in said(*server)
     assert "no preset 'driod'. Did you mean 'droid'?" in said(*server, "--preset", "driod")
     assert "such as ws://127.0.0.1:8000" in said("--policy", "ws://")
     for policy in ("replay", "expert"):

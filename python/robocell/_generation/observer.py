@@ -9,6 +9,8 @@ from collections.abc import Callable
 from robocell._generation.items import ItemRecord
 from robocell._generation.totals import Totals, Unmade
 
+CANNOT_GO_ON = "it cannot go on"  # the reason of a stop that nobody asked for
+
 
 class Observer:
     """Called from the supervisor's loop; must return quickly."""

@@ -16,7 +16,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, SpinnerColumn
 from rich.text import Text
 
 from robocell._generation.items import ItemRecord, counts_text
-from robocell._generation.observer import Observer
+from robocell._generation.observer import CANNOT_GO_ON, Observer
 from robocell._generation.streams import leave, unforgiving
 from robocell._generation.totals import Totals, Unmade, duration, percent
 from robocell._suggestions import counted
@@ -96,9 +96,8 @@ class Lines(Observer):
 
     def stopping(self, reason: str, totals: Totals) -> None:
         """Prints that the run will end."""
-        self.say(
-            f"stopping ({reason}); finished episodes are kept; interrupt again to kill", "yellow"
-        )
+        again = "" if reason == CANNOT_GO_ON else "; interrupt again to kill"
+        self.say(f"stopping ({reason}); finished episodes are kept{again}", "yellow")
 
 
 class PlainLines(Lines):

@@ -12,6 +12,7 @@ import argparse
 import contextlib
 import importlib
 import importlib.util
+import inspect
 import shlex
 import sys
 from collections.abc import Iterator, Sequence
@@ -29,6 +30,7 @@ from robocell._raised import place_of
 from robocell._suggestions import did_you_mean, shortened
 from robocell.generate import Keep
 
+VARIADIC = (inspect.Parameter.VAR_POSITIONAL, inspect.Parameter.VAR_KEYWORD)
 _NO_CONFIGURATION = " Name a RunConfig in it, or a function that returns one."
 _WITH_IMPORT = "name it with --import"  # of the messages about unknown kinds
 
@@ -169,6 +171,8 @@ class RunSource:
         if not hasattr(loaded, name):
             known = [key for key, value in vars(loaded).items() if isinstance(value, RunConfig)]
             here = f" Its configurations: {', '.join(known)}." if known else _NO_CONFIGURATION
+            if functions := _makers_in(loaded):
+                here += f" Its functions: {shortened(functions)}."
             near = did_you_mean(name, [key for key in vars(loaded) if not key.startswith("_")])
             raise NotFoundError(f"{self.run}: module '{module}' has no '{name}'.{here}{near}")
         made = getattr(loaded, name)
@@ -185,6 +189,21 @@ class RunSource:
                 f"{type(made).__name__}"
             )
         return _overridden(made, self.run, overrides)
+
+
+def _makers_in(module: ModuleType) -> list[str]:
+    """Returns the names of a module's own functions that may return a RunConfig."""
+    return [
+        name
+        for name, value in vars(module).items()
+        if inspect.isfunction(value)
+        and value.__module__ == module.__name__
+        and not name.startswith("_")
+        and not any(
+            parameter.default is parameter.empty and parameter.kind not in VARIADIC
+            for parameter in inspect.signature(value).parameters.values()
+        )
+    ]
 
 
 def require_utf8(path: str) -> None:

@@ -27,7 +27,7 @@ from typing import Any
 from robocell._generation.canaries import Canaries
 from robocell._generation.disk import with_trouble
 from robocell._generation.items import Item, ItemRecord
-from robocell._generation.observer import Observer, Unfailing
+from robocell._generation.observer import CANNOT_GO_ON, Observer, Unfailing
 from robocell._generation.protocol import Failure, FailureKind, ProtocolError
 from robocell._generation.totals import Again, Death, Totals, Unmade
 from robocell._generation.worker_process import WorkerProcess
@@ -389,7 +389,7 @@ class Supervisor:
     def _give_up_run(self, kind: FailureKind, message: str) -> None:
         if self._fatal is None:
             self._fatal = Fatal(kind, message)
-            self._stop_reason = self._stop_reason or "it cannot go on"
+            self._stop_reason = self._stop_reason or CANNOT_GO_ON
 
     # Time.
 

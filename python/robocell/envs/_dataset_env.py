@@ -278,9 +278,10 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
         """Returns the range of an action: that of `Env` where hinges have no limits."""
         space = self._space(name)
         units = self.features[name].units.split(", ")  # one for all numbers, or one for each
-        if len(units) not in (1, np.prod(space.shape)):
+        size = int(np.prod(space.shape))
+        if len(units) not in (1, size):
             return space  # of the parts of a pose
-        is_angle = np.broadcast_to([unit == "rad" for unit in units], np.prod(space.shape))
+        is_angle = np.broadcast_to(np.array([unit == "rad" for unit in units]), (size,))
         unlimited = ~(np.isfinite(space.low) & np.isfinite(space.high))
         turning = unlimited & is_angle.reshape(space.shape)
         lower = np.where(turning, -TURNS, space.low)

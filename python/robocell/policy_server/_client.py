@@ -160,8 +160,14 @@ class PolicyClient:
             first = self._channel.receive(deadline)
         except (OSError, DroppedError, MisbehavedError) as error:
             self.close()
+            remedy = (
+                ". Start it; `robocell serve-policy` serves a policy of yours"
+                if isinstance(error, ConnectionRefusedError)
+                else ""
+            )
             raise LostServerError(
                 f"no policy server at {self.url}: {getattr(error, 'strerror', None) or error}"
+                f"{remedy}"
             ) from error
         if isinstance(first, str):
             raise self._refused(f"the server's first message is an error: {_brief(first)}")
