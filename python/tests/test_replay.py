@@ -282,10 +282,10 @@ import robocell as rc
 from robocell.gym import pick_cube_config
 from push_of_replay import Push
 
+Push.start = [0, 0, 0]
 env = rc.Env(pick_cube_config(task={{"kind": "push_of_replay"}}))
 with rc.data.EnvRecorder(env, {str(tmp_path / "out")!r}):
     env.reset(seed=1)
-    Push.start = [0, 0, 0]
     env.step({{"robot": {{"tquat": [0, 0.01, 0, 0, 0, 0, 1], "gripper": 0}}}})
 env.close()
 """
