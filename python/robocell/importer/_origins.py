@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from robocell._core import ArgumentError, IoError, NotFoundError
 from robocell._suggestions import did_you_mean
-from robocell.importer._recording import Origin
+
+if TYPE_CHECKING:
+    from robocell.importer._recording import Origin
 
 FORMATS = ("lerobot", "robomimic", "aloha", "zarr")
 

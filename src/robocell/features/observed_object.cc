@@ -12,7 +12,7 @@ BodyHandle RootOf(const Scene& scene, const std::string& object) {
 }  // namespace
 
 ObservedObject::ObservedObject(const Scene& scene, std::string name, ObjectOfName object_of)
-    : scene_(scene),
+    : scene_(scene.inner()),
       name_(std::move(name)),
       object_of_(std::move(object_of)),
       object_(Present()),

@@ -116,8 +116,8 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   if (!result.success && result.failure.empty())
     result.failure = WhyFailed(result, *start.task, calls.failure(), truncated);
   if (!result.success && result.failure.starts_with(kNoIkSolution)) {
-    LogWarn(fmt::format("episode '{}': {}, first at {}", options.episode_id, result.failure,
-                        result.ik_failures.begin()->second.first));
+    LogDebug(fmt::format("episode '{}': {}, first at {}", options.episode_id, result.failure,
+                         result.ik_failures.begin()->second.first));
   }
   if (!result.success && !options.keep_failures) {
     recording.RequireWritten();

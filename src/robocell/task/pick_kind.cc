@@ -63,7 +63,7 @@ void RequireFreeNames(const EnvConfig& env, const std::string& part,
                       const std::vector<std::string>& kinds, const std::string& field,
                       Problems& problems) {
   std::set<std::string> taken = {part};
-  for (const std::string& kind : kinds) taken.insert(part + "_" + kind);
+  for (const std::string& kind : kinds) taken.insert(fmt::format("{}_{}", part, kind));
   const auto check = [&](const Map<EnvObject>& objects) {
     for (const std::string& name : objects.keys()) {
       if (!taken.contains(name)) continue;

@@ -43,7 +43,7 @@ _PLACES = (
     (r"(?<!Known )\brobots:(?= )", "robot_cfgs:"),
     (r"(?<!Known )\bgrippers:(?= )", "gripper_cfgs:"),
     (r"\bstream '([^']*)': its rate,", r"camera_cfgs.\1.frame_rate: its rate,"),
-    (r"\bstream '([^']*)': (?=no (?:camera|body) )", r"camera_cfgs.\1.identifier: "),
+    (r"\bstream '([^']*)': (?=no (?:camera|object or body) )", r"camera_cfgs.\1.identifier: "),
     (r"\bstream '([^']*)' \(cameras\.streams\[\d+\]\)", r"camera_cfgs.\1"),
     (r"(camera_cfgs\.[^\s.:]+)\.(width|height)\b", r"\1.resolution_\2"),
     (r"(camera_cfgs\.[^\s.:]+)\.rate\b", r"\1.frame_rate"),
