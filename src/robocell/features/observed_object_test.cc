@@ -16,7 +16,9 @@ Scene TwoBoxes() {
     spec.objects.push_back({.name = x == 1 ? "near" : "far",
                             .shape = Shape::kBox,
                             .size = Vec3{0.02, 0.02, 0.02},
+                            .rgba = Vec4{1, 0.5, 0, 1},
                             .mass = 0.1,
+                            .friction = Vec3{0.8, 0.02, 0.001},
                             .pos = Vec3{x, 0, 1}});
   }
   return Scene::Build(spec);
