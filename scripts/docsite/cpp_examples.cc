@@ -270,8 +270,8 @@ EXAMPLE(RecordAnEnv) {
 EXAMPLE(ConfigureARun) {
   run.task = PickTaskConfig{.objects = {"box", "nut"}};
   run.rates = Rates{.policy_ms = 66, .control_ms = 2, .sim_ms = 2};
-  const std::vector<std::string> warnings = ValidateRun(run);  // throws SpecError with all problems
-  cout << warnings.size() << "\n";                             // 0
+  const std::vector<Finding> warnings = ValidateRun(run);  // throws SpecError with all problems
+  cout << warnings.size() << "\n";                         // 0
 }
 
 // Runner, PrepareDataset, MakePlan, ItemResult, Verify, VerifyResult: generates one episode.
