@@ -37,7 +37,7 @@ double Seconds(std::chrono::steady_clock::time_point since) {
 // Stands for an expert that could not be made: its rollout ends at once, with the error.
 class UnmadeExpert final : public Expert {
  public:
-  explicit UnmadeExpert(const std::exception_ptr& error) : error_(error) {}
+  explicit UnmadeExpert(const std::exception_ptr& error) { error_ = error; }
   void Begin(const Scene& /*scene*/, Rng& /*rng*/) override { std::rethrow_exception(error_); }
   Action Act(const Scene& /*scene*/, Rng& /*rng*/) override { return {}; }
   bool done() const override { return true; }
