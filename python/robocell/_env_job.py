@@ -29,7 +29,7 @@ from robocell._policy_calls import error_of
 from robocell.policy import EXPERT, POLICY_ERROR, REPLAY
 
 IDENTITY = "evaluation_identity.json"  # what the rollouts of a folder belong to
-CODE, CELL = "code", "cell"  # its parts that are told otherwise than by their values
+CODE, CELL = "code", "cell"  # messages describe these parts without their values
 
 
 class EnvJob(SupervisedJob):

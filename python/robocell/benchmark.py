@@ -58,7 +58,7 @@ CONTENT: dict[str, type] = {
     "starts": list,
     "files": dict,
 }
-# What a start is: columns of a row, by the end of their names.
+# Columns of a row that describe a start have names that end so.
 STATE = ("/qpos", "/base_pose", "/pose")
 
 

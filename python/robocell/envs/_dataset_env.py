@@ -199,7 +199,7 @@ def _default_actions(own: bool, features: Mapping[str, Feature]) -> list[str]:
     return [name for name in names if f"{name}_relative" in features]
 
 
-# What gives a robot or an object of an environment its name.
+# These sentences say how a user names a robot or an object of an environment.
 _NAMING = {
     "robots": "name the robot so in `robots` of the environment's configuration",
     "objects": "name it so in `root_frame_objects` and in `task.object`; objects that a task draws "

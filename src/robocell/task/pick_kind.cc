@@ -24,7 +24,7 @@
 namespace robocell::internal {
 namespace {
 
-// Rejects two fields that answer the same question.
+// Rejects two fields that are set and exclude each other.
 void RequireOnlyOne(const char* field, bool is_set, const char* other, bool is_other_set,
                     const char* what, Problems& problems) {
   if (!is_set || !is_other_set) return;
