@@ -13,7 +13,7 @@ class Floor:
     """One thing to reach.
 
     Attributes:
-        row: P1 to P18.
+        row: P1 to P21.
         what: What is measured, against whom.
         section: Of RESULTS.md; "" where no benchmark measures it.
         name: Of the rows there, with {robot} for the robot.

@@ -1,6 +1,6 @@
 """What robocell wants to reach: floors that must be met, and aims. Data only.
 
-Rows are called P1 to P18, as in README.md; ratios are to peers of the same run. verdicts.py judges
+Rows are called P1 to P21, as in README.md; ratios are to peers of the same run. verdicts.py judges
 what RESULTS.md has of them.
 """
 
@@ -163,7 +163,15 @@ EPISODES = (
         TIMES_AS_LONG,
         aim=1.15,
     ),
-    Floor("P12", "images of episodes, beside a Python pipeline, default renderer", floor=5, aim=20),
+    Floor(
+        "P12",
+        "images of episodes, beside a Python pipeline, default renderer",
+        "overlap",
+        "an image of an episode, {robot}",
+        "a Python pipeline",
+        floor=5,
+        aim=20,
+    ),
     Floor(
         "P13",
         "pick episodes an hour, without cameras",
@@ -185,6 +193,36 @@ EPISODES = (
     ),
     Floor("P14", "dataset writer, beside LeRobot 0.4.4", floor=8, aim=18),
     Floor("P14", "dataset writer, beside LeRobot's streaming", floor=2, aim=4.5),
+)
+# On a machine with a graphics card; the rates are those of an H100 with 16 cores.
+CARDS = (
+    Floor(
+        "P21",
+        "image of `gl` in one process, beside `mujoco.Renderer`, effects off",
+        "graphics_card",
+        "image of `gl`, {robot}",
+        "`mujoco.Renderer`, effects off",
+        floor=1,
+        aim=2,
+    ),
+    Floor(
+        "P21",
+        "images a second of 16 processes on one card",
+        "graphics_card",
+        "images of 16 processes, drawing service, {robot}",
+        measure=RATE,
+        floor=3600,
+        aim=7500,
+    ),
+    Floor(
+        "P21",
+        "demo episodes an hour, 16 workers on one card",
+        "graphics_card",
+        "demo episodes, 16 workers, drawing service, {robot}",
+        measure=RATE,
+        floor=80_000,
+        aim=200_000,
+    ),
 )
 # They join FLOORS with the first record of their section.
 POLICIES = tuple(
@@ -208,7 +246,7 @@ NARROWED = tuple(
 )
 FLOORS = tuple(
     sorted(
-        (*KINEMATICS, *NARROWED, *LOOPS, *SCENES, *EPISODES),
+        (*KINEMATICS, *NARROWED, *LOOPS, *SCENES, *EPISODES, *CARDS),
         key=lambda floor: int(floor.row[1:]),
     )
 )

@@ -21,6 +21,7 @@ import dataset_writer
 import dynamics
 import env_step
 import episodes
+import graphics_card
 import ik
 import overlap
 import policy_round_trip
@@ -50,6 +51,7 @@ BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "render": render.rows,
     "overlap": overlap.rows,
     "episodes": episodes.rows,
+    "graphics_card": graphics_card.rows,
     "policy_round_trip": policy_round_trip.rows,
 }
 

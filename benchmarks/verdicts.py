@@ -127,7 +127,7 @@ def _counts(verdicts: Sequence[Verdict]) -> str:
     return (
         f"Computed from the sections below. Of {len(floors)} floors every robot meets\n"
         f"{sum(floors)}, of {len(aims)} aims {sum(aims)}; {missing} rows are not measured.\n"
-        "The worst robot counts. P1 to P18: [README](README.md#rows). Where an aim depends\n"
+        "The worst robot counts. P1 to P21: [README](README.md#rows). Where an aim depends\n"
         "on the instruction set and the section does not say which it was, the hardest counts."
     )
 

@@ -24,6 +24,7 @@ endif()
 install(TARGETS robocell EXPORT robocellTargets
   LIBRARY DESTINATION "${lib_dir}" ${namelink} INCLUDES DESTINATION "${include_dir}")
 install(TARGETS robocell_warm_start LIBRARY DESTINATION "${lib_dir}")
+install(TARGETS robocell_drawing_service RUNTIME DESTINATION "${lib_dir}")
 include(RobocellHeaders)
 foreach(folder ${ROBOCELL_HEADER_FOLDERS})
   install(FILES ${ROBOCELL_HEADERS_${folder}} DESTINATION "${include_dir}/${folder}")

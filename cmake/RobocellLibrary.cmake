@@ -90,6 +90,12 @@ set_target_properties(robocell_warm_start PROPERTIES PREFIX "" C_VISIBILITY_PRES
   LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}")
 add_dependencies(robocell robocell_warm_start)
 
+# Draws for the processes of a machine (render/drawing_service.h). It lies beside the library, which it is a call of.
+add_executable(robocell_drawing_service "${PROJECT_SOURCE_DIR}/src/programs/drawing_service.cc")
+target_link_libraries(robocell_drawing_service PRIVATE robocell robocell_flags)
+set_target_properties(robocell_drawing_service PROPERTIES BUILD_RPATH "${MUJOCO_DIR}"
+  INSTALL_RPATH "${ROBOCELL_INSTALL_RPATH}" RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}")
+
 # The same objects, with robocell::internal shown. Tests, and benchmarks of inner parts, link to it in place of librobocell.
 if(ROBOCELL_TESTS OR ROBOCELL_BENCHMARKS)
   add_library(robocell_for_tests SHARED $<TARGET_OBJECTS:robocell> $<TARGET_OBJECTS:robocell_waiting>)
@@ -99,5 +105,5 @@ if(ROBOCELL_TESTS OR ROBOCELL_BENCHMARKS)
   target_link_options(robocell_for_tests PRIVATE "LINKER:-Bsymbolic-functions")
   set_target_properties(robocell_for_tests PROPERTIES LINKER_LANGUAGE CXX BUILD_RPATH "${MUJOCO_DIR}"
     LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}")
-  add_dependencies(robocell_for_tests robocell_warm_start)
+  add_dependencies(robocell_for_tests robocell_warm_start robocell_drawing_service)
 endif()

@@ -9,6 +9,7 @@ import pytest
 
 import robocell
 from command_line import refused, robocell_command, write_run
+from menagerie import Menagerie
 from robocell._generation.estimate import Estimate, scaled
 from robocell._generation.probe import Probe, Sample, spread
 
@@ -122,3 +123,25 @@ def test_a_dry_run_reports_that_no_episode_can_succeed(tmp_path: Path):
     assert "reasons:  timeout 6" in hasty.stdout
     assert "none of the 2 trials succeeded: see the reasons" in hasty.stderr
     assert "no kind" in refused("generate", run, "--dry-run", "--set", "task.objects=[mgu]")
+
+
+@pytest.mark.proof
+def test_the_memory_of_a_worker_with_two_cameras_on_the_panda_is_bounded(
+    tmp_path: Path, menagerie: Menagerie
+):
+    """The figure of docs/render.md: the command, one worker and its encoders, together."""
+    result = robocell_command(
+        "generate",
+        Path(__file__).parents[2] / "examples" / "panda_pick.yaml",
+        *("--dry-run", "--progress", "jsonl", "--workers", 1, "--episodes", 1),
+        *("--output", tmp_path / "out", "--set", "cameras.resolution=[640,480]"),
+        *("--set", "cameras.renderer={backend: soft, quality: standard}"),
+    )
+    assert result.returncode == 0, result.stderr
+    (estimate,) = (
+        event
+        for line in result.stdout.splitlines()
+        if (event := json.loads(line))["event"] == "estimate"
+    )
+    assert estimate["frames"] > 0
+    assert 200e6 < estimate["memory_bytes"] < 800e6

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
+from graphics import require_gl
 from robocell._generation.check import graphics_warnings
 from test_probes import machine_with_a_card
 
@@ -30,6 +31,7 @@ def describe(**environment: str) -> subprocess.CompletedProcess[str]:
 
 
 def test_describes_the_graphics():
+    require_gl()
     said = describe().stdout
     assert said.startswith(("draws: egl: ", "draws: osmesa: "))
 

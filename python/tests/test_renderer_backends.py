@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
+from graphics import require_gl
 
 BARE = """
 import robocell as rc
@@ -24,6 +25,7 @@ def scene() -> rc.Scene:
 
 
 def test_soft_matches_gl(scene: rc.Scene):
+    require_gl()
     gl, soft = (
         rc.render.Renderer(scene, backend=name).render("", 160, 120, depth=True, segmentation=True)
         for name in ("gl", "soft")

@@ -108,7 +108,11 @@ def test_a_user_builds_against_the_layout_of_the_wheel(build_folder, tmp_path):
         f"-DPython_EXECUTABLE={sys.executable}",
     ]
     run("cmake", "-G", "Ninja", "-S", ROOT, "-B", layout, *options, *off)
-    for built in ("librobocell.so.0.1.0", "robocell_warm_start.so"):
+    for built in (
+        "librobocell.so.0.1.0",
+        "robocell_warm_start.so",
+        "robocell_drawing_service",
+    ):
         shutil.copy(build_folder / built, layout)
     run("cmake", "--install", layout, "--prefix", package)
     (package.parent / "mujoco").symlink_to(Path(mujoco.__file__).parent)

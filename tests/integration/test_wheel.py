@@ -76,7 +76,11 @@ def test_the_wheel_bundles_libraries_except_the_engine(wheel):
 def test_the_wheel_contains_stubs_types_models_and_one_library(wheel):
     with zipfile.ZipFile(wheel) as content:
         names = content.namelist()
-    libraries = {"librobocell.so.0.1.0", "robocell_warm_start.so"}
+    libraries = {
+        "librobocell.so.0.1.0",
+        "robocell_warm_start.so",
+        "robocell_drawing_service",
+    }
     wanted = {"py.typed", "_core.pyi", "models/robots/rc7/rc7.yaml"} | libraries
     assert {f"robocell/{name}" for name in wanted} <= set(names)
     assert [name for name in names if "/librobocell" in name] == ["robocell/librobocell.so.0.1.0"]

@@ -183,12 +183,13 @@ class EglContext final : public GlContext {
   }
 
   GlBackend backend() const override { return GlBackend::kEgl; }
+  void* Function(const char* name) const override { return egl().GetProcAddress(name); }
 
   // Throws IoError if the context cannot be used.
   void Probe() {
     Current scope(*this);
     using GetString = const char*(Enum);
-    auto* get = reinterpret_cast<GetString*>(egl().GetProcAddress("glGetString"));
+    auto* get = reinterpret_cast<GetString*>(Function("glGetString"));
     const char* renderer = get ? get(kRendererName) : nullptr;
     const char* version = get ? get(kVersionName) : nullptr;
     if (!renderer || !version) throw IoError("the context reports no OpenGL version");

@@ -61,6 +61,8 @@ class GlContext {
   // Returns a description of the renderer, for records: "egl: llvmpipe (LLVM 15.0.6, 256 bits), 4.5
   // Mesa 22.3.6".
   const std::string& description() const { return description_; }
+  // Returns a function of OpenGL by its name; null if the driver lacks it.
+  virtual void* Function(const char* name) const = 0;
 
   // Makes a context current on this thread for a scope.
   class Current {

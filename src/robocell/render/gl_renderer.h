@@ -1,9 +1,5 @@
-// The OpenGL back end of renderer.h: MuJoCo's own drawing (mjv, mjr) into an off-screen buffer.
-//
-// Colour is one pass; depth and segmentation come together from a second one, drawn with ids as
-// colours, without multisampling and without the sky, which would write depth. Depth is read
-// reversed (mjDEPTH_ZEROFAR), which keeps it exact to a fraction of a millimetre over the whole
-// range.
+// The OpenGL back end of renderer.h: MuJoCo's own drawing (mjv, mjr) into an off-screen buffer, in
+// a context of its own or in the drawing service of the machine (gl_canvas.h).
 #pragma once
 
 #include <memory>

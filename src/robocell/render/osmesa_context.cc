@@ -51,11 +51,12 @@ class OsmesaContext final : public GlContext {
   }
 
   GlBackend backend() const override { return GlBackend::kOsmesa; }
+  void* Function(const char* name) const override { return osmesa().GetProcAddress(name); }
 
   void Probe() {
     Current scope(*this);
     using GetString = const char*(unsigned);
-    auto* get = reinterpret_cast<GetString*>(osmesa().GetProcAddress("glGetString"));
+    auto* get = reinterpret_cast<GetString*>(Function("glGetString"));
     const char* renderer = get ? get(kGlRenderer) : nullptr;
     const char* version = get ? get(kGlVersion) : nullptr;
     if (!renderer || !version) throw IoError("the context reports no OpenGL version");

@@ -62,6 +62,26 @@ uint64_t EdgeSum(uint64_t from, uint64_t to) {
 // Fewer triangles are not worth the look.
 constexpr int kLeastClustered = 8 * SoftClusters::kTriangles;
 
+// Of cones that are no narrower than half of all directions: something of them is always visible.
+constexpr float kWide = 2;
+
+// Puts the cone around the normals of some triangles into cluster `to`.
+void MakeCone(const SoftMesh& mesh, int begin, int end, size_t to, SoftClusters* clusters) {
+  const auto normal = [&](int t) {
+    const auto at = static_cast<size_t>(t);
+    return Eigen::Vector3f(mesh.facing[0][at], mesh.facing[1][at], mesh.facing[2][at]);
+  };
+  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
+  for (int t = begin; t < end; ++t) sum += normal(t);
+  const Eigen::Vector3f axis = sum.stableNormalized();
+  float least = 1;
+  for (int t = begin; t < end; ++t) least = std::min(least, axis.dot(normal(t)));
+  constexpr float kNarrow = 0.05f;  // cosine
+  if (!(least > kNarrow)) return;
+  for (int k = 0; k < 3; ++k) clusters->cone[k][to] = axis[k];
+  clusters->spread[to] = std::sqrt(1 - least * least) + 1e-4f;
+}
+
 void MakeClusters(SoftMesh* mesh) {
   SoftClusters& clusters = mesh->clusters;
   clusters.count =
@@ -69,8 +89,10 @@ void MakeClusters(SoftMesh* mesh) {
           ? 0
           : (mesh->triangles + SoftClusters::kTriangles - 1) / SoftClusters::kTriangles;
   const size_t size = Padded(static_cast<size_t>(clusters.count));
-  for (auto* row : {&clusters.x, &clusters.y, &clusters.z, &clusters.radius})
+  for (auto* row : {&clusters.x, &clusters.y, &clusters.z, &clusters.radius, &clusters.cone[0],
+                    &clusters.cone[1], &clusters.cone[2]})
     row->assign(size, 0.0f);
+  clusters.spread.assign(size, kWide);
   for (auto* row : {&clusters.first_group, &clusters.last_group}) row->assign(size, 0);
   for (int c = 0; c < clusters.count; ++c) {
     const int begin = SoftClusters::kTriangles * c,
@@ -103,6 +125,7 @@ void MakeClusters(SoftMesh* mesh) {
     clusters.radius[i] = 1.0001f * radius;
     clusters.first_group[i] = first / SoftClusters::kVertices;
     clusters.last_group[i] = last / SoftClusters::kVertices;
+    MakeCone(*mesh, begin, end, i, &clusters);
   }
 }
 

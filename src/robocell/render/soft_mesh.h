@@ -19,8 +19,8 @@ struct alignas(64) SoftSurface {
   uint32_t unused[2];
 };
 
-// Triangles that follow each other, and a ball around each group of them. Those that cannot be
-// seen are left out together.
+// Triangles that follow each other, with a ball around each group of them and a cone around their
+// normals. Those that cannot be seen, or are all turned away, are left out together.
 struct SoftClusters {
   static constexpr int kTriangles = 64;
   // Vertices are placed in groups of this many.
@@ -28,6 +28,7 @@ struct SoftClusters {
 
   int count = 0;
   std::vector<float> x, y, z, radius;            // padded with balls of nothing
+  std::vector<float> cone[3], spread;            // axis; sine of half the angle, 2 for a wide one
   std::vector<int32_t> first_group, last_group;  // first and last group of vertices
 };
 

@@ -2,6 +2,17 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+#include <Eigen/Geometry>
+
+#include "robocell/base/rng.h"
+#include "robocell/render/soft_kernel.h"
+#include "robocell/render/soft_shapes.h"
+
 namespace robocell::internal {
 namespace {
 
@@ -87,6 +98,89 @@ TEST(SoftMesh, TrianglesWithoutAnAreaAreLeftOut) {
   builder.Triangle({a, up}, {b, up}, {c, up});
   builder.Triangle({a, up}, {a, up}, {b, up});
   EXPECT_EQ(builder.Build().triangles, 0);
+}
+
+TEST(SoftMesh, ConesContainTheNormalsOfTheirCluster) {
+  const SoftMesh mesh = SoftShapes(128, 64).sphere;
+  const SoftClusters& clusters = mesh.clusters;
+  int narrow = 0;
+  for (int t = 0; t < mesh.triangles; ++t) {
+    const auto c = static_cast<size_t>(t / SoftClusters::kTriangles), at = static_cast<size_t>(t);
+    if (clusters.spread[c] > 1) continue;
+    ++narrow;
+    float cosine = 0;
+    for (int k = 0; k < 3; ++k) cosine += clusters.cone[k][c] * mesh.facing[k][at];
+    EXPECT_LE(std::sqrt(1 - cosine * cosine), clusters.spread[c]) << "triangle " << t;
+    EXPECT_GT(cosine, 0);
+  }
+  EXPECT_GT(narrow, mesh.triangles / 2);
+}
+
+// Draws an instance from where it is seen, with and without clusters.
+SoftBuffer Drawn(const SoftMesh& mesh, const Eigen::Affine3f& to_view, SoftSide side, bool turned,
+                 bool orthographic) {
+  SoftView view;
+  view.width = view.bottom = 96;
+  view.height = 96;
+  view.orthographic = orthographic;
+  view.fx = view.fy = orthographic ? 24 : 90;
+  view.cx = view.cy = 47.5f;
+  view.near = 0.01f;
+  view.far = 50;
+  view.per_fx = view.per_fy = 1 / view.fx;
+  SoftInstance instance;
+  instance.mesh = &mesh;
+  instance.side = side;
+  const Eigen::Affine3f to_mesh = to_view.inverse();
+  for (int row = 0; row < 3; ++row) {
+    for (int k = 0; k < 4; ++k) {
+      instance.to_view[4 * row + k] = to_view.matrix()(row, k);
+      instance.to_mesh[4 * row + k] = to_mesh.matrix()(row, k);
+    }
+    instance.eye[row] = to_mesh.matrix()(row, orthographic ? 2 : 3);
+  }
+  instance.eye[3] = orthographic ? 0 : 1;
+  if (turned) {
+    for (float& part : instance.eye) part = -part;
+  }
+  SoftBuffer buffer;
+  SoftScratch scratch;
+  FitBuffer(view, &buffer);
+  ClearRows(view, BlockRows(view), &buffer);
+  DrawInstance(view, instance, &scratch, &buffer);
+  return buffer;
+}
+
+TEST(SoftMesh, ClustersThatAreLeftOutChangeNoPixel) {
+  const SoftShapes shapes(256, 128);
+  Rng rng = Rng::Stream(3, "clusters");
+  int shown = 0;
+  for (const SoftMesh* mesh : {&shapes.sphere, &shapes.cylinder, &shapes.upper_half}) {
+    SoftMesh whole = *mesh;
+    whole.clusters = {};
+    for (int i = 0; i < 24; ++i) {
+      const auto side = std::array{SoftSide::kFront, SoftSide::kBack, SoftSide::kBoth}[i % 3];
+      const bool orthographic = i % 4 == 3, turned = i % 5 == 4;
+      Eigen::Affine3f to_view = Eigen::Affine3f::Identity();
+      const auto draw = [&](double low, double high) {
+        return static_cast<float>(rng.Uniform(low, high));
+      };
+      to_view.translate(Eigen::Vector3f(draw(-0.5, 0.5), draw(-0.5, 0.5), draw(-4, -0.5)));
+      to_view.rotate(
+          Eigen::Quaternionf(draw(-1, 1), draw(-1, 1), draw(-1, 1), draw(-1, 1)).normalized());
+      to_view.scale(Eigen::Vector3f(draw(0.5, 1), draw(0.5, 1), draw(0.2, 1)));
+      if (turned) to_view.scale(Eigen::Vector3f(1, 1, -1));
+      const SoftBuffer a = Drawn(*mesh, to_view, side, turned, orthographic),
+                       b = Drawn(whole, to_view, side, turned, orthographic);
+      for (size_t block = 0; block < a.ids.size(); ++block) {
+        ASSERT_TRUE(std::ranges::equal(a.ids[block].at, b.ids[block].at)) << "view " << i;
+        ASSERT_TRUE(std::ranges::equal(a.nearness[block].at, b.nearness[block].at));
+        shown += static_cast<int>(
+            std::ranges::count_if(a.ids[block].at, [](uint32_t id) { return id != kSoftNothing; }));
+      }
+    }
+  }
+  EXPECT_GT(shown, 10000);
 }
 
 TEST(SoftMesh, ABuilderIsEmptyAfterwards) {

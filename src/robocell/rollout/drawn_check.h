@@ -1,5 +1,5 @@
 // DrawnCheck: checks that the images of a row show the state of its numbers. It compares the poses of
-// objects; everything else that moves comes from the same state.
+// objects and the joints of arms; everything else that moves comes from the same state.
 //
 //   const DrawnCheck check(scene, features.observed());
 //   drawer.Draw(state);
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "robocell/data/feature_schema.h"
+#include "robocell/robot/robot.h"
 #include "robocell/rollout/state_drawer.h"
 #include "robocell/scene/scene.h"
 
@@ -21,7 +22,7 @@ namespace robocell::internal {
 class DrawnCheck {
  public:
   DrawnCheck(const Scene& scene, const FeatureSchema& observed);
-  // Throws Error with the row and the object that differ. `drawer` has drawn the row.
+  // Throws Error with the row and the object or joint that differ. `drawer` has drawn the row.
   void Require(const std::string& episode, int64_t row, std::span<const double> observed,
                StateDrawer& drawer) const;
 
@@ -31,7 +32,15 @@ class DrawnCheck {
     int body;
     size_t at;  // among the observed numbers
   };
+  struct Joint {
+    std::string name;
+    int address;  // in qpos
+    size_t at;    // among the observed numbers
+  };
+  void AddJoints(const Robot& robot, const Feature& feature, size_t at);
+
   std::vector<Object> objects_;
+  std::vector<Joint> joints_;
 };
 
 }  // namespace robocell::internal

@@ -1,8 +1,11 @@
 #include "robocell/rollout/drawn_check.h"
 
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "robocell/base/error.h"
@@ -56,6 +59,16 @@ TEST_F(DrawnCheckTest, RejectsImagesOfALaterStateWithTheRowAndTheObject) {
   drawer->Draw(drawer->Take());
   ExpectThrow<Error>([&] { check.Require("e", 7, row, *drawer); },
                      "episode 'e', row 7: object 'target' is drawn at");
+}
+
+TEST_F(DrawnCheckTest, RejectsAnArmThatHasMovedWithTheRowAndTheJoint) {
+  const std::vector<double> row = Row();
+  const std::string joint = pick.robot.group("arm").joint_names().at(2);
+  const int id = mj_name2id(scene.model(), mjOBJ_JOINT, joint.c_str());
+  scene.data()->qpos[scene.model()->jnt_qposadr[id]] += 1e-6;
+  drawer->Draw(drawer->Take());
+  ExpectThrow<Error>([&] { check.Require("e", 7, row, *drawer); },
+                     "episode 'e', row 7: joint '" + joint + "' is drawn at");
 }
 
 TEST_F(DrawnCheckTest, RejectsATurnAndAcceptsTheOtherQuaternionOfTheSameRotation) {

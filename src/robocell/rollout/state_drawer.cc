@@ -43,6 +43,8 @@ void StateDrawer::Draw(const DrawnState& state) {
   images_.Draw(model_.get(), data_.get());
 }
 
+double StateDrawer::DrawnPosition(int address) const { return data_->qpos[address]; }
+
 Pose StateDrawer::DrawnPose(int body) {
   if (!std::exchange(has_poses_, true)) {
     Guarded("computing the poses of a row", data_.get(),

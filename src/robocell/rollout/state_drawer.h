@@ -38,6 +38,8 @@ class StateDrawer {
   DrawnState Take();
   // Draws all images of a state.
   void Draw(const DrawnState& state);
+  // Returns a number of qpos in the state that was drawn last.
+  double DrawnPosition(int address) const;
   // Returns the pose of a body in the state that was drawn last.
   Pose DrawnPose(int body);
 
