@@ -62,7 +62,9 @@ def cell() -> rc.Scene:
 def main() -> None:
     """Draws it."""
     scene = cell()
-    renderer = rc.render.Renderer(scene, shadows=True, multisamples=4, shadow_size=8192)
+    renderer = rc.render.Renderer(
+        scene, backend="soft", shadows=True, multisamples=8, shadow_size=4096
+    )
     view = rc.render.OrbitCamera(
         lookat=(-0.2, 0, 0.62), distance=1.95, azimuth=143, elevation=-14, fovy=33
     )

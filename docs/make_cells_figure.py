@@ -24,7 +24,8 @@ def picture(name: str) -> Frame:
     scene.reset()
     view = side_view(scene, cell)
     view["distance"] *= 0.72 if len(cell.robots) == 1 else 0.9
-    renderer = rc.render.Renderer(scene, shadows=True, multisamples=4, shadow_size=4096)
+    view["elevation"] = -32  # environments have no sky
+    renderer = rc.render.Renderer(scene, backend="soft", quality="high")
     drawn = renderer.render(rc.render.OrbitCamera(**view), width=2 * SIZE[0], height=2 * SIZE[1])
     frame: Frame = drawn["rgb"]
     return frame

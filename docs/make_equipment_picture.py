@@ -51,7 +51,7 @@ def showroom() -> rc.Scene:
 
 def main() -> None:
     """Draws it."""
-    renderer = rc.render.Renderer(showroom(), shadows=True, multisamples=4, shadow_size=8192)
+    renderer = rc.render.Renderer(showroom(), backend="soft", quality="high")
     view = rc.render.OrbitCamera(
         lookat=(0.42, 0, 0.48), distance=2.6, azimuth=104, elevation=-24, fovy=36
     )

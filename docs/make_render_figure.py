@@ -55,7 +55,7 @@ def main() -> None:
         left = [one + other for one, other in zip(left, values, strict=True)]
     bars.invert_yaxis()
     bars.set_xlabel("ms an image of 640x480, one core")
-    bars.legend(loc="lower right", ncols=2, frameon=False)
+    bars.legend(loc="upper right", ncols=3, frameon=False)
     figure.savefig(DOCS / "render_quality.png", dpi=180)
     save(Image.open(DOCS / "render_quality.png"), "render_quality.png", 960)
 

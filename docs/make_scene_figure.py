@@ -58,7 +58,7 @@ def build() -> rc.Scene:
 def main() -> None:
     """Draws it."""
     scene = build()
-    renderer = rc.render.Renderer(scene, shadows=True, multisamples=4, shadow_size=8192)
+    renderer = rc.render.Renderer(scene, backend="soft", quality="high")
     front = scene.camera_pose("front")
     view = front * rc.Pose(translation=[0, 0, 0], quaternion=[1, 0, 0, 0])  # z along the view
     image = renderer.render(VIEW, WIDTH, HEIGHT, frames=[("", view)], frame_length=0.12)

@@ -62,26 +62,6 @@ uint64_t EdgeSum(uint64_t from, uint64_t to) {
 // Fewer triangles are not worth the look.
 constexpr int kLeastClustered = 8 * SoftClusters::kTriangles;
 
-// Of cones that are no narrower than half of all directions: something of them is always visible.
-constexpr float kWide = 2;
-
-// Puts the cone around the normals of some triangles into cluster `to`.
-void MakeCone(const SoftMesh& mesh, int begin, int end, size_t to, SoftClusters* clusters) {
-  const auto normal = [&](int t) {
-    const auto at = static_cast<size_t>(t);
-    return Eigen::Vector3f(mesh.facing[0][at], mesh.facing[1][at], mesh.facing[2][at]);
-  };
-  Eigen::Vector3f sum = Eigen::Vector3f::Zero();
-  for (int t = begin; t < end; ++t) sum += normal(t);
-  const Eigen::Vector3f axis = sum.stableNormalized();
-  float least = 1;
-  for (int t = begin; t < end; ++t) least = std::min(least, axis.dot(normal(t)));
-  constexpr float kNarrow = 0.05f;  // cosine
-  if (!(least > kNarrow)) return;
-  for (int k = 0; k < 3; ++k) clusters->cone[k][to] = axis[k];
-  clusters->spread[to] = std::sqrt(1 - least * least) + 1e-4f;
-}
-
 void MakeClusters(SoftMesh* mesh) {
   SoftClusters& clusters = mesh->clusters;
   clusters.count =
@@ -89,10 +69,8 @@ void MakeClusters(SoftMesh* mesh) {
           ? 0
           : (mesh->triangles + SoftClusters::kTriangles - 1) / SoftClusters::kTriangles;
   const size_t size = Padded(static_cast<size_t>(clusters.count));
-  for (auto* row : {&clusters.x, &clusters.y, &clusters.z, &clusters.radius, &clusters.cone[0],
-                    &clusters.cone[1], &clusters.cone[2]})
+  for (auto* row : {&clusters.x, &clusters.y, &clusters.z, &clusters.radius})
     row->assign(size, 0.0f);
-  clusters.spread.assign(size, kWide);
   for (auto* row : {&clusters.first_group, &clusters.last_group}) row->assign(size, 0);
   for (int c = 0; c < clusters.count; ++c) {
     const int begin = SoftClusters::kTriangles * c,
@@ -125,7 +103,6 @@ void MakeClusters(SoftMesh* mesh) {
     clusters.radius[i] = 1.0001f * radius;
     clusters.first_group[i] = first / SoftClusters::kVertices;
     clusters.last_group[i] = last / SoftClusters::kVertices;
-    MakeCone(*mesh, begin, end, i, &clusters);
   }
 }
 
@@ -159,6 +136,61 @@ SoftMesh SoftMeshBuilder::Build(bool with_texture) {
   SoftMesh mesh;
   Build(&mesh, with_texture);
   return mesh;
+}
+
+namespace {
+
+// Spreads the lowest 10 bits to every third bit.
+uint32_t EveryThird(uint32_t bits) {
+  bits = (bits | bits << 16) & 0x030000ff;
+  bits = (bits | bits << 8) & 0x0300f00f;
+  bits = (bits | bits << 4) & 0x030c30c3;
+  return (bits | bits << 2) & 0x09249249;
+}
+
+}  // namespace
+
+void SoftMeshBuilder::SortTriangles() {
+  const size_t count = corners_.size() / 3;
+  if (count < static_cast<size_t>(kLeastClustered)) return;
+  const auto corner = [&](size_t t, size_t k) -> const Eigen::Vector3f& {
+    return vertices_[static_cast<size_t>(corners_[3 * t + k].vertex)];
+  };
+  const auto middle = [&](size_t t) -> Eigen::Vector3f {
+    return (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3;
+  };
+  // Triangles that follow each other are neighbours in most files. A few tell.
+  constexpr size_t kEvery = 16;
+  constexpr float kFar = 6;  // sizes of a triangle
+  float step = 0, size = 0;
+  for (size_t t = 0; t + 1 < count; t += kEvery) {
+    step += (middle(t + 1) - middle(t)).norm();
+    size += std::sqrt((corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0)).norm());
+  }
+  if (step <= kFar * size) return;
+  Eigen::Vector3f low = middle(0), high = low;
+  for (size_t t = 1; t < count; ++t) {
+    low = low.cwiseMin(middle(t));
+    high = high.cwiseMax(middle(t));
+  }
+  const float longest = std::max((high - low).maxCoeff(), 1e-9f);
+  // Along a curve that passes through each part of space once (Morton's); equal ones in their order.
+  std::vector<std::pair<uint32_t, uint32_t>> order(count);
+  for (size_t t = 0; t < count; ++t) {
+    const Eigen::Vector3f at = 1023 / longest * (middle(t) - low);
+    order[t] = {EveryThird(static_cast<uint32_t>(at.x())) |
+                    EveryThird(static_cast<uint32_t>(at.y())) << 1 |
+                    EveryThird(static_cast<uint32_t>(at.z())) << 2,
+                static_cast<uint32_t>(t)};
+  }
+  std::sort(order.begin(), order.end());
+  std::vector<SoftCorner> sorted;
+  sorted.reserve(corners_.size());
+  for (const auto& [key, t] : order) {
+    const auto first = corners_.begin() + 3 * static_cast<std::ptrdiff_t>(t);
+    sorted.insert(sorted.end(), first, first + 3);
+  }
+  corners_.swap(sorted);
 }
 
 // Puts vertices into the order in which the triangles use them: those of triangles that follow each

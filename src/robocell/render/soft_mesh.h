@@ -19,8 +19,8 @@ struct alignas(64) SoftSurface {
   uint32_t unused[2];
 };
 
-// Triangles that follow each other, with a ball around each group of them and a cone around their
-// normals. Those that cannot be seen, or are all turned away, are left out together.
+// Triangles that follow each other, and a ball around each group of them. Those that cannot be
+// seen are left out together.
 struct SoftClusters {
   static constexpr int kTriangles = 64;
   // Vertices are placed in groups of this many.
@@ -28,7 +28,6 @@ struct SoftClusters {
 
   int count = 0;
   std::vector<float> x, y, z, radius;            // padded with balls of nothing
-  std::vector<float> cone[3], spread;            // axis; sine of half the angle, 2 for a wide one
   std::vector<int32_t> first_group, last_group;  // first and last group of vertices
 };
 
@@ -65,6 +64,9 @@ class SoftMeshBuilder {
   // Adds a flat one.
   void Triangle(int a, int b, int c);
   void Quad(int a, int b, int c, int d);
+  // Orders the triangles so that those that follow each other lie together, and clusters are small.
+  // Does nothing where they do already, as in most files, nor to meshes too small for clusters.
+  void SortTriangles();
   // Replaces the mesh and empties the builder. Building again at the same size does not allocate.
   void Build(SoftMesh* mesh, bool with_texture = false);
   SoftMesh Build(bool with_texture = false);

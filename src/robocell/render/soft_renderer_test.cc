@@ -4,10 +4,15 @@
 #include <hwy/targets.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <set>
 #include <string>
 #include <vector>
@@ -23,6 +28,7 @@
 #include "robocell/testing/instruction_sets.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/skip.h"
+#include "robocell/testing/source_dir.h"
 
 namespace robocell::internal {
 namespace {
@@ -151,23 +157,18 @@ class SoftAgrees : public testing::TestWithParam<std::string> {
   }
 };
 
-TEST_P(SoftAgrees, WithOpenGl) {
-  RandomViews views(Path());
-  std::unique_ptr<Renderer> gl, soft = MakeRenderer({.backend = "soft"});
-  try {
-    gl = MakeRenderer({.backend = "gl"});
-  } catch (const Error& error) {
-    SKIP_OR_FAIL(error.what());
-  }
-  gl->SetModel(views.model());
-  soft->SetModel(views.model());
-  constexpr int kViews = 10;
+// Compares both back ends' images of random states from random places. `what` begins what is
+// reported.
+void ExpectAgreement(const std::string& what, RandomViews& views, int count, Renderer& gl,
+                     Renderer& soft) {
+  gl.SetModel(views.model());
+  soft.SetModel(views.model());
   int ids = 0, depth = 0, coarse = 0;
   double least_similar = 1;
-  for (int i = 0; i < kViews; ++i) {
+  for (int i = 0; i < count; ++i) {
     views.Next();
-    const SoftImages a = TakeOf(*gl, views.data(), views.view()),
-                     b = TakeOf(*soft, views.data(), views.view());
+    const SoftImages a = TakeOf(gl, views.data(), views.view()),
+                     b = TakeOf(soft, views.data(), views.view());
     int ids_here = 0, depth_here = 0;
     for (int k = 0; k < kShown; ++k) {
       ids_here += a.ids[k] != b.ids[k];
@@ -181,22 +182,64 @@ TEST_P(SoftAgrees, WithOpenGl) {
         ++depth_here;
       }
     }
-    EXPECT_LE(ids_here, 1e-3 * kShown) << "view " << i;
-    EXPECT_LE(depth_here, 1e-3 * kShown) << "view " << i;
+    EXPECT_LE(ids_here, 1e-3 * kShown) << what << ", view " << i;
+    EXPECT_LE(depth_here, 1e-3 * kShown) << what << ", view " << i;
     const double similar = Similarity(a.rgb, b.rgb);
-    EXPECT_GE(similar, 0.95) << "view " << i;
+    EXPECT_GE(similar, 0.95) << what << ", view " << i;
     least_similar = std::min(least_similar, similar);
     ids += ids_here;
     depth += depth_here;
   }
-  RecordProperty("ids", ids);
   if (std::getenv("ROBOCELL_TEST_VERBOSE")) {
     std::printf("%s: ids differ in %.4f %%, depth in %.4f %%, least similarity %.4f\n",
-                GetParam().c_str(), 100.0 * ids / (kViews * kShown),
-                100.0 * depth / (kViews * kShown), least_similar);
-    std::printf("%s: OpenGL's depth is wrong in %.4f %%\n", GetParam().c_str(),
-                100.0 * coarse / (kViews * kShown));
+                what.c_str(), 100.0 * ids / (count * kShown), 100.0 * depth / (count * kShown),
+                least_similar);
+    std::printf("%s: OpenGL's depth is wrong in %.4f %%\n", what.c_str(),
+                100.0 * coarse / (count * kShown));
   }
+}
+
+TEST_P(SoftAgrees, WithOpenGl) {
+  RandomViews views(Path());
+  const std::unique_ptr<Renderer> soft = MakeRenderer({.backend = "soft"});
+  std::unique_ptr<Renderer> gl;
+  try {
+    gl = MakeRenderer({.backend = "gl"});
+  } catch (const Error& error) {
+    SKIP_OR_FAIL(error.what());
+  }
+  ExpectAgreement(GetParam(), views, 10, *gl, *soft);
+}
+
+// Takes minutes: tests/integration/test_soft_agreement.py runs it (make check-proofs).
+TEST(SoftAgreesLong, DISABLED_WithOpenGlOnEveryModel) {
+  namespace fs = std::filesystem;
+  REQUIRE_MENAGERIE();
+  const std::unique_ptr<Renderer> soft = MakeRenderer({.backend = "soft"}),
+                                  gl = MakeRenderer({.backend = "gl"});
+  const fs::path menagerie = fs::path(MenagerieModel(MenagerieTestModels().front())).parent_path();
+  std::vector<fs::path> files;
+  for (const fs::path& root : {menagerie, fs::path(SourceDir()) / "models"}) {
+    for (const fs::directory_entry& entry : fs::recursive_directory_iterator(root)) {
+      if (entry.path().extension() == ".xml") files.push_back(entry.path());
+    }
+  }
+  std::ranges::sort(files);
+  int models = 0;
+  for (const fs::path& file : files) {
+    std::optional<RandomViews> views;
+    try {
+      views.emplace(file.string());
+    } catch (const Error&) {
+      continue;  // a part that another file includes
+    }
+    if (views->model()->ngeom == 0) continue;
+    ++models;
+    ExpectAgreement(file.parent_path().filename().string() + "/" + file.filename().string(), *views,
+                    20, *gl, *soft);
+  }
+  EXPECT_GE(models, 25) << files.size() << " files";
+  std::printf("%d models agree\n", models);
 }
 
 // Compares with rays of the engine, from the camera through pixels. They hit the true shapes, where

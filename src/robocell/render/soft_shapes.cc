@@ -147,6 +147,7 @@ SoftMesh MeshOfModel(const mjModel* m, int mesh) {
     }
     builder.Triangle(corners[0], corners[1], corners[2]);
   }
+  builder.SortTriangles();
   return builder.Build(texture >= 0);
 }
 

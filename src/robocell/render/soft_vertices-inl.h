@@ -105,25 +105,6 @@ inline float LongestScale(const float* m) {
   return apart < 1e-4f ? 1.001f : std::sqrt(sum);
 }
 
-// Returns the clusters, from `i` on, all of whose triangles are turned away from the camera, with
-// some tolerance: the test of single triangles is rounded.
-HWY_INLINE M TurnedAway(const SoftInstance& instance, int i) {
-  const SoftClusters& clusters = instance.mesh->clusters;
-  const float sign = instance.side == SoftSide::kBack ? -1.0f : 1.0f;
-  const float* centre[3] = {&clusters.x[i], &clusters.y[i], &clusters.z[i]};
-  const V w = Num(instance.eye[3]);
-  V along = hn::Zero(kFloats), square = hn::Zero(kFloats);
-  for (int k = 0; k < 3; ++k) {
-    const V from_eye = hn::Sub(hn::Mul(hn::LoadU(kFloats, centre[k]), w), Num(instance.eye[k]));
-    along = hn::Add(along, hn::Mul(from_eye, hn::LoadU(kFloats, &clusters.cone[k][i])));
-    square = hn::Add(square, hn::Mul(from_eye, from_eye));
-  }
-  const V spread = hn::Add(hn::LoadU(kFloats, &clusters.spread[i]), Num(1e-3f));
-  const V reach = hn::Add(hn::Mul(spread, hn::Sqrt(square)),
-                          hn::Mul(hn::LoadU(kFloats, &clusters.radius[i]), hn::Abs(w)));
-  return hn::Gt(hn::Mul(along, Num(sign)), reach);
-}
-
 // Lists the clusters of which something may be seen.
 template <class To>
 HWY_INLINE int FindClusters(const SoftView& view, const SoftInstance& instance, const To& to,
@@ -169,7 +150,6 @@ HWY_INLINE int FindClusters(const SoftView& view, const SoftInstance& instance, 
     const M on_image = hn::And(hn::And(hn::Ge(high_x, Num(-1)), hn::Le(low_x, width)),
                                hn::And(hn::Ge(high_y, top), hn::Le(low_y, bottom)));
     seen = hn::And(seen, hn::Or(hn::Not(ahead), on_image));
-    if (instance.side != SoftSide::kBoth) seen = hn::AndNot(TurnedAway(instance, i), seen);
     if (i + kLanes > clusters.count) {
       seen = hn::And(seen, hn::FirstN(kFloats, static_cast<size_t>(clusters.count - i)));
     }
