@@ -40,17 +40,17 @@ def cameras(episode: Any, model: mj.MjModel) -> list[str]:
 
 def milliseconds(episode: Any, folder: Path) -> float:
     """Makes an episode again; what an image of it took."""
-    scene = rc.data.recorded_scene(episode)
+    scene = rc.Scene.build(rc.data.recorded_scene(episode))
     scene.set_state(episode["initial_state"])
     model, data = scene.model, scene.data
-    controls, rows = episode["control/ctrl"], episode.rows
+    controls, rows = episode["control/ctrl"], len(episode)
     ticks = len(controls) // rows
     sim_steps = round(episode.metadata["rates"]["control_ms"] / episode.metadata["rates"]["sim_ms"])
     model.vis.global_.offwidth, model.vis.global_.offheight = WIDTH, HEIGHT
     names = cameras(episode, model)
     begin = time.perf_counter()
     renderer = mj.Renderer(model, HEIGHT, WIDTH)
-    videos = [encoder(folder / f"{name}.mp4") for name in names]
+    videos = [encoder(folder / f"{number}.mp4") for number in range(len(names))]
     for row in range(rows):
         mj.mj_forward(model, data)
         for name, video in zip(names, videos, strict=True):

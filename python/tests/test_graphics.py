@@ -12,6 +12,7 @@ import pytest
 
 import robocell as rc
 from graphics import require_gl
+from robocell._generation import check
 from robocell._generation.check import graphics_warnings
 from test_probes import machine_with_a_card
 
@@ -43,7 +44,13 @@ def test_a_rendering_error_lists_the_back_ends_tried():
     assert "Error: no OpenGL for off-screen rendering. Tried:\n  egl: " in result.stderr
 
 
-def test_a_run_with_cameras_warns_once_about_an_idle_gpu(tmp_path: Path):
+def without_gl() -> str:
+    raise rc.Error("no OpenGL for off-screen rendering")
+
+
+def test_a_run_with_cameras_warns_once_about_an_idle_gpu(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     run = rc.RunConfig.load(str(EXAMPLES / "demo.yaml"))
     assert run.cameras.streams
     assert run.cameras.renderer.backend == "soft"
@@ -55,6 +62,12 @@ def test_a_run_with_cameras_warns_once_about_an_idle_gpu(tmp_path: Path):
     if "llvmpipe" in drawing:
         (warning,) = graphics_warnings(run, root)
         assert warning.startswith(f"images are drawn on the processor ({drawing}), although this")
+    monkeypatch.setattr(check, "describe_gl", without_gl)
+    (warning,) = graphics_warnings(run, root)
+    assert warning.startswith("images are drawn on the processor (soft), although this machine")
+    run.cameras.renderer.backend = "gl"
+    assert graphics_warnings(run, root) == []  # the run is rejected
+    run.cameras.renderer.backend = "auto"
     run.cameras.streams.clear()
     assert graphics_warnings(run, root) == []
 

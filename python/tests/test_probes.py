@@ -40,3 +40,18 @@ def test_software_on_a_machine_with_a_card_is_not_ok(tmp_path: Path):
     assert lines[1].startswith("graphics: egl is slow: images are drawn on the processor (egl: llv")
     assert "(/dev/nvidia0). The driver's EGL library libEGL_nvidia.so.0 is missing." in lines[1]
     assert lines[-1] == "this machine can generate datasets"
+
+
+def test_without_opengl_soft_draws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    nothing = probes.Finding("graphics: egl", State.MISSING, "egl: no library")
+    monkeypatch.setattr(probes, "_graphics", lambda _: nothing)
+    monkeypatch.delenv("ROBOCELL_RENDERER", raising=False)
+    found = probes.graphics(str(tmp_path))
+    assert {finding.state for finding in found} == {State.MISSING}
+    assert "`soft` needs neither" in advice(found)[1]
+    assert advice(found)[-1] == "this machine can generate datasets"
+    found = probes.graphics(machine_with_a_card(tmp_path / "card"))
+    assert {finding.state for finding in found} == {State.SLOW}
+    assert "images are drawn on the processor (soft), although this machine has" in found[0].remedy
+    monkeypatch.setenv("ROBOCELL_RENDERER", "gl")
+    assert {finding.state for finding in probes.graphics(str(tmp_path))} == {State.BROKEN}

@@ -26,8 +26,8 @@ ROBOTS_LISTED = 12  # more are counted
 PACKAGES = ("numpy", "rich", "typer")
 # The purpose of each optional part.
 PURPOSES = {
-    "graphics: egl": "only one of the two is needed",
-    "graphics: osmesa": "only one of the two is needed",
+    "graphics: egl": "one of the two draws `backend: gl`; `soft` needs neither",
+    "graphics: osmesa": "one of the two draws `backend: gl`; `soft` needs neither",
     "menagerie": "for robots named `menagerie:...`; built-in robots do not need it",
     "extra: envs": "for robocell.gym, robocell.lerobot and compat.rcs",
     "extra: plots": "for the pictures of `robocell reach`",
@@ -130,15 +130,28 @@ def extras() -> list[Finding]:
     return found
 
 
-def graphics() -> list[Finding]:
-    """Probes every GL back end in a separate process: one process can use only one."""
+def graphics(root: str = "/") -> list[Finding]:
+    """Probes every GL back end in a separate process: one process can use only one.
+
+    Without one, the back end `soft` draws. `root` is the folder that the machine's files are looked
+    up in.
+    """
+    from robocell import _core
+
     found = [_graphics(backend) for backend in GL_BACKENDS]
     for place, finding in enumerate(found):
         if finding.state is State.OK:  # the one that is used
-            found[place] = judged(finding)
+            found[place] = judged(finding, root)
             return found
-    remedy = "sudo apt install libegl1 libegl-mesa0 libgl1-mesa-dri libosmesa6"
-    return [Finding(f.what, State.BROKEN, f.detail, remedy) for f in found]
+    state, remedy = (
+        State.MISSING,
+        "sudo apt install libegl1 libegl-mesa0 libgl1-mesa-dri libosmesa6",
+    )
+    if os.environ.get("ROBOCELL_RENDERER") == "gl":
+        state = State.BROKEN
+    elif advice := _core.graphics_advice("soft", root):
+        state, remedy = State.SLOW, advice
+    return [Finding(f.what, state, f.detail, remedy) for f in found]
 
 
 def judged(graphics: Finding, root: str = "/") -> Finding:

@@ -116,8 +116,10 @@ def graphics_warnings(run: RunConfig, root: str = "/") -> list[str]:
         return []
     try:
         drawing = describe_gl()
-    except Error:  # workers say what was tried
-        return []
+    except Error:
+        if backend != "auto":  # workers say what was tried
+            return []
+        drawing = "soft"
     advice = _core.graphics_advice(drawing, root)
     return [advice] if advice else []
 

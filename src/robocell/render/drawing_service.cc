@@ -4,13 +4,13 @@
 #include <sys/socket.h>
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <chrono>
+#include <cstdio>
 #include <exception>
 #include <list>
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -25,6 +25,11 @@
 #include "robocell/render/pixel_buffer.h"
 
 namespace robocell {
+
+// The program's main function, which it declares itself: the library shows no name of
+// robocell::internal.
+int DrawingServiceMain(int argc, char** argv);
+
 namespace internal {
 namespace {
 
@@ -190,13 +195,27 @@ class Service {
 };
 
 }  // namespace
-}  // namespace internal
 
 bool ServeDrawings(const std::string& name, const DrawingServiceOptions& options) {
-  std::optional<internal::FileHandle> listener = internal::TakeDrawingName(name);
+  std::optional<FileHandle> listener = TakeDrawingName(name);
   if (!listener) return false;
-  internal::Service(std::move(*listener), options).Run();
+  Service(std::move(*listener), options).Run();
   return true;
+}
+
+}  // namespace internal
+
+int DrawingServiceMain(int argc, char** argv) {
+  if (argc < 2 || argc > 3) {
+    std::fputs("usage: robocell_drawing_service NAME [auto|egl|osmesa]\n", stderr);
+    return 2;
+  }
+  try {
+    return internal::ServeDrawings(argv[1], {.gl = argc > 2 ? argv[2] : "auto"}) ? 0 : 1;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "robocell_drawing_service: %s\n", error.what());
+    return 1;
+  }
 }
 
 }  // namespace robocell

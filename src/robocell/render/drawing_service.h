@@ -1,7 +1,7 @@
 // The drawing service: one process draws with OpenGL for all processes of a user on one graphics
 // card. A card that several processes draw on spends its time on changing between them.
 //
-// The program robocell_drawing_service, beside librobocell, is this function. A renderer with back
+// The program robocell_drawing_service, beside librobocell, calls it (src/programs). A renderer with back
 // end `gl` starts it when it needs one (served_canvas.h). Each client sends its list of visible
 // elements in shared memory and gets raw images back in it. Lists that wait are drawn one after the
 // other before the first image is copied. Models are uploaded once, however many clients have them.
@@ -10,7 +10,7 @@
 
 #include <string>
 
-namespace robocell {
+namespace robocell::internal {
 
 struct DrawingServiceOptions {
   std::string gl = "auto";  // auto, egl, osmesa
@@ -22,4 +22,4 @@ struct DrawingServiceOptions {
 // sockets or shared memory; what fails while drawing is reported to the client.
 bool ServeDrawings(const std::string& name, const DrawingServiceOptions& options = {});
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -25,16 +25,16 @@ namespace {
 std::string OwnName() { return "robocell-test-" + std::to_string(getpid()); }
 
 TEST(DrawingServices, EndWithoutClients) {
-  EXPECT_TRUE(ServeDrawings(OwnName(), {.idle_s = 0.01}));
+  EXPECT_TRUE(internal::ServeDrawings(OwnName(), {.idle_s = 0.01}));
 }
 
 TEST(DrawingServices, LeaveANameToWhoHasIt) {
   const auto owner = internal::TakeDrawingName(OwnName());
-  EXPECT_FALSE(ServeDrawings(OwnName(), {.idle_s = 0.01}));
+  EXPECT_FALSE(internal::ServeDrawings(OwnName(), {.idle_s = 0.01}));
 }
 
 TEST(DrawingServices, ReportWrongRequestsAndGoOn) {
-  std::thread service([] { ServeDrawings(OwnName(), {.idle_s = 0.2}); });
+  std::thread service([] { internal::ServeDrawings(OwnName(), {.idle_s = 0.2}); });
   {
     std::optional<internal::FileHandle> socket;
     while (!socket) socket = internal::ConnectToDrawingName(OwnName());

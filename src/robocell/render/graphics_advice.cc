@@ -74,7 +74,10 @@ bool Mentions(const std::string& text, std::string_view what) {
   return text.find(what) != std::string::npos;
 }
 
-std::string NvidiaRemedy(const GraphicsFacts& facts) {
+// The back end that draws where there is no OpenGL.
+bool IsSoft(std::string_view description) { return description.starts_with("soft"); }
+
+std::string NvidiaRemedy(std::string_view description, const GraphicsFacts& facts) {
   if (!facts.nvidia_library && facts.container) {
     const std::string now =
         facts.driver_capabilities.empty() ? "" : ", not " + facts.driver_capabilities + " as now";
@@ -101,6 +104,7 @@ std::string NvidiaRemedy(const GraphicsFacts& facts) {
         R"({{"file_format_version": "1.0.0", "ICD": {{"library_path": "libEGL_nvidia.so.0"}}}})",
         kVendorFile);
   }
+  if (IsSoft(description)) return "OpenGL is missing. Install it: `sudo apt install libegl1`";
   return "The driver does not open the card. See what `nvidia-smi` says: library and kernel module "
          "may be of different versions";
 }
@@ -112,7 +116,7 @@ std::string Remedy(std::string_view description, const GraphicsFacts& facts) {
   }
   if (!facts.device_variable.empty())
     return fmt::format("{} chooses a device that is software. Unset it", facts.device_variable);
-  if (!facts.nvidia.empty()) return NvidiaRemedy(facts);
+  if (!facts.nvidia.empty()) return NvidiaRemedy(description, facts);
   if (!facts.unreadable.empty()) {
     return fmt::format(
         "This user may not open {}. Join the group that it belongs to: `sudo "
@@ -147,7 +151,7 @@ GraphicsFacts ReadGraphicsFacts(const std::string& root) {
 }
 
 std::string GraphicsAdvice(std::string_view description, const GraphicsFacts& facts) {
-  if (!facts.has_gpu() || !IsSoftwareRenderer(description)) return "";
+  if (!facts.has_gpu() || !(IsSoftwareRenderer(description) || IsSoft(description))) return "";
   return fmt::format(
       "images are drawn on the processor ({}), although this machine has a graphics "
       "card ({}). {}",

@@ -31,7 +31,8 @@ struct GraphicsFacts {
 // Reads the facts of this machine, with all files below `root`.
 GraphicsFacts ReadGraphicsFacts(const std::string& root = "/");
 
-// Returns "" if `description` (of DescribeGl) is that of a graphics card, or if there is none.
+// Returns "" if `description` (of DescribeGl, or "soft") is that of a graphics card, or if there is
+// none.
 // Otherwise returns a sentence with the present renderer, the idle card, and the next step.
 std::string GraphicsAdvice(std::string_view description, const GraphicsFacts& facts);
 

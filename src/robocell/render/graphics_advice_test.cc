@@ -55,6 +55,14 @@ TEST_F(FakeMachine, AWorkingCardGivesNoAdvice) {
   EXPECT_EQ(Advice(kCard), "");
 }
 
+TEST_F(FakeMachine, WithoutOpenGlAdvisesToInstallIt) {
+  EXPECT_EQ(Advice("soft"), "") << "no card";
+  AddDriver();
+  EXPECT_THAT(Advice("soft"), HasSubstr("images are drawn on the processor (soft), although this "
+                                        "machine has a graphics card (/dev/nvidia0). OpenGL is "
+                                        "missing. Install it: `sudo apt install libegl1`"));
+}
+
 TEST_F(FakeMachine, ListsItsCards) {
   for (const char* file : {"dev/nvidia1", "dev/nvidia0", "dev/nvidia-uvm", "dev/dri/renderD128"})
     Add(file);
