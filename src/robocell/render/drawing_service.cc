@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "robocell/base/error.h"
 #include "robocell/base/hash.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/owners.h"
