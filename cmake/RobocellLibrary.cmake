@@ -93,7 +93,7 @@ add_dependencies(robocell robocell_warm_start)
 # Draws for the processes of a machine (render/drawing_service.h). It lies beside the library, which it is a call of.
 add_executable(robocell_drawing_service "${PROJECT_SOURCE_DIR}/src/programs/drawing_service.cc")
 target_link_libraries(robocell_drawing_service PRIVATE robocell robocell_flags)
-set_target_properties(robocell_drawing_service PROPERTIES BUILD_RPATH "${MUJOCO_DIR}"
+set_target_properties(robocell_drawing_service PROPERTIES BUILD_RPATH "${MUJOCO_DIR}" BUILD_RPATH_USE_ORIGIN ON
   INSTALL_RPATH "${ROBOCELL_INSTALL_RPATH}" RUNTIME_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}")
 
 # The same objects, with robocell::internal shown. Tests, and benchmarks of inner parts, link to it in place of librobocell.

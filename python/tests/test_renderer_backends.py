@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 import robocell as rc
+from command_line import robocell_command, write_run
 from graphics import require_gl
 
 BARE = """
@@ -65,3 +67,21 @@ def test_the_environment_chooses():
 def test_without_egl_another_back_end_draws():
     found = description(__EGL_VENDOR_LIBRARY_FILENAMES="/no")
     assert found.startswith(("soft: ", "gl: osmesa"))  # OSMesa may be installed
+
+
+@pytest.mark.proof
+def test_a_run_with_the_drawing_service_has_the_same_videos(tmp_path: Path):
+    require_gl()
+    run = write_run(tmp_path)
+    videos = []
+    for service in "01":
+        done = robocell_command(
+            *("generate", run, "--workers", 2, "--output", tmp_path / service),
+            *("--set", "cameras.renderer.backend=gl"),
+            environment={"ROBOCELL_GL_SERVICE": service},
+        )
+        assert done.returncode == 0, done.stderr
+        files = sorted((tmp_path / service).glob("*/*.mp4"))
+        videos.append({f.relative_to(tmp_path / service): f.read_bytes() for f in files})
+    assert videos[0]
+    assert videos[0] == videos[1]
