@@ -84,7 +84,6 @@ def test_a_closed_env_raises_closed_error():
 
 
 def test_a_closed_recorder_raises_closed_error(tmp_path):
-    rc.diagnose.describe_gl()
     recorder = mjk.VideoRecorder.open(env_of_rc7(), tmp_path / "a.mp4", 64, 48, 30)
     recorder.record_frame()
     recorder.close()

@@ -511,9 +511,6 @@ def test_robots_follow_resets_after_objects_came_and_went():
 
 
 def test_headless_video_recording(robot: mjk.Robot):
-    from robocell.diagnose import describe_gl
-
-    describe_gl()
     recorder = mjk.VideoRecorder.open_preset(
         robot.scene,
         "sim.mp4",
