@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import os
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import robocell as rc
-from command_line import robocell_command, write_run
+from command_line import write_run
 from graphics import require_gl
 
 BARE = """
@@ -69,19 +71,47 @@ def test_without_egl_another_back_end_draws():
     assert found.startswith(("soft: ", "gl: osmesa"))  # OSMesa may be installed
 
 
+def services(device: str) -> list[int]:
+    """The drawing services for this choice of a device."""
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if b"robocell_drawing_service" not in (process / "cmdline").read_bytes():
+                continue
+            if f"CUDA_VISIBLE_DEVICES={device}".encode() in (process / "environ").read_bytes():
+                found.append(int(process.name))
+        except OSError:  # it has ended
+            continue
+    return found
+
+
 @pytest.mark.proof
-def test_a_run_with_the_drawing_service_has_the_same_videos(tmp_path: Path):
+def test_a_run_whose_drawing_service_is_killed_has_the_same_videos(tmp_path: Path):
     require_gl()
     run = write_run(tmp_path)
-    videos = []
+    device = str(os.getpid())  # no card has this number: a service of this test alone
+    videos, killed = [], []
     for service in "01":
-        done = robocell_command(
-            *("generate", run, "--workers", 2, "--output", tmp_path / service),
-            *("--set", "cameras.renderer.backend=gl"),
-            environment={"ROBOCELL_GL_SERVICE": service},
+        words = ["generate", run, "--workers", 2, "--output", tmp_path / service]
+        words += ["--set", "cameras.renderer.backend=gl"]
+        process = subprocess.Popen(
+            [sys.executable, "-m", "robocell", *map(str, words)],
+            env={**os.environ, "ROBOCELL_GL_SERVICE": service, "CUDA_VISIBLE_DEVICES": device},
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            text=True,
         )
-        assert done.returncode == 0, done.stderr
+        while service == "1" and process.poll() is None and len(killed) < 2:
+            time.sleep(0.02)
+            for pid in services(device):
+                if pid not in killed:
+                    time.sleep(0.2)
+                    os.kill(pid, signal.SIGKILL)
+                    killed.append(pid)
+        _, errors = process.communicate()
+        assert process.returncode == 0, errors
         files = sorted((tmp_path / service).glob("*/*.mp4"))
         videos.append({f.relative_to(tmp_path / service): f.read_bytes() for f in files})
+    assert killed
     assert videos[0]
     assert videos[0] == videos[1]
