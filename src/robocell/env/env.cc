@@ -96,7 +96,7 @@ int64_t TicksUntil(double seconds, double timestep) {
 }
 
 // Notifies all observers of a step that has ended, whatever the first one throws.
-void TellOfStep(const std::vector<EnvObserver*>& observers, const EnvStep& step) {
+void NotifyOfStep(const std::vector<EnvObserver*>& observers, const EnvStep& step) {
   std::exception_ptr first;
   for (EnvObserver* observer : observers) {
     try {
@@ -181,7 +181,7 @@ Env::State::State(EnvConfig config, Scene scene, std::optional<int> copy,
     for (const std::string& warning : scene_.compiled()->warnings())
       LogWarn(fmt::format("{}: {}", place(), warning));
     for (const internal::ArmDriver& arm : arms_) {
-      TellUndriven(arm.robot());
+      WarnOfUndriven(arm.robot());
       RequireDistances(arm);
     }
   }
@@ -197,8 +197,8 @@ void Env::State::RequireDistances(const internal::ArmDriver& arm) const {
   }
 }
 
-void Env::State::TellUndriven(const Robot& robot) const {
-  const std::string unused = internal::TellUnusedGroups(robot);
+void Env::State::WarnOfUndriven(const Robot& robot) const {
+  const std::string unused = internal::DescribeUnusedGroups(robot);
   if (unused.empty()) return;
   LogWarn(fmt::format(
       "{} / robot '{}': has several arms or grippers, and a robot of an environment acts with one "
@@ -414,7 +414,7 @@ EnvStep Env::State::Make(const SendCommands& send, const Poll& poll) {
   out.time = TimeSinceReset();
   if (out.reason == EndReason::kDiverged) {
     phase_ = Phase::kDiverged;
-    TellOfStep(observers_, out);
+    NotifyOfStep(observers_, out);
     return out;
   }
   for (size_t i = 0; i < arms_.size(); ++i) motions_[i] = arms_[i].motion();
@@ -422,7 +422,7 @@ EnvStep Env::State::Make(const SendCommands& send, const Poll& poll) {
   Observe();  // after the verdict: signals may use it
   if (config_.sim.realtime) pacer_.Wait(out.time, poll);
   phase_ = Phase::kReady;
-  TellOfStep(observers_, out);
+  NotifyOfStep(observers_, out);
   return out;
 }
 

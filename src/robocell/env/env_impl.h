@@ -113,7 +113,7 @@ class Env::State {
   // Returns the state without the task's memory, which a step that is taken back does not change.
   EnvState CellState() const;
   // Warns of arms and grippers that no action reaches.
-  void TellUndriven(const Robot& robot) const;
+  void WarnOfUndriven(const Robot& robot) const;
 
   EnvConfig config_;
   Scene scene_;  // the only handle: all others here are inner() ones, as collectors rely on

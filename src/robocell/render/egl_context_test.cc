@@ -56,14 +56,14 @@ TEST_F(EglContextTest, AScopeRestoresTheContextBeforeIt) {
 
 TEST_F(EglContextTest, ADeviceThatIsNotThereIsAnErrorWithTheDevices) {
   setenv("ROBOCELL_EGL_DEVICE", "99", 1);
-  std::string said;
+  std::string message;
   try {
     CreateEglContext();
   } catch (const Error& error) {
-    said = error.what();
+    message = error.what();
   }
   unsetenv("ROBOCELL_EGL_DEVICE");
-  EXPECT_THAT(said, HasSubstr("99"));
+  EXPECT_THAT(message, HasSubstr("99"));
 }
 
 }  // namespace

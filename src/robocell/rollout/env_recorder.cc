@@ -195,7 +195,7 @@ class EnvEpisode {
   }
 
  private:
-  enum { kSeen, kAsked };  // the further columns of a row
+  enum { kObserved, kRequested };  // the further columns of a row
 
   struct Row {
     std::vector<double> state, commands, seen, action, times, ctrl;
@@ -235,8 +235,8 @@ class EnvEpisode {
   void Write(const Row& row) {
     recording_.PutState(row.state, 0);
     recording_.PutCommands(row.commands);
-    recording_.PutMore(kSeen, row.seen);
-    recording_.PutMore(kAsked, row.action);
+    recording_.PutMore(kObserved, row.seen);
+    recording_.PutMore(kRequested, row.action);
     recording_.PutOutcome(row.outcome);
     recording_.writer().Put(
         reason_column_,

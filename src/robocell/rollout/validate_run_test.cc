@@ -475,9 +475,9 @@ TEST(ValidateRun, ReportsAGripperThatCannotBeMeasuredOnce) {
   narrow.actuator = ElementRef{.name = "gripper"};
   narrow.ctrlrange = Vec2{99.999, 100};
   run.robot.config.edits.push_back(narrow);
-  for (const bool said : {true, false}) {
+  for (const bool stated : {true, false}) {
     gripper.ctrl = GripperCtrl{.open = 100, .closed = 99.999};
-    if (!said) gripper.ctrl.reset();
+    if (!stated) gripper.ctrl.reset();
     const std::string text =
         ExpectThrow<SpecError>([&] { ValidateRun(run); }, "the finger distance stays at 0.0900 m");
     EXPECT_EQ(text.find("finger distance stays"), text.rfind("finger distance stays")) << text;

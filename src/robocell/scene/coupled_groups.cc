@@ -36,15 +36,15 @@ class ArmReducer {
 
   void Run() {
     if (followers_.empty()) return;
-    std::vector<std::string> said;
+    std::vector<std::string> texts;
     for (const ListedFollower& f : followers_)
-      said.push_back(fmt::format("'{}' follows '{}'", joints_[f.index], joints_[f.leader]));
+      texts.push_back(fmt::format("'{}' follows '{}'", joints_[f.index], joints_[f.leader]));
     log_.Note(place(),
               fmt::format("arm '{}': {} by equality constraints, so that {} no joint of "
                           "its own in configurations and commands",
-                          name_, ListNames(said), said.size() == 1 ? "it is" : "they are"));
+                          name_, ListNames(texts), texts.size() == 1 ? "it is" : "they are"));
     if (auto* home = Find(robot_.config.home)) {
-      TellContradictions(*home);
+      WarnOfContradictions(*home);
       Drop(*home);
     }
     if (auto* noise = Find(robot_.config.home_noise); noise && noise->size() > 1) Drop(*noise);
@@ -67,7 +67,7 @@ class ArmReducer {
       values.erase(values.begin() + static_cast<std::ptrdiff_t>(f->index));
   }
 
-  void TellContradictions(const std::vector<double>& home) {
+  void WarnOfContradictions(const std::vector<double>& home) {
     for (const ListedFollower& f : followers_) {
       const double follows = f.of_leader.at(home[f.leader]);
       if (std::abs(home[f.index] - follows) <= kHomeSlack) continue;

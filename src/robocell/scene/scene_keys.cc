@@ -164,7 +164,7 @@ class KeyFiller {
       const bool own = !ActsOn(m_, data_.get(), id, configured_);
       ctrl.Set(id, own, row.ctrl(), row.act());
     }
-    ctrl.Tell(log_);
+    ctrl.Report(log_);
     for (const RobotRecord& robot : robots_) OpenUndecidedGrippers(part, robot, row);
   }
 
@@ -186,7 +186,7 @@ class KeyFiller {
       if (ctrl.IsOfPart(id) || ActsOn(m_, data_.get(), id, moved))
         ctrl.Set(id, true, row.ctrl(), row.act());
     }
-    ctrl.Tell(log_);
+    ctrl.Report(log_);
   }
 
  private:

@@ -308,7 +308,7 @@ void Scene::State::FinishReset(Scene& scene) {
   scene.SyncPoses();
   const auto present = observers;
   std::exception_ptr failed;
-  const auto tell = [&](void (SceneObserver::*what)()) {
+  const auto notify = [&](void (SceneObserver::*what)()) {
     for (const auto& watch : present) {
       try {
         if (const auto observer = watch.observer.lock()) (observer.get()->*what)();
@@ -319,10 +319,10 @@ void Scene::State::FinishReset(Scene& scene) {
     }
   };
   internal::ForgetPastCtrl(model(), data.data);  // controllers know better of theirs
-  tell(&SceneObserver::OnReset);
+  notify(&SceneObserver::OnReset);
   Forget(model(), data.data);
   scene.Forward();
-  tell(&SceneObserver::OnResetDone);
+  notify(&SceneObserver::OnResetDone);
   if (failed) std::rethrow_exception(failed);
 }
 

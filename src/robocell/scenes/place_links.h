@@ -25,7 +25,7 @@ std::shared_ptr<const Landmarks> LandmarksOf(const SceneSpec& scene,
                                              const std::optional<SceneAnnotations>& known = {});
 
 // Places as one side says them, and where: "start.places" of a run, "places" of an environment.
-struct SaidPlaces {
+struct StatedPlaces {
   Map<ObjectPlace> places;
   std::string path;
   // The hook that returned them, "places()", if it was no file; `path` is then that of its task.
@@ -70,7 +70,7 @@ enum class PlaceMistakeKind {
 // A mistake, wherever it shows: several starts show one, each with its own alternatives.
 struct PlaceMistake {
   PlaceMistakeKind kind;
-  std::string path, entry;  // of SaidPlaces, and the key of the entry; "" for several entries
+  std::string path, entry;  // of StatedPlaces, and the key of the entry; "" for several entries
   std::string which = {};   // of several of this kind
   bool operator<(const PlaceMistake& other) const {
     return std::tie(kind, path, entry, which) <
@@ -79,7 +79,7 @@ struct PlaceMistake {
 };
 using PlaceMistakes = std::set<PlaceMistake>;
 
-// The link of each object that has an entry, each after those that it refers to. Of `said`, what
+// The link of each object that has an entry, each after those that it refers to. Of `stated`, what
 // comes first counts; in each, an object's name comes before its part, and that before its kind. An
 // entry by part or kind does not concern the object that it refers to.
 // Adds problems, at the path of the entry: no object has that name or kind, a place is not valid,
@@ -87,10 +87,10 @@ using PlaceMistakes = std::set<PlaceMistake>;
 // circle. Entries with problems have no link. The second form leaves out mistakes that `reported`
 // has, and adds the others to it.
 std::vector<PlaceLink> LinkPlaces(const std::shared_ptr<const Landmarks>& base,
-                                  std::span<const SaidPlaces> said, const StartObjects& start,
+                                  std::span<const StatedPlaces> stated, const StartObjects& start,
                                   Problems& problems);
 std::vector<PlaceLink> LinkPlaces(const std::shared_ptr<const Landmarks>& base,
-                                  std::span<const SaidPlaces> said, const StartObjects& start,
+                                  std::span<const StatedPlaces> stated, const StartObjects& start,
                                   Problems& problems, PlaceMistakes& reported);
 
 // Returns "'mug' next_to 'box'".

@@ -143,8 +143,8 @@ std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support, 
 
 std::optional<Refusal> ValidateBaseDistance(const Robot& robot, const Pose& target,
                                             const BaseRange& range) {
-  const Eigen::Vector3d way = target.translation() - robot.base().pose().translation();
-  const double distance = way.head<2>().norm();
+  const Eigen::Vector3d displacement = target.translation() - robot.base().pose().translation();
+  const double distance = displacement.head<2>().norm();
   const auto& [smallest, largest] = range.distance;
   if (distance > smallest - kRangeTolerance && distance < largest + kRangeTolerance)
     return std::nullopt;

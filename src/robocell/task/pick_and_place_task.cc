@@ -30,7 +30,7 @@ constexpr double kRestTurn = 0.2;    // rad/s
 constexpr int kTries = 1000;
 constexpr const char* kTray = "tray";
 // Reasons of refusals.
-constexpr const char* kNoWayToPlace = "the object cannot be put down at the goal";
+constexpr const char* kNoPlacement = "the object cannot be put down at the goal";
 constexpr const char* kNoRest = "the object cannot come to rest at the goal";
 
 std::vector<std::string> NamedObjects(const PickAndPlaceTaskConfig& fields) {
@@ -201,8 +201,8 @@ std::optional<Refusal> PickAndPlaceTask::CheckStart(const Scene& scene) {
   if (auto refusal = ObjectTask::CheckStart(scene)) return refusal;
   if (is_named()) return std::nullopt;  // Starts keeps the distance
   Begin(scene);
-  const Eigen::Vector3d way = GoalInWorld() - ObjectInWorld();
-  if (way.head<2>().norm() >= task_.goal_distance) return std::nullopt;
+  const Eigen::Vector3d displacement = GoalInWorld() - ObjectInWorld();
+  if (displacement.head<2>().norm() >= task_.goal_distance) return std::nullopt;
   return Refusal{Refusal::kNoFreePlace, "the object lies nearer to its goal than goal_distance"};
 }
 
@@ -216,7 +216,7 @@ std::optional<Refusal> PickAndPlaceTask::RefuseGrasp(const Scene& scene, Plannin
                       PosesAbout(PlaceOver(GoalInWorld()), object), motion.up.back(),
                       {.gap = motion.grasp.width});
   if (places.Next()) return std::nullopt;
-  return Refusal{kNoWayToPlace, places.Reasons() + WhyTooLow(scene)};
+  return Refusal{kNoPlacement, places.Reasons() + WhyTooLow(scene)};
 }
 
 // Returns the height of the object's root over its lowest point, as it lies now.

@@ -31,7 +31,7 @@ namespace robocell {
 namespace internal {
 class Landmarks;
 class RelatedPlaces;
-struct SaidPlaces;
+struct StatedPlaces;
 }  // namespace internal
 class SceneSource;
 class TaskKind;
@@ -96,7 +96,7 @@ class StartSampler : public TaskSampler {
   std::optional<Refusal> Arrange(Setup& setup, const Support& support,
                                  const BasePlacement& placement, Rng& rng);
   BaseRange base_range();
-  std::vector<internal::SaidPlaces> SaidOfPlaces();
+  std::vector<internal::StatedPlaces> PlacesStated();
   // Moves the objects among the first `before` of a scene that have a place in relation to something
   // to its end, without their poses, and returns them: they are placed like the task's.
   StartContents TakePlaced(SceneSpec& spec, size_t before);
