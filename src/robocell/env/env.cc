@@ -133,6 +133,9 @@ EnvStep Env::Act(const std::map<std::string, std::vector<double>>& commands,
 }
 void Env::WantReset() { state_->WantReset(); }
 void Env::RequireAction(std::span<const double> action) const { state_->RequireAction(action); }
+void Env::RequireCommands(const std::map<std::string, std::vector<double>>& commands) {
+  state_->RequireCommands(commands);
+}
 std::span<const double> Env::observation() const { return state_->observation(); }
 CellFeatures& Env::features() { return state_->features(); }
 const std::vector<ArmMotion>& Env::motions() const { return state_->motions(); }
@@ -281,6 +284,11 @@ void Env::State::RequireAction(std::span<const double> action) const {
   for (const internal::ArmDriver& arm : arms_) arm.RequireAction(action, place());
 }
 
+Action Env::State::RequireCommands(const std::map<std::string, std::vector<double>>& commands) {
+  RequireReady();
+  return features().ToAction(commands);
+}
+
 CellFeatures& Env::State::features() {
   if (!features_) {
     const Scene scene = scene_.inner();
@@ -383,8 +391,7 @@ EnvStep Env::State::Step(std::span<const double> action, const Poll& poll) {
 EnvStep Env::State::Act(const std::map<std::string, std::vector<double>>& commands,
                         const Poll& poll) {
   const SceneUse::Claim claim(scene_.use(), "Env.step");
-  RequireReady();
-  const Action action = features().ToAction(commands);
+  const Action action = RequireCommands(commands);
   for (EnvObserver* observer : observers_) observer->OnCommands(action);
   return Make([&] { return Send(action); }, poll);
 }

@@ -52,6 +52,7 @@ class Env::State {
   EnvStep Act(const std::map<std::string, std::vector<double>>& commands, const Poll& poll);
   void WantReset() { phase_ = Phase::kBroken; }
   void RequireAction(std::span<const double> action) const;
+  Action RequireCommands(const std::map<std::string, std::vector<double>>& commands);
   CellFeatures& features();
   void DrawFrames() { cameras_.Draw(TimeSinceReset()); }
   std::string instruction() const;
