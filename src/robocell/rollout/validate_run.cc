@@ -367,9 +367,7 @@ class SceneValidator {
   // Other samplers have places of their own for the base.
   void ValidateBaseRange(const Robot& robot) {
     if (!run_.sampler.empty()) return;
-    const std::shared_ptr<TaskSampler> sampler = MakeSampler(run_);
-    if (auto* starts = dynamic_cast<StartSampler*>(sampler.get()))
-      starts->ValidateBaseRange(robot, problems_);
+    MakeSampler(run_)->ValidateBaseRange(robot, problems_);
   }
 
   // Validates the starts in each distinct scene.

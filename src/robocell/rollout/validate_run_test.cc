@@ -363,8 +363,15 @@ TEST(ValidateRun, ReportsABaseRangeOutOfReachForAnyTask) {
       [&] {
         ValidateRun(RunOfBall({.distance = {2, 3}}), here);
       },
-      "start.base_distance: [2, 3] m goes beyond ");
-  RunConfig run = RunOfBall({});
+      "task: the distance that base_range() of 'ball_of_validate_test' returns, [2, 3] m goes "
+      "beyond ");
+  EXPECT_THAT(ExpectThrow<SpecError>(
+                  [&] {
+                    ValidateRun(RunOfBall({.distance = {2, 3}}), here);
+                  },
+                  "give [smallest, largest] within that"),
+              HasSubstr(" (mine.cc:7, in base_range)"));
+  RunConfig run = RunOfBall({.distance = {2, 3}});
   run.start.base_distance = {{4, 5}};
   ExpectThrow<SpecError>([&] { ValidateRun(run, here); },
                          "start.base_distance: [4, 5] m goes beyond ");

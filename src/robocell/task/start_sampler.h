@@ -48,7 +48,7 @@ class StartSampler : public TaskSampler {
   void ValidateStarts(std::span<const int> scenes, Problems& problems) override;
   // Adds problems of a base range, of `start` or of the task, that goes beyond the reach of the
   // run's robot. Without an object to reach there are none.
-  void ValidateBaseRange(const Robot& robot, Problems& problems);
+  void ValidateBaseRange(const Robot& robot, Problems& problems) override;
   const RunConfig& run() const { return run_; }
   const std::shared_ptr<SceneSource>& source() const override { return source_; }
   void DropSource() override { source_.reset(); }
