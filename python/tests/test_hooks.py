@@ -205,7 +205,7 @@ def place(function: Callable[..., Any]) -> str:
     ("task", "method", "text"),
     [
         (Judges, "judge", "Judges.judge() must return a TaskVerdict, got None"),
-        (JudgesNan, "judge", "the task's reward() is nan at t; rewards must be finite numbers"),
+        (JudgesNan, "judge", "the task's reward is nan at t; rewards must be finite numbers"),
         (Rewards, "reward", "Rewards.reward() must return a number, got 'much'"),
         (Arranges, "arrange", "Arranges.arrange() must return a Refusal or None, got 'no'"),
         (Observes, "observe", "Observes.observe().a has shape (1), and (2) was declared"),
@@ -243,7 +243,7 @@ def test_an_invalid_task_result_ends_the_rollout(
 @pytest.mark.parametrize(
     ("task", "text"),
     [
-        (JudgesNan, "the task's reward() is nan at t; rewards must be finite numbers"),
+        (JudgesNan, "the task's reward is nan at t; rewards must be finite numbers"),
         (Overdone, "the task's progress is 7 at t; it must be a number from 0 to 1"),
         (Counts, "the task's subtask is 3; it must be 0 to 0, an index into subtasks(): one"),
     ],
