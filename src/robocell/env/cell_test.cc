@@ -98,7 +98,7 @@ TEST_F(CellTest, AVerdictThatIsNotANumberNamesThePlace) {
   Cell cell = Make(&task);
   task.offset = std::numeric_limits<double>::infinity();
   ExpectThrow<HookError>([&] { cell.Step({.send = [&] { return cell.Send({}); }}); },
-                         "test: the task's reward() is inf");
+                         "test: the task's reward is inf");
   cell.DropTask();
   EXPECT_EQ(cell.Step({.send = [&] { return cell.Send({}); }}).verdict.reward, 0);
 }

@@ -67,7 +67,7 @@ TEST_F(TaskJudgeTest, ForwardsAVerdict) {
 TEST_F(TaskJudgeTest, RejectsInvalidVerdicts) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(WhyNot({.reward = kNan}),
-            "duo: the task's reward() is nan at t = 0.000 s; rewards must be finite numbers "
+            "duo: the task's reward is nan at t = 0.000 s; rewards must be finite numbers "
             "(task.py:7, in judge)");
   WhyNot({.reward = -INFINITY});
   EXPECT_EQ(WhyNot({.progress = 7}),
