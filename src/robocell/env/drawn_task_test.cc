@@ -292,7 +292,7 @@ TEST(DrawnTask, AGoalThatIsALittleTooLowSaysHowHighItHasToBe) {
                          "over what is under it, and the root of 'target");
 }
 
-// As in a run: an entry by kind is about the drawn object of that kind.
+// An entry by kind places the drawn object of that kind, as in a run.
 TEST(DrawnTask, PlacesMayNameObjectsByTheirKinds) {
   EnvConfig config = OnTheFloor(PickTaskConfig{.objects = {"box", "nut", "bottle"}});
   config.places = {{"nut", {.next_to = "box"}}};

@@ -46,7 +46,7 @@ TEST(ChainBuilder, FramesOfBodiesAreThoseOfTheEngine) {
     for (int i = 0; i < chain.model.n; ++i) q[i] = t.data()->qpos[chain.joints[i].qpos_address];
     const Transform base = t.BodyInWorld("base");
     for (int i = 0; i < chain.model.n; ++i) {
-      // Of two joints of a body only the last one has the body's final frame.
+      // The body's final frame is that behind its last joint.
       if (i + 1 < chain.model.n && chain.joints[i + 1].body == chain.joints[i].body) continue;
       const Transform body = BodyOfJoint(chain, q, i);
       const Transform expected = base.inverse() * t.BodyInWorld(chain.joints[i].body);

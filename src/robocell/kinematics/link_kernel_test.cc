@@ -87,7 +87,7 @@ TEST(LinkKernel, EachPartIsThatOfTheEngine) {
       query.ExpectTip(jacobian);
       query.ExpectJacobian(jacobian);
       query.ExpectMass(query.Compute(LinkPart::kMass), /*lower_only=*/false);
-      // What follows changes the velocities of the engine's data.
+      // The following calls change the velocities of the engine's data.
       query.ExpectTorques(query.Compute(LinkPart::kGravity),
                           EngineGravityTorques(query.model, *query.chain));
       query.ExpectTorques(query.Compute(LinkPart::kMotion),

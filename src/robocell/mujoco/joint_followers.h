@@ -26,7 +26,7 @@ struct JointFollower {
 std::vector<JointFollower> FollowersOf(const mjModel* model, std::span<const int> joints);
 
 // Returns the indices in the list of joints that follow another one of it, with their leader there.
-// Of several that follow a joint outside, the first leads the others.
+// If several follow a joint outside, the first one leads the others.
 struct ListedFollower {
   std::size_t index = 0, leader = 0;
   JointPolynomial of_leader;

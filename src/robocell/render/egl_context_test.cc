@@ -41,8 +41,8 @@ TEST_F(EglContextTest, ContextsAreTheirOwn) {
   std::thread([&] { const GlContext::Current there(*other); }).join();
 }
 
-// What was current before a scope is current after it: the outer context still cannot be taken by
-// another thread, the inner one can.
+// A scope makes the previous context current again: another thread still cannot take the outer
+// context, and can take the inner one.
 TEST_F(EglContextTest, AScopeRestoresTheContextBeforeIt) {
   const auto inner = CreateEglContext();
   const GlContext::Current outside(*context_);

@@ -142,7 +142,7 @@ TEST(Runner, TheExpertPicksAndPlacesANamedObject) {
     EXPECT_TRUE(result.success) << task.kind();
     EXPECT_EQ(result.object_kind, "cube");
     const Episode episode = Dataset(run.output).Open(result.item.id);
-    // What was recorded is the second way: the cube rose by more than lift_height.
+    // The recorded poses are the oracle: the cube rose by more than lift_height.
     const std::vector<double> pose = episode.Read<double>("objects/cube/pose");
     double highest = pose[2];
     for (size_t i = 2; i < pose.size(); i += 7) highest = std::max(highest, pose[i]);
