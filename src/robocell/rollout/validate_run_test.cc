@@ -382,7 +382,7 @@ TEST(ValidateRun, ReportsABaseRangeOutOfReachForAnyTask) {
       << "there is nothing to reach";
 }
 
-// As in an environment.
+// Environments name it alike.
 TEST(ValidateRun, AModelThatATaskAddsIsNamedWithItsLine) {
   ExpectThrow<SpecError>(
       [&] { ValidateRun(RunOfBall({.model = "nowhere.xml"}), {.on_this_machine = false}); },

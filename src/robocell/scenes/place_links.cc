@@ -47,7 +47,7 @@ std::vector<std::string> NamesOf(const StartObjects& start) {
   return names;
 }
 
-// Where mistakes go, each once.
+// Collects mistakes, each once.
 struct Mistakes {
   Problems& problems;
   PlaceMistakes& reported;

@@ -245,7 +245,7 @@ TEST(PickKind, ARunPicksTheObjectOfItsScene) {
   EXPECT_GT(farthest, 0.01) << "the spread is drawn";
 }
 
-// As in an environment: its place in relation to something comes before its pose in the scene.
+// A place in relation to something comes before a pose in the scene, as in an environment.
 TEST(PickKind, ARunPlacesTheObjectOfItsSceneByARelation) {
   RunConfig run = RunOnShelf(PickTaskConfig{.object = "cube"}, 0);
   run.start.places = {{"cube", {.on_top_of = "table"}}};
