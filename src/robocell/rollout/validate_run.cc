@@ -35,8 +35,8 @@
 #include "robocell/task/base_placement.h"
 #include "robocell/task/sampler_kind.h"
 #include "robocell/task/start_contents.h"
-#include "robocell/task/start_sampler.h"
 #include "robocell/task/task_kind.h"
+#include "robocell/task/task_sampler.h"
 
 namespace robocell {
 namespace {

@@ -289,7 +289,7 @@ void StartSampler::ValidateStarts(std::span<const int> scenes, Problems& problem
 void StartSampler::ValidateBaseRange(const Robot& robot, Problems& problems) {
   if (run_.robot.config.base.kind == BaseKind::kFixed) return;
   const std::shared_ptr<Task> task = MakeTask();
-  if (kind_->Contents(run_).empty() && task->objects().empty()) return;
+  if (kind_->Contents(run_).empty() && internal::TaskCalls(*task).Objects().empty()) return;
   const BaseRange of_task = SoundBaseRange(*task);
   robocell::ValidateBaseRange(BaseRangeOf(run_.start, of_task), robot, problems,
                               OwnersOfBaseRange(run_.start, *task, run_.task.kind(), of_task));
