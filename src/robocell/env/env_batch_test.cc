@@ -271,8 +271,8 @@ TEST(EnvBatch, AnErrorOfOneCopyRequiresAResetOfAll) {
   }
 }
 
-constexpr const char* kArm = "robots/robot/action/arm";
-constexpr const char* kGripper = "robots/robot/action/gripper";
+constexpr const char* kArmAction = "robots/robot/action/arm";
+constexpr const char* kGripperAction = "robots/robot/action/gripper";
 
 // Returns joint targets for copy `i`, other ones in each step.
 std::vector<double> ArmTarget(const Env& env, int i, int step) {
@@ -286,8 +286,8 @@ std::vector<double> ArmTarget(const Env& env, int i, int step) {
 // Returns the commands of copy `i`; those of odd steps leave out the gripper, which keeps its
 // target.
 EnvBatch::RowsByName CommandsOf(const Env& env, int i, int step) {
-  EnvBatch::RowsByName commands = {{kArm, ArmTarget(env, i, step)}};
-  if (step % 2 == 0) commands[kGripper] = {0.2 * i};
+  EnvBatch::RowsByName commands = {{kArmAction, ArmTarget(env, i, step)}};
+  if (step % 2 == 0) commands[kGripperAction] = {0.2 * i};
   return commands;
 }
 
@@ -320,17 +320,17 @@ TEST(EnvBatch, CommandsAndRowsByNameAreThoseOfSingleEnvironmentsToTheBit) {
     }
     for (int step = 0; step < 4; ++step) {
       EnvBatch::RowsByName commands, rows;
-      std::vector<double> seen;
+      std::vector<double> seen, times;
       for (int i = 0; i < 3; ++i) {
         Env& env = *singles[i];
         const EnvBatch::RowsByName own = CommandsOf(env, i, step);
-        env.Act(own);
+        times.push_back(env.Act(own).time);
         Append(own, commands);
         Append(RowOf(env), rows);
         seen.insert(seen.end(), env.observation().begin(), env.observation().end());
       }
       const BatchStep& out = batch.Act(commands);
-      EXPECT_EQ(out.steps[1].time, batch.env(1).scene().time());
+      for (int i = 0; i < 3; ++i) EXPECT_EQ(out.steps[i].time, times[i]);
       EXPECT_EQ(std::vector<double>(batch.observations().begin(), batch.observations().end()),
                 seen);
       EXPECT_EQ(batch.Row(), rows) << threads << " " << step;
@@ -343,7 +343,7 @@ TEST(EnvBatch, CommandsByNameLeaveOutCopiesThatResetInstead) {
   batch.Reset(std::vector<std::optional<uint64_t>>{3, 4});
   std::vector<double> targets = ArmTarget(batch.env(0), 0, 0);
   targets.resize(2 * targets.size(), NAN);
-  batch.Act({{kArm, targets}}, {false, true});
+  batch.Act({{kArmAction, targets}}, {false, true});
   EXPECT_GT(batch.env(0).scene().time(), 0);
   EXPECT_EQ(batch.env(1).scene().time(), 0);
 }
@@ -353,7 +353,7 @@ TEST(EnvBatch, InvalidCommandsByNameMoveNoCopy) {
   std::vector<double> q = ArmTarget(batch.env(0), 0, 0);
   const size_t n = q.size();
   q.resize(3 * n, 0.1);
-  ExpectThrow<Error>([&] { batch.Act({{kArm, q}}); }, "call reset before the first step");
+  ExpectThrow<Error>([&] { batch.Act({{kArmAction, q}}); }, "call reset before the first step");
   batch.Reset({});
   ExpectThrow<NotFoundError>(
       [&] {
@@ -367,17 +367,17 @@ TEST(EnvBatch, InvalidCommandsByNameMoveNoCopy) {
       "no feature 'robots/robot/arm/qpos'");
   ExpectThrow<ArgumentError>(
       [&] {
-        batch.Act({{kArm, std::vector<double>(n)}});
+        batch.Act({{kArmAction, std::vector<double>(n)}});
       },
       "step of 3 copies: expected 7 numbers of 'robots/robot/action/arm' for each, got 7 in all");
   ExpectThrow<ArgumentError>(
       [&] {
-        batch.Act({{kArm, q}, {"robots/robot/action/arm_relative", q}});
+        batch.Act({{kArmAction, q}, {"robots/robot/action/arm_relative", q}});
       },
       "both move group 'arm'");
   std::vector<double> bad = q;
   bad[2 * n + 1] = NAN;
-  ExpectThrow<ArgumentError>([&] { batch.Act({{kArm, bad}}); }, "is not finite");
+  ExpectThrow<ArgumentError>([&] { batch.Act({{kArmAction, bad}}); }, "is not finite");
   for (int i = 0; i < 3; ++i) EXPECT_EQ(batch.env(i).scene().time(), 0) << i;
   batch.Act({});
   EXPECT_GT(batch.env(2).scene().time(), 0) << "all keep their targets";
@@ -399,10 +399,10 @@ class Shoulder : public JointGroup {
       : JointGroup(scene,
                    {.robot = "robot",
                     .group = "shoulder",
-                    .joints = {"joint1"},
-                    .root = {false, "link1"},
-                    .leaf = {false, "link1"},
-                    .robot_base = {false, "base_link"}},
+                    .joints = {"robotrobot_joint1"},
+                    .root = {false, "robotrobot_link1"},
+                    .leaf = {false, "robotrobot_link1"},
+                    .robot_base = {false, "robotrobot_base_link"}},
                    MoveGroupKind::kGeneric) {}
 };
 

@@ -74,8 +74,9 @@ TEST_F(IkChoiceOfPuma, AFilterExcludesSolutions) {
   int solved = 0;
   for (int k = 0; k < 10; ++k) {
     const IkResult chosen = Solve({Reached()}, {.filter = up})[0];
-    if (chosen.success) EXPECT_GT(chosen.q[2], -std::numbers::pi / 2);
-    solved += chosen.success;
+    if (!chosen.success) continue;
+    EXPECT_GT(chosen.q[2], -std::numbers::pi / 2);
+    ++solved;
   }
   EXPECT_GE(solved, 8);
   const IkFilter none = [](std::span<const double>, int, std::span<uint8_t> keep) {
@@ -104,11 +105,13 @@ TEST_F(IkChoiceOfPuma, TheResultDependsOnTheQueryAlone) {
 }
 
 TEST_F(IkChoiceOfPuma, EndsWithTheExceptionOfItsPoll) {
-  const LaneQuestion question{.target = ToTransform(Pose(Eigen::Vector3d(9, 9, 9)))};
-  std::vector<IkChoice::Search> searches(IkChoice::kSearches);
-  IkResult answer;
+  const size_t count = 100;
+  const std::vector<LaneQuestion> questions(
+      count, {.target = ToTransform(Pose(Eigen::Vector3d(9, 9, 9)))});
+  std::vector<IkChoice::Search> searches(count * IkChoice::kSearches);
+  std::vector<IkResult> answers(count);
   const IkOptions options{.prefer = IkPrefer::kAwayFromLimits, .max_restarts = 999};
-  IkChoice choice(chain_, options, {&question, 1}, searches, {&answer, 1});
+  IkChoice choice(chain_, options, questions, searches, answers);
   const std::atomic<bool> ended = false;
   ExpectThrow<Error>([&] { choice.Run(0, 1, ended, [] { throw Error("interrupted"); }); },
                      "interrupted");

@@ -71,9 +71,6 @@ class TaskSampler : public Hooks {
   // Adds what is known to be wrong with its starts before the first one, at the fields of the run.
   // `scenes`: numbers of the run's scenes, of those that are alike one.
   virtual void ValidateStarts(std::span<const int> /*scenes*/, Problems& /*problems*/) {}
-  // Adds problems of the range from which it draws the robot's base, for samplers that draw it from
-  // one: a range beyond the robot's reach refuses every start.
-  virtual void ValidateBaseRange(const Robot& /*robot*/, Problems& /*problems*/) {}
   // For an owner that keeps the source of scenes as an object of another language: gives access to
   // the only reference from here (null without a source), and drops it. After that no start can be
   // sampled.
@@ -82,6 +79,9 @@ class TaskSampler : public Hooks {
     return none;
   }
   virtual void DropSource() {}
+  // Adds problems of the range from which it draws the robot's base, for samplers that draw it from
+  // one: a range beyond the robot's reach refuses every start.
+  virtual void ValidateBaseRange(const Robot& /*robot*/, Problems& /*problems*/) {}
 };
 
 }  // namespace robocell
