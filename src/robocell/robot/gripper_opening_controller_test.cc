@@ -20,7 +20,7 @@ class GripperOpeningControllerTest : public ::testing::Test {
 
 TEST_F(GripperOpeningControllerTest, ATargetMovesTheFingersToThatOpening) {
   for (const double opening : {0.0, 0.4, 1.0}) {
-    robot_.controller("gripper").SetTarget(std::vector{opening});
+    robot_.controller("gripper").SetTarget(std::vector<double>{opening});
     for (int i = 0; i < 1000; ++i) {
       robot_.Update();
       ASSERT_TRUE(robot_.Step().ok());
@@ -40,7 +40,7 @@ TEST_F(GripperOpeningControllerTest, AResetFindsTheOpeningOfTheControl) {
 }
 
 TEST_F(GripperOpeningControllerTest, AdoptsAnOpeningThatIsCommandedAtTheGroup) {
-  robot_.controller("gripper").SetTarget(std::vector{1.0});
+  robot_.controller("gripper").SetTarget(std::vector<double>{1.0});
   robot_.Update();
   robot_.gripper().SetOpening(0.25);
   robot_.Update();
@@ -49,12 +49,12 @@ TEST_F(GripperOpeningControllerTest, AdoptsAnOpeningThatIsCommandedAtTheGroup) {
 
 TEST_F(GripperOpeningControllerTest, ClipsOpeningsAndRejectsWhatIsNoNumber) {
   Controller& controller = robot_.controller("gripper");
-  controller.SetTarget(std::vector{1.5});
+  controller.SetTarget(std::vector<double>{1.5});
   EXPECT_EQ(Target(), 1);
-  controller.SetTarget(std::vector{-0.5});
+  controller.SetTarget(std::vector<double>{-0.5});
   EXPECT_EQ(Target(), 0);
-  EXPECT_THROW(controller.SetTarget(std::vector{NAN}), ArgumentError);
-  EXPECT_THROW(controller.SetTarget(std::vector{0.1, 0.2}), ArgumentError);
+  EXPECT_THROW(controller.SetTarget(std::vector<double>{NAN}), ArgumentError);
+  EXPECT_THROW(controller.SetTarget(std::vector<double>{0.1, 0.2}), ArgumentError);
   EXPECT_EQ(Target(), 0);
 }
 

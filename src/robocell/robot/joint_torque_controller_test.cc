@@ -56,9 +56,8 @@ TEST_F(JointTorqueControllerTest, AResetHoldsTheArmWhereItIs) {
   Advance(robot_, 50);  // it falls
   controller.Reset();
   std::vector<double> weight(7);
-  robot_.arm().GravityTorques(robot_.arm().joint_pos(), weight);
-  const std::vector<double> target(controller.target().begin(), controller.target().end());
-  EXPECT_EQ(target, weight);
+  robot_.GravityTorques(weight);
+  for (size_t i = 0; i < weight.size(); ++i) EXPECT_NEAR(controller.target()[i], weight[i], 1e-9);
 }
 
 TEST_F(JointTorqueControllerTest, RejectsTorquesOfAWrongNumberOrThatAreNotFinite) {
