@@ -15,13 +15,6 @@ namespace {
 
 constexpr double kHomeSlack = 1e-3;  // rad or m
 
-std::vector<int> IdsOf(const mjModel* m, const RobotRecord& robot, const NameList& joints) {
-  std::vector<int> ids;
-  for (const std::string& joint : joints)
-    ids.push_back(FindId(m, mjOBJ_JOINT, robot.prefix + joint));
-  return ids;
-}
-
 // Drops the followers of one arm.
 class ArmReducer {
  public:
@@ -30,7 +23,7 @@ class ArmReducer {
         name_(std::move(name)),
         joints_(robot.config.move_groups.at(name_).joints.names),
         log_(log) {
-    const std::vector<int> ids = IdsOf(m, robot, robot.config.move_groups.at(name_).joints);
+    const std::vector<int> ids = JointIds(m, robot, robot.config.move_groups.at(name_).joints);
     if (std::find(ids.begin(), ids.end(), -1) == ids.end()) followers_ = FollowersAmong(m, ids);
   }
 
@@ -98,13 +91,20 @@ void DropFollowers(const mjModel* m, std::vector<RobotRecord>& robots, CompileLo
   }
 }
 
-void PlaceFollowers(const mjModel* m, const RobotRecord& robot, const MoveGroupConfig& group,
+std::vector<int> JointIds(const mjModel* m, const RobotRecord& robot, const NameList& joints) {
+  std::vector<int> ids;
+  ids.reserve(joints.size());
+  for (const std::string& joint : joints)
+    ids.push_back(FindId(m, mjOBJ_JOINT, robot.prefix + joint));
+  return ids;
+}
+
+void PlaceFollowers(const mjModel* m, const MoveGroupConfig& group, std::span<const int> joints,
                     double* qpos) {
   if (m->neq == 0 || group.kind != MoveGroupKind::kArm) return;
-  const std::vector<int> ids = IdsOf(m, robot, group.joints);
-  if (std::find(ids.begin(), ids.end(), -1) != ids.end()) return;
-  for (const JointFollower& f : FollowersOf(m, ids))
-    qpos[m->jnt_qposadr[f.joint]] = f.of_leader.at(qpos[m->jnt_qposadr[ids[f.leader]]]);
+  if (std::find(joints.begin(), joints.end(), -1) != joints.end()) return;
+  for (const JointFollower& f : FollowersOf(m, joints))
+    qpos[m->jnt_qposadr[f.joint]] = f.of_leader.at(qpos[m->jnt_qposadr[joints[f.leader]]]);
 }
 
 }  // namespace robocell::internal
