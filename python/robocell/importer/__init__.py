@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -122,7 +122,7 @@ def import_dataset(
         "fingerprint": origin.fingerprint,
         "format": kind,
         "episodes": len(origin),
-        "names": asdict(names),
+        "names": {"columns": names.columns, "cameras": names.cameras},
         "task": task,
         "rate": str(hertz),
         "assume_success": assume_success,
