@@ -135,8 +135,9 @@ def _step(node: Any, key: Key) -> tuple[Any, Any] | None:
     if not isinstance(inside, list):
         return None
     if getattr(node, "id", "") == "sequence":
-        is_there = isinstance(key, int) and 0 <= key < len(inside)
-        return (inside[key].start_mark, inside[key]) if is_there else None
+        if not isinstance(key, int) or not 0 <= key < len(inside):
+            return None
+        return inside[key].start_mark, inside[key]
     for each, value in inside:
         if each.value == str(key):
             return each.start_mark, value
