@@ -12,6 +12,7 @@ import pytest
 
 import robocell as rc
 from robocell.data import CameraStream, ColumnSpec, EpisodeWriter
+from robocell.export import export_dataset
 
 COLUMNS = {
     "time": ColumnSpec(units="s"),
@@ -116,6 +117,19 @@ def test_a_finished_video_is_copied(tmp_path: Path):
         second.add_video("wrist", video)
         copied = second.commit(success=True) / "wrist.mp4"
     assert copied.read_bytes() == video.read_bytes()
+
+
+def test_an_export_finds_the_robot_by_the_names_of_its_columns(tmp_path: Path):
+    names = ("robots/ur5e/arm/qpos", "robots/ur5e/arm/target", "robots/ur5e/action/arm")
+    columns = {"time": ColumnSpec()} | {name: ColumnSpec(shape=6) for name in names}
+    metadata = {"instruction": "pick up the cube"}
+    with EpisodeWriter(tmp_path / "real", "a", columns, metadata=metadata) as episode:
+        for i in range(5):
+            episode.add_row({"time": i / 30} | {name: np.full(6, i) for name in names})
+        episode.commit(success=True)
+    done = export_dataset(rc.Dataset(tmp_path / "real"), tmp_path / "out", "zarr")
+    assert (done.episodes, done.frames) == (1, 5)
+    assert done.rate == pytest.approx(30)
 
 
 @pytest.mark.parametrize(
