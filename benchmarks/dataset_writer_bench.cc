@@ -8,6 +8,7 @@
 //
 //   build/release/dataset_writer_bench [ROBOT.yaml ...]   default: the built-in rc7
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -61,8 +62,10 @@ Frames FramesOf(const std::string& robot_file) {
   return frames;
 }
 
-// Returns the command of the encoder of such a video, without the output at its end.
+// Returns the command of the encoder of such a video, without the output at its end. An encoder that
+// is forked from a waiting ffmpeg has that one's command, so this one is started by itself.
 std::vector<std::string> EncoderCommand(const fs::path& scratch) {
+  setenv("ROBOCELL_WARM_FFMPEG", "0", 1);
   const VideoWriter video(scratch, {.width = kWidth, .height = kHeight});
   const fs::path source = fs::path("/proc") / std::to_string(video.encoder_pid()) / "cmdline";
   std::string text;
@@ -71,6 +74,7 @@ std::vector<std::string> EncoderCommand(const fs::path& scratch) {
   for (size_t begin = 0; begin < text.size(); begin += words.back().size() + 1)
     words.emplace_back(text.c_str() + begin);
   words.pop_back();
+  unsetenv("ROBOCELL_WARM_FFMPEG");
   return words;
 }
 

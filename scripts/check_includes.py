@@ -85,8 +85,8 @@ BY_REGISTRY = {
     },
     "expert": {"expert", "expert_kind"},
 }
-# Of data/, the layers between it and `rollout` know the types of the schema: a task knows nothing
-# of files.
+# The layers between data/ and `rollout` know only its schema types: a task knows nothing of
+# files.
 SCHEMA_TYPES = {"column", "episode_schema", "feature_schema"}
 KNOW_NO_FILES = ("features", "task", "expert", "env")
 KNOW_NO_TASK = ("env", "rollout", "diagnose", "viewer", "bindings")
@@ -366,7 +366,7 @@ def bound_headers(root: Path) -> set[str]:
     return {header for file in files for header in includes_of(file)}
 
 
-# What a C++ user reads: a header of which it says nothing is none of theirs.
+# The texts that C++ users read. Headers that none of them names are not for users.
 FOR_USERS = ("README.md", "docs/**/*.md", "examples/**/*.cc", "tests/integration/**/*.cc")
 DECLARED = re.compile(
     r"(?:template ?<[^>]*> ?)?(?:class|struct|enum(?: class| struct)?|concept|using) (\w+)"

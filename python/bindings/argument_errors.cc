@@ -36,7 +36,7 @@ bool IsOfThisCall(nb::handle function, const nb::python_error& error) {
 struct Named {
   std::string name;  // "Scene.step_n", "Pose"
   bool is_constructor = false, is_setter = false;
-  Asked self = {};  // object whose function it is
+  SelfCheck self = {};  // object whose function it is
   bool takes_handles = false;
 };
 
@@ -191,11 +191,11 @@ void WrapClass(const std::string& name, nb::handle type) {
     const auto member_name = nb::cast<std::string>(key);
     const bool is_constructor = member_name == "__init__";
     const std::string full = fmt::format("{}.{}", name, member_name);
-    const Asked asked = AskedOf(type, member_name);
-    Wrap(member, {is_constructor ? name : full, is_constructor, false, asked});
+    const SelfCheck self_of = CheckOfSelf(type, member_name);
+    Wrap(member, {is_constructor ? name : full, is_constructor, false, self_of});
     if (Py_TYPE(member.ptr()) != &PyProperty_Type) continue;
-    Wrap(member.attr("fget"), {.name = full, .self = asked});
-    Wrap(member.attr("fset"), {.name = full, .is_setter = true, .self = asked});
+    Wrap(member.attr("fget"), {.name = full, .self = self_of});
+    Wrap(member.attr("fset"), {.name = full, .is_setter = true, .self = self_of});
   }
 }
 

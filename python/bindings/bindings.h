@@ -45,6 +45,7 @@ void BindEnvBatch(nb::module_& m);      // copies of one, in step
 void BindColumn(nb::module_& m);        // columns of episodes
 void BindEpisode(nb::module_& m);       // episodes
 void BindDataset(nb::module_& m);       // datasets
+void BindWriter(nb::module_& m);        // episodes row by row
 void BindData(nb::module_& m);          // their locks, their verification
 void BindRollout(nb::module_& m);       // plans and the runner
 void BindEnvRecorder(nb::module_& m);   // episodes from environments and back

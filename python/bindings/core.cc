@@ -40,6 +40,7 @@ NB_MODULE(_core, m) {
   BindColumn(m);
   BindEpisode(m);
   BindDataset(m);
+  BindWriter(m);
   BindData(m);
   BindRollout(m);
   BindDiagnose(m);

@@ -12,6 +12,7 @@
 #include "signals.h"
 #include "values.h"
 #include "robocell/env/env.h"
+#include "robocell/features/cell_features.h"
 
 namespace robocell::python {
 
@@ -80,6 +81,40 @@ nb::dict BatchFrame(EnvBatch& batch, size_t stream) {
   return out;
 }
 
+// Adds images of one kind, with the copies as the first axis.
+template <class T>
+void PutImages(EnvBatch& batch, size_t stream, std::vector<T> CellImage::*image,
+               const std::string& name, std::vector<size_t> shape, nb::dict& out) {
+  if ((batch.env(0).frames()[stream].*image).empty()) return;
+  shape.insert(shape.begin(), CopyCount(batch));
+  out[name.c_str()] = NewArray<T>(Joined(batch, stream, image), shape);
+}
+
+// Returns {name: (count, ...) numbers or images} in the order of the features.
+nb::dict BatchRow(EnvBatch& batch) {
+  const InUse use(batch, &Place, "read");
+  EnvBatch::RowsByName rows;
+  {
+    const nb::gil_scoped_release release;
+    rows = batch.Row();
+  }
+  nb::dict out;
+  for (const Feature& feature : batch.env(0).features().observed().features()) {
+    const std::string& name = feature.column.name;
+    std::vector<size_t> shape = {CopyCount(batch)};
+    shape.insert(shape.end(), feature.column.shape.begin(), feature.column.shape.end());
+    out[name.c_str()] = NewArray<double>(std::move(rows.at(name)), shape);
+  }
+  const std::vector<CellImage>& frames = batch.env(0).frames();
+  for (size_t i = 0; i < frames.size(); ++i) {
+    const auto h = static_cast<size_t>(frames[i].height), w = static_cast<size_t>(frames[i].width);
+    PutImages(batch, i, &CellImage::rgb, frames[i].name, {h, w, 3}, out);
+    PutImages(batch, i, &CellImage::depth_mm, frames[i].name + ".depth", {h, w}, out);
+    PutImages(batch, i, &CellImage::bodies, frames[i].name + ".segmentation", {h, w}, out);
+  }
+  return out;
+}
+
 nb::dict BatchFrames(EnvBatch& batch) {
   nb::dict out;
   const std::vector<CellImage>& frames = batch.env(0).frames();
@@ -100,15 +135,41 @@ nb::object Pictures(EnvBatch& batch, nb::handle camera, int width, int height) {
       rgb, {CopyCount(batch), static_cast<size_t>(height), static_cast<size_t>(width), 3});
 }
 
-nb::tuple StepBatch(EnvBatch& batch, nb::handle actions, const std::vector<bool>& reset_instead) {
+// Converts {name: (count, n) numbers}, with commands of one number also as (count,).
+EnvBatch::RowsByName ToCommands(EnvBatch& batch, const nb::dict& values) {
+  const FeatureSchema commanded = batch.env(0).features().commanded();
+  const FieldPath path("actions");
+  EnvBatch::RowsByName commands;
+  for (const auto& [key, value] : values) {
+    const std::string name = ToText(key, path);
+    const auto width = static_cast<size_t>(commanded.Find(name).size());
+    const FieldPath of_name(path, name);
+    nb::object rows = nb::borrow(value);
+    if (width == 1 && nb::cast<int>(nb::module_::import_("numpy").attr("ndim")(rows)) == 1)
+      rows = nb::module_::import_("numpy").attr("reshape")(rows, nb::make_tuple(-1, 1));
+    commands[name] = ToMatrix(rows, of_name, CopyCount(batch), width);
+  }
+  return commands;
+}
+
+const BatchStep& MakeStep(EnvBatch& batch, nb::handle actions,
+                          const std::vector<bool>& reset_instead) {
+  if (nb::hasattr(actions, "keys")) {
+    nb::dict by_name;
+    by_name.update(actions);
+    const EnvBatch::RowsByName commands = ToCommands(batch, by_name);
+    const nb::gil_scoped_release release;
+    return batch.Act(commands, reset_instead, SparsePoll());
+  }
   const std::vector<double> numbers = ToMatrix(actions, FieldPath("actions"), CopyCount(batch),
                                                static_cast<size_t>(batch.layout().action.size()));
+  const nb::gil_scoped_release release;
+  return batch.Step(numbers, reset_instead, SparsePoll());
+}
+
+nb::tuple StepBatch(EnvBatch& batch, nb::handle actions, const std::vector<bool>& reset_instead) {
   const InUse use(batch, &Place, "stepped");
-  const BatchStep* step = nullptr;
-  {
-    const nb::gil_scoped_release release;
-    step = &batch.Step(numbers, reset_instead, SparsePoll());
-  }
+  const BatchStep* step = &MakeStep(batch, actions, reset_instead);
   const size_t n = CopyCount(batch);
   std::vector<double> time;
   nb::list reasons;
@@ -291,15 +352,30 @@ void BindEnvBatch(nb::module_& m) {
           "Resets all copies, or those where `which` is true, to home or to a keyframe (see "
           "Scene.reset). Returns all observations (count, m).")
       .def(
+          "row", &BatchRow, nb::sig("def row(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
+          "Returns the present state of all copies by the names of columns in datasets, as Env.row "
+          "with the copies as the first axis."
+          "\n\nExamples:\n"
+          "    >>> batch = rc.envs.EnvBatch(rc.EnvConfig.load(rc.models.cell_file(\"rc7\")), "
+          "count=2)\n"
+          "    >>> start = batch.reset(seeds=[0, 1])\n"
+          "    >>> target = batch.row()[\"robots/robot/arm/target\"]\n"
+          "    >>> target.shape\n"
+          "    (2, 7)\n"
+          "    >>> step = batch.step({\"robots/robot/action/arm\": target + 0.01})")
+      .def(
           "step", &StepBatch, "actions"_a, "reset_instead"_a = std::vector<bool>{},
-          nb::sig("def step(self, actions: numpy.typing.ArrayLike, reset_instead: "
+          nb::sig("def step(self, actions: numpy.typing.ArrayLike | collections.abc.Mapping[str, "
+                  "numpy.typing.ArrayLike], reset_instead: "
                   "collections.abc.Sequence[bool] = ()) -> "
                   "tuple[numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64], "
                   "numpy.typing.NDArray[numpy.uint8], numpy.typing.NDArray[numpy.uint8], "
                   "numpy.typing.NDArray[numpy.float64], list[str]]"),
           "Steps all copies, except those where `reset_instead` is true, which begin their next "
           "episode. Returns (observations (count, m), rewards, terminated, truncated, time since "
-          "the reset, reasons). Ctrl-C ends it halfway. After an error during the step, or Ctrl-C, "
+          "the reset, reasons). `actions` are (count, n) numbers, or, as in Env.step, by the names "
+          "of action columns in datasets: {'robots/left/action/arm': (count, n) numbers}. Ctrl-C "
+          "ends it halfway. After an error during the step, or Ctrl-C, "
           "reset all copies."
           "\n\nExamples:\n"
           "    >>> batch = rc.envs.EnvBatch(rc.EnvConfig.load(rc.models.cell_file(\"rc7\")), "

@@ -361,6 +361,23 @@ void BindFeatures(nb::module_& m) {
           "other"_a,
           "Compares two features without their ranges. Returns '' if they are the same, else the "
           "difference in words.")
+      .def(
+          "__getstate__",
+          [](const Feature& f) {
+            FeatureSchema one;
+            one.Add(f);
+            return one.ToJson();
+          },
+          nb::sig("def __getstate__(self) -> str"))
+      .def(
+          "__setstate__",
+          [](Feature& f, const std::string& json) {
+            const FeatureSchema one = FeatureSchema::FromJson(json);
+            if (one.features().size() != 1)
+              throw ArgumentError("the state of a Feature describes one feature");
+            new (&f) Feature(one.features().front());
+          },
+          nb::sig("def __setstate__(self, state: str) -> None"))
       .def("__repr__", [](const Feature& f) {
         const std::string unit = f.column.units.empty() ? "" : " in " + f.column.units;
         return fmt::format("<Feature '{}': {} {}{}>", f.column.name, NameOf(f.role),

@@ -65,7 +65,7 @@ void AddGuard(nb::handle type, HandleGuard guard, Excepted excepted) {
                                   std::move(excepted)};
 }
 
-Asked AskedOf(nb::handle type, std::string_view function) {
+SelfCheck CheckOfSelf(nb::handle type, std::string_view function) {
   const auto it = GuardedClasses().find(type.ptr());
   if (it == GuardedClasses().end()) return {};
   const auto& [name, guard, excepted] = it->second;

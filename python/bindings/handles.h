@@ -68,12 +68,12 @@ void AddGuard(nb::handle type, HandleGuard guard, Excepted excepted);
 
 // The checks of the object of a class's function: none without a guard; with `never` none of its
 // arguments either.
-struct Asked {
+struct SelfCheck {
   bool never = false;
   const HandleGuard* guard = nullptr;
   bool must_be_open = true;
 };
-Asked AskedOf(nb::handle type, std::string_view function);
+SelfCheck CheckOfSelf(nb::handle type, std::string_view function);
 // Returns true if a Python signature has a parameter of such a class.
 bool TakesHandles(std::string_view signature);
 // Claims the scenes of an argument that is a handle, or a list, tuple or dict of handles.

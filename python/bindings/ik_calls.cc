@@ -97,39 +97,39 @@ std::vector<double> MatricesOf(nb::handle list) {
 
 // Converts an array (B, 4, 4), a list of poses, or one pose.
 Targets ToTargets(nb::handle targets) {
-  Targets asked;
+  Targets converted;
   if (nb::isinstance<Pose>(targets)) {
-    AppendMatrix(targets, &asked.list);
-    asked.all = IkTargets::FromMatrices(asked.list);
-    return asked;
+    AppendMatrix(targets, &converted.list);
+    converted.all = IkTargets::FromMatrices(converted.list);
+    return converted;
   }
   const bool is_list = nb::isinstance<nb::list>(targets) || nb::isinstance<nb::tuple>(targets);
   if (is_list && nb::len(targets) > 0 && IsOnePose(nb::object(targets[0]))) {
-    asked.list = MatricesOf(targets);
-    asked.all = IkTargets::FromMatrices(asked.list);
-    return asked;
+    converted.list = MatricesOf(targets);
+    converted.all = IkTargets::FromMatrices(converted.list);
+    return converted;
   }
-  const Doubles& matrices = asked.array.emplace(targets, "targets");
+  const Doubles& matrices = converted.array.emplace(targets, "targets");
   const std::vector<size_t> shape = matrices.shape();
   const bool is_one = shape == std::vector<size_t>{4, 4};
   const bool are_many = shape.size() == 3 && shape[1] == 4 && shape[2] == 4;
   if (!is_one && !are_many && !matrices.span().empty())
     RefuseShape("targets", "4x4 matrices (B, 4, 4), or a list of poses", shape);
-  asked.all = IkTargets::FromMatrices(matrices.span());
-  return asked;
+  converted.all = IkTargets::FromMatrices(matrices.span());
+  return converted;
 }
 
 }  // namespace
 
 nb::object BatchOf(const Chain& chain, nb::handle targets, std::span<const double> seeds,
                    const IkOptions& ik, int threads) {
-  const Targets asked = ToTargets(targets);
+  const Targets converted = ToTargets(targets);
   IkBatchResult result;
   {
     const nb::gil_scoped_release release;
     SignalPoll poll;
     const IkBatchOptions options{.ik = ik, .threads = threads, .poll = [&] { poll(); }};
-    result = IkBatch(chain, asked.all, seeds, options);
+    result = IkBatch(chain, converted.all, seeds, options);
   }
   const size_t b = static_cast<size_t>(result.size), n = static_cast<size_t>(result.n_joints);
   return Namespace()("q"_a = NewArray(std::move(result.q), {b, n}),

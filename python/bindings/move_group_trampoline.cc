@@ -139,12 +139,12 @@ MoveGroupKind Kind(const WrittenInPython& group, MoveGroupKind otherwise) {
   const nb::gil_scoped_acquire gil;
   const nb::object self = group.object();
   if (!nb::hasattr(self, "get_kind")) return otherwise;
-  const nb::object said = Method(self, "get_kind")();
+  const nb::object returned = Method(self, "get_kind")();
   MoveGroupKind kind{};
-  if (nb::try_cast(said, kind)) return kind;
-  if (!nb::isinstance<nb::str>(said))
-    ThrowReturned(self, "get_kind", "a MoveGroupKind or its name", said);
-  const auto name = nb::cast<std::string>(said);
+  if (nb::try_cast(returned, kind)) return kind;
+  if (!nb::isinstance<nb::str>(returned))
+    ThrowReturned(self, "get_kind", "a MoveGroupKind or its name", returned);
+  const auto name = nb::cast<std::string>(returned);
   std::vector<std::string> names;
   for (const auto& [value, text] : EnumNames<MoveGroupKind>::kNames) {
     if (name == text) return value;

@@ -155,10 +155,10 @@ SampleResult ToSampleResult(nb::handle self, nb::handle made) {
 
 nb::object SampleForPython(const SampleRequest& request, PythonRng& rng,
                            const std::function<SampleResult(const SampleRequest&, Rng&)>& sample) {
-  SampleRequest asked = request;
-  asked.scene_data = PythonData();
+  SampleRequest own_request = request;
+  own_request.scene_data = PythonData();
   SignalPoll poll;
-  asked.stop = [&] {
+  own_request.stop = [&] {
     poll();
     return ShouldStop(request.stop);
   };
@@ -166,7 +166,7 @@ nb::object SampleForPython(const SampleRequest& request, PythonRng& rng,
   SampleResult result;
   {
     const nb::gil_scoped_release unlocked;
-    result = sample(asked, stream);
+    result = sample(own_request, stream);
   }
   if (result.start) return nb::cast(std::move(*result.start));
   return nb::cast(std::move(result.refusal));
@@ -212,9 +212,10 @@ void BindSampler(nb::module_& m) {
       .def(
           "sample",
           [](TaskSampler& sampler, const SampleRequest& request, PythonRng& rng) {
-            return SampleForPython(request, rng, [&](const SampleRequest& asked, Rng& stream) {
-              return sampler.Sample(asked, stream);
-            });
+            return SampleForPython(request, rng,
+                                   [&](const SampleRequest& own_request, Rng& stream) {
+                                     return sampler.Sample(own_request, stream);
+                                   });
           },
           "request"_a, "rng"_a,
           nb::sig("def sample(self, request: SampleRequest, rng: Rng) -> EpisodeStart | Refusal"),

@@ -79,11 +79,11 @@ class PyStartSampler : public PySamplerOf<StartSampler> {
     return placed;
   }
   BasePlacement ChooseBasePlacement(const SampleRequest& request, Rng& rng) override {
-    const RequestLoan asked(request);
+    const RequestLoan lent_request(request);
     return CallWithRng<BasePlacement>(
         nb_trampoline, "choose_base_placement", own(),
         [&](auto* s) { return s->StartSampler::ChooseBasePlacement(request, rng); }, rng,
-        asked.request());
+        lent_request.request());
   }
   std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support,
                                       const Pose& target, const BasePlacement& placement,
@@ -172,9 +172,10 @@ void BindStages(nb::module_& m) {
       .def(
           "sample",
           [](StartSampler& s, const SampleRequest& request, PythonRng& rng) {
-            return SampleForPython(request, rng, [&](const SampleRequest& asked, Rng& stream) {
-              return s.StartSampler::Sample(asked, stream);
-            });
+            return SampleForPython(request, rng,
+                                   [&](const SampleRequest& lent_request, Rng& stream) {
+                                     return s.StartSampler::Sample(lent_request, stream);
+                                   });
           },
           "request"_a, "rng"_a,
           nb::sig("def sample(self, request: SampleRequest, rng: Rng) -> EpisodeStart | Refusal"),

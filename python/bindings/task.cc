@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/tuple.h>
 
 #include <algorithm>
+#include <tuple>
 
 #include "bindings.h"
 #include "body_poses.h"
@@ -200,6 +202,19 @@ void BindTaskParts(nb::module_& m) {
       .def_rw("success", &TaskVerdict::success, "True if the task is done.")
       .def_rw("progress", &TaskVerdict::progress, "Progress from 0 at the start to 1 at success.")
       .def_rw("subtask", &TaskVerdict::subtask, "Index into the task's subtasks().")
+      .def(
+          "__getstate__",
+          [](const TaskVerdict& v) {
+            return nb::make_tuple(v.reward, v.success, v.progress, v.subtask);
+          },
+          nb::sig("def __getstate__(self) -> tuple[float, bool, float, int]"))
+      .def(
+          "__setstate__",
+          [](TaskVerdict& v, const std::tuple<double, bool, double, int>& state) {
+            const auto& [reward, success, progress, subtask] = state;
+            new (&v) TaskVerdict{reward, success, progress, subtask};
+          },
+          nb::sig("def __setstate__(self, state: tuple[float, bool, float, int]) -> None"))
       .def("__repr__", [](const TaskVerdict& v) {
         return fmt::format("TaskVerdict(reward={:g}, success={}, progress={:g}, subtask={})",
                            v.reward, v.success ? "True" : "False", v.progress, v.subtask);

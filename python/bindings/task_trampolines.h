@@ -388,11 +388,12 @@ class PySamplerOf : public Base {
       }
     }
     const RngLoan loan(rng);
-    const RequestLoan asked(request);
+    const RequestLoan lent_request(request);
     const nb::handle self = nb_trampoline.base();
-    return ToSampleResult(self, CallPython(self, "sample", [&] {
-                            return nb::object(self.attr(call.key)(asked.request(), loan.rng()));
-                          }));
+    return ToSampleResult(
+        self, CallPython(self, "sample", [&] {
+          return nb::object(self.attr(call.key)(lent_request.request(), loan.rng()));
+        }));
   }
 };
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 import argparse
 import hashlib
 import json
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -18,11 +17,10 @@ from typing import TYPE_CHECKING, Any, cast
 from robocell._acting_policy import ActingPolicy
 from robocell._action_chunks import Chunks
 from robocell._core import ArgumentError, Dataset, EnvState, Episode, Error, SpecError, StopFlag
-from robocell._ending import end_in_time
 from robocell._generation.items import Item, ItemRecord
-from robocell._generation.own_process import own_process
 from robocell._generation.run_source import RunSource, import_named
-from robocell._generation.worker import MakeEpisode, serve
+from robocell._generation.worker import MakeEpisode
+from robocell._generation.worker_entry import run_worker, worker_command
 from robocell._own_code import RAISED, own_sources, raise_interrupt
 from robocell._policy_calls import present
 from robocell._raised import LostPolicyError, UnmadePolicyError, text_of_hook
@@ -267,8 +265,7 @@ def rollout_of(output: Path, item: Item) -> Episode | None:
 
 def command(source: RunSource, starts: EnvStarts) -> list[str]:
     """Returns the command that starts a worker."""
-    options = [*source.options(), *starts.arguments(), "--", source.run]
-    return [*own_process("robocell._env_rollouts"), *options]
+    return worker_command("robocell._env_rollouts", source, starts.arguments())
 
 
 def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
@@ -287,20 +284,14 @@ def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
     return lambda item: rollouts.run(item, stop)
 
 
-def main() -> int:
-    """Entry point of the process."""
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="robocell._env_rollouts", description=__doc__)
     parser.add_argument("--output", required=True)
     parser.add_argument("--seed", type=int)
     parser.add_argument("--max-steps", type=int, required=True)
     parser.add_argument("--no-cameras", action="store_true")
-    RunSource.add_options(parser)
-    arguments = parser.parse_args()
-    stop = StopFlag()
-    return serve(lambda: _open_maker(arguments, stop), stop)
+    return parser
 
 
 if __name__ == "__main__":
-    ended_with = main()
-    end_in_time(ended_with)
-    sys.exit(ended_with)
+    run_worker(_parser(), _open_maker)

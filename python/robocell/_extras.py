@@ -5,7 +5,6 @@ Each belongs to an extra of pyproject.toml; an error about a missing one names t
 
 from __future__ import annotations
 
-import importlib.metadata
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -53,6 +52,8 @@ def install_command(extra: str) -> str:
 
     A checkout is not installed, so pip would look for robocell itself, which no index has.
     """
+    import importlib.metadata  # takes as long as a tenth of robocell
+
     try:
         importlib.metadata.distribution("robocell")
     except importlib.metadata.PackageNotFoundError:

@@ -135,7 +135,9 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
     ) -> tuple[Any, NDArray[Any], NDArray[Any], NDArray[Any], dict[str, Any]]:
         """Makes one step of every copy; the autoreset mode determines when ended copies restart.
 
-        After an error during the step, or Ctrl-C, reset all copies.
+        Actions may have the names of action columns in datasets, as in ``Env.step``:
+        ``{"robots/left/action/arm": (num_envs, n) numbers}``. After an error during the step, or
+        Ctrl-C, reset all copies.
         """
         if self.autoreset_mode == AutoresetMode.DISABLED and self._ended.any():
             raise ArgumentError(
@@ -144,7 +146,7 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
             )
         again = self._ended & (self.autoreset_mode == AutoresetMode.NEXT_STEP)
         flat, rewards, terminated, truncated, times, reasons = self.core.step(
-            self._flat(actions), again.tolist()
+            actions if _has_names(actions) else self._flat(actions), again.tolist()
         )
         ends = terminated.astype(bool), truncated.astype(bool)
         self._ended = ends[0] | ends[1]
@@ -159,6 +161,13 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         infos |= self._infos(times, reasons, ends[0], stepped)
         infos |= self._instructions(np.ones(self.num_envs, dtype=bool))
         return self._observation(flat), rewards, *ends, infos
+
+    def row(self) -> dict[str, NDArray[Any]]:
+        """Returns the present state of all copies by the names of columns in datasets.
+
+        Arrays have the copies as the first axis; see ``Env.row``.
+        """
+        return self.core.row()
 
     def render(self) -> tuple[NDArray[np.uint8], ...] | None:
         """Returns a picture (H, W, 3) uint8 of each copy's present state; None in other modes."""
@@ -279,6 +288,13 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
             "instruction": _texts(self.core.instructions, which),
             "_instruction": which.copy(),
         }
+
+
+def _has_names(actions: Any) -> bool:
+    """Returns True for ``{"robots/left/action/arm": rows}``, the names of action columns."""
+    return isinstance(actions, Mapping) and any(
+        isinstance(key, str) and key.startswith("robots/") for key in actions
+    )
 
 
 def _masked(infos: dict[str, Any], which: NDArray[np.bool_]) -> dict[str, Any]:

@@ -69,7 +69,10 @@ class ExportedEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
             raise ArgumentError(f"max_episode_steps is {max_episode_steps}; at least 1")
         opened = dataset if isinstance(dataset, Dataset) else Dataset(Path(dataset))
         if not len(opened):
-            raise ArgumentError(f"dataset '{opened.folder}' has no episode, so its cell is unknown")
+            raise ArgumentError(
+                f"dataset '{opened.folder}' has no episode, so its cell is unknown. Name a dataset "
+                "with some"
+            )
         table = Mapping.load(Path(mapping) if mapping is not None else None, actions, preset=preset)
         if cameras is not None:
             table = table.only_cameras(cameras)

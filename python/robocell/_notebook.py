@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import base64
 import html
-import tempfile
 from collections.abc import Callable, Iterable
 from functools import partial
 from pathlib import Path
@@ -42,6 +41,8 @@ def page(pictures: Iterable[str], rows: Iterable[Row], title: str) -> str:
 
 def picture(rgb: np.ndarray, label: str) -> str:
     """Returns an <img> tag that contains an image (height, width, 3), uint8."""
+    import tempfile  # for notebooks alone
+
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "picture.png"
         _core.write_png(file, rgb)

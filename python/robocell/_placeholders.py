@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from robocell._core import NotFoundError, SpecError
 from robocell._suggestions import did_you_mean, fitting, is_pattern
+from robocell._yaml import Place
 
 OPENING = "opening"  # the component of every gripper column
 RELATIVE = "_relative"  # the end of the name of a column of differences
@@ -105,7 +106,7 @@ def groups_of(columns: Iterable[str], openings: Collection[str]) -> dict[str, Gr
     return found
 
 
-def require_placeholders(text: str, place: str, allowed: Sequence[str]) -> None:
+def require_placeholders(text: str, place: Place, allowed: Sequence[str]) -> None:
     """Raises SpecError for a text with a placeholder that is not among `allowed`."""
     used = re.findall(r"\{[^{}]*\}", text)
     there = f"There are: {', '.join(allowed)}" if allowed else "There are none here"
@@ -117,7 +118,7 @@ def require_placeholders(text: str, place: str, allowed: Sequence[str]) -> None:
         raise SpecError(f"{place}: '{text}' has a brace without its other one. {there}")
 
 
-def require_column(column: str, place: str, more: Sequence[str] = ()) -> None:
+def require_column(column: str, place: Place, more: Sequence[str] = ()) -> None:
     """Raises SpecError for a column whose placeholders stand for nothing.
 
     Args:

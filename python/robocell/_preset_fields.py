@@ -18,7 +18,7 @@ from typing import Any
 from robocell._core import NotFoundError, SpecError
 from robocell._placeholders import AS_RECORDED, Gripper
 from robocell._suggestions import did_you_mean
-from robocell._yaml import read_yaml
+from robocell._yaml import Place, read_yaml
 
 LARGEST_SIDE = 8192
 SNAP = "snap"
@@ -64,50 +64,51 @@ def shipped_in(folder: Path) -> list[str]:
 
 
 def read_fields(
-    file: Path, what: str, fields: Sequence[str], module: str, extra: str
-) -> dict[str, Any]:
-    """Returns the content of a YAML file that is a table. `what` is 'preset' or 'mapping'."""
-    content = read_yaml(file, what, module, extra)
+    file: Path, what: str, fields: Sequence[str], module: str, extra: str, **shown: Any
+) -> tuple[dict[str, Any], Place]:
+    """Returns the content of a YAML file that is a table, and its place. Arguments: `read_yaml`."""
+    content, place = read_yaml(file, what, module, extra, **shown)
     if not isinstance(content, dict):
-        raise SpecError(f"{what} '{file}' is a table with the fields {', '.join(fields)}")
-    return content
+        raise SpecError(f"{place} is a table with the fields {', '.join(fields)}")
+    return content, place
 
 
 def read_extended(
-    file: Path, place: str, folder: Path, read: Callable[[Path], dict[str, Any]]
-) -> tuple[dict[str, Any], list[Path]]:
-    """Returns the fields of a preset and of those that it extends, and all files.
+    name: str, folder: Path, read: Callable[..., tuple[dict[str, Any], Place]]
+) -> tuple[dict[str, Any], Place, list[Path]]:
+    """Returns the fields of a preset and of those that it extends, their place, and all files.
 
     Args:
-        file: The preset.
-        place: Begins error messages.
+        name: The preset.
         folder: Where the shipped presets of its kind are, which it may extend.
-        read: Reads a file.
+        read: Reads a file; the arguments are those of `read_fields`.
     """
-    content = read(file)
+    file = file_of_preset(name, folder).absolute()
+    content, place = read(file, name=name, has_lines=file.parent != folder)
     base = content.pop(EXTENDS, None)
     if base is None:
-        return content, [file]
+        return content, place, [file]
     known = shipped_in(folder)
     if base not in known or file == folder / f"{base}.yaml":
         raise SpecError(
-            f"{place}: {EXTENDS} is a preset of robocell, {', '.join(known)}; got {base!r}"
+            f"{place.at(EXTENDS)} is a preset of robocell, {', '.join(known)}; got {base!r}"
         )
-    inherited, files = read_extended(folder / f"{base}.yaml", place, folder, read)
-    return inherited | content, [file, *files]
+    inherited, place_of_base, files = read_extended(base, folder, read)
+    return inherited | content, place.over(place_of_base), [file, *files]
 
 
-def require_known(entry: Iterable[object], place: str, fields: Sequence[str]) -> None:
+def require_known(entry: Iterable[object], place: Place, fields: Sequence[str]) -> None:
     """Raises SpecError for a field that is not among these."""
     for name in entry:
         if name not in fields:
             raise SpecError(
-                f"{place}: no field '{name}'.{did_you_mean(str(name), fields)} Its fields: "
+                f"{place.near(str(name))}: no field '{name}'."
+                f"{did_you_mean(str(name), fields)} Its fields: "
                 f"{', '.join(fields)}"
             )
 
 
-def image_size_of(size: object, place: str, *, even: bool = False) -> tuple[int, int] | None:
+def image_size_of(size: object, place: Place, *, even: bool = False) -> tuple[int, int] | None:
     """Returns width and height of images; None where a file has none. Videos have even sides."""
     if size is None:
         return None
@@ -121,31 +122,31 @@ def image_size_of(size: object, place: str, *, even: bool = False) -> tuple[int,
         return size[0], size[1]
     numbers = "even numbers" if even else "whole numbers"
     raise SpecError(
-        f"{place}: image_size is width and height, {numbers} up to {LARGEST_SIDE} such as "
+        f"{place.at('image_size')} is width and height, {numbers} up to {LARGEST_SIDE} such as "
         f"[320, 180]; got {size!r}"
     )
 
 
-def gripper_of(given: object, place: str, *, snaps: bool = False) -> Gripper:
+def gripper_of(given: object, place: Place, *, snaps: bool = False) -> Gripper:
     """Returns the numbers of open and closed grippers. `snaps` allows the field `snap`."""
     if given is None:
         return AS_RECORDED
-    place = f"{place}: gripper"
+    place = place.at("gripper")
     if not isinstance(given, dict) or not {"open", "closed"} <= given.keys():
         raise SpecError(f"{place} is {{open: 1, closed: 0}}, got {given!r}")
     require_known(given, place, ("open", "closed", *([SNAP] if snaps else [])))
-    numbers = [number_of(given[name], f"{place}.{name}") for name in ("open", "closed")]
+    numbers = [number_of(given[name], place.at(name)) for name in ("open", "closed")]
     if numbers[0] == numbers[1]:
         raise SpecError(f"{place}: open and closed are two numbers, got {numbers[0]:g} for both")
     snap = given.get(SNAP, False)
     if not isinstance(snap, bool):
-        raise SpecError(f"{place}: {SNAP} is true or false, got {snap!r}")
+        raise SpecError(f"{place.at(SNAP)} is true or false, got {snap!r}")
     return Gripper(numbers[0], numbers[1], snap)
 
 
 def columns_of(
     listed: object,
-    place: str,
+    place: Place,
     forms: Sequence[str],
     *,
     clips: bool = False,
@@ -155,37 +156,37 @@ def columns_of(
     if not isinstance(listed, list) or not (listed or may_be_empty):
         raise SpecError(f"{place} is a list of columns, got {listed!r}")
     fields = ("column", "times", "as", *(["clip"] if clips else []))
-    return [_entry(each, f"{place}[{i}]", fields, forms) for i, each in enumerate(listed)]
+    return [_entry(each, place.at(i), fields, forms) for i, each in enumerate(listed)]
 
 
-def _entry(given: object, place: str, fields: Sequence[str], forms: Sequence[str]) -> ColumnEntry:
+def _entry(given: object, place: Place, fields: Sequence[str], forms: Sequence[str]) -> ColumnEntry:
     entry: Mapping[Any, Any] | object = {"column": given} if isinstance(given, str) else given
     if not isinstance(entry, Mapping) or not isinstance(entry.get("column"), str):
         raise SpecError(f"{place}: expected a column, or {{column: ...}}, got {given!r}")
     require_known(entry, place, fields)
-    times = number_of(entry.get("times", 1.0), f"{place}: times")
+    times = number_of(entry.get("times", 1.0), place.at("times"))
     if times == 0:
-        raise SpecError(f"{place}: times is not 0")
+        raise SpecError(f"{place.at('times')} is not 0")
     form = entry.get("as", "")
     if form and form not in forms:
         raise SpecError(
-            f"{place}: no form '{form}'.{did_you_mean(str(form), forms)} There are: "
+            f"{place.near('as')}: no form '{form}'.{did_you_mean(str(form), forms)} There are: "
             f"{', '.join(forms)}"
         )
     return ColumnEntry(entry["column"], str(form), times, _clip(entry.get("clip"), place))
 
 
-def _clip(clip: object, place: str) -> tuple[float, float] | None:
+def _clip(clip: object, place: Place) -> tuple[float, float] | None:
     if clip is None:
         return None
     if isinstance(clip, list) and len(clip) == 2:
-        lower, upper = (number_of(each, f"{place}: clip") for each in clip)
+        lower, upper = (number_of(each, place.at("clip")) for each in clip)
         if lower < upper:
             return lower, upper
-    raise SpecError(f"{place}: clip is [lower, upper], got {clip!r}")
+    raise SpecError(f"{place.at('clip')} is [lower, upper], got {clip!r}")
 
 
-def number_of(value: object, place: str) -> float:
+def number_of(value: object, place: Place) -> float:
     """Returns a finite number. Raises SpecError for anything else."""
     if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
         raise SpecError(f"{place} is a number, got {value!r}")

@@ -3,7 +3,8 @@
     python fake_worker.py FOLDER '{"e1": ["kill", "make"], "e2": ["hang"]}'
 
 An item does what its list says, one entry per try, the last one again and again; `make` when it is
-not listed. An episode is a folder of its id. FOLDER/tries holds a line per try: `<id> <pid>`.
+not listed. An episode is a folder of its id. FOLDER/tries holds a line per try: `<id> <pid>`,
+FOLDER/hangs one for each item that hangs.
 """
 
 from __future__ import annotations
@@ -39,6 +40,12 @@ def tries_of(folder: Path) -> list[str]:
     """The ids tried, in order."""
     path = folder / "tries"
     return [line.split()[0] for line in path.read_text().splitlines()] if path.exists() else []
+
+
+def hangs_of(folder: Path) -> int:
+    """How many items hang, or hung."""
+    path = folder / "hangs"
+    return len(path.read_text().splitlines()) if path.exists() else 0
 
 
 def made(folder: Path, item: Item, **values: object) -> ItemRecord:
@@ -81,6 +88,8 @@ class Maker:
                 made(self.folder, item)
                 raise IoError(f"'{item.id}' is in place, but a power cut may still undo that")
             case "hang":
+                with (self.folder / "hangs").open("a") as file:
+                    file.write(f"{item.id}\n")
                 time.sleep(1000)
             case "crash":
                 print("about to crash", flush=True)

@@ -178,4 +178,4 @@ def test_errors_name_element_place_alternatives_and_next_step(name: str, tmp_pat
 
 def test_a_missing_dataset_at_the_root_lists_the_folders_of_the_root():
     told = refused("verify", "/no-such-dataset-of-robocell")
-    assert "no dataset '/no-such-dataset-of-robocell'. Folders in /: " in told
+    assert "no dataset '/no-such-dataset-of-robocell'. Datasets in /: none." in told

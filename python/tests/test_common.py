@@ -12,6 +12,7 @@ from robocell._cli.common import (
     fail,
     print_warning,
     print_wide,
+    require_folder,
     require_mapping,
     require_png,
     require_preset,
@@ -56,10 +57,24 @@ def test_a_missing_dataset_or_run_file_error_suggests_the_nearest(tmp_path: Path
         require_run_source(str(tmp_path / found))
 
 
+def test_a_missing_dataset_error_lists_datasets_alone(tmp_path: Path, capsys):
+    for folder in ("notes", "picks/s0000_e0000", "empty_run"):
+        (tmp_path / folder).mkdir(parents=True)
+    (tmp_path / "picks/s0000_e0000/episode.json").write_text("{}")
+    (tmp_path / "empty_run/dataset.json").write_text("{}")
+    _, told = ended(capsys, lambda: require_folder(tmp_path / "zzz", "dataset"))
+    assert told.endswith(
+        f"no dataset '{tmp_path / 'zzz'}'. Datasets in {tmp_path}/: empty_run, picks.\n"
+    )
+
+
 def test_missing_mapping_and_preset_files_are_wrong_commands(tmp_path: Path, capsys):
-    (tmp_path / "names.yaml").write_text("")
+    for file in ("names.yaml", "mkdocs.yml"):
+        (tmp_path / file).write_text("")
     for require in (require_mapping, lambda path: require_preset(str(path))):
         require(tmp_path / "names.yaml")
+        _, told = ended(capsys, lambda require=require: require(tmp_path / "none.yaml"))
+        assert "mkdocs" not in told, "any YAML file is no suggestion"
         code, told = ended(capsys, lambda require=require: require(tmp_path / "name.yaml"))
         assert code == ExitCode.USAGE
         assert f"Did you mean '{tmp_path / 'names.yaml'}'?" in told

@@ -226,8 +226,8 @@ def test_files_for_presets_are_called_presets(dataset: robocell.Dataset, tmp_pat
     for text, said in (
         ("- a", f"preset '{preset}' is a table with the fields extends, features"),
         ("a: [", f"preset '{preset}' is no YAML"),
-        ("extends: droit", f"preset '{preset}': extends is a preset of robocell, aloha, droid"),
-        ("feature: 1", f"preset '{preset}': no field 'feature'. Did you mean 'features'?"),
+        ("extends: droit", f"preset '{preset}:1:1': extends is a preset of robocell, aloha, droid"),
+        ("feature: 1", f"preset '{preset}:1:1': no field 'feature'. Did you mean 'features'?"),
     ):
         preset.write_text(text)
         with pytest.raises(robocell.SpecError) as raised:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -47,3 +48,25 @@ def test_rejects_invalid_features(tmp_path: Path):
         rc.features.register_feature("a_of_test")(3)
     with pytest.raises(rc.ArgumentError, match="lower"):
         rc.features.register_feature("b_of_test", lower=[0])(lambda scene: 0.0)
+
+
+def test_features_can_be_pickled():
+    made = rc.features.Feature(
+        "tip",
+        shape=[2],
+        units="m",
+        frame="world",
+        names=["x", "y"],
+        privileged=True,
+        lower=[-np.inf, -1 / 3],
+        upper=[0.1, np.inf],
+        description="Where the tip is.",
+    )
+    env = rc.Env(rc.EnvConfig.load(rc.models.cell_file("rc7")))
+    built_in = [*env.observed, *env.commanded]
+    env.close()
+    fields = ("name", "role", "dtype", "shape", "units", "frame", "names", "values")
+    for feature in (made, *built_in):
+        again = pickle.loads(pickle.dumps(feature))
+        for field in (*fields, "description", "lower", "upper", "source"):
+            assert getattr(again, field) == getattr(feature, field), (feature, field)

@@ -10,9 +10,11 @@ import pytest
 import typer
 
 from command_line import write_run
+from robocell._generation.canaries import Canaries
+from robocell._generation.items import Item
 from robocell._generation.job import Result
 from robocell._generation.supervisor import Fatal, Outcome
-from robocell._generation.totals import Totals
+from robocell._generation.totals import Totals, Unmade
 
 # The package has the command under the module's name.
 cli = importlib.import_module("robocell._cli.generate")
@@ -60,6 +62,25 @@ def test_a_failed_run_reports_how_many_episodes_are_kept(
         cli._end(Result(Outcome(Totals(planned=6), False, full), on_disk))
     told = f"\n{kept} on the disk." if kept else ""
     assert capsys.readouterr().err == f"error: the disk is full{told}\n"
+
+
+@pytest.mark.parametrize("has_seen_items", [True, False])
+def test_errors_of_items_are_not_repeated_at_the_end(
+    has_seen_items: bool, capsys: pytest.CaptureFixture[str]
+):
+    canaries = Canaries([Item("e0", 0)])
+    canaries.lost(Unmade("e0", "run.yaml:3:1: no grasp", "robocell generate"), "spec")
+    verdict = canaries.verdict()
+    assert verdict is not None
+    fatal = Fatal(verdict.kind, verdict.message, verdict.summary)
+    with pytest.raises(typer.Exit) as end:
+        cli._end(Result(Outcome(Totals(planned=1), False, fatal), 0), has_seen_items=has_seen_items)
+    assert end.value.exit_code == 2
+    assert capsys.readouterr().err == (
+        "error: 1 episode could not be made, see above\n"
+        if has_seen_items
+        else "error: run.yaml:3:1: no grasp\nTry one alone: robocell generate\n"
+    )
 
 
 @pytest.mark.parametrize(("on_disk", "verb"), [(1, "is"), (2, "are")])

@@ -298,3 +298,57 @@ def test_errors_name_the_copy_with_a_wrong_action():
         with pytest.raises(rc.ArgumentError, match=f"max_episode_steps is {limit}; at least 1"):
             VectorGymEnv(pick_cube_config(), 2, limit)
     vector.close()
+
+
+def test_commands_and_rows_by_name_are_those_of_single_environments():
+    streams = [{"name": "eye", "camera": "exo_camera", "depth": True, "segmentation": True}]
+    config = pick_cube_config(cameras={"resolution": [16, 12], "streams": streams})
+    vector = VectorGymEnv(config, num_envs=COPIES)
+    vector.reset(seed=3)
+    singles = [rc.Env(config) for _ in range(COPIES)]
+    for i, env in enumerate(singles):
+        env.reset(seed=3 + i)
+    for step in range(3):
+        targets = vector.row()["robots/robot/arm/target"]
+        actions = {"robots/robot/action/arm": targets + 0.02 * np.cos(step + np.arange(7))}
+        if step != 1:  # groups without a command keep their target
+            actions["robots/robot/action/gripper"] = np.linspace(0, 1, COPIES)
+        _, rewards, *_ = vector.step(actions)
+        for i, env in enumerate(singles):
+            reward = env.step({name: rows[i] for name, rows in actions.items()})[1]
+            assert reward == rewards[i]
+        rows = [env.row() for env in singles]
+        seen = vector.row()
+        assert list(seen) == list(rows[0])
+        for name, value in seen.items():
+            expected = np.stack([row[name] for row in rows])
+            assert (value.dtype, value.shape) == (expected.dtype, expected.shape), name
+            assert np.array_equal(value, expected), name
+    vector.close()
+
+
+def test_wrong_commands_by_name_move_no_copy():
+    vector = VectorGymEnv(pick_cube_config(), num_envs=2)
+    vector.reset(seed=0)
+    before = vector.row()
+    target = before["robots/robot/arm/target"]
+    for actions, error, text in (
+        ({"robots/robot/action/amr": target}, rc.NotFoundError, "Did you mean 'robots/robot/act"),
+        ({"robots/robot/action/arm": target[0]}, rc.ArgumentError, "actions.robots/robot/action/a"),
+        (
+            {"robots/robot/action/arm": target[:1]},
+            rc.ArgumentError,
+            "must be a 2x7 matrix, got 1 r",
+        ),
+        ({"robots/robot/action/arm": target[:, :6]}, rc.ArgumentError, "7"),
+        ({"robots/robot/action/arm": target * np.nan}, rc.ArgumentError, "not finite"),
+        ({"robots/robot/action/gripper": [0.5]}, rc.ArgumentError, "must be a 2x1 matrix, got 1 r"),
+    ):
+        with pytest.raises(error) as caught:
+            vector.step(actions)
+        assert text in str(caught.value)
+    after = vector.row()
+    assert all(np.array_equal(after[name], before[name]) for name in before)
+    with pytest.raises(rc.ArgumentError, match="choices for 1 were given"):
+        vector.core.step({}, [True])
+    vector.close()

@@ -196,6 +196,18 @@ def failure_of(
     return texts.pop()
 
 
+def failure_once(
+    folder: Path, task: type[rc.tasks.Task], expert: Callable[..., rc.tasks.Expert], **fields: Any
+) -> str:
+    """Why the only attempt failed. What errors do to an item is tried with those of tasks."""
+    run = run_of(folder / "once", task, max_attempts=1, **fields)
+    result = rc.generate.Runner(run, expert=expert).run(rc.generate.make_plan(run)[0])
+    (text,) = result.failures
+    assert result.failures[text] == 1
+    assert not list(rc.Dataset(run.output))
+    return text
+
+
 def place(function: Callable[..., Any]) -> str:
     code = inspect.unwrap(function).__code__
     return f"({__file__}:{code.co_firstlineno}, in {code.co_name})"
@@ -205,7 +217,7 @@ def place(function: Callable[..., Any]) -> str:
     ("task", "method", "text"),
     [
         (Judges, "judge", "Judges.judge() must return a TaskVerdict, got None"),
-        (JudgesNan, "judge", "the task's reward() is nan at t; rewards must be finite numbers"),
+        (JudgesNan, "judge", "the task's reward is nan at t; rewards must be finite numbers"),
         (Rewards, "reward", "Rewards.reward() must return a number, got 'much'"),
         (Arranges, "arrange", "Arranges.arrange() must return a Refusal or None, got 'no'"),
         (Observes, "observe", "Observes.observe().a has shape (1), and (2) was declared"),
@@ -243,7 +255,7 @@ def test_an_invalid_task_result_ends_the_rollout(
 @pytest.mark.parametrize(
     ("task", "text"),
     [
-        (JudgesNan, "the task's reward() is nan at t; rewards must be finite numbers"),
+        (JudgesNan, "the task's reward is nan at t; rewards must be finite numbers"),
         (Overdone, "the task's progress is 7 at t; it must be a number from 0 to 1"),
         (Counts, "the task's subtask is 3; it must be 0 to 0, an index into subtasks(): one"),
     ],
@@ -322,7 +334,7 @@ def test_an_invalid_action_ends_the_rollout(tmp_path: Path, action: Any, text: s
         def act(self, scene: rc.Scene, rng: rc.tasks.Rng) -> Any:
             return action
 
-    said = failure_of(tmp_path, Touch, lambda *_: Acts())
+    said = failure_once(tmp_path, Touch, lambda *_: Acts())
     assert text in said
     assert said.endswith(place(Acts.act))
 
@@ -333,7 +345,7 @@ def test_an_invalid_feature_value_ends_the_rollout(tmp_path: Path, numbers: Any)
     def pair(scene: rc.Scene) -> Any:
         return numbers
 
-    said = failure_of(tmp_path, Touch, lambda *_: Idle(), features=["pair_of_hooks"])
+    said = failure_once(tmp_path, Touch, lambda *_: Idle(), features=["pair_of_hooks"])
     assert "feature 'pair_of_hooks'" in said or "feature 'features/pair_of_hooks' is nan" in said
     assert said.endswith(place(pair))
 
@@ -384,7 +396,7 @@ def test_a_feature_of_the_wrong_shape_ends_the_rollout(tmp_path: Path, values: A
     def table(scene: rc.Scene) -> Any:
         return values
 
-    said = failure_of(tmp_path, Touch, lambda *_: Idle(), features=["table_of_hooks"])
+    said = failure_once(tmp_path, Touch, lambda *_: Idle(), features=["table_of_hooks"])
     found = "(" + ", ".join(map(str, np.shape(values))) + ")"
     assert f"feature 'table_of_hooks' has shape {found}, and (2, 3) was declared" in said
     assert said.endswith(place(table))

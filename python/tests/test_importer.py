@@ -23,7 +23,8 @@ from command_line import refused, robocell_command
 from exported import hashes, psnr, three_episodes
 from lerobot_venv import lerobot_python
 from robocell.export import export_dataset
-from robocell.importer import _episode_files, import_dataset
+from robocell.export._videos import encode
+from robocell.importer import _episodes, import_dataset
 
 ROBOT = "robots/rc7"
 
@@ -70,7 +71,7 @@ def test_videos_with_other_key_frames_are_cut_at_the_frame(
     export_dataset(dataset, tmp_path / "there", "lerobot-v3", cameras=["exo"])
     [video] = (tmp_path / "there/videos").rglob("*.mp4")
     frames = np.concatenate([episode.frames("exo") for episode in dataset])
-    _episode_files.encode(
+    encode(
         [frames.tobytes()],
         ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", "64x48", "-r", "8"],
         Fraction(8),
@@ -350,20 +351,27 @@ def test_an_interrupted_import_continues_with_the_same_bytes(
     dataset: robocell.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     export_dataset(dataset, tmp_path / "there", "lerobot-v3", cameras=["exo"])
-    write = _episode_files.write_episode
+    commit = robocell.data.EpisodeWriter.commit
 
-    def full(content: Any, folder: Path) -> None:
-        if content.id == "episode-000002":
-            raise OSError(28, "No space left on device")
-        write(content, folder)
+    def full(episode: robocell.data.EpisodeWriter, *arguments: Any, **options: Any) -> Path:
+        if episode.id == "episode-000002":
+            episode.abort()
+            raise robocell.IoError("episode 'episode-000002' is not saved: No space left on device")
+        return commit(episode, *arguments, **options)
 
-    monkeypatch.setattr(_episode_files, "write_episode", full)
-    with pytest.raises(robocell.IoError, match="No space left on device"):
+    monkeypatch.setattr(_episodes.EpisodeWriter, "commit", full)
+    with pytest.raises(
+        robocell.IoError, match=r"No space left .*; the same import continues there"
+    ):
         import_dataset(tmp_path / "there", tmp_path / "back")
     assert not (tmp_path / "back").exists()
     monkeypatch.undo()
+    killed = tmp_path / ".back.partial" / ".episode-000002.4194999.1.partial"
+    (killed / "content").mkdir(parents=True)
+    (tmp_path / ".back.partial" / "episode-000002").mkdir()  # committed, and not noted any more
     assert import_dataset(tmp_path / "there", tmp_path / "back").resumed == 2
     assert import_dataset(tmp_path / "there", tmp_path / "other").resumed == 0
+    assert not list((tmp_path / "back").glob(".*"))
     first, second = hashes(tmp_path / "back"), hashes(tmp_path / "other")
     data = {name for name in first if not name.endswith("episode.json")}
     assert {name: first[name] for name in data} == {name: second[name] for name in data}

@@ -47,6 +47,26 @@ def test_plain_lines_are_rare_and_describe_events():
     ]
 
 
+def test_a_reason_is_printed_once_for_each_item():
+    file = io.StringIO()
+    lines = PlainLines(file)
+    totals = totals_after_one()
+    for item in ("a", "b"):
+        lines.retry(item, "KeyError: 'cup' (own.py:3, in judge)", totals)
+    lines.retry("a", "killed", totals)
+    lines.unmade(Unmade("a", "killed\nits log", ""), totals)
+    lines.unmade(Unmade("b", "KeyError: 'cup' (own.py:3, in judge)", "robocell generate"), totals)
+    assert file.getvalue().splitlines() == [
+        "a is made again: KeyError: 'cup' (own.py:3, in judge)",
+        "b is made again: KeyError: 'cup' (own.py:3, in judge)",
+        "a is made again: killed",
+        "a could not be made: the same error again",
+        "its log",
+        "b could not be made: the same error again",
+        "  try it alone: robocell generate",
+    ]
+
+
 def test_a_run_that_ends_itself_was_not_interrupted():
     file = io.StringIO()
     PlainLines(file, interval_s=0).stopping(CANNOT_GO_ON, totals_after_one())

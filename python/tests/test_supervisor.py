@@ -18,6 +18,8 @@ from typing import Any
 import pytest
 
 import fake_worker
+from robocell._generation import supervisor as supervisor_module
+from robocell._generation import worker_process
 from robocell._generation.disk import with_trouble
 from robocell._generation.items import Item, ItemRecord
 from robocell._generation.observer import Observer
@@ -279,8 +281,33 @@ def test_an_item_without_success_is_not_retried(tmp_path: Path):
     assert outcome.totals.success_rate == 3 / 8
 
 
-def test_a_hung_item_is_stopped_at_its_deadline(tmp_path: Path):
-    recorder = Recorder()
+class Clock:
+    """Stands in for `time` in the supervisor: stands still until it is put forward."""
+
+    def __init__(self) -> None:
+        self.now = time.monotonic()
+        self.sleep = time.sleep
+
+    def monotonic(self) -> float:
+        return self.now
+
+
+def test_a_hung_item_is_stopped_at_its_deadline(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """The limit counts from the moment at which the item was handed out, by a clock of our own."""
+    clock, recorder = Clock(), Recorder()
+    monkeypatch.setattr(supervisor_module, "time", clock)
+    monkeypatch.setattr(worker_process, "time", clock)
+    passed = 0
+
+    def pass_time() -> None:
+        """Puts the clock forward once in each try, when the other items are made."""
+        nonlocal passed
+        hung = fake_worker.hangs_of(tmp_path)
+        if episodes(tmp_path) == ["e0", "e2", "e3"] and hung > passed:
+            passed = hung
+            clock.now += 4.1
+
+    recorder.on_tick = pass_time
     limits = Limits(tries=2, item_timeout_s=4)
     outcome = supervise(tmp_path, {"e1": ["hang"]}, observer=recorder, limits=limits).run()
     assert episodes(tmp_path) == ["e0", "e2", "e3"]
@@ -288,6 +315,7 @@ def test_a_hung_item_is_stopped_at_its_deadline(tmp_path: Path):
     assert "was killed: e1 took more than 4 s" in recorder.of("retry")[0]
     reason = outcome.totals.unmade[0].reason
     assert re.search(r"was killed: e1 took more than 4 s \(.*fake_worker.py:\d+, in act\)$", reason)
+    assert passed == 2
     assert 'fake_worker.py", line' in (tmp_path / "worker-0.log").read_text(), "the stacks"
 
 

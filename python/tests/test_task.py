@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import pickle
 import weakref
 from collections.abc import Callable
 from pathlib import Path
@@ -203,3 +204,10 @@ def test_judge_of_the_base_class_uses_reward_and_success():
     spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=False)
     verdict = Whole().judge(rc.Scene.build(spec))
     assert (verdict.reward, verdict.success) == (0.5, True)
+
+
+def test_verdicts_can_be_pickled():
+    verdict = rc.tasks.TaskVerdict(reward=0.1, success=True, progress=1 / 3, subtask=2)
+    again = pickle.loads(pickle.dumps(verdict))
+    for field in ("reward", "success", "progress", "subtask"):
+        assert getattr(again, field) == getattr(verdict, field)

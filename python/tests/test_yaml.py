@@ -16,7 +16,7 @@ from robocell.importer._column_names import Names
 
 
 def read(file: Path) -> Any:
-    return read_yaml(file, "mapping", "robocell.export", "export")
+    return read_yaml(file, "mapping", "robocell.export", "export")[0]
 
 
 @pytest.mark.parametrize(
@@ -69,3 +69,69 @@ def test_mappings_and_presets_reject_keys_that_are_there_twice(
     file.write_text(text)
     with pytest.raises(SpecError, match=r"is there twice, in lines 1 and 2. Keep one"):
         load(file)
+
+
+def test_places_are_those_of_the_entries(tmp_path: Path):
+    file = tmp_path / "own.yaml"
+    file.write_text("a:\n  b.c: [1, {d: 2}]\n  7: x\ne: &e\n  f: 1\ng:\n  <<: *e\n")
+    _, place = read_yaml(file, "mapping", "robocell.export", "export")
+    assert str(place) == f"mapping '{file}'"
+    for path, text in (
+        (("a",), ":1:1': a"),
+        (("a", "b.c"), ":2:3': a.b.c"),
+        (("a", "b.c", 1), ":2:12': a.b.c[1]"),
+        (("a", "b.c", 1, "d"), ":2:13': a.b.c[1].d"),
+        (("a", "7"), ":3:3': a.7"),
+        (("a", "b.c", 9), ":2:3': a.b.c[9]"),
+        (("none", "of", "them"), "': none.of.them"),
+        (("g", "f"), ":5:3': g.f"),
+    ):
+        assert str(place.at(*path)) == f"mapping '{file}{text}"
+        assert str(place.near(*path)) == f"mapping '{file}{text[: text.index(chr(39)) + 1]}"
+
+
+def test_a_place_is_in_the_file_that_has_the_entry(tmp_path: Path):
+    places = []
+    for name, text in (("own", "a: {b: 1}\n"), ("base", "# built in\na: {b: 2, c: 3}\nd: 4\n")):
+        file = tmp_path / name
+        file.write_text(text)
+        shown = {"name": name, "has_lines": name == "own"}
+        places.append(read_yaml(file, "preset", "robocell.export", "export", **shown)[1])
+    place = places[0].over(places[1])
+    assert str(place) == "preset 'own'"
+    assert str(place.at("a", "b")) == "preset 'own:1:5': a.b"
+    assert str(place.at("a", "c")) == "preset 'base': a.c"
+    assert str(place.at("d")) == "preset 'base': d"
+    assert str(place.at("e")) == "preset 'own': e"
+
+
+@pytest.mark.parametrize(
+    ("load", "text", "told"),
+    [
+        (
+            Mapping.load,
+            "# mine\nfeatures:\n  x: [{column: a, times: 0}]\n",
+            ":3:19': features.x[0].t",
+        ),
+        (Mapping.load, "image_size: [3]\n", ":1:1': image_size is width and height"),
+        (Mapping.load, "task: instruction\nfeature: {}\n", ":2:1': no field 'feature'"),
+        (Mapping.load, "images:\n  a: '{robot}'\n", ":2:3': images.a: no placeholder '{robot}'"),
+        (
+            lambda file: Mapping.load(preset=str(file)),
+            "gripper: {open: a, closed: 1}",
+            ":1:11': gr",
+        ),
+        (Preset.load, "actions:\n  - a\n  - {colum: b}\n", ":3:5': actions[1]: expected a column"),
+        (Preset.load, "extends: droid\nrate: -1\n", ":2:1': rate is a number above 0"),
+        (Names.load, "columns: {}\ncameras:\n  top: 3\n", ":3:3': cameras.top is a name or null"),
+        (Names.load, "columns:\n  a: {b: [2, 1]}\n", ":2:3': columns.a is a column, null"),
+    ],
+)
+def test_mistakes_in_mappings_and_presets_name_line_and_column(
+    tmp_path: Path, load: Callable[[Path], Any], text: str, told: str
+):
+    file = tmp_path / "own.yaml"
+    file.write_text(text)
+    with pytest.raises(SpecError) as raised:
+        load(file)
+    assert f"'{file}{told}" in str(raised.value)

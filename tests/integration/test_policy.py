@@ -91,19 +91,14 @@ def test_errors_explain_an_invalid_policy(dataset: Path, tmp_path: Path):
 def test_an_exception_in_a_policy_fails_and_names_its_line(dataset: Path, tmp_path: Path):
     file = policy_file(tmp_path, "raising")
     line = 1 + REPLAYER[: REPLAYER.index("return 1 / 0")].count("\n")
-    for workers in (1, 2):
-        result = evaluate(
-            dataset,
-            f"{file}:Raising",
-            episodes=3,
-            workers=workers,
-            output=tmp_path / f"out{workers}",
-        )
-        assert (result.successes, result.rollouts, result.unmade) == (0, 3, 0)
-        assert result.policy_errors == 3
-        (reason,) = result.failures
-        assert reason.startswith("policy error: ZeroDivisionError: division by zero (")
-        assert reason.endswith(f"raising.py:{line}, in act)")
+    result = evaluate(
+        dataset, f"{file}:Raising", episodes=3, workers=2, output=tmp_path / "out", cameras=False
+    )
+    assert (result.successes, result.rollouts, result.unmade) == (0, 3, 0)
+    assert result.policy_errors == 3
+    (reason,) = result.failures
+    assert reason.startswith("policy error: ZeroDivisionError: division by zero (")
+    assert reason.endswith(f"raising.py:{line}, in act)")
 
 
 BROKEN = """
@@ -168,6 +163,17 @@ class Reset(Policy):
         return {}
 
 
+class Each(Policy):  # one of those above in each rollout
+    rollouts = iter([NotFinite, Shape, Complex, Nothing, Turned, Exits, Mute, Reset])
+
+    def reset(self, context):
+        self.own = next(Each.rollouts)()
+        self.own.reset(context)
+
+    def act(self, observation):
+        return self.own.act(observation)
+
+
 class Made(Policy):
     def __init__(self):
         raise ImportError("no weights")
@@ -214,39 +220,26 @@ def test_an_exception_in_a_policy_keeps_the_start(dataset: Path, broken: Path, t
     assert sum(picky.failures.values()) == 8
 
 
-@pytest.mark.parametrize(
-    ("name", "reason"),
-    [
-        ("NotFinite", "NotFinite.act(): 'robots/rc7/action/arm' is not finite: entry [2] is nan"),
-        ("Nothing", "TypeError: Nothing.act() must return a dict of columns"),
-        ("Reset", "KeyError: 'weights' ("),
-        ("Exits", "SystemExit: 0 ("),
-        *(
-            pytest.param(name, reason, marks=pytest.mark.proof)
-            for name, reason in (
-                (
-                    "Shape",
-                    "Shape.act(): 'robots/rc7/action/arm' has 7 numbers, or (k, 7) for a chunk;",
-                ),
-                ("Turned", "quaternion [0, 0, 0, 0] (xyzw) has length 0"),
-                ("Mute", "MuteError: (its text cannot be made) ("),
-                (
-                    "Complex",
-                    "TypeError: Complex.act(): 'robots/rc7/action/arm' must be real numbers",
-                ),
-            )
-        ),
-    ],
-)
-def test_an_invalid_action_fails_the_rollout(
-    dataset: Path, broken: Path, tmp_path: Path, name: str, reason: str
-):
-    options = {"episodes": 1, "output": tmp_path / "out", "cameras": False}
-    result = evaluate(dataset, f"{broken}:{name}", **options)
-    assert (result.rollouts, result.unmade, result.policy_errors) == (1, 0, 1)
-    (said,) = result.failures
-    assert said.startswith(f"policy error: {reason}")
-    assert "broken.py:" in said
+def test_invalid_actions_fail_their_rollouts(dataset: Path, broken: Path, tmp_path: Path):
+    """One worker makes them all: a mistake costs its rollout alone."""
+    arm = "'robots/rc7/action/arm'"
+    reasons = (
+        f"Each.act(): {arm} is not finite: entry [2] is nan",
+        f"Each.act(): {arm} has 7 numbers, or (k, 7) for a chunk;",
+        f"TypeError: Each.act(): {arm} must be real numbers",
+        "TypeError: Each.act() must return a dict of columns",
+        "quaternion [0, 0, 0, 0] (xyzw) has length 0",
+        "SystemExit: 0 (",
+        "MuteError: (its text cannot be made) (",
+        "KeyError: 'weights' (",
+    )
+    count = len(reasons)
+    options = {"episodes": count, "output": tmp_path / "out", "cameras": False}
+    result = evaluate(dataset, f"{broken}:Each", **options)
+    assert (result.rollouts, result.unmade, result.policy_errors) == (count, 0, count)
+    for reason in reasons:
+        (said,) = (each for each in result.failures if each.startswith(f"policy error: {reason}"))
+        assert "broken.py:" in said
 
 
 def test_rejects_an_evaluation_without_a_policy(
@@ -262,7 +255,7 @@ def test_rejects_an_evaluation_without_a_policy(
 
 
 def test_a_dataset_replays_its_own_actions(dataset: Path, tmp_path: Path):
-    result = evaluate(dataset, "replay", output=tmp_path / "out", workers=2)
+    result = evaluate(dataset, "replay", output=tmp_path / "out")
     assert (result.successes, result.rollouts) == (2, 2)
     for episode in rc.Dataset(dataset):
         again = rc.Dataset(tmp_path / "out")[episode.id]
@@ -339,13 +332,15 @@ MISSING = """
 from robocell.policy import Policy
 
 
-class Near(Policy):
-    def act(self, observation):
-        return observation["robots/rc7/arm/qpo"]
+class Turns(Policy):  # asks for a number in its first rollout, for an image in the next
+    rollouts = 0
 
+    def reset(self, context):
+        Turns.rollouts += 1
 
-class Image(Policy):
     def act(self, observation):
+        if Turns.rollouts == 1:
+            return observation["robots/rc7/arm/qpo"]
         return observation["wrist_cam"]
 
 
@@ -381,21 +376,13 @@ def missing(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_missing_name_has_the_nearest_and_the_available_ones(
     dataset: Path, missing: Path, tmp_path: Path
 ):
-    def reason(policy: str) -> str:
-        result = evaluate(
-            dataset,
-            f"{missing}:{policy}",
-            episodes=1,
-            cameras=False,
-            output=tmp_path / policy,
-        )
-        return next(iter(result.failures))
-
-    near = reason("Near")
-    assert "Near.act(): the observation has no 'robots/rc7/arm/qpo'. Did you mean " in near
+    options = {"episodes": 2, "output": tmp_path / "out", "cameras": False}
+    result = evaluate(dataset, f"{missing}:Turns", **options)
+    image, near = sorted(result.failures, key=lambda reason: "wrist_cam" not in reason)
+    assert "Turns.act(): the observation has no 'robots/rc7/arm/qpo'. Did you mean " in near
     assert "Did you mean 'robots/rc7/arm/qpos'? It has: " in near
-    assert f"{missing.name}:7, in act)" in near
-    assert "leave out --no-cameras" in reason("Image")
+    assert f"{missing.name}:13, in act)" in near
+    assert "leave out --no-cameras" in image
 
 
 @pytest.mark.parametrize(
@@ -403,11 +390,11 @@ def test_a_missing_name_has_the_nearest_and_the_available_ones(
     [
         (
             "Idle",
-            r"class Idle \(.*missing\d+.py:15\) lacks methods .* add def act\(self, observation",
+            r"class Idle \(.*missing\d+.py:17\) lacks methods .* add def act\(self, observation",
         ),
-        ("Odd", r"Odd\.act \(line 21\) is called as act\(observation\), .* write def act\(self, o"),
-        ("Duck", r"class Duck \(.*missing\d+.py:25\) lacks .* add def reset\(self, context\)"),
-        ("idle", r"class Idle \(.*missing\d+.py:15\) lacks methods"),
+        ("Odd", r"Odd\.act \(line 23\) is called as act\(observation\), .* write def act\(self, o"),
+        ("Duck", r"class Duck \(.*missing\d+.py:27\) lacks .* add def reset\(self, context\)"),
+        ("idle", r"class Idle \(.*missing\d+.py:17\) lacks methods"),
     ],
 )
 def test_a_class_that_is_no_policy_is_rejected(

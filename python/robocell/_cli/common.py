@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import enum
+import itertools
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from robocell.data.derive import Derived
 
 SHOWN_FILES = 8
+ENTRIES_LOOKED_AT = 100  # of a folder that may be a dataset
 MOST_COLUMNS = 10_000  # more than any table needs
 
 
@@ -139,20 +141,20 @@ def require_folder(path: Path, what: str) -> None:
         fail(f"'{path}' is a file; give the folder of a {what}.")
     if path.is_dir():
         return
-    fail_missing(path, what, "Folders", Path.is_dir)
+    fail_missing(path, what, Path.is_dir, lists_datasets=True)
 
 
 def require_mapping(path: Path | None) -> None:
     """Ends the command if the file of `--mapping` does not exist."""
     if path is not None and not os.path.lexists(path):
-        fail_missing(path, "mapping file", "YAML files", is_yaml)
+        fail_missing(path, "mapping file", is_yaml)
 
 
 def require_preset(preset: str) -> None:
     """Ends the command if `--preset` names a YAML file that does not exist."""
     path = Path(preset)
     if is_yaml(path) and not os.path.lexists(path):
-        fail_missing(path, "preset file", "YAML files", is_yaml)
+        fail_missing(path, "preset file", is_yaml)
 
 
 def require_run_source(source: str) -> None:
@@ -166,10 +168,8 @@ def require_run_source(source: str) -> None:
     if is_yaml(path):
         require_spec_file(path, _core.RunConfig)
     if path.suffix == ".json":
-        fail_missing(path, "benchmark", "JSON files", lambda file: file.suffix == ".json")
-    fail_missing(
-        path, "dataset or run file", "Folders and YAML files", lambda p: p.is_dir() or is_yaml(p)
-    )
+        fail_missing(path, "benchmark", lambda file: file.suffix == ".json")
+    fail_missing(path, "dataset or run file", lambda each: is_yaml(each) or each.is_dir())
 
 
 def is_yaml(path: Path) -> bool:
@@ -177,16 +177,48 @@ def is_yaml(path: Path) -> bool:
     return path.suffix in (".yaml", ".yml")
 
 
-def fail_missing(path: Path, what: str, kind: str, is_one: Callable[[Path], bool]) -> NoReturn:
-    """Ends the command and lists the entries beside `path`, with the nearest."""
+def is_dataset(path: Path) -> bool:
+    """Returns True for a folder that looks like a dataset: it says so, or has episodes."""
+    if not path.is_dir():
+        return False
+    try:
+        first = itertools.islice(path.iterdir(), ENTRIES_LOOKED_AT)
+        return (path / "dataset.json").is_file() or any(
+            (entry / "episode.json").is_file() for entry in first
+        )
+    except OSError:  # no access
+        return False
+
+
+def fail_missing(
+    path: Path, what: str, is_one: Callable[[Path], bool], *, lists_datasets: bool = False
+) -> NoReturn:
+    """Ends the command and names the nearest of the entries beside `path`.
+
+    Args:
+        path: What there is not.
+        what: What it was meant to be.
+        is_one: Whether an entry may be one by its name and kind. Its content may be anything, so
+            that only near names are worth telling.
+        lists_datasets: Whether all datasets beside `path` are listed.
+    """
     folder = path.parent
     if not folder.is_dir():
         fail(f"no {what} '{path}': there is no folder '{folder}'.")
-    names = sorted(entry.name for entry in folder.iterdir() if is_one(entry))
-    near = difflib.get_close_matches(path.name, names, n=1, cutoff=0.5)
-    hint = f" Did you mean '{folder / near[0]}'?" if near else ""
-    place = f"{kind} in {str(folder).rstrip('/')}/"
-    fail(f"no {what} '{path}'.{_list(place, names)}{hint}")
+    entries = sorted(entry for entry in folder.iterdir() if is_one(entry))
+    names = {_plain(entry): entry for entry in entries}
+    near = difflib.get_close_matches(_plain(path), names, n=1)
+    hint = f" Did you mean '{names[near[0]]}'?" if near else ""
+    listed = ""
+    if lists_datasets:
+        datasets = [entry.name for entry in entries if is_dataset(entry)]
+        listed = _list(f"Datasets in {str(folder).rstrip('/')}/", datasets)
+    fail(f"no {what} '{path}'.{listed}{hint}")
+
+
+def _plain(path: Path) -> str:
+    """Returns a name without the suffix that all files of its kind have: it makes none nearer."""
+    return path.stem if path.suffix in (".yaml", ".yml", ".json") else path.name
 
 
 def _list(place: str, names: Iterable[str]) -> str:

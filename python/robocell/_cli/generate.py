@@ -133,7 +133,7 @@ def generate(
     if progress is not ProgressChoice.JSONL and not no_report and not nothing_tried:
         summary = Summary(job.run.run, job.dataset, result.on_disk, result.outcome.totals)
         print_wide(summary.table())
-    _end(result)
+    _end(result, has_seen_items=progress is not ProgressChoice.JSONL)
 
 
 def _open_job(source: RunSource, replaced: list[str], shard: str | None) -> Job:
@@ -251,14 +251,18 @@ def too_little_room(needed: int, dataset: Path) -> str:
     )
 
 
-def _end(result: Result) -> None:
-    """Prints the end of the run and exits with its code."""
+def _end(result: Result, *, has_seen_items: bool = True) -> None:
+    """Prints the end of the run and exits with its code.
+
+    `has_seen_items`: the errors of its items stand above.
+    """
     outcome, planned = result.outcome, result.outcome.totals.planned
     verb = agreeing(result.on_disk, "is", "are")
     if outcome.fatal:
         there = counted(result.on_disk, "episode")
         kept = f"\n{there} {verb} on the disk." if result.on_disk else ""
-        fail(outcome.fatal.message + kept, EXIT_CODES[outcome.fatal.kind])
+        text = (has_seen_items and outcome.fatal.summary) or outcome.fatal.message
+        fail(text + kept, EXIT_CODES[outcome.fatal.kind])
     if outcome.interrupted:
         again = resume_command(sys.argv[1:])
         print_warning(

@@ -55,7 +55,7 @@ def import_(
     3  a file cannot be read or written
     """
     if not os.path.lexists(source):
-        fail_missing(source, "file or folder", "Files and folders", lambda _: True)
+        fail_missing(source, "file or folder", lambda _: True)
     require_mapping(mapping)
     try:
         with counting() as count:

@@ -3,7 +3,7 @@
     canaries = Canaries(items)
     pending = deque(canaries.first(items))
     canaries.lost(unmade, "other")  # for each item that failed with an error
-    if failure := canaries.verdict():
+    if verdict := canaries.verdict():
         ...
 
 A robot that crashes the engine, or a field that no scene can satisfy, would otherwise cost some
@@ -14,12 +14,29 @@ The decision follows from the plan and the results of these items, not from the 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from robocell._generation.items import Item
-from robocell._generation.protocol import Failure, FailureKind
+from robocell._generation.protocol import FailureKind
 from robocell._generation.totals import Unmade
+from robocell._suggestions import counted
 
 MOST = 5
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Why a run ends.
+
+    Attributes:
+        kind: Kind of the errors.
+        message: The first of them, and what it means for the run.
+        summary: The same for a reader who has seen the errors of the items.
+    """
+
+    kind: FailureKind
+    message: str
+    summary: str
 
 
 class Canaries:
@@ -44,8 +61,8 @@ class Canaries:
         """Notes that an item was given up because of an error."""
         self._losses[unmade.id] = (kind, unmade)
 
-    def verdict(self) -> Failure | None:
-        """Returns the failure that ends the run, or None while a canary succeeded or is undecided.
+    def verdict(self) -> Verdict | None:
+        """Returns the failures that end the run, or None while a canary succeeded or is undecided.
 
         If the canaries are all items, ending early saves nothing: then only wrong specs, which the
         user can fix, are reported as one failure.
@@ -57,11 +74,14 @@ class Canaries:
         if self._all and not wrong_spec:
             return None
         message = lost[0].reason
-        if not self._all:
-            message += (
-                f"\nNone of the {len(lost)} items that were tried first, spread over the plan, "
+        if self._all:
+            summary = f"{counted(len(lost), 'episode')} could not be made, see above"
+        else:
+            summary = (
+                f"None of the {len(lost)} items that were tried first, spread over the plan, "
                 "could be made for such errors, and the run ends."
             )
+            message += f"\n{summary}"
         if lost[0].reproduce:
             message += f"\nTry one alone: {lost[0].reproduce}"
-        return Failure("spec" if wrong_spec else "other", message)
+        return Verdict("spec" if wrong_spec else "other", message, summary)

@@ -24,6 +24,7 @@ from robocell._suggestions import counted
 ProgressStyle = Literal["auto", "bar", "plain", "jsonl"]
 
 REASONS_SHOWN = 3
+SAME = "the same error again"
 PLAIN_INTERVAL_S = 5.0
 
 
@@ -56,10 +57,10 @@ def beginning(totals: Totals) -> str:
     return f"{counted(totals.planned, 'episode')}{before}, {counted(totals.workers, 'worker')}"
 
 
-def unmade_text(unmade: Unmade) -> str:
+def unmade_text(unmade: Unmade, reason: str) -> str:
     """Explains why an item was given up and how to retry it."""
     remedy = f"\n  try it alone: {unmade.reproduce}" if unmade.reproduce else ""
-    return f"{unmade.id} could not be made: {unmade.reason}{remedy}"
+    return f"{unmade.id} could not be made: {reason}{remedy}"
 
 
 def print_line(text: str, file: TextIO) -> None:
@@ -72,7 +73,10 @@ def print_line(text: str, file: TextIO) -> None:
 
 
 class Lines(Observer):
-    """Messages common to bar and plain lines."""
+    """Messages common to bar and plain lines. A reason is printed once for each item."""
+
+    def __init__(self) -> None:
+        self._reasons: dict[str, str] = {}  # printed last, by item
 
     def say(self, text: str, style: str = "") -> None:
         """Shows a line; `style` is one of rich's."""
@@ -84,11 +88,11 @@ class Lines(Observer):
 
     def retry(self, item_id: str, reason: str, totals: Totals) -> None:
         """Prints the retried item and the reason."""
-        self.say(f"{item_id} is made again: {reason}", "yellow")
+        self.say(f"{item_id} is made again: {self._news(item_id, reason)}", "yellow")
 
     def unmade(self, unmade: Unmade, totals: Totals) -> None:
         """Prints the item that is given up, and the reason."""
-        self.say(unmade_text(unmade), "red")
+        self.say(unmade_text(unmade, self._news(unmade.id, unmade.reason)), "red")
 
     def warning(self, text: str) -> None:
         """Prints the warning."""
@@ -99,11 +103,20 @@ class Lines(Observer):
         again = "" if reason == CANNOT_GO_ON else "; interrupt again to kill"
         self.say(f"stopping ({reason}); finished episodes are kept{again}", "yellow")
 
+    def _news(self, item_id: str, reason: str) -> str:
+        """Returns a reason, or what is new in it for those who have read the item's last one."""
+        before = self._reasons.get(item_id)
+        if before and (reason == before or reason.startswith(f"{before}\n")):
+            return f"{SAME}{reason[len(before) :]}"
+        self._reasons[item_id] = reason
+        return reason
+
 
 class PlainLines(Lines):
     """A line every few seconds, for logs."""
 
     def __init__(self, file: TextIO, interval_s: float = PLAIN_INTERVAL_S) -> None:
+        super().__init__()
         self._file = file
         self._interval_s = interval_s
         self._next = 0.0
@@ -131,6 +144,7 @@ class Bar(Lines):
     """A bar with rate, time left, success rate and reasons."""
 
     def __init__(self, console: Console) -> None:
+        super().__init__()
         self._progress = Progress(
             SpinnerColumn(),
             BarColumn(bar_width=30),

@@ -18,7 +18,9 @@ from robocell._own_code import is_own
 
 # The signals after which a process writes its stacks.
 FATAL = frozenset({signal.SIGSEGV, signal.SIGBUS, signal.SIGABRT, signal.SIGFPE, signal.SIGILL})
-LONGEST_S = 1.0  # for writing them
+LONGEST_S = 3.0  # for writing them
+STILL_S = 0.2  # after which an unfinished text is taken as it is
+LAST_FRAME = b" in <module>\n"
 _LOG = 2  # standard error
 
 _HEAD = re.compile(r"^(Current thread|Thread) 0x[0-9a-f]+.*\(most recent call first\):$")
@@ -41,14 +43,21 @@ def ask(pid: int, log: Path) -> None:
     try:
         before = size = os.path.getsize(log)
         os.kill(pid, signal.SIGUSR1)
-        end = time.monotonic() + LONGEST_S
-        still = 0
-        while still < 3 and time.monotonic() < end:
+        now = grown = time.monotonic()
+        end = now + LONGEST_S
+        while now < end and not (size > before and (_is_whole(log) or now - grown > STILL_S)):
             time.sleep(0.01)
-            last, size = size, os.path.getsize(log)
-            still = still + 1 if size == last > before else 0
+            last, size, now = size, os.path.getsize(log), time.monotonic()
+            grown = now if size != last else grown
     except OSError:  # it has just ended, or somebody tidied the logs up
         return
+
+
+def _is_whole(log: Path) -> bool:
+    """Returns True if a log ends with the last frame of the main thread, which comes last."""
+    with log.open("rb") as file:
+        file.seek(max(0, os.path.getsize(log) - len(LAST_FRAME)))
+        return file.read() == LAST_FRAME
 
 
 def place_in(log: str) -> str:

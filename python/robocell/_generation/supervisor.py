@@ -53,10 +53,17 @@ class Limits:
 
 @dataclass(frozen=True)
 class Fatal:
-    """Reason that ended a run."""
+    """Reason that ended a run.
+
+    Attributes:
+        kind: Kind of the error.
+        message: The error.
+        summary: The same for a reader who has seen the errors of the items; "" if it is news.
+    """
 
     kind: FailureKind
     message: str
+    summary: str = ""
 
 
 @dataclass(frozen=True)
@@ -377,8 +384,8 @@ class Supervisor:
         is_new = log and log not in self._printed_logs and log not in reason
         self._printed_logs.add(log)
         self._canaries.lost(self._give_up(item, f"{reason}\n{log}" if is_new else reason), kind)
-        if failure := self._canaries.verdict():
-            self._give_up_run(failure.kind, failure.message)
+        if verdict := self._canaries.verdict():
+            self._give_up_run(verdict.kind, verdict.message, verdict.summary)
 
     def _give_up(self, item: Item, reason: str) -> Unmade:
         unmade = Unmade(item.id, reason, self._reproduce(item))
@@ -386,9 +393,9 @@ class Supervisor:
         self._observer.unmade(unmade, self._totals)
         return unmade
 
-    def _give_up_run(self, kind: FailureKind, message: str) -> None:
+    def _give_up_run(self, kind: FailureKind, message: str, summary: str = "") -> None:
         if self._fatal is None:
-            self._fatal = Fatal(kind, message)
+            self._fatal = Fatal(kind, message, summary)
             self._stop_reason = self._stop_reason or CANNOT_GO_ON
 
     # Time.

@@ -7,24 +7,21 @@ the dataset.
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from robocell._dataset_run import recorded_attempts, seed_of_dataset
-from robocell._ending import end_in_time
 from robocell._generation.items import Item, ItemRecord
-from robocell._generation.own_process import own_process
 from robocell._generation.run_source import RunSource
-from robocell._generation.worker import MakeEpisode, serve
+from robocell._generation.worker import MakeEpisode
+from robocell._generation.worker_entry import run_worker, worker_command
 from robocell.generate import PlanItem, Runner, StopFlag, make_plan, require_same_run
 
 
 def command(source: RunSource, overrides: Sequence[str]) -> list[str]:
     """Returns the command that starts a worker for a run."""
     sets = [f"--set={override}" for override in overrides]
-    options = [*source.options(), *sets, "--", source.run]
-    return [*own_process("robocell._generation.work"), *options]
+    return worker_command("robocell._generation.work", source, sets)
 
 
 def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
@@ -61,17 +58,11 @@ def _begin_as_recorded(items: Iterable[PlanItem], dataset: str, seed: int) -> No
         item.first_attempt = attempts.get((item.scene, item.episode), 0)
 
 
-def main() -> int:
-    """Entry point of the process."""
+def _parser() -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(prog="robocell._generation.work", description=__doc__)
     parser.add_argument("--set", action="append", default=[])
-    RunSource.add_options(parser)
-    arguments = parser.parse_args()
-    stop = StopFlag()
-    return serve(lambda: _open_maker(arguments, stop), stop)
+    return parser
 
 
 if __name__ == "__main__":
-    ended_with = main()
-    end_in_time(ended_with)
-    sys.exit(ended_with)
+    run_worker(_parser(), _open_maker)

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -26,6 +26,7 @@ from robocell._policy_presets.images import resize_with_pad
 from robocell._policy_presets.parts import Part, Sized, require_complete, split
 from robocell._policy_presets.reading import read_preset, shipped_presets
 from robocell._suggestions import counted, did_you_mean, shortened
+from robocell._yaml import Place
 
 __all__ = ["Bound", "Preset", "shipped_presets"]
 
@@ -50,6 +51,7 @@ class Preset:
         gripper: Numbers of open and closed grippers.
         horizon: Actions of a chunk that are taken before the next call; None for all.
         rate: Actions per second that the policy was trained at; None if unknown.
+        place: Its file; it begins error messages.
     """
 
     name: str
@@ -64,6 +66,7 @@ class Preset:
     gripper: Gripper
     horizon: int | None
     rate: float | None
+    place: Place = field(repr=False, compare=False)
 
     @classmethod
     def load(cls, name: str | Path) -> Preset:
@@ -75,11 +78,6 @@ class Preset:
             IoError: The file cannot be read.
         """
         return cls(**read_preset(name))
-
-    @property
-    def place(self) -> str:
-        """Beginning of messages about it."""
-        return f"preset '{self.name}'"
 
     def bind(self, features: Sequence[Feature], cameras: Sequence[str]) -> Bound:
         """Applies the preset to a cell.
@@ -97,11 +95,11 @@ class Preset:
         return Bound(
             self,
             {
-                name: cell.expand(parts, seen, f"{self.place}: observation.{name}")
+                name: cell.expand(parts, seen, self.place.at("observation", name))
                 for name, parts in self.observation.items()
             },
             self._cameras(cameras),
-            cell.expand(self.actions, self.gripper, f"{self.place}: actions"),
+            cell.expand(self.actions, self.gripper, self.place.at("actions")),
             self.image_size,
         )
 
@@ -114,9 +112,10 @@ class Preset:
                 found[name] = camera
             elif not entry.endswith("?"):
                 there = ", ".join(cameras) or "none; without --no-cameras they are drawn"
+                place = self.place.at("images", name)
                 raise NotFoundError(
-                    f"{self.place}: images.{name}: the cell has no image stream '{entry}' that no "
-                    f"line before takes.{did_you_mean(entry, cameras)} Its streams: {there}. A "
+                    f"{place}: the cell has no image stream '{entry}' that no line before takes."
+                    f"{did_you_mean(entry, cameras)} Its streams: {there}. A "
                     f"file with `extends: {self.name}` may name another one"
                 )
         return found
@@ -254,7 +253,7 @@ class _Cell:
                 commands.append(feature.name)
         self._groups = groups_of(commands, self._openings)
 
-    def expand(self, parts: Sequence[Part], gripper: Gripper, place: str) -> tuple[Sized, ...]:
+    def expand(self, parts: Sequence[Part], gripper: Gripper, place: Place) -> tuple[Sized, ...]:
         """Returns a part for each column that its pattern stands for."""
         found = tuple(
             self._sized(part, column, gripper, place)
@@ -265,7 +264,7 @@ class _Cell:
         require_complete(found, place)
         return found
 
-    def _sized(self, part: Part, column: str, gripper: Gripper, place: str) -> Sized:
+    def _sized(self, part: Part, column: str, gripper: Gripper, place: Place) -> Sized:
         if column not in self._sizes:
             raise NotFoundError(
                 f"{place}: the cell has no column '{column}'.{did_you_mean(column, self._sizes)} "
@@ -283,7 +282,7 @@ def _put(message: dict[str, Any], name: str, value: object) -> None:
     message[last] = value
 
 
-def _get(message: Mapping[str, Any], name: str, place: str) -> Any:
+def _get(message: Mapping[str, Any], name: str, place: Place) -> Any:
     value: Any = message
     for key in name.split(">"):
         if not isinstance(value, Mapping) or key not in value:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from robocell._core import Pose, SpecError
 from robocell._placeholders import Gripper, is_difference
+from robocell._yaml import Place
 
 FORMS = ("position", "rotation_vector")
 
@@ -106,7 +107,7 @@ def _joined(forms: Mapping[str, Array], size: int) -> Array:
     return np.concatenate([position, rotation], axis=-1)
 
 
-def require_complete(parts: Sequence[Sized], place: str) -> None:
+def require_complete(parts: Sequence[Sized], place: Place) -> None:
     """Raises SpecError for forms that the columns do not have, and for half of a pose."""
     forms: dict[str, list[str]] = {}
     for each in parts:

@@ -13,6 +13,9 @@
     with robocell.data.EnvRecorder(env, "out/teleop"):  # episodes from an environment
         env.reset()
         env.step(action)
+    with robocell.data.EpisodeWriter("out/real", "pick-000", columns) as episode:  # or row by row
+        episode.add_row({"time": 0.0, "robots/ur5e/arm/qpos": qpos})
+        episode.commit(success=True)
 
 Importing it loads neither numpy nor torch. docs/data.md describes the files.
 """
@@ -44,6 +47,7 @@ from robocell._core import (
 from robocell._elsewhere import no_such, not_in
 from robocell.data._environments import env_of_episode
 from robocell.data._recorder import EnvRecorder, Recordable
+from robocell.data._writer import CameraStream, ColumnSpec, EpisodeWriter
 
 if TYPE_CHECKING:
     from robocell.data._matrix import rows
@@ -51,11 +55,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "NO_SEGMENT",
+    "CameraStream",
     "Column",
+    "ColumnSpec",
     "Dataset",
     "DatasetLock",
     "EnvRecorder",
     "Episode",
+    "EpisodeWriter",
     "Recordable",
     "RepairResult",
     "ReplayDifference",

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from types import TracebackType
 from typing import Any, Protocol, Self, runtime_checkable
 
 from robocell._core import ArgumentError, Env, EnvBatch, RunEnv, _EnvRecorder
+from robocell.data._metadata import metadata_text
 
 
 @runtime_checkable
@@ -74,14 +74,7 @@ class EnvRecorder:
         copy: int | None = None,
     ) -> None:
         core = _core_of(env)
-        try:
-            text = json.dumps(dict(metadata or {}), allow_nan=False)
-            _require_storable(json.loads(text))
-        except (TypeError, ValueError) as error:
-            raise ArgumentError(
-                f"metadata cannot be kept with episodes, as JSON: {error}; it takes texts, finite "
-                "numbers, booleans, None, and lists and dictionaries of those"
-            ) from error
+        text = metadata_text(metadata)
         folder = Path(dataset)
         if isinstance(core, Env):
             if copy is not None:
@@ -146,24 +139,6 @@ class EnvRecorder:
         if kind is not None:
             self.discard()
         self.close()
-
-
-def _require_storable(value: Any) -> None:
-    """Raises ValueError for what Python writes as JSON and other readers change or reject."""
-    if isinstance(value, dict):
-        for key, inner in value.items():
-            _require_storable(key)
-            _require_storable(inner)
-    elif isinstance(value, list):
-        for inner in value:
-            _require_storable(inner)
-    elif isinstance(value, str):
-        try:
-            value.encode()
-        except UnicodeEncodeError:
-            raise ValueError(f"the text {value!r} is not valid Unicode") from None
-    elif isinstance(value, int) and not -(2**63) <= value < 2**64:
-        raise ValueError(f"the number {value} does not fit in 64 bits")
 
 
 def _core_of(env: Any) -> Env | EnvBatch:

@@ -199,6 +199,11 @@ def _default_actions(own: bool, features: Mapping[str, Feature]) -> list[str]:
     return [name for name in names if f"{name}_relative" in features]
 
 
+CHOOSE = (
+    "Choose other `observations` and `actions`, an `env` that has these features, or a dataset of "
+    "this cell"
+)
+
 # These sentences say how a user names a robot or an object of an environment.
 _NAMING = {
     "robots": "name the robot so in `robots` of the environment's configuration",
@@ -217,7 +222,8 @@ def _why_missing(name: str, known: Sequence[str]) -> str:
         if wanted and wanted[1] not in here:
             there = ", ".join(map(repr, sorted(here))) or "none"
             return f"{text}, whose {part} are: {there}. For '{wanted[1]}' {naming}"
-    return text + (f".{near}" if (near := did_you_mean(name, known)) else f": {shortened(known)}")
+    near = did_you_mean(name, known)
+    return f"{text}{f'.{near}' if near else f': {shortened(known)}.'} {CHOOSE}"
 
 
 class DatasetEnv(gymnasium.Env[Any, Any]):
@@ -324,7 +330,7 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
             if name not in here:
                 raise NotFoundError(_why_missing(name, sorted(here)))
             if difference := recorded.difference_from(here[name]):
-                raise ArgumentError(f"{difference}: the dataset is of another cell")
+                raise ArgumentError(f"{difference}: the dataset is of another cell. {CHOOSE}")
         self._checked = True
 
     def _observe(self) -> Any:
@@ -391,7 +397,9 @@ def _shared_features(dataset: Dataset) -> dict[str, Feature]:
     """Returns the features that all inspected episodes have, in the first one's order."""
     count = len(dataset)
     if not count:
-        raise ArgumentError(f"'{dataset.folder}' has no episode, so its cell is unknown")
+        raise ArgumentError(
+            f"'{dataset.folder}' has no episode, so its cell is unknown. Name a dataset with some"
+        )
     step = max(1, count // LOOKED_AT)
     shared: dict[str, Feature] | None = None
     for index in range(0, count, step):

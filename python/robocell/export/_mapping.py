@@ -27,13 +27,13 @@ from robocell._placeholders import (
 )
 from robocell._preset_fields import gripper_of, image_size_of
 from robocell._suggestions import did_you_mean, shortened
+from robocell._yaml import Place
 from robocell.export._features import DONE, Feature, Resolved, Term, feature_of
 from robocell.export._table import (
-    TABLES,
+    built_in_table,
     chosen_action,
     listed_actions,
     merge_table,
-    preset_file,
     read_preset,
     read_table,
     require_apart,
@@ -50,7 +50,7 @@ class Mapping:
     """The table of features.
 
     Attributes:
-        place: The file that the table was read from, which begins its error messages.
+        place: The files that the table was read from; it begins error messages.
         features: Columns of each feature, as patterns.
         actions: Ready-made columns of the actions, by name.
         images: Camera of each image feature, as patterns.
@@ -64,7 +64,7 @@ class Mapping:
         own: Features that a preset, a file or the user names; each must have a column.
     """
 
-    place: str
+    place: Place
     features: dict[str, list[Term]]
     actions: dict[str, list[Term]]
     images: dict[str, str]
@@ -101,20 +101,25 @@ class Mapping:
             SpecError: A file is not such a table.
             NotFoundError: There are no actions or no preset of this name.
         """
-        whole = read_table(TABLES / table)
-        place, template = f"mapping '{table}'", template_of(whole["images"])
+        whole, place = built_in_table(table)
+        template = template_of(whole["images"])
         wanted: set[str] = set()
         if preset is not None:
-            path = preset_file(preset)
-            place, template = f"preset '{preset}'", ""
-            wanted |= merge_table(whole, read_preset(path, place), place, replaces=True)
+            own, place_of_own = read_preset(preset)
+            place, template = place_of_own.over(place), ""
+            wanted |= merge_table(whole, own, place_of_own, replaces=True)
         if file is not None:
-            place = f"mapping '{file}'"
-            wanted |= merge_table(whole, read_table(file), place, replaces=False)
-        choices = {name: terms_of(whole["actions"], name, place) for name in whole["actions"]}
+            own, place_of_own = read_table(file)
+            place = place_of_own.over(place)
+            wanted |= merge_table(whole, own, place_of_own, replaces=False)
+        choices = {
+            name: terms_of(whole["actions"], name, place.at("actions")) for name in whole["actions"]
+        }
         chosen = whole.get("action_feature", "action")
         if not isinstance(chosen, str | None):
-            raise SpecError(f"{place}: action_feature is the name of a feature, got {chosen!r}")
+            raise SpecError(
+                f"{place.at('action_feature')} is the name of a feature, got {chosen!r}"
+            )
         if actions is not None and chosen is None:
             raise ArgumentError(
                 f"{place} has actions of several kinds; '{actions}' has nothing to choose"
@@ -127,27 +132,24 @@ class Mapping:
         features = {}
         for name, columns in whole["features"].items():
             if isinstance(columns, str) and name == chosen:
-                features[name] = chosen_action(columns, choices, place)
+                features[name] = chosen_action(columns, choices, place.at("features", name))
             elif columns is not None:
-                features[name] = terms_of(whole["features"], name, place)
-        require_names([*features, *(whole["images"] or {})], place)
+                features[name] = terms_of(whole["features"], name, place.at("features"))
+        require_names(features, place.at("features"))
+        require_names(whole["images"] or {}, place.at("images"))
         _require_words(features, choices, whole["images"] or {}, place)
         named = [("features", name) for name in features]
         named += [("images", name) for name in whole["images"] or {}]
-        own = [
-            f"{field}.{name}"
-            for field, name in named
-            if any(name == each or name.startswith(f"{each}/") for each in reserved)
-        ]
-        if own:
-            raise SpecError(
-                f"{place}: {own[0]} is written by the export itself; choose another name"
-            )
+        for field, name in named:
+            if any(name == each or name.startswith(f"{each}/") for each in reserved):
+                raise SpecError(
+                    f"{place.at(field, name)} is written by the export itself; choose another name"
+                )
         task = whole["task"]
         text = task.get("text") if isinstance(task, dict) else None
         if not isinstance(text if isinstance(task, dict) else task, str):
             raise SpecError(
-                f"{place}: task is an entry of the metadata, 'instruction', or {{text: 'a "
+                f"{place.at('task')} is an entry of the metadata, 'instruction', or {{text: 'a "
                 f"sentence'}}; got {task!r}"
             )
         return cls(
@@ -213,9 +215,10 @@ class Mapping:
         terms: dict[Term, None] = {}
         repeated = [entry.column for entry in entries if "{" in entry.column]
         if repeated and not groups:
+            place = self.place.at("features", feature)
             raise NotFoundError(
-                f"{self.place}: features.{feature}: episode '{episode.folder}' has no robots with "
-                f"actions, as '{repeated[0]}' needs. Name its columns in a file: --mapping FILE"
+                f"{place}: episode '{episode.folder}' has no robots with actions, as "
+                f"'{repeated[0]}' needs. Name its columns in a file: --mapping FILE"
             )
         for entry, name in expanded(entries, groups):
             for column in self._find(episode, feature, name, known):
@@ -228,9 +231,10 @@ class Mapping:
         """Raises NotFoundError for a feature without a column, unless it may be left out."""
         for entry in entries:
             if not entry.column.endswith("?"):
+                place = self.place.at("features", feature)
                 raise NotFoundError(
-                    f"{self.place}: features.{feature}: episode '{episode.folder}' has no column "
-                    f"for '{entry.column}': its robots have no such group. Its columns: "
+                    f"{place}: episode '{episode.folder}' has no column for '{entry.column}': "
+                    "its robots have no such group. Its columns: "
                     f"{shortened(_nearest_first(entry.column, known))}. '{entry.column}?' may be "
                     "left out"
                 )
@@ -241,7 +245,7 @@ class Mapping:
             return found
         if entry.endswith("?"):
             return []
-        place = f"{self.place}: features.{feature}: episode '{episode.folder}'"
+        place = f"{self.place.at('features', feature)}: episode '{episode.folder}'"
         name = entry.split("|")[0]
         if name in episode.columns:
             table = episode.column(name).table
@@ -272,7 +276,7 @@ class Mapping:
             elif not camera.endswith("?"):
                 name = camera.split("|")[0]
                 raise NotFoundError(
-                    f"{self.place}: images.{feature}: episode '{episode.folder}' has no camera "
+                    f"{self.place.at('images', feature)}: episode '{episode.folder}' has no camera "
                     f"'{name}' with colour images.{did_you_mean(name, there)} Its cameras: "
                     f"{', '.join(there) or 'none'}"
                 )
@@ -295,12 +299,12 @@ class Mapping:
             return task
         if task == "":
             raise NotFoundError(
-                f"{self.place}: task: '{self.task}' of episode '{episode.folder}' is empty. A "
+                f"{self.place.at('task')}: '{self.task}' of episode '{episode.folder}' is empty. A "
                 'mapping file with `task: {text: "..."}` gives one'
             )
         texts = [name for name, value in metadata.items() if isinstance(value, str)]
         raise NotFoundError(
-            f"{self.place}: task: the metadata of episode '{episode.folder}' has no text "
+            f"{self.place.at('task')}: the metadata of episode '{episode.folder}' has no text "
             f"'{self.task}'.{did_you_mean(self.task, texts)} Its texts: "
             f'{shortened(texts) or "none"}. A mapping file with `task: {{text: "..."}}` gives one'
         )
@@ -310,14 +314,15 @@ def _require_words(
     features: dict[str, list[Term]],
     choices: dict[str, list[Term]],
     images: dict[str, str],
-    place: str,
+    place: Place,
 ) -> None:
     """Raises SpecError for a placeholder that stands for nothing."""
     for name in features:
-        require_placeholders(str(name), f"{place}: features", OF_NAMES)
+        require_placeholders(str(name), place.at("features").near(name), OF_NAMES)
         if sum(each in str(name) for each in OF_NAMES) > 1:
             raise SpecError(
-                f"{place}: '{name}' has several of {', '.join(OF_NAMES)}; one is allowed"
+                f"{place.near('features', name)}: '{name}' has several of "
+                f"{', '.join(OF_NAMES)}; one is allowed"
             )
     for field, table in (("features", features), ("actions", choices)):
         for name, terms in table.items():
@@ -325,11 +330,11 @@ def _require_words(
                 each for each in ("{group}", "{arm}") if field == "features" and each in str(name)
             ]
             for index, term in enumerate(terms):
-                require_column(term.column, f"{place}: {field}.{name}[{index}]", more)
+                require_column(term.column, place.at(field, name, index), more)
     for name, camera in images.items():
-        require_placeholders(name, f"{place}: images", ["{camera}"])
+        require_placeholders(name, place.at("images").near(name), ["{camera}"])
         allowed = ["{camera}"] if "{camera}" in name else []
-        require_placeholders(camera, f"{place}: images.{name}", allowed)
+        require_placeholders(camera, place.at("images", name), allowed)
 
 
 def _named(

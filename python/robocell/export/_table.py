@@ -13,12 +13,12 @@ from robocell._core import NotFoundError, SpecError
 from robocell._preset_fields import (
     EXTENDS,
     columns_of,
-    file_of_preset,
     read_extended,
     read_fields,
     require_known,
 )
 from robocell._suggestions import did_you_mean
+from robocell._yaml import Place
 from robocell.export._features import PARTS, Term
 
 TABLES = Path(__file__).with_name("tables")
@@ -27,29 +27,33 @@ FIELDS = ("features", "actions", "action_feature", "images", "image_size", "grip
 PRESET_FIELDS = (EXTENDS, *FIELDS)
 
 
-def preset_file(name: str) -> Path:
-    """Returns the file of a preset: a built-in one, or one of the user. Raises NotFoundError."""
-    return file_of_preset(name, PRESETS)
-
-
-def read_table(file: Path) -> dict[str, Any]:
-    """Returns the content of a YAML file that holds a table."""
+def read_table(file: Path) -> tuple[dict[str, Any], Place]:
+    """Returns the content of a user's YAML file that holds a table, and its place."""
     return read_fields(file, "mapping", FIELDS, "robocell.export", "export")
 
 
-def read_preset(file: Path, place: str) -> dict[str, Any]:
-    """Returns the content of a preset, with the fields of the one that it extends."""
+def built_in_table(name: str) -> tuple[dict[str, Any], Place]:
+    """Returns the content of a format's own table, and its place."""
+    shown: dict[str, Any] = {"name": name, "has_lines": False}
+    return read_fields(TABLES / name, "mapping", FIELDS, "robocell.export", "export", **shown)
 
-    def read(one: Path) -> dict[str, Any]:
-        return read_fields(one, "preset", PRESET_FIELDS, "robocell.export", "export")
 
-    content, _ = read_extended(file, place, PRESETS, read)
+def read_preset(name: str) -> tuple[dict[str, Any], Place]:
+    """Returns the content of a preset with the fields of the one that it extends, and its place.
+
+    Raises NotFoundError if there is neither a built-in preset of this name nor a file.
+    """
+
+    def read(one: Path, **shown: Any) -> tuple[dict[str, Any], Place]:
+        return read_fields(one, "preset", PRESET_FIELDS, "robocell.export", "export", **shown)
+
+    content, place, _ = read_extended(name, PRESETS, read)
     require_known(content, place, PRESET_FIELDS)
-    return content
+    return content, place
 
 
 def merge_table(
-    table: dict[str, Any], own: dict[str, Any], place: str, *, replaces: bool
+    table: dict[str, Any], own: dict[str, Any], place: Place, *, replaces: bool
 ) -> set[str]:
     """Puts the fields of a file into a table, and returns the features that the file names.
 
@@ -63,7 +67,7 @@ def merge_table(
     for name, content in own.items():
         if name in ("features", "actions"):
             if not isinstance(content, dict):
-                raise SpecError(f"{place}: {name} is a table of lists of columns, got {content!r}")
+                raise SpecError(f"{place.at(name)} is a table of lists of columns, got {content!r}")
             if replaces and name == "features":
                 table[name] = {}
             table[name] |= content
@@ -75,23 +79,25 @@ def merge_table(
                 and all(isinstance(each, str) for pair in content.items() for each in pair)
             )
         ):
-            raise SpecError(f"{place}: images is a table of cameras, 'observation.images.x: wrist'")
+            raise SpecError(
+                f"{place.at(name)} is a table of cameras, 'observation.images.x: wrist'"
+            )
         table[name] = content
     return set(own.get("features", {}))
 
 
-def require_names(names: Iterable[object], place: str) -> None:
+def require_names(names: Iterable[object], place: Place) -> None:
     """Raises SpecError for names of features that cannot be parts of a path."""
     for name in names:
         parts = str(name).split("/")
         if not all(part and part.strip(".") and part.isprintable() for part in parts):
             raise SpecError(
-                f"{place}: '{name}' cannot be the name of a feature: names are words, with / "
-                "between them"
+                f"{place.near(str(name))}: '{name}' cannot be the name of a feature: names are "
+                "words, with / between them"
             )
 
 
-def require_apart(names: Sequence[str], place: str) -> None:
+def require_apart(names: Sequence[str], place: Place) -> None:
     """Raises SpecError unless every name can be that of an array, also beside the others."""
     taken: set[str] = set()
     for name in names:
@@ -110,13 +116,13 @@ def template_of(images: dict[str, str]) -> str:
     return next((name for name in images if "{camera}" in name), "")
 
 
-def terms_of(table: dict[str, Any], name: str, place: str) -> list[Term]:
-    """Returns the columns of an entry."""
-    entries = columns_of(table[name], f"{place}: {name}", PARTS, may_be_empty=True)
+def terms_of(table: dict[str, Any], name: str, place: Place) -> list[Term]:
+    """Returns the columns of an entry. `place`: that of the table."""
+    entries = columns_of(table[name], place.at(name), PARTS, may_be_empty=True)
     return [Term(each.column, each.form, each.times) for each in entries]
 
 
-def chosen_action(name: str, choices: dict[str, list[Term]], place: str) -> list[Term]:
+def chosen_action(name: str, choices: dict[str, list[Term]], place: Place | str) -> list[Term]:
     """Returns the columns of ready-made actions."""
     if name in choices:
         return choices[name]

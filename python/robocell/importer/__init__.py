@@ -10,7 +10,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,7 +23,7 @@ from robocell.importer._origins import FORMATS, find, open_origin
 if TYPE_CHECKING:
     from robocell._staging import Staging
     from robocell.importer._column_names import Names
-    from robocell.importer._episode_files import Content
+    from robocell.importer._episodes import Content
     from robocell.importer._recording import Column, Origin
 
 __all__ = ["FORMATS", "Imported", "import_dataset"]
@@ -122,7 +122,7 @@ def import_dataset(
         "fingerprint": origin.fingerprint,
         "format": kind,
         "episodes": len(origin),
-        "names": asdict(names),
+        "names": {"columns": names.columns, "cameras": names.cameras},
         "task": task,
         "rate": str(hertz),
         "assume_success": assume_success,
@@ -152,18 +152,20 @@ def _write(
     """Writes the episodes that are missing, and dataset.json; returns the totals."""
     import shutil
 
-    from robocell.importer._episode_files import write_episode
+    from robocell.data import remove_leftovers
+    from robocell.importer._episodes import write_episode
 
+    remove_leftovers(where.folder, folders_only=True)  # of a killed import
     totals = {"rows": 0, "cameras": 0, "successes": 0, "silent": 0, "resumed": 0}
     for index in range(len(origin)):
         id = f"episode-{index:06d}"
         kept = where.state(id)
         if kept is None or not (where.folder / id).is_dir():
+            shutil.rmtree(where.folder / id, ignore_errors=True)  # it was to be kept next
             content = _content(origin, index, id, names, rate, request)
-            partial = where.scratch("episode")
-            shutil.rmtree(partial, ignore_errors=True)
-            partial.mkdir()
-            write_episode(content, partial)
+            scratch = where.scratch("videos")
+            shutil.rmtree(scratch, ignore_errors=True)
+            write_episode(content, where.folder, scratch)
             kept = {
                 "rows": content.rows,
                 "cameras": len(content.cameras),
@@ -171,7 +173,6 @@ def _write(
                 "silent": int("success" not in content.columns),
             }
             where.keep(id, kept)
-            partial.rename(where.path(id))
         else:
             totals["resumed"] += 1
         totals["rows"] += kept["rows"]
@@ -193,7 +194,7 @@ def _content(
     origin: Origin, index: int, id: str, names: Names, rate: Fraction, request: dict[str, Any]
 ) -> Content:
     """Returns what the episode of a recording has."""
-    from robocell.importer._episode_files import Content
+    from robocell.importer._episodes import Content
 
     recording = origin.read(index)
     if recording.rows < 1:

@@ -18,7 +18,7 @@ from typing import Any
 
 from robocell._core import ArgumentError, NotFoundError, SpecError
 from robocell._suggestions import did_you_mean
-from robocell._yaml import read_yaml
+from robocell._yaml import Place, read_yaml
 from robocell.importer._entries import is_text
 from robocell.importer._recording import Column, Origin, Recording
 
@@ -35,12 +35,12 @@ class Names:
     """The names of a file of the user.
 
     Attributes:
-        place: The file, which begins error messages.
+        place: The file, which begins error messages; None without one.
         columns: Parts of each column; without parts it is left out.
         cameras: Camera of each name; None leaves it out.
     """
 
-    place: str = ""
+    place: Place | None = None
     columns: dict[str, tuple[Part, ...]] = field(default_factory=dict)
     cameras: dict[str, str | None] = field(default_factory=dict)
 
@@ -52,36 +52,39 @@ class Names:
             SpecError: It is not such a table.
             IoError: It cannot be read.
         """
-        place = f"mapping '{file}'"
-        content = read_yaml(file, "mapping", "robocell.importer", "export")
+        content, place = read_yaml(file, "mapping", "robocell.importer", "export")
         if not isinstance(content, dict):
             raise SpecError(f"{place} is a table with the fields {', '.join(FIELDS)}")
         for name in content:
             if name not in FIELDS:
                 raise SpecError(
-                    f"{place}: no field '{name}'.{did_you_mean(str(name), FIELDS)} Its fields: "
-                    f"{', '.join(FIELDS)}"
+                    f"{place.near(str(name))}: no field '{name}'."
+                    f"{did_you_mean(str(name), FIELDS)} Its fields: {', '.join(FIELDS)}"
                 )
         columns, cameras = (content.get(name) or {} for name in FIELDS)
         for name, table in zip(FIELDS, (columns, cameras), strict=True):
             if not isinstance(table, dict):
-                raise SpecError(f"{place}: {name} is a table of names, got {table!r}")
+                raise SpecError(f"{place.at(name)} is a table of names, got {table!r}")
             for key in table:
                 if not isinstance(key, str):
-                    raise SpecError(f"{place}: {name} is a table of names, not of {key!r}")
+                    raise SpecError(f"{place.at(name)} is a table of names, not of {key!r}")
         for name, camera in cameras.items():
             if not isinstance(camera, str | None):
-                raise SpecError(f"{place}: cameras.{name} is a name or null, got {camera!r}")
+                raise SpecError(f"{place.at('cameras', name)} is a name or null, got {camera!r}")
             if camera is not None and not is_file_name(camera):
-                raise SpecError(f"{place}: cameras.{name} is {camera!r}, which no file can have")
+                raise SpecError(
+                    f"{place.at('cameras', name)} is {camera!r}, which no file can have"
+                )
         return cls(
             place,
-            {name: _parts(place, name, entry) for name, entry in columns.items()},
+            {name: _parts(place.at("columns", name), entry) for name, entry in columns.items()},
             cameras,
         )
 
     def require_known(self, recording: Recording) -> None:
         """Raises NotFoundError for a name that the first recording does not have."""
+        if self.place is None:
+            return
         for what, own, known in (
             ("column", self.columns, recording.columns),
             ("camera", self.cameras, recording.images),
@@ -89,7 +92,7 @@ class Names:
             for name in own:
                 if name not in known:
                     raise NotFoundError(
-                        f"{self.place}: the dataset has no {what} '{name}'."
+                        f"{self.place.near(f'{what}s', name)}: the dataset has no {what} '{name}'."
                         f"{did_you_mean(name, known)} It has: {', '.join(known) or 'none'}"
                     )
 
@@ -112,8 +115,9 @@ class Names:
                 _require_path(target, name)
                 found[target] = column
                 if first is not None:
-                    place = f"{self.place}: '{target}'"
-                    found[target] = _part(column, name, first, last, place)
+                    assert self.place is not None, "only a file has parts"
+                    place = self.place.near("columns", name, target)
+                    found[target] = _part(column, name, first, last, f"{place}: '{target}'")
         return _apart(found)
 
     def _targets(self, name: str, origin: Origin) -> tuple[Part, ...]:
@@ -170,11 +174,11 @@ def _same(what: str, target: str, name: str) -> ArgumentError:
     return ArgumentError(f"two {what} would be '{target}', one of them '{name}'. {RENAMED}")
 
 
-def _parts(place: str, name: str, entry: Any) -> tuple[Part, ...]:
+def _parts(place: Place, entry: Any) -> tuple[Part, ...]:
     if entry is None:
         return ()
     if entry == TIME or (isinstance(entry, dict) and TIME in entry):
-        raise SpecError(f"{place}: columns.{name}: '{TIME}' is made from the rate; choose another")
+        raise SpecError(f"{place}: '{TIME}' is made from the rate; choose another")
     if isinstance(entry, str):
         return ((entry, None, None),)
     if isinstance(entry, dict) and all(
@@ -187,7 +191,7 @@ def _parts(place: str, name: str, entry: Any) -> tuple[Part, ...]:
     ):
         return tuple((column, first, last) for column, (first, last) in entry.items())
     raise SpecError(
-        f"{place}: columns.{name} is a column, null, or parts such as {{robots/arm/arm/qpos: "
+        f"{place} is a column, null, or parts such as {{robots/arm/arm/qpos: "
         f"[0, 7]}}; got {entry!r}"
     )
 

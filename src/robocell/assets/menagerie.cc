@@ -56,10 +56,10 @@ fs::path RecordedFolder(const std::string& robot) {
 // Warns once per process for each robot: names are looked up many times.
 void WarnOfOtherVersion(const std::string& robot, const fs::path& recorded, const fs::path& other) {
   static std::mutex mutex;
-  static std::set<std::string> told;
+  static std::set<std::string> warned;
   {
     const std::lock_guard lock(mutex);
-    if (!told.insert(recorded.string()).second) return;
+    if (!warned.insert(recorded.string()).second) return;
   }
   LogWarn(
       fmt::format("menagerie robot '{0}': the version that `robocell fetch` recorded is not in the "

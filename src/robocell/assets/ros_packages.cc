@@ -61,8 +61,8 @@ bool IsFolder(const fs::path& path) {
 
 bool IsPackage(const fs::path& folder, const std::string& name) {
   if (!IsFolder(folder)) return false;
-  const std::string said = NameInManifest(folder);
-  return said.empty() ? folder.filename() == name : said == name;
+  const std::string declared = NameInManifest(folder);
+  return declared.empty() ? folder.filename() == name : declared == name;
 }
 
 // Returns the package in a folder of packages: the folder itself, a child, or a child of a

@@ -80,7 +80,7 @@ TEST_F(RosPackagesOfUrdf, MeshesOutsideOfTheirRoots) {
   }
 }
 
-// As in a dataset, which keeps the files that were read.
+// A dataset keeps the files that were read in this form.
 TEST_F(RosPackagesOfUrdf, ACopyOfTheFilesInAnotherFolder) {
   WriteMesh(root_ / "arm_description/meshes/upper.obj");
   EXPECT_EQ(Read({.upper = kMass + Mesh("package://elsewhere/meshes/upper.dae")})

@@ -135,22 +135,22 @@ void CheckMimic(const Urdf& urdf, UrdfProblems& problems) {
                              ". Correct the name, or remove the <mimic>");
       continue;
     }
-    std::vector<std::string> way = {joint.name};
+    std::vector<std::string> path = {joint.name};
     const UrdfJoint* at = leader;
-    while (at && std::find(way.begin(), way.end(), at->name) == way.end()) {
-      way.push_back(at->name);
+    while (at && std::find(path.begin(), path.end(), at->name) == path.end()) {
+      path.push_back(at->name);
       at = at->mimic ? urdf.joint(at->mimic->joint) : nullptr;
     }
     // Reported once, at the joint of the circle that is first in the file.
     if (!at || at->name != joint.name) continue;
-    const bool first = std::all_of(way.begin(), way.end(), [&](const std::string& name) {
+    const bool first = std::all_of(path.begin(), path.end(), [&](const std::string& name) {
       return urdf.joint(name) >= &joint;
     });
     if (first)
       problems.Add(joint.mimic->line,
                    fmt::format("the mimic joints {} follow each other in a circle, so that none of "
                                "them can be driven. Remove the <mimic> of one of them",
-                               ListNames(way)));
+                               ListNames(path)));
   }
 }
 

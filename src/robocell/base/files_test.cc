@@ -309,10 +309,10 @@ TEST_F(FilesTest, ReportsThatTheFileExistsAfterALateFailure) {
   fs::permissions(root(), fs::perms(0755));
   fs::permissions(work, fs::perms(0777));
   fs::permissions(dataset, fs::perms(0333));
-  const std::string said = SaidToNobody([&] { CommitDirectory(work, final); });
+  const std::string message = MessageAsNobody([&] { CommitDirectory(work, final); });
   fs::permissions(dataset, fs::perms(0755));
-  EXPECT_THAT(said, StartsWith("'" + final.string() + "' is in place, but a power cut may"));
-  EXPECT_THAT(said, HasSubstr("Permission denied"));
+  EXPECT_THAT(message, StartsWith("'" + final.string() + "' is in place, but a power cut may"));
+  EXPECT_THAT(message, HasSubstr("Permission denied"));
   EXPECT_THAT(Names(dataset), ElementsAre("episode"));
 }
 

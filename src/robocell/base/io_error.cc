@@ -13,16 +13,16 @@ namespace {
 
 constexpr std::string_view kHintEnd = "free there. Make room and try again.";
 
-bool TellsOf(int error, std::string_view said) {
-  return said.find(std::generic_category().message(error)) != std::string_view::npos;
+bool NamesError(int error, std::string_view message) {
+  return message.find(std::generic_category().message(error)) != std::string_view::npos;
 }
 
 // Removes ". 12 bytes are needed, 0 are free there. Make room and try again.".
-void CutHint(std::string& said) {
-  const size_t end = said.find(kHintEnd);
+void CutHint(std::string& message) {
+  const size_t end = message.find(kHintEnd);
   if (end == std::string::npos) return;
-  const size_t begin = said.rfind(". ", end);
-  if (begin != std::string::npos) said.erase(begin, end + kHintEnd.size() - begin);
+  const size_t begin = message.rfind(". ", end);
+  if (begin != std::string::npos) message.erase(begin, end + kHintEnd.size() - begin);
 }
 
 std::string Hint(const fs::path& path, int error, std::optional<uint64_t> needed_bytes) {
@@ -74,20 +74,20 @@ std::string SpaceHint(const fs::path& path, std::optional<uint64_t> needed_bytes
   return fmt::format("{} bytes are needed, {} are {}", *needed_bytes, free, kHintEnd);
 }
 
-std::string WithSpaceHint(std::string said, const fs::path& path, uint64_t written_bytes) {
-  const bool of_quota = TellsOf(EDQUOT, said);
-  if (!of_quota && !TellsOf(ENOSPC, said)) return said;
-  CutHint(said);
+std::string WithSpaceHint(std::string message, const fs::path& path, uint64_t written_bytes) {
+  const bool of_quota = NamesError(EDQUOT, message);
+  if (!of_quota && !NamesError(ENOSPC, message)) return message;
+  CutHint(message);
   if (of_quota)
     return fmt::format(
         "{}. More than {} bytes are needed, and the quota leaves less. Make room and try again.",
-        said, written_bytes);
+        message, written_bytes);
   uint64_t room = written_bytes;
   try {
     room += FreeBytes(path);
   } catch (const IoError&) {
   }
-  return fmt::format("{}. More than {} bytes are needed, {} are {}", said, room, room, kHintEnd);
+  return fmt::format("{}. More than {} bytes are needed, {} are {}", message, room, room, kHintEnd);
 }
 
 }  // namespace robocell

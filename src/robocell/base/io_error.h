@@ -28,7 +28,7 @@ std::string SpaceHint(const std::filesystem::path& path, std::optional<uint64_t>
 // Adds a hint to the message about a file that is written in parts, while the written part still
 // takes up `written_bytes`. For a full disk the hint adds these to the needed bytes. A hint about
 // the last part is left out.
-std::string WithSpaceHint(std::string said, const std::filesystem::path& path,
+std::string WithSpaceHint(std::string message, const std::filesystem::path& path,
                           uint64_t written_bytes);
 
 }  // namespace robocell

@@ -24,13 +24,14 @@ TEST(FullDisk, AddsOneConsistentHintToOtherMessages) {
   constexpr uint64_t kWritten = uint64_t{1} << 50;
   for (const char* own :
        {"", ". 12 bytes are needed, 0 are free there. Make room and try again."}) {
-    const std::string said =
+    const std::string message =
         WithSpaceHint(std::string("it said 'No space left on device'") + own, "/tmp", kWritten);
-    EXPECT_THAT(said, MatchesRegex("it said 'No space left on device'. More than [0-9]+ bytes are "
-                                   "needed, [0-9]+ are free there. Make room and try again."));
+    EXPECT_THAT(message,
+                MatchesRegex("it said 'No space left on device'. More than [0-9]+ bytes are "
+                             "needed, [0-9]+ are free there. Make room and try again."));
     uint64_t needed = 0, free = 0;
-    ASSERT_EQ(std::sscanf(said.c_str(), "%*[^.]. More than %lu bytes are needed, %lu are", &needed,
-                          &free),
+    ASSERT_EQ(std::sscanf(message.c_str(), "%*[^.]. More than %lu bytes are needed, %lu are",
+                          &needed, &free),
               2);
     EXPECT_GE(needed, kWritten) << "what it had already";
     EXPECT_EQ(needed, free) << "when that is gone";

@@ -20,11 +20,11 @@ class BasicPollClock {
   // returns true with the first step after that; up to seven steps later if the previous ones took
   // less than 1 ms each.
   bool IsDue() {
-    if (++steps_ < steps_to_ask_) return false;
+    if (++steps_ < steps_to_read_) return false;
     const auto now = Clock::now();
-    steps_to_ask_ = now - asked_ < steps_ * kQuick ? kMostSteps : 1;
+    steps_to_read_ = now - last_read_ < steps_ * kQuick ? kMostSteps : 1;
     steps_ = 0;
-    asked_ = now;
+    last_read_ = now;
     if (now < due_) return false;
     due_ = now + kPeriod;
     return true;
@@ -34,8 +34,8 @@ class BasicPollClock {
   static constexpr int kMostSteps = 8;
   static constexpr std::chrono::milliseconds kQuick{1}, kPeriod{10};
 
-  typename Clock::time_point asked_ = Clock::now(), due_ = asked_ + kPeriod;
-  int steps_ = 0, steps_to_ask_ = 1;
+  typename Clock::time_point last_read_ = Clock::now(), due_ = last_read_ + kPeriod;
+  int steps_ = 0, steps_to_read_ = 1;
 };
 
 using PollClock = BasicPollClock<std::chrono::steady_clock>;

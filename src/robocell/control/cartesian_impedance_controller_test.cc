@@ -33,8 +33,8 @@ TEST_P(CartesianImpedance, TheTcpYieldsLikeASpringAlongTheAxesOfTheBase) {
   const Vector3d force(5, -7, 9);  // exerted by the arm: it moves in this direction
   soft.SetFeedforward({force[0], force[1], force[2], 0, 0, 0});
   RunFor(robot, 1500);
-  const Vector3d way = robot.FkFrame().translation() - start.translation();
-  EXPECT_LT((way - Vector3d(0.01, -0.01, 0.01)).norm(), 1e-3);
+  const Vector3d displacement = robot.FkFrame().translation() - start.translation();
+  EXPECT_LT((displacement - Vector3d(0.01, -0.01, 0.01)).norm(), 1e-3);
   EXPECT_LT((start.inverse() * robot.FkFrame()).angle(), 0.01);
 }
 
@@ -60,8 +60,8 @@ TEST_P(CartesianImpedance, TheTcpReachesItsTargetWithoutOvershoot) {
   double farthest = 0;
   for (int i = 0; i < 2500; ++i) {  // damped joints of the model take their time
     RunFor(robot, 1);
-    const Vector3d way = robot.FkFrame().translation() - start.translation();
-    farthest = std::max(farthest, way.dot(step.normalized()));
+    const Vector3d displacement = robot.FkFrame().translation() - start.translation();
+    farthest = std::max(farthest, displacement.dot(step.normalized()));
   }
   EXPECT_LT(farthest, 1.1 * step.norm());
   const Pose off = soft.pose().inverse() * robot.FkFrame();

@@ -85,14 +85,14 @@ void CartesianPoseController::HoldServos() {
 }
 
 void CartesianPoseController::MoveReference(double seconds) {
-  const internal::PoseError way = internal::ErrorTo(ToTransform(pose()), reference_);
-  const double distance = way.linear.norm(), angle = way.angular.norm();
+  const internal::PoseError error = internal::ErrorTo(ToTransform(pose()), reference_);
+  const double distance = error.linear.norm(), angle = error.angular.norm();
   // Both arrive together.
   const double needed = std::max(distance / max_linear_speed_, angle / max_angular_speed_);
   const double share = needed > seconds ? seconds / needed : 1;
-  reference_.translation += share * way.linear;
+  reference_.translation += share * error.linear;
   if (angle > 0) {
-    const Eigen::AngleAxisd turn(share * angle, way.angular / angle);
+    const Eigen::AngleAxisd turn(share * angle, error.angular / angle);
     reference_.rotation = turn.toRotationMatrix() * reference_.rotation;
   }
 }

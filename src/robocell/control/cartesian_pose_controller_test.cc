@@ -36,7 +36,7 @@ TEST_P(CartesianPose, MovesStraightWithinItsSpeedLimit) {
   const Pose goal = Pose(start.translation() + Vector3d(-0.05, 0.08, -0.06), start.rotation()) *
                     Pose::FromRotvec(Vector3d::Zero(), Vector3d(0.1, 0.15, 0));
   cartesian.SetPose(goal);
-  const Vector3d way = (goal.translation() - start.translation()).normalized();
+  const Vector3d direction = (goal.translation() - start.translation()).normalized();
   const double dt = scene.timestep();
   double off = 0, fastest = 0;
   Vector3d before = start.translation();
@@ -45,7 +45,7 @@ TEST_P(CartesianPose, MovesStraightWithinItsSpeedLimit) {
     ASSERT_TRUE(robot.Step().ok());
     const Pose now = robot.FkFrame(cartesian.commanded_joint_pos());
     const Vector3d moved = now.translation() - start.translation();
-    off = std::max(off, (moved - moved.dot(way) * way).norm());
+    off = std::max(off, (moved - moved.dot(direction) * direction).norm());
     fastest = std::max(fastest, (now.translation() - before).norm() / dt);
     before = now.translation();
   }

@@ -57,10 +57,10 @@ TEST(DifferentialIkController, AcceptsTwistsInWorldAxes) {
   const Pose base = robot.base_in_world();
   const Pose start = base * robot.FkFrame(jog.commanded_joint_pos());
   jog.SetFrame(TwistFrame::kWorld);
-  const Vector3d way(0.02, 0.01, 0.04);
-  jog.SetTwist({.linear = 2 * way});
+  const Vector3d displacement(0.02, 0.01, 0.04);
+  jog.SetTwist({.linear = 2 * displacement});
   Drive(robot, 0.5);
-  const Pose there(start.translation() + way, start.rotation());
+  const Pose there(start.translation() + displacement, start.rotation());
   EXPECT_TRUE((base * robot.FkFrame(jog.commanded_joint_pos())).is_close(there, 2e-3, 1e-3));
 }
 

@@ -79,13 +79,13 @@ class Present {
 }  // namespace
 
 std::vector<std::string> LostEpisodes(const fs::path& dataset) {
-  std::set<std::string> told;
+  std::set<std::string> reported;
   for (const std::string& name : FolderNames(dataset)) {
-    if (IsReportFile(name)) AddSuccesses(dataset, name, told);
+    if (IsReportFile(name)) AddSuccesses(dataset, name, reported);
   }
   const Present present(dataset);
-  std::erase_if(told, [&](const std::string& id) { return present.Has(id); });
-  return {told.begin(), told.end()};
+  std::erase_if(reported, [&](const std::string& id) { return present.Has(id); });
+  return {reported.begin(), reported.end()};
 }
 
 std::optional<std::vector<int>> HousesOfReports(const fs::path& dataset) {

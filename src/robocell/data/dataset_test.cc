@@ -50,12 +50,12 @@ TEST(Dataset, ReportsCopiedAndRenamedEpisodes) {
   for (const char* id : {"a", "b"}) SampleEpisode(0, false).Write(folder.path(), id);
   fs::copy(folder / "a", folder / "a_copy");
   fs::rename(folder / "b", folder / "c");
-  std::vector<std::string> told;
-  const ScopedLogSink log([&](LogLevel, std::string_view text) { told.emplace_back(text); });
+  std::vector<std::string> logged;
+  const ScopedLogSink log([&](LogLevel, std::string_view text) { logged.emplace_back(text); });
   const Dataset dataset(folder.path());
   EXPECT_THAT(dataset.ids(), ElementsAre("a"));
   EXPECT_THAT(dataset.misnamed(), ElementsAre(Pair("a_copy", "a"), Pair("c", "b")));
-  EXPECT_THAT(told,
+  EXPECT_THAT(logged,
               ElementsAre(HasSubstr("a_copy' holds episode 'a': it was copied or renamed"),
                           HasSubstr("c' holds episode 'b': it was copied or renamed, and does "
                                     "not count. Remove the copy, or give the folder its name "

@@ -87,14 +87,15 @@ TEST(EpisodeCommit, DoesNotReportACommittedEpisodeAsLost) {
   if (geteuid() == 0) {
     ASSERT_EQ(chown(folder.path().c_str(), kNobody, kNobody), 0);
   }
-  const std::string said = SaidToNobody([&] {
+  const std::string message = MessageAsNobody([&] {
     EpisodeWriter writer(folder.path(), "e", sample.schema);  // must not undo the commit
     sample.PutRows(writer, 3);
     fs::permissions(folder.path(), fs::perms(0333));
     writer.Commit({});
   });
   fs::permissions(folder.path(), fs::perms(0755));
-  EXPECT_THAT(said, StartsWith("episode 'e': '" + (folder / "e").string() + "' is in place, but"));
+  EXPECT_THAT(message,
+              StartsWith("episode 'e': '" + (folder / "e").string() + "' is in place, but"));
   EXPECT_EQ(Episode(folder / "e").rows(), 3);
   EXPECT_TRUE(Verify(folder.path()).ok());
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <system_error>
 #include <type_traits>
@@ -22,6 +23,7 @@
 #include "robocell/data/model_store.h"
 #include "robocell/data/steps_file.h"
 #include "robocell/data/work_folder.h"
+#include "robocell/media/video_info.h"
 #include "robocell/media/video_writer.h"
 
 namespace robocell {
@@ -32,10 +34,29 @@ using Json = nlohmann::ordered_json;
 
 // The videos of one camera.
 struct CameraFiles {
-  VideoWriter colour;
+  std::optional<VideoWriter> colour;  // unset if a finished video was added
+  int64_t added_frames = 0;           // of the finished video
   std::optional<VideoWriter> depth = {};
   std::optional<VideoWriter> segmentation = {};
+
+  int64_t frames() const { return colour ? colour->frames() : added_frames; }
 };
+
+// Throws ArgumentError unless a video has the size and rate of a camera.
+void RequireVideoOf(const CameraStream& camera, const std::string& where, const VideoInfo& info) {
+  const int divisor = std::gcd(camera.fps_num, camera.fps_den);
+  const bool has_rate = info.constant_rate && info.fps_num == camera.fps_num / divisor &&
+                        info.fps_den == camera.fps_den / divisor;
+  if (info.kind == VideoKind::kColour && info.width == camera.width &&
+      info.height == camera.height && has_rate)
+    return;
+  throw ArgumentError(
+      fmt::format("{} is {} of {}x{} px at {}/{} fps{}; the camera was declared with colour, {}x{} "
+                  "px and {}/{}",
+                  where, info.kind == VideoKind::kColour ? "a video" : "a 16-bit video", info.width,
+                  info.height, info.fps_num, info.fps_den, info.constant_rate ? "" : " on average",
+                  camera.width, camera.height, camera.fps_num, camera.fps_den));
+}
 
 enum class State { kOpen, kFailed, kCommitted, kAborted };
 
@@ -142,9 +163,9 @@ struct EpisodeWriter::Impl {
   void RequireLabels(std::span<const uint16_t> labels) const;
   void Open(const EpisodeOptions& options);
   void RequireFramesMatchRows() const;
-  void RequireOnePerRow(const CameraEntry& camera, const char* what,
-                        const VideoWriter& video) const;
+  void RequireOnePerRow(const CameraEntry& camera, const char* what, int64_t frames) const;
   CameraFiles& VideosOf(CameraId camera);
+  std::string CameraName(CameraId camera) const;
   void CloseFiles();
   internal::EpisodeContent Content() const;
 };
@@ -161,7 +182,8 @@ void EpisodeWriter::Impl::Open(const EpisodeOptions& options) {
                        .preset = options.video_preset,
                        .crf = options.video_crf,
                        .keyframe_interval = options.video_keyframe_interval};
-    videos.push_back({.colour = VideoWriter(work->path() / VideoFile(stream.name), video)});
+    videos.emplace_back();
+    videos.back().colour.emplace(work->path() / VideoFile(stream.name), video);
     video.kind = VideoKind::kGray16;
     if (stream.depth) videos.back().depth.emplace(work->path() / DepthFile(stream.name), video);
     if (stream.segmentation)
@@ -172,27 +194,28 @@ void EpisodeWriter::Impl::Open(const EpisodeOptions& options) {
 void EpisodeWriter::Impl::RequireFramesMatchRows() const {
   if (steps->rows(kStepsTable) == 0) throw ArgumentError(fmt::format("{}: it has no row", name));
   for (size_t i = 0; i < videos.size(); ++i) {
-    RequireOnePerRow(schema.cameras()[i], "frame", videos[i].colour);
-    if (videos[i].depth) RequireOnePerRow(schema.cameras()[i], "depth frame", *videos[i].depth);
+    const CameraEntry& camera = schema.cameras()[i];
+    RequireOnePerRow(camera, "frame", videos[i].frames());
+    if (videos[i].depth) RequireOnePerRow(camera, "depth frame", videos[i].depth->frames());
     if (videos[i].segmentation)
-      RequireOnePerRow(schema.cameras()[i], "segmentation frame", *videos[i].segmentation);
+      RequireOnePerRow(camera, "segmentation frame", videos[i].segmentation->frames());
   }
 }
 
 void EpisodeWriter::Impl::RequireOnePerRow(const CameraEntry& camera, const char* what,
-                                           const VideoWriter& video) const {
+                                           int64_t frames) const {
   const int64_t rows = steps->rows(camera.table);
-  if (video.frames() == rows) return;
+  if (frames == rows) return;
   throw ArgumentError(
       fmt::format("{}: camera '{}' has {} for the {} of table '{}'; each row needs one", name,
-                  camera.stream.name, Counted(video.frames(), what), Counted(rows, "row"),
+                  camera.stream.name, Counted(frames, what), Counted(rows, "row"),
                   schema.tables()[camera.table.index].name));
 }
 
 void EpisodeWriter::Impl::CloseFiles() {
   steps->Close();
   for (CameraFiles& camera : videos) {
-    camera.colour.Finish();
+    if (camera.colour) camera.colour->Finish();
     if (camera.depth) camera.depth->Finish();
     if (camera.segmentation) camera.segmentation->Finish();
   }
@@ -212,7 +235,7 @@ internal::EpisodeContent EpisodeWriter::Impl::Content() const {
   for (size_t i = 0; i < schema.tables().size(); ++i)
     content.rows.push_back(steps->rows({static_cast<int>(i)}));
   for (const CameraFiles& camera : videos) {
-    content.frames.push_back({camera.colour.frames(), camera.depth ? camera.depth->frames() : 0,
+    content.frames.push_back({camera.frames(), camera.depth ? camera.depth->frames() : 0,
                               camera.segmentation ? camera.segmentation->frames() : 0});
   }
   return content;
@@ -278,6 +301,10 @@ void EpisodeWriter::EndRow(TableId table) {
   impl_->Do("EndRow()", [&] { impl_->steps->EndRow(table); });
 }
 
+std::string EpisodeWriter::Impl::CameraName(CameraId camera) const {
+  return fmt::format("{}: camera '{}'", name, schema.cameras()[camera.index].stream.name);
+}
+
 CameraFiles& EpisodeWriter::Impl::VideosOf(CameraId camera) {
   if (camera.index >= 0 && camera.index < static_cast<int>(videos.size()))
     return videos[camera.index];
@@ -286,15 +313,38 @@ CameraFiles& EpisodeWriter::Impl::VideosOf(CameraId camera) {
 }
 
 void EpisodeWriter::WriteFrame(CameraId camera, std::span<const uint8_t> rgb) {
-  impl_->Do("WriteFrame()", [&] { impl_->VideosOf(camera).colour.Write(rgb); });
+  impl_->Do("WriteFrame()", [&] {
+    std::optional<VideoWriter>& video = impl_->VideosOf(camera).colour;
+    if (!video) throw ArgumentError(impl_->CameraName(camera) + " has a video already");
+    video->Write(rgb);
+  });
+}
+
+void EpisodeWriter::AddVideo(CameraId camera, const fs::path& video) {
+  impl_->Do("AddVideo()", [&] {
+    CameraFiles& files = impl_->VideosOf(camera);
+    const std::string name = impl_->CameraName(camera);
+    if (!files.colour || files.frames() > 0)
+      throw ArgumentError(name + " has frames already; it takes one video, or single frames");
+    const CameraStream& stream = impl_->schema.cameras()[camera.index].stream;
+    VideoInfo info;
+    try {
+      info = ReadVideoInfo(video);
+    } catch (const IoError& error) {
+      throw ArgumentError(fmt::format("{}: {}", name, error.what()));  // the caller's file
+    }
+    RequireVideoOf(stream, fmt::format("{}: '{}'", name, video.string()), info);
+    files.colour.reset();
+    fs::copy_file(video, impl_->work->path() / VideoFile(stream.name));
+    files.added_frames = info.frames;
+  });
 }
 
 void EpisodeWriter::WriteDepth(CameraId camera, std::span<const uint16_t> millimetres) {
   impl_->Do("WriteDepth()", [&] {
     std::optional<VideoWriter>& video = impl_->VideosOf(camera).depth;
     if (!video) {
-      throw ArgumentError(fmt::format("{}: camera '{}' was declared without depth", impl_->name,
-                                      impl_->schema.cameras()[camera.index].stream.name));
+      throw ArgumentError(impl_->CameraName(camera) + " was declared without depth");
     }
     video->Write(millimetres);
   });
@@ -316,9 +366,7 @@ void EpisodeWriter::WriteSegmentation(CameraId camera, std::span<const uint16_t>
   impl_->Do("WriteSegmentation()", [&] {
     std::optional<VideoWriter>& video = impl_->VideosOf(camera).segmentation;
     if (!video) {
-      throw ArgumentError(fmt::format("{}: camera '{}' was declared without segmentation",
-                                      impl_->name,
-                                      impl_->schema.cameras()[camera.index].stream.name));
+      throw ArgumentError(impl_->CameraName(camera) + " was declared without segmentation");
     }
     impl_->RequireLabels(labels);
     video->Write(labels);
@@ -382,7 +430,7 @@ int64_t EpisodeWriter::rows(TableId table) const {
   return impl_->steps ? impl_->steps->rows(table) : 0;
 }
 int64_t EpisodeWriter::frames(CameraId camera) const {
-  return impl_->videos.empty() ? 0 : impl_->videos.at(camera.index).colour.frames();
+  return impl_->videos.empty() ? 0 : impl_->videos.at(camera.index).frames();
 }
 int64_t EpisodeWriter::depth_frames(CameraId camera) const {
   if (impl_->videos.empty()) return 0;

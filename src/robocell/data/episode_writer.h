@@ -93,6 +93,10 @@ class EpisodeWriter {
   // Writes the frame of the next row without one: row-major RGB. May be called before or after
   // EndRow().
   void WriteFrame(CameraId camera, std::span<const uint8_t> rgb);
+  // Takes a finished video as all frames of a camera, instead of WriteFrame(); the file is copied.
+  // Throws ArgumentError if its size or rate is not the camera's, it is not a video, or the camera
+  // has frames already.
+  void AddVideo(CameraId camera, const std::filesystem::path& video);
   // Writes the image of a camera with depth: row-major millimetres. Also needed once per row.
   void WriteDepth(CameraId camera, std::span<const uint16_t> millimetres);
   // Writes the image of a camera with segmentation: indices of the schema's labels, or kNoSegment.

@@ -207,6 +207,55 @@ TEST(EpisodeWriter, EveryRowNeedsItsFrame) {
   ExpectThrow<ClosedError>([&] { episode.Commit({}); }, "Commit() after it was committed");
 }
 
+TEST(EpisodeWriter, AFinishedVideoIsCopied) {
+  TempDir folder;
+  const SampleEpisode sample;
+  const fs::path video = sample.Write(folder.path(), "first", 3) / "wrist.mp4";
+  EpisodeWriter episode(folder.path(), "second", sample.schema);
+  for (int row = 0; row < 3; ++row) sample.PutRow(episode, row);
+  sample.PutControl(episode, 0);
+  episode.AddVideo(sample.wrist, video);
+  EXPECT_EQ(episode.frames(sample.wrist), 3);
+  ExpectThrow<ArgumentError>([&] { episode.WriteFrame(sample.wrist, TestFrame(64, 48, 3)); },
+                             "episode 'second': camera 'wrist' has a video already");
+  ExpectThrow<ArgumentError>([&] { episode.AddVideo(sample.wrist, video); },
+                             "has frames already; it takes one video, or single frames");
+  const fs::path copied = episode.Commit({.success = true});
+  EXPECT_EQ(ReadFile(copied / "wrist.mp4"), ReadFile(video));
+  EXPECT_EQ(WithoutRun(copied)["versions"]["encoder"],
+            WithoutRun(video.parent_path())["versions"]["encoder"]);
+  EXPECT_TRUE(Verify(folder.path()).ok());
+}
+
+TEST(EpisodeWriter, RejectsVideosOfAnotherCamera) {
+  TempDir folder;
+  const SampleEpisode sample;
+  const fs::path video = sample.Write(folder.path(), "first", 3) / "wrist.mp4";
+  EpisodeSchema schema;
+  const ColumnId time = schema.AddColumn({.name = "time"});
+  const CameraId slow = schema.AddCamera({.name = "slow", .width = 64, .height = 48});
+  const CameraId large = schema.AddCamera(
+      {.name = "large", .width = 128, .height = 96, .fps_num = 1000, .fps_den = 66});
+  const CameraId same =
+      schema.AddCamera({.name = "same", .width = 64, .height = 48, .fps_num = 1000, .fps_den = 66});
+  EpisodeWriter episode(folder.path(), "second", schema);
+  ExpectThrow<ArgumentError>([&] { episode.AddVideo(slow, video); },
+                             "is a video of 64x48 px at 500/33 fps; the camera was declared with "
+                             "colour, 64x48 px and 30/1");
+  ExpectThrow<ArgumentError>([&] { episode.AddVideo(large, video); }, "128x96 px and 1000/66");
+  ExpectThrow<ArgumentError>([&] { episode.AddVideo(same, folder.path() / "none.mp4"); },
+                             "episode 'second': camera 'same': ");
+  for (int row = 0; row < 2; ++row) {
+    episode.Put(time, 0.1 * row);
+    episode.EndRow();
+    episode.WriteFrame(slow, TestFrame(64, 48, row));
+    episode.WriteFrame(large, TestFrame(128, 96, row));
+  }
+  episode.AddVideo(same, video);
+  ExpectThrow<ArgumentError>([&] { episode.Commit({}); },
+                             "camera 'same' has 3 frames for the 2 rows of table 'steps'");
+}
+
 TEST(EpisodeWriter, DepthRoundTripsBitwise) {
   TempDir folder;
   const Episode episode(SampleEpisode(5, true, true).Write(folder.path(), "pick-000", 12));

@@ -188,7 +188,7 @@ StrayModels StrayModelsIn(const fs::path& dataset) {
   for (const std::string& name : NamesInModels(dataset)) {
     const std::string own = fs::path(name).filename().string();
     if (IsTemporaryName(own) || IsModel(dataset, name)) continue;
-    (IsStoredName(own) ? stray.in_the_way : stray.others).push_back(name);
+    (IsStoredName(own) ? stray.blocking : stray.others).push_back(name);
   }
   return stray;
 }

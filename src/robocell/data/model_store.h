@@ -56,7 +56,7 @@ std::vector<std::string> StoredModels(const std::filesystem::path& dataset);
 
 // Other entries in the folder of models, except those being written: names as above, sorted.
 struct StrayModels {
-  std::vector<std::string> in_the_way;  // files and links with the name of a model
+  std::vector<std::string> blocking;  // files and links with the name of a model
   std::vector<std::string> others;
 };
 StrayModels StrayModelsIn(const std::filesystem::path& dataset);

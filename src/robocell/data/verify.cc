@@ -154,7 +154,7 @@ void VerifyStoredModels(const fs::path& dataset, VerifyResult& result) {
     }
   }
   const internal::StrayModels stray = internal::StrayModelsIn(dataset);
-  for (const std::string& name : stray.in_the_way) {
+  for (const std::string& name : stray.blocking) {
     AddPart(name,
             fmt::format("it has the name of a model and is {}", internal::WhatIsAt(dataset / name)),
             ProblemKind::kForeign, result);

@@ -128,7 +128,7 @@ TEST_F(VerifyTest, UnreadableModelsHideNoEpisode) {
   ASSERT_TRUE(Verify(folder_.path()).ok()) << Verify(folder_.path()).Text();
   const auto none = fs::perms::none;
   const auto list_only = fs::perms(0444);
-  for (const auto& [closed, perms, said] :
+  for (const auto& [closed, perms, message] :
        {std::tuple{std::string("models"), none, std::string("models: cannot list '")},
         std::tuple{std::string("models"), list_only, std::string("models: cannot look into '")},
         std::tuple{model, none, model + ": cannot list '"},
@@ -141,7 +141,7 @@ TEST_F(VerifyTest, UnreadableModelsHideNoEpisode) {
       EXPECT_THAT(result.good, ElementsAre("a", "b", "c"));
       ASSERT_EQ(result.problems.size(), 1u) << result.Text();
       EXPECT_THAT(result.problems[0].Text(),
-                  AllOf(StartsWith(said), HasSubstr("': Permission denied")));
+                  AllOf(StartsWith(message), HasSubstr("': Permission denied")));
       EXPECT_TRUE(result.only_unreadable());
       EXPECT_THAT(result.bad_parts, IsEmpty());
       EXPECT_THAT(result.foreign, IsEmpty());

@@ -117,10 +117,10 @@ TEST_F(HingedFingers, SuggestWhereToMeasureTheDistance) {
   const ScopedLogSink sink([&](LogLevel, std::string_view text) { warnings.emplace_back(text); });
   const RobotConfig config = Config(gentle_, "}\n");
   const std::vector<std::string> lines = LinesOfRobot(RobotAlone(config));
-  const auto told = HasSubstr("the distance of 'left' and 'right' stays at 0.044 m for ");
-  ASSERT_THAT(lines, ElementsAre(AllOf(HasSubstr("move_groups.gripper.fingers: "), told)));
+  const auto flat_part = HasSubstr("the distance of 'left' and 'right' stays at 0.044 m for ");
+  ASSERT_THAT(lines, ElementsAre(AllOf(HasSubstr("move_groups.gripper.fingers: "), flat_part)));
   RobotAlone(config).gripper().opening();
-  EXPECT_THAT(warnings, ElementsAre(told, told)) << "once for each of the two models";
+  EXPECT_THAT(warnings, ElementsAre(flat_part, flat_part)) << "once for each of the two models";
   warnings.clear();
   const std::string fingers = Advice(lines[0], "fingers: [{"), edits = Advice(lines[0], "edits: [");
   EXPECT_THAT(fingers, HasSubstr("[{site: left_tip}, {site: right_tip}]"));

@@ -20,6 +20,7 @@ namespace {
 using Eigen::Vector3d;
 using RowMatrix3d = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
+constexpr const char* kOffset = "tcp_offset";
 constexpr double kTcpFar = 0.15;  // metres: a TCP at the wrist is nearer, with most grippers
 
 // The box around a geom.
@@ -64,6 +65,16 @@ std::string PlaceText(Vector3d p) {
   return fmt::format("[{:.3g}, {:.3g}, {:.3g}]", p.x(), p.y(), p.z());
 }
 
+// Returns the field of the robot's file that puts the TCP of this arm where it is.
+std::string FieldOfTcp(const Robot& robot, const MoveGroup& arm) {
+  const auto& groups = robot.config().move_groups;
+  const std::string leaf = "move_groups." + arm.name() + ".leaf";
+  if (groups.contains(arm.name()) && groups.at(arm.name()).leaf) return leaf;
+  const RobotRecord& record = robot.scene().compiled()->robot(robot.name());
+  if (record.tcp_site) return kOffset;
+  return record.attachment_site ? "attachment_site" : leaf;
+}
+
 // Warns of an arm whose TCP is farther than that, and than the fingers' distance, from both fingers
 // of its gripper. Ignores arms without such a gripper.
 void WarnOfFarTcp(const Robot& robot, const MoveGroup& arm, Findings& findings) {
@@ -91,14 +102,19 @@ void WarnOfFarTcp(const Robot& robot, const MoveGroup& arm, Findings& findings) 
   const CompiledScene& compiled = *robot.scene().compiled();
   const SiteAdvice advice = HowToAddSite(compiled, compiled.robot(robot.name()),
                                          ElementName(m, mjOBJ_BODY, hand), "tcp", middle);
+  const std::string field = FieldOfTcp(robot, arm);
+  const bool is_offset = field == kOffset;
   findings.WarnAbout(
-      "move_groups." + arm.name() + ".leaf",
+      field,
       fmt::format(
           "the TCP is {:.3g} m away from the fingers of '{}', and commands and recordings use the "
           "TCP. In the frame of '{}' it is at {} m, and the middle between the fingers "
-          "at {}: name a site there ({})",
-          distance, name, body, in_hand(tcp), middle, advice.text),
-      advice.edit);
+          "at {}: {}",
+          distance, name, body, in_hand(tcp), middle,
+          is_offset ? fmt::format("correct the offset, which begins at site '{}'",
+                                  robot.config().attachment_site.value_or(""))
+                    : fmt::format("name a site there ({})", advice.text)),
+      is_offset ? "" : advice.edit);
 }
 
 }  // namespace

@@ -10,8 +10,10 @@
 namespace robocell {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::Contains;
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::Not;
@@ -19,7 +21,10 @@ using ::testing::Not;
 // An arm of one joint whose hand has two sliding fingers, 0.1 m long, and the TCP at a given place.
 class TcpPlace : public ::testing::Test {
  protected:
-  std::vector<std::string> Doubts(const std::string& tcp) {
+  // `arm`: the arm's further fields. `robot`: those of the robot.
+  std::vector<std::string> Doubts(const std::string& tcp,
+                                  const std::string& arm = ", leaf: {site: tcp}",
+                                  const std::string& robot = "") {
     const std::string model = folder_.Write(
         "slides", fmt::format(R"(<compiler angle="radian"/><worldbody><body name="post" pos="0 0 1">
 <geom size="0.02" pos="0 0 -0.5"/><body name="hand" pos="0.3 0 0" euler="0.4 0.5 0">
@@ -34,12 +39,14 @@ class TcpPlace : public ::testing::Test {
 <actuator><position name="turn" joint="roll" kp="200" kv="20"/>
 <position name="grip" joint="left" kp="400" kv="20" ctrlrange="0 0.03"/></actuator>)",
                               tcp));
-    AtomicWrite(file_,
-                "name: slides\nmodel: " + model +
-                    "\nmove_groups:\n"
-                    "  arm: {kind: arm, joints: [roll], actuators: turn, leaf: {site: tcp}}\n"
-                    "  gripper: {kind: gripper, joints: [left, right], actuators: grip}\n"
-                    "gravcomp: true\n");
+    AtomicWrite(file_, "name: slides\nmodel: " + model +
+                           "\nmove_groups:\n"
+                           "  arm: {kind: arm, joints: [roll], actuators: turn" +
+                           arm +
+                           "}\n"
+                           "  gripper: {kind: gripper, joints: [left, right], actuators: grip}\n"
+                           "gravcomp: true\n" +
+                           robot);
     return LinesOfRobot(RobotAlone(RobotConfig::Load(file_)));
   }
 
@@ -62,6 +69,15 @@ TEST_F(TcpPlace, WarnsAboutATcpFarFromTheFingers) {
                   "0.06]: name a site there (edits: [{add_site: tcp, body: hand, pos: [0, 0, "
                   "0.06]}] adds one)"));
   EXPECT_EQ(Doubts("0.2 0 0.05").size(), 1u);
+}
+
+TEST_F(TcpPlace, NamesTheFieldThatPutTheTcpThere) {
+  EXPECT_THAT(Doubts("0 0 0", "", "attachment_site: tcp\ntcp_offset: {pos: [0, 0, 10]}\n"),
+              ElementsAre(AllOf(HasSubstr(":8:13: tcp_offset: the TCP is 9.89 m away"),
+                                EndsWith("correct the offset, which begins at site 'tcp'"))));
+  EXPECT_THAT(Doubts("0 0 10", "", "attachment_site: tcp\n"),
+              ElementsAre(AllOf(HasSubstr(":7:18: attachment_site: the TCP is 9.89 m away"),
+                                HasSubstr("name a site there"))));
 }
 
 class RobotsTcp : public ::testing::TestWithParam<RobotCase> {};

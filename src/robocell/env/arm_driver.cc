@@ -439,7 +439,7 @@ bool ArmDriver::SendOwn(Action& action) {
     DriveTo(InsideLimits(command->values));
   else if (!robot_.Apply({{robot_.arm().name(), *command}}).ok)
     return false;
-  // What an action after this one starts from.
+  // The next action starts from these targets.
   const std::span<const double> driven = controller_->commanded_joint_pos();
   for (size_t i = 0; i < before.size(); ++i) memory_.pending_joints[i] += driven[i] - before[i];
   memory_.sent_joints = PositionsOf(driven);

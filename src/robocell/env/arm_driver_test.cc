@@ -63,15 +63,15 @@ TEST(EnvTargetLead, ReportsTheDistanceTakenBack) {
   ModelFolder folder;
   Env env(OneHingeOnABlock(folder));
   env.Reset({.seed = 1});
-  bool told = false;
+  bool moved = false;
   for (int i = 0; i < 20; ++i) {
     const double before = TargetOf(env);
     env.Step(Numbers{0.04});
     const double taken = env.motions()[0].joint_taken_back;
     EXPECT_NEAR(TargetOf(env), before - taken + 0.04, 1e-12);
-    told = told || taken > 0.01;
+    moved = moved || taken > 0.01;
   }
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(moved);
   env.Step(Numbers{0});
   EXPECT_EQ(env.motions()[0].joint_taken_back, 0);
 }
@@ -252,9 +252,9 @@ std::pair<double, double> PushLinkAgainstABox(EnvConfig config, const BlockedLin
   Env env(config);
   env.Reset({.seed = 10});
   const Robot robot = Robot::Of(env.scene(), env.layout().robots[0].robot);
-  const auto move = [&](const Eigen::Vector3d& way) {
+  const auto move = [&](const Eigen::Vector3d& displacement) {
     Numbers action(7, 0);
-    std::copy_n(way.data(), 3, action.begin());
+    std::copy_n(displacement.data(), 3, action.begin());
     action[6] = 1;
     env.Step(action);
   };
@@ -265,8 +265,8 @@ std::pair<double, double> PushLinkAgainstABox(EnvConfig config, const BlockedLin
   for (size_t i = 0; i < q.size(); ++i) most = std::max(most, std::abs(sent[i] - q[i]));
   const Pose pressed = robot.tcp_in_world();
   move(-blocked.push);
-  const Eigen::Vector3d way = robot.tcp_in_world().translation() - pressed.translation();
-  return {most, -way.dot(blocked.push.normalized())};
+  const Eigen::Vector3d displacement = robot.tcp_in_world().translation() - pressed.translation();
+  return {most, -displacement.dot(blocked.push.normalized())};
 }
 
 // The lead of joints is three times that of poses, 0.3 rad, and one action.

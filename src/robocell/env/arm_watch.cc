@@ -15,7 +15,7 @@ constexpr double kSettling = 0.1;
 // The largest motion of a resting joint from the beginning of a window to its middle and its end: a
 // share of its tolerance, or of the distance to its target. An arm that swings slowly may end a
 // window where it began.
-constexpr double kRestShare = 0.1, kRestShareOfWay = 0.01;
+constexpr double kRestShare = 0.1, kRestShareOfDistance = 0.01;
 // A joint that creeps to its target is moving as long as it gets within its tolerance in no more
 // than this time, s.
 constexpr double kPatience = 1;
@@ -94,7 +94,7 @@ bool ArmWatch::HasHardlyMoved(std::span<const double> wanted, double window) con
     const double nearer = std::abs(window_pos_[i] - wanted[i]) - left,
                  beyond = left - tolerances_[i];
     if (beyond > 0 && nearer * kPatience > beyond * window) return false;
-    const double most = std::max(kRestShare * tolerances_[i], kRestShareOfWay * left);
+    const double most = std::max(kRestShare * tolerances_[i], kRestShareOfDistance * left);
     if (std::abs(now - window_pos_[i]) > most) return false;
     if (std::abs(middle_pos_[i] - window_pos_[i]) > most) return false;
   }

@@ -86,10 +86,11 @@ TEST_F(CellTest, ADivergedStepHasNoVerdictAndIsNotRevoked) {
     scene.data()->qvel[0] = 1e12;
     return StepOutcome();
   };
-  bool asked = false;
-  const CellStep step = cell.Step({.send = send, .goes_back = [&] { return asked = true, false; }});
+  bool was_called = false;
+  const CellStep step =
+      cell.Step({.send = send, .goes_back = [&] { return was_called = true, false; }});
   EXPECT_FALSE(step.ok());
-  EXPECT_FALSE(asked);
+  EXPECT_FALSE(was_called);
   EXPECT_EQ(step.verdict.reward, 0);
 }
 
@@ -97,7 +98,7 @@ TEST_F(CellTest, AVerdictThatIsNotANumberNamesThePlace) {
   Cell cell = Make(&task);
   task.offset = std::numeric_limits<double>::infinity();
   ExpectThrow<HookError>([&] { cell.Step({.send = [&] { return cell.Send({}); }}); },
-                         "test: the task's reward() is inf");
+                         "test: the task's reward is inf");
   cell.DropTask();
   EXPECT_EQ(cell.Step({.send = [&] { return cell.Send({}); }}).verdict.reward, 0);
 }

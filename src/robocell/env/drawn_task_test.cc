@@ -115,11 +115,11 @@ TEST(DrawnTask, TargetAndGoalAreObservedByTheirPartsWhateverIsDrawn) {
                                        "robots/robot/objects/goal/pose_in_tcp", "task/goal"}));
   EXPECT_THAT(ColumnsOf(env), ::testing::Not(::testing::Contains("objects/target_mug/pose")));
   EXPECT_THAT(ColumnsOf(env), ::testing::Not(::testing::Contains("task/target")));
-  std::set<std::string> said;
+  std::set<std::string> instructions;
   for (uint64_t seed = 0; seed < 12; ++seed) {
     env.Reset({.seed = seed});
     const std::string words = env.instruction();
-    said.insert(words);
+    instructions.insert(words);
     const bool is_mug = words.find("mug") != std::string::npos;
     const Eigen::Vector3d target = At(env, is_mug ? "target_mug" : "target_nut");
     const bool on_tray = words.find("tray") != std::string::npos;
@@ -137,7 +137,7 @@ TEST(DrawnTask, TargetAndGoalAreObservedByTheirPartsWhateverIsDrawn) {
     EXPECT_LT((Recorded(env, "objects/object_1/pose") - other).norm(), 1e-12) << words;
   }
   EXPECT_THAT(env.task()->objects(), ::testing::ElementsAre("target", "goal", "object_1"));
-  EXPECT_EQ(said.size(), 4u) << "both of each were drawn";
+  EXPECT_EQ(instructions.size(), 4u) << "both of each were drawn";
 }
 
 TEST(DrawnTask, ObjectsAreAlsoObservedByTheirNamesInTheScene) {
@@ -292,7 +292,7 @@ TEST(DrawnTask, AGoalThatIsALittleTooLowSaysHowHighItHasToBe) {
                          "over what is under it, and the root of 'target");
 }
 
-// As in a run: an entry by kind is about the drawn object of that kind.
+// An entry by kind places the drawn object of that kind, as in a run.
 TEST(DrawnTask, PlacesMayNameObjectsByTheirKinds) {
   EnvConfig config = OnTheFloor(PickTaskConfig{.objects = {"box", "nut", "bottle"}});
   config.places = {{"nut", {.next_to = "box"}}};
@@ -307,15 +307,16 @@ TEST(DrawnTask, PlacesMayNameObjectsByTheirKinds) {
   // The entry of the target is about another object in each start.
   config.places = {{"target", {.next_to = "box"}}};
   Env other(config);
-  std::set<std::string> said;
+  std::set<std::string> instructions;
   for (uint64_t seed = 0; seed < 8; ++seed) {
     other.Reset({.seed = seed});
     const Eigen::Vector3d box = At(other, "target_box");
     const std::string target = other.task()->object_of("target");
-    said.insert(target);
+    instructions.insert(target);
     EXPECT_LT((At(other, target) - box).head<2>().norm(), 0.2) << seed;
   }
-  EXPECT_THAT(said, UnorderedElementsAre("target_nut", "target_bottle")) << "there is one box";
+  EXPECT_THAT(instructions, UnorderedElementsAre("target_nut", "target_bottle"))
+      << "there is one box";
   config.places = {{"target", {.next_to = "shpere"}}};
   ExpectThrow<SpecError>([&] { const Env wrong(config); },
                          "places.target: no object or body 'shpere'");

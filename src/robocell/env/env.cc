@@ -96,7 +96,7 @@ int64_t TicksUntil(double seconds, double timestep) {
 }
 
 // Notifies all observers of a step that has ended, whatever the first one throws.
-void TellOfStep(const std::vector<EnvObserver*>& observers, const EnvStep& step) {
+void NotifyOfStep(const std::vector<EnvObserver*>& observers, const EnvStep& step) {
   std::exception_ptr first;
   for (EnvObserver* observer : observers) {
     try {
@@ -133,6 +133,9 @@ EnvStep Env::Act(const std::map<std::string, std::vector<double>>& commands,
 }
 void Env::WantReset() { state_->WantReset(); }
 void Env::RequireAction(std::span<const double> action) const { state_->RequireAction(action); }
+void Env::RequireCommands(const std::map<std::string, std::vector<double>>& commands) {
+  state_->RequireCommands(commands);
+}
 std::span<const double> Env::observation() const { return state_->observation(); }
 CellFeatures& Env::features() { return state_->features(); }
 const std::vector<ArmMotion>& Env::motions() const { return state_->motions(); }
@@ -181,7 +184,7 @@ Env::State::State(EnvConfig config, Scene scene, std::optional<int> copy,
     for (const std::string& warning : scene_.compiled()->warnings())
       LogWarn(fmt::format("{}: {}", place(), warning));
     for (const internal::ArmDriver& arm : arms_) {
-      TellUndriven(arm.robot());
+      WarnOfUndriven(arm.robot());
       RequireDistances(arm);
     }
   }
@@ -197,8 +200,8 @@ void Env::State::RequireDistances(const internal::ArmDriver& arm) const {
   }
 }
 
-void Env::State::TellUndriven(const Robot& robot) const {
-  const std::string unused = internal::TellUnusedGroups(robot);
+void Env::State::WarnOfUndriven(const Robot& robot) const {
+  const std::string unused = internal::DescribeUnusedGroups(robot);
   if (unused.empty()) return;
   LogWarn(fmt::format(
       "{} / robot '{}': has several arms or grippers, and a robot of an environment acts with one "
@@ -279,6 +282,11 @@ void Env::State::RequireAction(std::span<const double> action) const {
                                     Counted(layout_.action.size(), "number"), action.size()));
   }
   for (const internal::ArmDriver& arm : arms_) arm.RequireAction(action, place());
+}
+
+Action Env::State::RequireCommands(const std::map<std::string, std::vector<double>>& commands) {
+  RequireReady();
+  return features().ToAction(commands);
 }
 
 CellFeatures& Env::State::features() {
@@ -383,8 +391,7 @@ EnvStep Env::State::Step(std::span<const double> action, const Poll& poll) {
 EnvStep Env::State::Act(const std::map<std::string, std::vector<double>>& commands,
                         const Poll& poll) {
   const SceneUse::Claim claim(scene_.use(), "Env.step");
-  RequireReady();
-  const Action action = features().ToAction(commands);
+  const Action action = RequireCommands(commands);
   for (EnvObserver* observer : observers_) observer->OnCommands(action);
   return Make([&] { return Send(action); }, poll);
 }
@@ -414,7 +421,7 @@ EnvStep Env::State::Make(const SendCommands& send, const Poll& poll) {
   out.time = TimeSinceReset();
   if (out.reason == EndReason::kDiverged) {
     phase_ = Phase::kDiverged;
-    TellOfStep(observers_, out);
+    NotifyOfStep(observers_, out);
     return out;
   }
   for (size_t i = 0; i < arms_.size(); ++i) motions_[i] = arms_[i].motion();
@@ -422,7 +429,7 @@ EnvStep Env::State::Make(const SendCommands& send, const Poll& poll) {
   Observe();  // after the verdict: signals may use it
   if (config_.sim.realtime) pacer_.Wait(out.time, poll);
   phase_ = Phase::kReady;
-  TellOfStep(observers_, out);
+  NotifyOfStep(observers_, out);
   return out;
 }
 

@@ -90,6 +90,8 @@ class Env {
   void WantReset();
   // Throws what Step would throw for this action, without moving anything.
   void RequireAction(std::span<const double> action) const;
+  // Throws what Act would throw for these commands, without moving anything.
+  void RequireCommands(const std::map<std::string, std::vector<double>>& commands);
   // Returns the observation after the last Reset or Step, layout().observation.size() numbers; a
   // step that diverged keeps the previous observation.
   std::span<const double> observation() const;

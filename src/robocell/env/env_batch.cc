@@ -15,6 +15,7 @@
 #include "robocell/base/worker_threads.h"
 #include "robocell/env/env_cameras.h"
 #include "robocell/env/env_scene.h"
+#include "robocell/features/cell_features.h"
 
 namespace robocell {
 namespace {
@@ -61,6 +62,20 @@ void RequireMemory(const EnvConfig& config, int count, double bytes_of_copy) {
   throw ArgumentError(fmt::format(
       "{}: {} copies need {:.3g} GB of memory or more, {:.3g} MB each; this machine has {:.3g} GB",
       BatchPlace(config), count, need / 1e9, bytes_of_copy / 1e6, there / 1e9));
+}
+
+// Tasks can have other objects in each episode; a matrix has the same columns for all copies.
+void RequireSameColumns(const EnvConfig& config, int copy, const FeatureSchema& first,
+                        const FeatureSchema& own) {
+  const auto is_same = [](const Feature& a, const Feature& b) {
+    return a.column.name == b.column.name && a.column.shape == b.column.shape;
+  };
+  if (std::ranges::equal(first.features(), own.features(), is_same)) return;
+  throw Error(
+      fmt::format("{}: the features of copy {} are not those of copy 0: {}; read them of "
+                  "each copy by itself",
+                  BatchPlace(config), copy,
+                  own.DifferenceFrom(first, fmt::format("in copy {}", copy), "in copy 0")));
 }
 
 bool Holds(const std::vector<bool>& which, int i) { return !which.empty() && which[i]; }
@@ -182,8 +197,8 @@ void EnvBatch::ResetOne(int i, const EnvResetOptions& options) {
   CopyObservation(i);
 }
 
-void EnvBatch::StepOne(int i, std::span<const double> action, const std::function<void()>& poll) {
-  EnvStep& step = step_.steps[i] = envs_[i]->Step(action, poll);
+void EnvBatch::StepOne(int i, const MakeStep& make, const std::function<void()>& poll) {
+  const EnvStep& step = step_.steps[i] = make(i, poll);
   ++episode_steps_[i];
   step_.reward[i] = step.reward;
   step_.terminated[i] = step.success;
@@ -197,16 +212,17 @@ bool EnvBatch::ik_success(int i, size_t robot) const {
   return std::find(failed.begin(), failed.end(), layout().robots[robot].robot) == failed.end();
 }
 
+void EnvBatch::RequireSized(const char* call, size_t given, const char* what) const {
+  if (given == 0 || given == envs_.size()) return;
+  throw ArgumentError(
+      fmt::format("{} of {}: {} for {} were given", call, Counted(size(), "copy"), what, given));
+}
+
 void EnvBatch::Reset(std::span<const std::optional<uint64_t>> seeds, const std::vector<bool>& which,
                      const std::optional<KeyframeChoice>& keyframe) {
   RequireOpen();
-  const auto sized = [&](size_t got, const char* what) {
-    if (got == 0 || got == envs_.size()) return;
-    throw ArgumentError(
-        fmt::format("reset of {}: {} for {} were given", Counted(size(), "copy"), what, got));
-  };
-  sized(seeds.size(), "seeds");
-  sized(which.size(), "choices");
+  RequireSized("reset", seeds.size(), "seeds");
+  RequireSized("reset", which.size(), "choices");
   ForEach([&](int i) {
     if (!which.empty() && !which[i]) return;
     ResetOne(i, {.seed = seeds.empty() ? std::nullopt : seeds[i], .keyframe = keyframe});
@@ -225,8 +241,74 @@ const BatchStep& EnvBatch::Step(std::span<const double> actions,
                     Counted(static_cast<int64_t>(width), "number"), actions.size()));
   }
   const auto own = [&](int i) { return actions.subspan(static_cast<size_t>(i) * width, width); };
+  return StepAll(
+      reset_instead, [&](int i) { envs_[i]->RequireAction(own(i)); },
+      [&](int i, const std::function<void()>& poll_of_copy) {
+        return envs_[i]->Step(own(i), poll_of_copy);
+      },
+      poll);
+}
+
+std::vector<EnvBatch::RowsByName> EnvBatch::CommandsOfCopies(const RowsByName& commands) {
+  std::vector<RowsByName> own(envs_.size());
+  const FeatureSchema& commanded = envs_.front()->features().commanded();
+  for (const auto& [name, numbers] : commands) {
+    const auto width = static_cast<size_t>(commanded.Find(name).size());
+    if (numbers.size() != envs_.size() * width) {
+      throw ArgumentError(fmt::format(
+          "step of {}: expected {} of '{}' for each, got {} in all", Counted(size(), "copy"),
+          Counted(static_cast<int64_t>(width), "number"), name, numbers.size()));
+    }
+    for (size_t i = 0; i < own.size(); ++i) {
+      const auto begin = numbers.begin() + static_cast<long>(i * width);
+      own[i][name].assign(begin, begin + static_cast<long>(width));
+    }
+  }
+  return own;
+}
+
+const BatchStep& EnvBatch::Act(const RowsByName& commands, const std::vector<bool>& reset_instead,
+                               const std::function<void()>& poll) {
+  RequireOpen();
+  const std::vector<RowsByName> own = CommandsOfCopies(commands);
+  return StepAll(
+      reset_instead, [&](int i) { envs_[i]->RequireCommands(own[i]); },
+      [&](int i, const std::function<void()>& poll_of_copy) {
+        return envs_[i]->Act(own[i], poll_of_copy);
+      },
+      poll);
+}
+
+EnvBatch::RowsByName EnvBatch::Row() {
+  RequireOpen();
+  const FeatureSchema schema = envs_.front()->features().observed();
+  RowsByName rows;
+  std::vector<std::span<double>> columns;  // in the order of the schema
+  for (const Feature& feature : schema.features()) {
+    std::vector<double>& column = rows[feature.column.name];
+    column.resize(envs_.size() * static_cast<size_t>(feature.size()));
+    columns.emplace_back(column);
+  }
+  ForEach([&](int i) {
+    const SceneUse::Claim claim(envs_[i]->scene().use(), "EnvBatch.row");
+    CellFeatures& features = envs_[i]->features();
+    RequireSameColumns(config_, i, schema, features.observed());
+    std::span<const double> rest = features.ReadState();
+    for (const std::span<double> column : columns) {
+      const size_t width = column.size() / envs_.size();
+      std::ranges::copy(rest.first(width), column.subspan(i * width).begin());
+      rest = rest.subspan(width);
+    }
+  });
+  return rows;
+}
+
+const BatchStep& EnvBatch::StepAll(const std::vector<bool>& reset_instead,
+                                   const std::function<void(int)>& require, const MakeStep& make,
+                                   const std::function<void()>& poll) {
+  RequireSized("step", reset_instead.size(), "choices");
   for (int i = 0; i < size(); ++i) {
-    if (!Holds(reset_instead, i)) envs_[i]->RequireAction(own(i));
+    if (!Holds(reset_instead, i)) require(i);
   }
   Interruption interruption(poll);
   std::function<void()> ask;
@@ -236,7 +318,7 @@ const BatchStep& EnvBatch::Step(std::span<const double> actions,
     if (Holds(reset_instead, i)) {
       ResetOne(i, {});
     } else {
-      StepOne(i, own(i), ask);
+      StepOne(i, make, ask);
     }
   };
   try {

@@ -6,6 +6,8 @@
 //   batch.Reset(seeds);                                       // one for each copy, or none
 //   const BatchStep& step = batch.Step(actions, resets);      // (64, n) numbers, row after row
 //   batch.observations();                                     // (64, m) numbers, row after row
+//   batch.Act({{"robots/left/action/arm", q}});               // by name: (64, 7) numbers
+//   batch.Row().at("robots/left/arm/qpos");                   // by name: (64, 7) numbers
 //
 // Messages call the copies `name[i]`. One renderer draws their images, one copy after the other,
 // when all have stepped: env(i).frames().
@@ -18,6 +20,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -42,6 +45,9 @@ struct BatchStep {
 
 class EnvBatch {
  public:
+  // Numbers by the names of columns in datasets: those of each copy, row after row.
+  using RowsByName = std::map<std::string, std::vector<double>>;
+
   // `threads` 0: one for each core, including the caller's; never more than copies. Episodes are
   // truncated after `max_episode_steps`, if set; at least 1. Until it gets a seed, a copy draws its
   // own starts, the same ones each time. `factory` makes the data of their scenes.
@@ -64,7 +70,14 @@ class EnvBatch {
   const BatchStep& Step(std::span<const double> actions,
                         const std::vector<bool>& reset_instead = {},
                         const std::function<void()>& poll = {});
+  // The same with commands by the names of features().commanded() of the copies, as Env::Act has
+  // them. Throws NotFoundError with the nearest names, and ArgumentError for rows of a wrong size.
+  const BatchStep& Act(const RowsByName& commands, const std::vector<bool>& reset_instead = {},
+                       const std::function<void()>& poll = {});
   std::span<const double> observations() const { return observations_; }
+  // Returns the present state of all copies by the names of features().observed(), without images.
+  // Throws Error if the copies have different features at present.
+  RowsByName Row();
   // Returns the outcome of copy `i` in the last step; the default after its reset.
   const EnvStep& last_step(int i) const { return step_.steps[i]; }
   // Returns true if a motion led towards the last pose that was commanded to robot `robot` (of
@@ -83,7 +96,15 @@ class EnvBatch {
  private:
   void ForEach(const std::function<void(int)>& work);
   void ResetOne(int i, const EnvResetOptions& options);
-  void StepOne(int i, std::span<const double> action, const std::function<void()>& poll);
+  // Makes the step of a copy.
+  using MakeStep = std::function<EnvStep(int i, const std::function<void()>& poll)>;
+  void StepOne(int i, const MakeStep& make, const std::function<void()>& poll);
+  // `require` throws for a copy whose step would be rejected.
+  const BatchStep& StepAll(const std::vector<bool>& reset_instead,
+                           const std::function<void(int)>& require, const MakeStep& make,
+                           const std::function<void()>& poll);
+  std::vector<RowsByName> CommandsOfCopies(const RowsByName& commands);
+  void RequireSized(const char* call, size_t given, const char* what) const;
   void CopyObservation(int i);
   void DrawFrames();
 

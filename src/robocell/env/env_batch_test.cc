@@ -1,5 +1,6 @@
 #include "robocell/env/env_batch.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
@@ -10,8 +11,10 @@
 #include "robocell/base/units.h"
 #include "robocell/env/arm_target.h"
 #include "robocell/env/testing/envs.h"
+#include "robocell/features/cell_features.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/robot/joint_group.h"
 #include "robocell/robot/robot.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -266,6 +269,156 @@ TEST(EnvBatch, AnErrorOfOneCopyRequiresAResetOfAll) {
     batch.Reset({});
     batch.Step(Zeros(batch));
   }
+}
+
+constexpr const char* kArmAction = "robots/robot/action/arm";
+constexpr const char* kGripperAction = "robots/robot/action/gripper";
+
+// Returns joint targets for copy `i`, other ones in each step.
+std::vector<double> ArmTarget(const Env& env, int i, int step) {
+  const auto home = Robot::Of(env.scene(), "robot").controller("arm").commanded_joint_pos();
+  std::vector<double> target(home.begin(), home.end());
+  for (size_t k = 0; k < target.size(); ++k)
+    target[k] += 0.03 * std::sin(i + 2.0 * static_cast<double>(k) + 3 * step);
+  return target;
+}
+
+// Returns the commands of copy `i`; those of odd steps leave out the gripper, which keeps its
+// target.
+EnvBatch::RowsByName CommandsOf(const Env& env, int i, int step) {
+  EnvBatch::RowsByName commands = {{kArmAction, ArmTarget(env, i, step)}};
+  if (step % 2 == 0) commands[kGripperAction] = {0.2 * i};
+  return commands;
+}
+
+// Appends the rows of one copy to those of the previous ones.
+void Append(const EnvBatch::RowsByName& own, EnvBatch::RowsByName& all) {
+  for (const auto& [name, numbers] : own)
+    all[name].insert(all[name].end(), numbers.begin(), numbers.end());
+}
+
+EnvBatch::RowsByName RowOf(Env& env) {
+  EnvBatch::RowsByName row;
+  std::span<const double> rest = env.features().ReadState();
+  for (const Feature& feature : env.features().observed().features()) {
+    const auto own = rest.first(static_cast<size_t>(feature.size()));
+    row[feature.column.name].assign(own.begin(), own.end());
+    rest = rest.subspan(own.size());
+  }
+  return row;
+}
+
+// The oracle is single environments with the same seeds and commands.
+TEST(EnvBatch, CommandsAndRowsByNameAreThoseOfSingleEnvironmentsToTheBit) {
+  for (const int threads : {1, 2}) {
+    EnvBatch batch(Noisy(), 3, threads);
+    batch.Reset(std::vector<std::optional<uint64_t>>{3, 4, 5});
+    std::vector<std::unique_ptr<Env>> singles;
+    for (const int seed : {3, 4, 5}) {
+      singles.push_back(std::make_unique<Env>(Noisy()));
+      singles.back()->Reset({.seed = seed});
+    }
+    for (int step = 0; step < 4; ++step) {
+      EnvBatch::RowsByName commands, rows;
+      std::vector<double> seen, times;
+      for (int i = 0; i < 3; ++i) {
+        Env& env = *singles[i];
+        const EnvBatch::RowsByName own = CommandsOf(env, i, step);
+        times.push_back(env.Act(own).time);
+        Append(own, commands);
+        Append(RowOf(env), rows);
+        seen.insert(seen.end(), env.observation().begin(), env.observation().end());
+      }
+      const BatchStep& out = batch.Act(commands);
+      for (int i = 0; i < 3; ++i) EXPECT_EQ(out.steps[i].time, times[i]);
+      EXPECT_EQ(std::vector<double>(batch.observations().begin(), batch.observations().end()),
+                seen);
+      EXPECT_EQ(batch.Row(), rows) << threads << " " << step;
+    }
+  }
+}
+
+TEST(EnvBatch, CommandsByNameLeaveOutCopiesThatResetInstead) {
+  EnvBatch batch(Noisy(), 2, 2);
+  batch.Reset(std::vector<std::optional<uint64_t>>{3, 4});
+  std::vector<double> targets = ArmTarget(batch.env(0), 0, 0);
+  targets.resize(2 * targets.size(), NAN);
+  batch.Act({{kArmAction, targets}}, {false, true});
+  EXPECT_GT(batch.env(0).scene().time(), 0);
+  EXPECT_EQ(batch.env(1).scene().time(), 0);
+}
+
+TEST(EnvBatch, InvalidCommandsByNameMoveNoCopy) {
+  EnvBatch batch(Noisy(), 3, 2);
+  std::vector<double> q = ArmTarget(batch.env(0), 0, 0);
+  const size_t n = q.size();
+  q.resize(3 * n, 0.1);
+  ExpectThrow<Error>([&] { batch.Act({{kArmAction, q}}); }, "call reset before the first step");
+  batch.Reset({});
+  ExpectThrow<NotFoundError>(
+      [&] {
+        batch.Act({{"robots/robot/action/amr", q}});
+      },
+      "Did you mean 'robots/robot/action/arm'?");
+  ExpectThrow<NotFoundError>(
+      [&] {
+        batch.Act({{"robots/robot/arm/qpos", q}});
+      },
+      "no feature 'robots/robot/arm/qpos'");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        batch.Act({{kArmAction, std::vector<double>(n)}});
+      },
+      "step of 3 copies: expected 7 numbers of 'robots/robot/action/arm' for each, got 7 in all");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        batch.Act({{kArmAction, q}, {"robots/robot/action/arm_relative", q}});
+      },
+      "both move group 'arm'");
+  std::vector<double> bad = q;
+  bad[2 * n + 1] = NAN;
+  ExpectThrow<ArgumentError>([&] { batch.Act({{kArmAction, bad}}); }, "is not finite");
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(batch.env(i).scene().time(), 0) << i;
+  batch.Act({});
+  EXPECT_GT(batch.env(2).scene().time(), 0) << "all keep their targets";
+}
+
+TEST(EnvBatch, RejectsChoicesOfCopiesInAnotherNumber) {
+  EnvBatch batch(Noisy(), 3, 1);
+  batch.Reset({});
+  ExpectThrow<ArgumentError>([&] { batch.Step(Zeros(batch), {true}); },
+                             "step of 3 copies: choices for 1 were given");
+  ExpectThrow<ArgumentError>([&] { batch.Act({}, {true}); },
+                             "step of 3 copies: choices for 1 were given");
+}
+
+// A group of one joint beside the arm and the gripper.
+class Shoulder : public JointGroup {
+ public:
+  explicit Shoulder(const Scene& scene)
+      : JointGroup(scene,
+                   {.robot = "robot",
+                    .group = "shoulder",
+                    .joints = {"robotrobot_joint1"},
+                    .root = {false, "robotrobot_link1"},
+                    .leaf = {false, "robotrobot_link1"},
+                    .robot_base = {false, "robotrobot_base_link"}},
+                   MoveGroupKind::kGeneric) {}
+};
+
+TEST(EnvBatch, RowsRequireTheSameFeaturesOfAllCopies) {
+  EnvBatch batch(Noisy(), 2, 1);
+  batch.Reset({});
+  batch.Row();
+  Robot robot = Robot::Of(batch.env(1).scene(), "robot");
+  robot.SetGroup(std::make_shared<Shoulder>(batch.env(1).scene()));
+  batch.Reset({});
+  ExpectThrow<Error>([&] { batch.Row(); },
+                     "batch of environment 'env': the features of copy 1 are not those of copy 0: "
+                     "feature 'robots/robot/shoulder/qpos' is in copy 1 and not in copy 0");
+  batch.Close();
+  ExpectThrow<ClosedError>([&] { batch.Row(); }, "is closed");
+  ExpectThrow<ClosedError>([&] { batch.Act({}); }, "is closed");
 }
 
 // The oracle is a separate renderer for each single environment.

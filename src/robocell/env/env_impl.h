@@ -1,5 +1,5 @@
-// The inside of an environment (env.h): its parts, and what its reset, its steps and its states are
-// made of. env.cc steps it, env_start.cc begins its episodes, env_state.cc keeps its states.
+// Env::State: the parts of an environment (env.h), and the functions behind its reset, steps and
+// states. env.cc makes steps, env_start.cc begins episodes, env_state.cc saves and restores states.
 #pragma once
 
 #include <cstdint>
@@ -46,12 +46,13 @@ class Env::State {
   const internal::EnvCameras& cameras() const { return cameras_; }
   const std::shared_ptr<Task>& task() const { return task_; }
 
-  // Those of Env.
+  // The functions of Env.
   void Reset(const EnvResetOptions& options);
   EnvStep Step(std::span<const double> action, const Poll& poll);
   EnvStep Act(const std::map<std::string, std::vector<double>>& commands, const Poll& poll);
   void WantReset() { phase_ = Phase::kBroken; }
   void RequireAction(std::span<const double> action) const;
+  Action RequireCommands(const std::map<std::string, std::vector<double>>& commands);
   CellFeatures& features();
   void DrawFrames() { cameras_.Draw(TimeSinceReset()); }
   std::string instruction() const;
@@ -113,10 +114,10 @@ class Env::State {
   // Returns the state without the task's memory, which a step that is taken back does not change.
   EnvState CellState() const;
   // Warns of arms and grippers that no action reaches.
-  void TellUndriven(const Robot& robot) const;
+  void WarnOfUndriven(const Robot& robot) const;
 
   EnvConfig config_;
-  Scene scene_;  // the only handle: all others here are inner() ones, as collectors rely on
+  Scene scene_;  // all other handles here are inner() ones: garbage collectors rely on that
   internal::ObjectVariations variations_;
   std::shared_ptr<Task> task_;
   DeclaredFeatures signals_;  // of the task
@@ -132,7 +133,7 @@ class Env::State {
   internal::EnvCameras cameras_;
   std::map<std::string, Snapshot> saved_;
   std::vector<EnvObserver*> observers_;
-  std::optional<CellFeatures> features_;  // of this episode, once somebody asks for them
+  std::optional<CellFeatures> features_;  // of this episode; made at the first use
   internal::RealTimePacer pacer_;
   Phase phase_ = Phase::kUnready;
   Rng seeds_;

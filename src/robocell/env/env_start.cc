@@ -78,12 +78,12 @@ Pose RootPose(const Scene& scene, const std::string& object) {
 // Describes the change of an object between two poses, "falls by 2.00 m"; "" if it stayed. An
 // object may turn about the vertical.
 std::string ChangeOf(const Pose& before, const Pose& after) {
-  const Eigen::Vector3d way = after.translation() - before.translation();
+  const Eigen::Vector3d displacement = after.translation() - before.translation();
   const Eigen::Vector3d was_up = before.rotation().row(2), is_up = after.rotation().row(2);
   const double cosine = std::clamp(was_up.dot(is_up), -1.0, 1.0);
   const double tilt = std::acos(cosine) * 180 / std::numbers::pi;
-  if (-way.z() > kMostDrop) return fmt::format("falls by {:.2f} m", -way.z());
-  const double aside = way.head<2>().norm();
+  if (-displacement.z() > kMostDrop) return fmt::format("falls by {:.2f} m", -displacement.z());
+  const double aside = displacement.head<2>().norm();
   if (aside > internal::kMostSettling) return fmt::format("moves away by {:.2f} m", aside);
   if (tilt > kMostTilt) return fmt::format("tips over by {:.0f} degrees", tilt);
   return "";

@@ -32,7 +32,7 @@ struct PendingMove {
   std::array<double, 3> shift = {}, turn = {};
 };
 
-// What the environment remembers of the fingers of a gripper: over how long they were still.
+// The environment's memory of a gripper's fingers: the time over which they did not move.
 struct FingerMemory {
   double still_windows = 0;  // consecutive, up to now
   bool is_still = false;
@@ -40,7 +40,7 @@ struct FingerMemory {
   std::vector<double> window;  // shares of the joints' travel at its beginning, and the opening
 };
 
-// What the environment remembers of an arm: targets of arm and gripper, the origin of relative
+// The environment's memory of an arm: targets of arm and gripper, the origin of relative
 // actions, and the windows of time over which the gripper is watched.
 struct ArmMemory {
   Pose sent, origin;

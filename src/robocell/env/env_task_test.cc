@@ -415,14 +415,14 @@ class Picky final : public Task {
  public:
   explicit Picky(const PickyConfig&) {}
   std::optional<Refusal> Arrange(Scene&, Rng&) override {
-    if (++asked_ % 5 < 2) return Refusal{.reason = "too dark"};
-    return Refusal{.reason = "too high", .detail = fmt::format("by {} m", asked_)};
+    if (++calls_ % 5 < 2) return Refusal{.reason = "too dark"};
+    return Refusal{.reason = "too high", .detail = fmt::format("by {} m", calls_)};
   }
   TaskVerdict Judge(const Scene&) override { return {}; }
   std::string instruction() const override { return "please it"; }
 
  private:
-  int asked_ = 0;
+  int calls_ = 0;
 };
 
 TEST_F(EnvTaskTest, CountsRefusalsByReason) {

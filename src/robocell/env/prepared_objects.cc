@@ -61,9 +61,9 @@ std::shared_ptr<const Landmarks> SharedLandmarks(const SceneSpec& spec) {
 }
 
 // Entries for objects that cannot move, which are problems, are left out.
-SaidPlaces OfFreeObjects(SaidPlaces said, const Scene& scene, Problems& problems) {
+StatedPlaces OfFreeObjects(StatedPlaces stated, const Scene& scene, Problems& problems) {
   Map<ObjectPlace> kept;
-  for (const auto& entry : said.places.entries()) {
+  for (const auto& entry : stated.places.entries()) {
     const std::string& key = entry.first;
     const auto& place = entry.second;
     const auto& objects = scene.spec().objects;
@@ -73,13 +73,13 @@ SaidPlaces OfFreeObjects(SaidPlaces said, const Scene& scene, Problems& problems
       kept[key] = *place;
       continue;
     }
-    const Problems::Scope scope(problems, said.path);
+    const Problems::Scope scope(problems, stated.path);
     const std::string why = "it is a fixed object, which stays where its pose is";
-    said.hook.empty() ? problems.AddAt(key, why)
-                      : problems.Add(fmt::format("{}: '{}': {}", said.hook, key, why));
+    stated.hook.empty() ? problems.AddAt(key, why)
+                        : problems.Add(fmt::format("{}: '{}': {}", stated.hook, key, why));
   }
-  said.places = std::move(kept);
-  return said;
+  stated.places = std::move(kept);
+  return stated;
 }
 
 // Returns the part of a support in a square around a point; unset if they are apart.
@@ -165,13 +165,14 @@ void PreparedObjects::ResolveModel(SceneObject& object) const {
 // `places` of the configuration come before those of the task.
 void PreparedObjects::Relate(const EnvConfig& config) {
   Problems problems(locations_);
-  const auto add = [&](SaidPlaces places) {
-    if (!places.places.empty()) said_.push_back(OfFreeObjects(std::move(places), scene_, problems));
+  const auto add = [&](StatedPlaces places) {
+    if (!places.places.empty())
+      stated_.push_back(OfFreeObjects(std::move(places), scene_, problems));
   };
   add({.places = config.places, .path = "places"});
   if (task_) add({.places = TaskCalls(*task_).Places(), .path = "task", .hook = "places()"});
   problems.Throw(place_);
-  if (said_.empty()) return;
+  if (stated_.empty()) return;
   placed_ = objects_;
   const std::set<std::string> of_config = NamesOfConfig(config);
   for (SceneObject& object : placed_) {
@@ -179,11 +180,11 @@ void PreparedObjects::Relate(const EnvConfig& config) {
     const std::string& kind =
         kinds_.emplace_back(is_of_task ? TaskCalls(*task_).KindOf(object.name) : object.name);
     ResolveModel(object);
-    const auto says = [&](const SaidPlaces& each) {
+    const auto says = [&](const StatedPlaces& each) {
       return each.places.contains(object.name) || each.places.contains(kind);
     };
     // A place takes the place of a pose.
-    if (std::ranges::any_of(said_, says)) ForgetPose(object);
+    if (std::ranges::any_of(stated_, says)) ForgetPose(object);
   }
   landmarks_ = SharedLandmarks(Without(scene_.spec(), objects_));
   RelateParts(PresentParts());
@@ -207,7 +208,7 @@ void PreparedObjects::RelateParts(std::vector<std::string> parts) {
   Problems problems(locations_);
   const auto may_come = [](const std::string&) { return false; };
   std::vector<PlaceLink> links =
-      LinkPlaces(landmarks_, said_, {placed_, kinds_, may_come, parts}, problems);
+      LinkPlaces(landmarks_, stated_, {placed_, kinds_, may_come, parts}, problems);
   problems.Throw(place_);
   parts_ = std::move(parts);
   related_.emplace(std::move(links));
@@ -297,9 +298,9 @@ bool PreparedObjects::PutLoose(const Place& place, std::vector<SceneObject>& obj
     bool fits = true;
     for (size_t i = 0; i < drawn.size() && fits; ++i) {
       if (given[i].has_pose()) continue;
-      const Eigen::Vector3d way = drawn[i].pose().translation() - base.translation();
-      const double distance = way.head<2>().norm();
-      fits = way.norm() <= reach;
+      const Eigen::Vector3d displacement = drawn[i].pose().translation() - base.translation();
+      const double distance = displacement.head<2>().norm();
+      fits = displacement.norm() <= reach;
       if (i == 0) {
         fits = fits && distance >= place.distance.distance[0] &&
                distance <= place.distance.distance[1];

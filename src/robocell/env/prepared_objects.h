@@ -92,8 +92,8 @@ class PreparedObjects {
   std::vector<Pose> compiled_;  // their poses after a reset
   std::vector<size_t> added_;   // those that were added without a pose
   std::vector<size_t> loose_;   // of them, those that are put on a support in this start
-  std::vector<SaidPlaces> said_;
-  std::vector<SceneObject> placed_;  // objects_ without the poses that said_ replaces
+  std::vector<StatedPlaces> stated_;
+  std::vector<SceneObject> placed_;  // objects_ without the poses that stated_ replaces
   std::vector<std::string> kinds_;   // their kinds
   // The names of the task that stand for objects in this start (Task::object_of), "" for none.
   std::vector<std::string> parts_;

@@ -163,10 +163,10 @@ TEST(PreparedObjects, LogTheirPlacementOnceAtDebugLevel) {
   Env env(Cubes());
   env.Reset({.seed = 1});
   env.Reset({.seed = 2});
-  const std::string said = "prepare() added first, second without a pose, so each reset draws";
+  const std::string advice = "prepare() added first, second without a pose, so each reset draws";
   EXPECT_EQ(
       std::ranges::count_if(
-          lines, [&](const std::string& line) { return line.find(said) != std::string::npos; }),
+          lines, [&](const std::string& line) { return line.find(advice) != std::string::npos; }),
       1);
   lines.clear();
   Env arranging(Cubes({.arranges = true}));

@@ -52,8 +52,8 @@ TEST_F(StepperTest, DoesNotDriftOverTenThousandPolicyTicks) {
 
 TEST_F(StepperTest, AdvancesUntilAConditionOrTheLastTick) {
   Stepper stepper = Make(33, 2);
-  int asked = 0;
-  EXPECT_EQ(stepper.AdvanceUntil({}, 10, [&] { return ++asked == 4; }).step.steps, 8);
+  int calls = 0;
+  EXPECT_EQ(stepper.AdvanceUntil({}, 10, [&] { return ++calls == 4; }).step.steps, 8);
   EXPECT_EQ(stepper.AdvanceUntil({}, 10, [] { return false; }).step.steps, 20);
   EXPECT_EQ(stepper.policy_ticks(), 2);
 }

@@ -68,8 +68,8 @@ TEST(TargetLead, AnOpposingActionReducesTheLead) {
   Rng rng = Rng::Stream(5, "target lead");
   for (int trial = 0; trial < 100; ++trial) {
     const Pose arm = RandomPose(rng);
-    const Vector3d way = RandomVector(rng, 1).normalized();
-    const Pose sent = MovedBy(arm, Pose(0.3 * way));
+    const Vector3d direction = RandomVector(rng, 1).normalized();
+    const Pose sent = MovedBy(arm, Pose(0.3 * direction));
     const Vector3d along = (sent.translation() - arm.translation()).normalized();
     for (const double back : {0.0, 0.001, 0.015, 0.05}) {
       PendingMove pending, action;
@@ -184,7 +184,7 @@ TEST(TargetLead, LimitsTheLeadOfAnArmStoppedInMotion) {
   for (int trial = 0; trial < 300; ++trial) {
     const double lag = rng.Uniform(0, 8), action = rng.Uniform(0.001, 0.05);
     const double wall = rng.Uniform(0.1, 0.5), lead = kLead.translation;
-    const Vector3d way = RandomVector(rng, 1).normalized();
+    const Vector3d direction = RandomVector(rng, 1).normalized();
     Pose sent, arm;
     PendingMove pending;
     double target = 0, joint = 0, pending_joint = 0, v = 0;
@@ -195,11 +195,11 @@ TEST(TargetLead, LimitsTheLeadOfAnArmStoppedInMotion) {
       const bool stopped = next == wall;
       if (stopped) ++last_moves;
       const double steady = next + (stopped ? 0 : v * lag);
-      const auto at = [&](double x) { return Pose(x * way); };
+      const auto at = [&](double x) { return Pose(x * direction); };
       sent = WithinLead(sent, {at(joint), at(next), at(next), at(steady)}, kLead, pending);
       target = WithinJointLead(target, {joint, next, next, steady}, lead, pending_joint);
       joint = next;
-      const Pose to(sent.translation() + action * way);
+      const Pose to(sent.translation() + action * direction);
       AddMove(pending, sent, to);
       pending_joint += action;
       sent = to;
@@ -208,7 +208,8 @@ TEST(TargetLead, LimitsTheLeadOfAnArmStoppedInMotion) {
     }
     ASSERT_EQ(last_moves, 3);
     EXPECT_LE(target - wall, lead + action + 1e-9) << lag << " " << action;
-    EXPECT_LE(sent.translation().dot(way) - wall, lead + action + 1e-9) << lag << " " << action;
+    EXPECT_LE(sent.translation().dot(direction) - wall, lead + action + 1e-9)
+        << lag << " " << action;
   }
 }
 

@@ -81,6 +81,7 @@ void PickAndPlacePlanner::PickAgain(const Scene& scene, Rng& rng) {
   phase_ = Phase::kPick;
   replans_ = 0;
   at_rest_ = ObjectInWorld();
+  rise_ = task_->RiseOverGoal(scene);
   pick_.Begin(scene, rng);
   if (!pick_.failure().empty()) GiveUp(picks_ > 1 ? "the object slipped" : pick_.failure());
 }
@@ -125,7 +126,7 @@ std::string PickAndPlacePlanner::PlanPlace(Rng& rng) {
   const GripperShape& shape = planning.shape();
   opening_step_ = kOpenSpeed * options_.tick / (shape.open_gap() - shape.closed_gap());
   const Pose object = ObjectInWorld();
-  const Eigen::Vector3d place = PlaceOver(task_->GoalInWorld());
+  const Eigen::Vector3d place = PlaceOver(task_->GoalInWorld() + rise_ * Eigen::Vector3d::UnitZ());
   std::string why_not;
   for (const Pose& turned : {at_rest_, object}) {
     PlaceMotions places(planning, robot_->tcp_in_world().inverse() * object,

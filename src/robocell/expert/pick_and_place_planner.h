@@ -59,6 +59,7 @@ class PickAndPlacePlanner : public Expert {
   std::optional<GuidedArm> arm_;
   std::optional<PlaceMotion> place_;
   JointPath transfer_;
+  double rise_ = 0;     // PickAndPlaceTask::RiseOverGoal of that pose
   Pose at_rest_;        // the object before it was picked up, in the world
   Pose object_in_tcp_;  // object pose for which the placement was planned
   double opening_ = 0;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <functional>
 
 #include "robocell/base/error.h"
@@ -79,6 +80,24 @@ TEST(PickAndPlacePlanner, PlacesEveryKindOnTheTray) {
                                             "transfer", "lower", "release", "retreat", "done"));
     EXPECT_LT(outcome.rows, 250);
   }
+}
+
+// At the goal itself a tall cylinder would be inside the table.
+TEST(PickAndPlacePlanner, PutsATallObjectDownAboveALowGoal) {
+  RunConfig run = RunOf("cylinder");
+  run.task.As<PickAndPlaceTaskConfig>().goal = Vec3{0.1, 0.1, 0.48};
+  double highest = 0;
+  for (uint64_t seed = 0; seed < 8 && highest < 0.005; ++seed) {
+    EpisodeStart start = StartWith(run, seed);
+    start.task->Begin(start.scene);
+    const auto& task = dynamic_cast<const PickAndPlaceTask&>(*start.task);
+    highest = std::max(highest, task.RiseOverGoal(start.scene));
+    EXPECT_LE(highest, run.task.As<PickAndPlaceTaskConfig>().goal_tolerance);
+    if (highest < 0.005) continue;
+    const PlaceOutcome outcome = RollOutPlace(run, start);
+    EXPECT_TRUE(outcome.success) << outcome.failure;
+  }
+  EXPECT_GE(highest, 0.005) << "no cylinder was tall enough";
 }
 
 TEST(PickAndPlacePlanner, PicksUpASlippedObjectAgain) {

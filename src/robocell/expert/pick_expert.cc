@@ -95,7 +95,7 @@ class PickRunValidator {
  private:
   // Warns of further groups: the expert acts with one arm.
   void WarnOfUnusedGroups() {
-    const std::string unused = internal::TellUnusedGroups(robot_);
+    const std::string unused = internal::DescribeUnusedGroups(robot_);
     if (unused.empty()) return;
     doubts_.AddAt("robot",
                   fmt::format("has several arms or grippers, and pick tasks act with one of "

@@ -32,7 +32,7 @@ TEST_F(FeatureFrames, AreThoseOfTheRobotsAndElementsOfTheScene) {
   EXPECT_EQ(WhyNoFrame(scene, "body 'world'"), "");
 }
 
-TEST_F(FeatureFrames, ThatNameNothingAreToldWithTheNearest) {
+TEST_F(FeatureFrames, ThatNameNothingAreRejectedWithTheNearestNames) {
   EXPECT_THAT(WhyNoFrame(scene, "wrld"), HasSubstr("Did you mean 'world'?"));
   EXPECT_THAT(WhyNoFrame(scene, "TPC of " + robot.name()),
               HasSubstr("Did you mean 'TCP of " + robot.name() + "'?"));

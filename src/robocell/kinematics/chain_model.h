@@ -74,7 +74,7 @@ struct JointCoupling {
 // polynomial[i](x[leader[i]]), where x are the degrees of freedom.
 struct CoupledLinks {
   ChainModel links;
-  // Of a joint that is held in place 0, with a constant polynomial; of a leader itself and x.
+  // A joint that is held in place has leader 0 and a constant polynomial; a leader leads itself.
   std::array<int, kMaxChainJoints> leader{};
   std::array<JointPolynomial, kMaxChainJoints> polynomial{};
   std::array<int, kMaxChainJoints> joint_of{};  // joint of each degree of freedom

@@ -42,9 +42,9 @@ class DifferentialIkTest : public testing::TestWithParam<int> {
       before[i] -= kStep * velocity[i];
       after[i] += kStep * velocity[i];
     }
-    const internal::PoseError way =
+    const internal::PoseError error =
         internal::ErrorTo(ToTransform(chain_.Fk(after)), ToTransform(chain_.Fk(before)));
-    return {way.linear / (2 * kStep), way.angular / (2 * kStep)};
+    return {error.linear / (2 * kStep), error.angular / (2 * kStep)};
   }
 
   Rng rng_;
@@ -57,11 +57,11 @@ TEST_P(DifferentialIkTest, MovesTheTipByTheTwistInEveryFrame) {
   int exact = 0;
   for (int k = 0; k < 60; ++k) {
     const JointVector q = Inside();
-    const Twist asked = RandomTwist();
+    const Twist target = RandomTwist();
     const Pose base = Pose::FromRpy(Vector3d::Zero(), {0.4, -1.1, 2});
     for (const TwistFrame frame : {TwistFrame::kBase, TwistFrame::kTip, TwistFrame::kWorld}) {
       const DifferentialIkResult found =
-          DifferentialIk(chain_, q, asked, {.frame = frame, .base_in_world = base.rotation()});
+          DifferentialIk(chain_, q, target, {.frame = frame, .base_in_world = base.rotation()});
       Twist really = Measured(q, found.velocity);
       if (frame == TwistFrame::kTip) really = Rotated(chain_.Fk(q).inverse().quaternion(), really);
       if (frame == TwistFrame::kWorld) really = Rotated(base.quaternion(), really);
@@ -69,7 +69,7 @@ TEST_P(DifferentialIkTest, MovesTheTipByTheTwistInEveryFrame) {
                   1e-5 * (1 + found.velocity.size()));
       if (found.slower) continue;
       ++exact;
-      EXPECT_LT((really.vector() - asked.vector()).norm(), 0.02 * asked.vector().norm());
+      EXPECT_LT((really.vector() - target.vector()).norm(), 0.02 * target.vector().norm());
     }
   }
   EXPECT_GT(exact, 30);
@@ -110,12 +110,12 @@ TEST_P(DifferentialIkTest, IsOptimalWithinItsBounds) {
     DifferentialIkOptions options{.seconds = 0.1, .max_speed = JointVector(n)};
     for (double& most : options.max_speed) most = rng_.Uniform(0.05, 1);
     if (k % 3 == 0) options.posture = Inside();
-    const Twist asked = RandomTwist();
-    const DifferentialIkResult found = DifferentialIk(chain_, q, asked, options);
+    const Twist target = RandomTwist();
+    const DifferentialIkResult found = DifferentialIk(chain_, q, target, options);
     Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(6, n);
     chain_.Jacobian(q, jacobian);
     jacobian.topRows(3) /= chain_.model().length;
-    Eigen::Matrix<double, 6, 1> task = asked.vector();
+    Eigen::Matrix<double, 6, 1> task = target.vector();
     task.head(3) /= chain_.model().length;
     const Eigen::VectorXd pull =
         jacobian.transpose() *
@@ -174,8 +174,8 @@ TEST(DifferentialIk, ObeysItsBoundsOnEveryChain) {
       }
       if (k % 2) options.posture = RandomJoints(chain, &rng);
       const Vector3d linear(rng.Normal(), rng.Normal(), rng.Normal());
-      const Twist asked{linear, Vector3d(rng.Normal(), rng.Normal(), rng.Normal())};
-      const DifferentialIkResult found = DifferentialIk(chain, q, asked, options);
+      const Twist target{linear, Vector3d(rng.Normal(), rng.Normal(), rng.Normal())};
+      const DifferentialIkResult found = DifferentialIk(chain, q, target, options);
       Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(6, joints);
       chain.Jacobian(q, jacobian);
       Eigen::Matrix<double, 6, 1> moved = -found.twist.vector();
@@ -220,9 +220,9 @@ TEST_P(DifferentialIkTest, APostureMovesRedundantJointsAndNotTheTip) {
   for (int k = 0; k < 30; ++k) {
     const JointVector q = Inside();
     const JointVector posture = Inside();
-    const Twist asked = k % 3 == 0 ? Twist{} : RandomTwist();
-    const DifferentialIkResult plain = DifferentialIk(chain_, q, asked);
-    const DifferentialIkResult drawn = DifferentialIk(chain_, q, asked, {.posture = posture});
+    const Twist target = k % 3 == 0 ? Twist{} : RandomTwist();
+    const DifferentialIkResult plain = DifferentialIk(chain_, q, target);
+    const DifferentialIkResult drawn = DifferentialIk(chain_, q, target, {.posture = posture});
     if (plain.slower || drawn.slower) continue;  // near a singularity
     ++judged;
     EXPECT_LT((drawn.twist.vector() - plain.twist.vector()).norm(), 1e-3);
@@ -268,14 +268,14 @@ TEST_P(DifferentialIkTest, IsDampedIfTheMovingJointsAreNearASingularity) {
     // A twist that the other joints can hardly produce, and a little of everything.
     Eigen::Matrix<double, 6, 1> hard = svd.left.col(5) + 0.1 * RandomTwist().vector();
     hard.head(3) *= chain_.model().length;
-    const Twist asked = Twist::FromVector(0.2 * hard);
-    const DifferentialIkResult found = DifferentialIk(chain_, q, asked, options);
+    const Twist target = Twist::FromVector(0.2 * hard);
+    const DifferentialIkResult found = DifferentialIk(chain_, q, target, options);
     if (found.velocity[stuck] != 0) continue;
     ++held;
     // A singular value s requires 1 / s, damped to s / (s^2 + d): at most 40, and at 0.02 for 50.
     double fastest = 0;
     for (const double v : found.velocity) fastest = std::max(fastest, std::abs(v));
-    Eigen::Matrix<double, 6, 1> task = asked.vector();
+    Eigen::Matrix<double, 6, 1> task = target.vector();
     task.head(3) /= chain_.model().length;
     EXPECT_LT(fastest, 60 * task.norm());
   }
@@ -299,8 +299,9 @@ TEST(DifferentialIk, OfADeficientChainIsExactInReachableDirections) {
     for (int k = 0; k < 50; ++k) {
       JointVector q(n);
       for (int i = 0; i < n; ++i) q[i] = (i % 2 ? -1 : 1) * rng.Uniform(0.5, 1.2);
-      const Twist asked{.linear = {rng.Normal(), 0, rng.Normal()}, .angular = {0, rng.Normal(), 0}};
-      slower += DifferentialIk(chain, q, asked).slower;
+      const Twist target{.linear = {rng.Normal(), 0, rng.Normal()},
+                         .angular = {0, rng.Normal(), 0}};
+      slower += DifferentialIk(chain, q, target).slower;
       EXPECT_TRUE(DifferentialIk(chain, q, {.linear = {0, 0.1, 0}}).slower) << "out of the plane";
     }
     EXPECT_EQ(slower, 0);

@@ -141,7 +141,7 @@ class Batch {
 
    private:
     void PollNowAndThen() {
-      if (poll_ && ++asked_ % internal::kPollEvery == 1) poll_();
+      if (poll_ && ++polls_ % internal::kPollEvery == 1) poll_();
     }
     void TakeMore() {
       const int64_t first = batch_.taken_.fetch_add(kTakenTogether, std::memory_order_relaxed);
@@ -152,7 +152,7 @@ class Batch {
 
     Batch& batch_;
     int next_ = 0, end_ = 0;
-    unsigned asked_ = 0;
+    unsigned polls_ = 0;
     const std::function<void()>& poll_;
   };
 

@@ -84,7 +84,7 @@ TEST(IkBatchOfRandomChains, SolvesFiveToTwelveJointsWithSlidesAndWithoutLimits) 
 
 // A step must not expect motion from joints that hardly move.
 TEST(IkBatchOfRandomChains, SolvesEightToTwelveJointsOfWhichSomeAreNearlyFixed) {
-  int solved = 0, asked = 0;
+  int solved = 0, total = 0;
   for (int k = 0; k < 30; ++k) {
     Rng rng = Rng::Stream(9, "nearly fixed", k);
     const TestModel t = TestModel::FromXml(
@@ -94,9 +94,9 @@ TEST(IkBatchOfRandomChains, SolvesEightToTwelveJointsOfWhichSomeAreNearlyFixed) 
     const Chain chain(t.model(), "base", ChainTip::Site("tip"));
     const std::vector<Pose> targets = ReachableTargets(chain, 1000, &rng);
     solved += CountSolvedTogether(t, chain, targets);
-    asked += 1000;
+    total += 1000;
   }
-  EXPECT_GE(solved, asked - 20);
+  EXPECT_GE(solved, total - 20);
 }
 
 // Each choice of two locked values is a chain that is in no table.

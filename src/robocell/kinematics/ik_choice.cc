@@ -28,8 +28,9 @@ bool MayFindAnother(const IkOptions& options, int newest, int begun, int quiet) 
 
 bool AreApart(const ChainModel& chain, const JointVector& a, const JointVector& b, double least) {
   for (int i = 0; i < chain.n; ++i) {
-    const double way = a[i] - b[i];
-    const double apart = chain.joints[i].slide ? way / chain.length : std::remainder(way, kTurn);
+    const double index = a[i] - b[i];
+    const double apart =
+        chain.joints[i].slide ? index / chain.length : std::remainder(index, kTurn);
     if (std::abs(apart) > least) return true;
   }
   return false;
@@ -48,9 +49,9 @@ class IkChoice::Queue : public LaneQueue {
 
   bool Next(LaneQuestion* question) override {
     const int count = static_cast<int>(choice_.questions_.size());
-    for (; question_ < count && !ended_; question_ += stride_, way_ = 0) {
-      for (; way_ < kSearches; ++way_) {
-        const int number = question_ * kSearches + way_;
+    for (; question_ < count && !ended_; question_ += stride_, index_ = 0) {
+      for (; index_ < kSearches; ++index_) {
+        const int number = question_ * kSearches + index_;
         const Search& search = choice_.searches_[number];
         if (!search.open) continue;
         *question = choice_.questions_[question_];
@@ -59,7 +60,7 @@ class IkChoice::Queue : public LaneQueue {
         question->stride = kSearches;
         question->most = search.starts_left;
         question->patient = search.patient;
-        ++way_;
+        ++index_;
         return true;
       }
     }
@@ -85,7 +86,7 @@ class IkChoice::Queue : public LaneQueue {
 
  private:
   IkChoice& choice_;
-  int question_, stride_, way_ = 0;
+  int question_, stride_, index_ = 0;
   const std::atomic<bool>& ended_;
   const std::function<void()>& poll_;
   unsigned starts_ = 0;
@@ -126,25 +127,25 @@ int IkChoice::MoreStartsFor(int question) const {
 void IkChoice::Begin(int question, bool patient) {
   const int64_t starts =
       int64_t{StartsFor(questions_[question])} + (patient ? MoreStartsFor(question) : 0);
-  for (int way = 0; way < kSearches; ++way) {
-    searches_[question * kSearches + way] = {
-        .next_start = way,
-        .starts_left = static_cast<int>((starts - way + kSearches - 1) / kSearches),
+  for (int index = 0; index < kSearches; ++index) {
+    searches_[question * kSearches + index] = {
+        .next_start = index,
+        .starts_left = static_cast<int>((starts - index + kSearches - 1) / kSearches),
         .patient = patient};
   }
 }
 
 bool IkChoice::MayBeginAgain(int question) const {
-  const std::span<const Search> ways =
+  const std::span<const Search> searches =
       searches_.subspan(std::size_t(question) * kSearches, kSearches);
   const auto is_used_up = [](const Search& search) { return search.starts_left <= 0; };
-  return !ways.front().patient && std::all_of(ways.begin(), ways.end(), is_used_up) &&
+  return !searches.front().patient && std::all_of(searches.begin(), searches.end(), is_used_up) &&
          StartsFor(questions_[question]) >= kFewStarts;
 }
 
 void IkChoice::Open(int question, int searches) {
-  for (int way = 0; way < searches; ++way) {
-    Search& search = searches_[question * kSearches + way];
+  for (int index = 0; index < searches; ++index) {
+    Search& search = searches_[question * kSearches + index];
     search.open = search.starts_left > 0;
     search.unmoved_too = false;
   }
@@ -216,8 +217,9 @@ void IkChoice::ChooseFor(int question, std::span<const uint8_t> keep, std::size_
   double least = before;
   IkResult best = answer;
   int steps = answer.iterations;
-  const std::span<Search> ways = searches_.subspan(std::size_t(question) * kSearches, kSearches);
-  for (Search& search : ways) {
+  const std::span<Search> searches =
+      searches_.subspan(std::size_t(question) * kSearches, kSearches);
+  for (Search& search : searches) {
     if (!search.open) continue;
     steps += search.found.iterations;
     const auto take = [&](const IkResult& result, bool success) {
@@ -252,11 +254,11 @@ bool IkChoice::Choose() {
   bool open = false;
   std::size_t row = 0;
   for (int k = 0; k < static_cast<int>(questions_.size()); ++k) {
-    const std::span<Search> ways = searches_.subspan(std::size_t(k) * kSearches, kSearches);
+    const std::span<Search> searches = searches_.subspan(std::size_t(k) * kSearches, kSearches);
     const auto is_open = [](const Search& search) { return search.open; };
-    if (std::none_of(ways.begin(), ways.end(), is_open)) continue;
+    if (std::none_of(searches.begin(), searches.end(), is_open)) continue;
     ChooseFor(k, keep, &row);
-    for (Search& search : ways) search.open = false;
+    for (Search& search : searches) search.open = false;
     if (answers_[k].success) {
       if (!GoesOn(k)) continue;
       LookFurther(k);
@@ -264,7 +266,7 @@ bool IkChoice::Choose() {
       Begin(k, /*patient=*/true);
     }
     Open(k, kSearches);
-    open = open || std::any_of(ways.begin(), ways.end(), is_open);
+    open = open || std::any_of(searches.begin(), searches.end(), is_open);
   }
   return open;
 }

@@ -77,8 +77,8 @@ JointVector IkPreference::Uphill(const JointVector& q) const {
     if (options_.locked[i]) continue;
     const JointModel& joint = chain_.joints[i];
     const double unit = UnitOf(chain_, i);
-    const double way = std::clamp(kUphill * unit * slope[i], -kFarthestUphill, kFarthestUphill);
-    goal[i] = std::clamp(q[i] + unit * way, joint.lower, joint.upper);
+    const double step = std::clamp(kUphill * unit * slope[i], -kFarthestUphill, kFarthestUphill);
+    goal[i] = std::clamp(q[i] + unit * step, joint.lower, joint.upper);
   }
   return goal;
 }

@@ -13,7 +13,7 @@
 namespace robocell {
 namespace {
 
-constexpr double kAsked = 1e-5;
+constexpr double kTolerance = 1e-5;
 constexpr int kMostRestarts = 40, kMostIterations = 30;
 
 struct ManyQuestions {
@@ -105,9 +105,9 @@ class IkProperties : public testing::TestWithParam<std::tuple<int, Sort>> {
       }
     }
     const Pose& target = questions_.targets[b];
-    EXPECT_EQ(success, position_error <= kAsked && rotation_error <= kAsked) << what;
+    EXPECT_EQ(success, position_error <= kTolerance && rotation_error <= kTolerance) << what;
     if (success) {
-      EXPECT_TRUE(EngineAgrees(model_, chain_, target, q, 1.0001 * kAsked)) << what;
+      EXPECT_TRUE(EngineAgrees(model_, chain_, target, q, 1.0001 * kTolerance)) << what;
     }
     const Pose reached = chain_.Fk(q);
     const double off = (reached.translation() - target.translation()).stableNorm();
@@ -120,7 +120,7 @@ class IkProperties : public testing::TestWithParam<std::tuple<int, Sort>> {
   TestModel model_;
   Chain chain_;
   IkOptions options_{
-      .tolerance = kAsked, .max_restarts = kMostRestarts, .max_iterations = kMostIterations};
+      .tolerance = kTolerance, .max_restarts = kMostRestarts, .max_iterations = kMostIterations};
   ManyQuestions questions_;
 };
 INSTANTIATE_TEST_SUITE_P(Joints, IkProperties,

@@ -100,8 +100,8 @@ TEST(IkSolutionsOfThreeLinks, ExcludeWholeTurns) {
     for (std::size_t b = 0; b < a; ++b) {
       double apart = 0;
       for (int i = 0; i < 3; ++i) {
-        const double way = all[a].q[i] - all[b].q[i];
-        apart = std::max(apart, std::abs(std::remainder(way, 2 * std::numbers::pi)));
+        const double difference = all[a].q[i] - all[b].q[i];
+        apart = std::max(apart, std::abs(std::remainder(difference, 2 * std::numbers::pi)));
       }
       EXPECT_GT(apart, 0.3);
     }

@@ -44,9 +44,9 @@ constexpr double kLeastLengthShare = 0.02;  // of the chain, see LengthPerRadian
 constexpr double kNoRoom = 1e-12;           // the speed of a joint that has used up its range
 
 struct Remaining {
-  Twist twist;      // twist to the target, in base axes
-  double size = 0;  // weighed, rad
-  double way = 0;   // rad and chain lengths
+  Twist twist;          // twist to the target, in base axes
+  double size = 0;      // weighed, rad
+  double distance = 0;  // rad and chain lengths
 };
 
 Twist TwistBetween(const Pose& tip, const Pose& target) {
@@ -92,7 +92,7 @@ class DampedSearch {
     for (int step = 0; step < kDampedSteps && left.size > 0 && steps_left_ > 0; ++step) {
       --steps_left_;
       LimitSpeeds(q);
-      const double share = std::min(1.0, kDampedStep / left.way);
+      const double share = std::min(1.0, kDampedStep / left.distance);
       const Twist part{left.twist.linear * share, left.twist.angular * share};
       const DifferentialIkResult moved = DifferentialIk(chain_, q, part, options_);
       for (int i = 0; i < q.size(); ++i) next[i] = q[i] + moved.velocity[i];
@@ -124,10 +124,10 @@ class DampedSearch {
 }  // namespace
 
 double LengthPerRadian(const Chain& chain, const Pose& from, const Pose& to) {
-  const Twist way = TwistBetween(from, to);
-  const double turn = way.angular.norm(), length = chain.model().length;
+  const Twist distance = TwistBetween(from, to);
+  const double turn = distance.angular.norm(), length = chain.model().length;
   if (turn == 0) return length;
-  return std::clamp(way.linear.norm() / turn, kLeastLengthShare * length, length);
+  return std::clamp(distance.linear.norm() / turn, kLeastLengthShare * length, length);
 }
 
 double LargestJointStep(const Chain& chain, const Pose& from, const Pose& to) {

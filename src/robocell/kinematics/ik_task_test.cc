@@ -180,12 +180,12 @@ TEST_P(IkMore, ConstrainsTheRotationAboutOneAxisOnly) {
 }
 
 TEST_P(IkMore, TheSearchContinuesAfterTheFilterRejectsASolution) {
-  int asked = 0;
+  int total = 0;
   const IkFilter positive = [&](std::span<const double> q, int count, std::span<uint8_t> keep) {
     const std::size_t n = q.size() / count;
     EXPECT_EQ(n, static_cast<std::size_t>(chain_.n_joints()));
     for (int k = 0; k < count; ++k) keep[k] = q[k * n] > 0;
-    asked += count;
+    total += count;
   };
   std::vector<Pose> targets;
   while (targets.size() < 60) {
@@ -203,7 +203,7 @@ TEST_P(IkMore, TheSearchContinuesAfterTheFilterRejectsASolution) {
   }
   EXPECT_GT(other, 0);
   EXPECT_GE(found.solved(), 57);
-  EXPECT_GT(asked, 60);
+  EXPECT_GT(total, 60);
 
   const IkFilter none = [](std::span<const double>, int, std::span<uint8_t>) {};
   const IkResult refused = Ik(chain_, targets[0], {.filter = none});

@@ -246,12 +246,12 @@ struct LaneStep {
     const V left = hn::Div(hn::Sub(tangent, cone), hn::MulAdd(tangent, cone, Number(1)));
     const V twice = hn::Max(hn::Add(left, left), hn::Zero(d));
     *turn2 = hn::Mul(twice, twice);
-    V asked = twice;
+    V turn = twice;
     if (task.cone > 0) {
       const auto to_axis = hn::Gt(Load(task.to_axis + lane), hn::Zero(d));
-      asked = hn::IfThenElse(to_axis, hn::Add(tangent, tangent), twice);
+      turn = hn::IfThenElse(to_axis, hn::Add(tangent, tangent), twice);
     }
-    *angular = Times(hn::Min(asked, Number(3)), *about);
+    *angular = Times(hn::Min(turn, Number(3)), *about);
     if (task.cone > 0) {
       const auto inside = hn::Le(left, hn::Zero(d));
       about->x = hn::IfThenZeroElse(inside, about->x);
@@ -267,7 +267,7 @@ struct LaneStep {
   }
 
   // The pose error of the tip, and its cost.
-  struct Way {
+  struct Residual {
     V3 linear, angular;
     V3 about;  // axis of a swing
     V distance2, turn2, cost;
@@ -275,41 +275,42 @@ struct LaneStep {
   };
 
   template <bool kTask>
-  static HWY_INLINE Way Measure(const Frame& f, const V3& tip, int lane, const LaneTask* task,
-                                const LaneState& state) {
+  static HWY_INLINE Residual Measure(const Frame& f, const V3& tip, int lane, const LaneTask* task,
+                                     const LaneState& state) {
     const V zero = hn::Zero(d);
-    Way way;
-    way.linear = Sub(Load3(state.position, lane), tip);
-    way.about = {zero, zero, zero};
-    way.pull = zero;
+    Residual residual;
+    residual.linear = Sub(Load3(state.position, lane), tip);
+    residual.about = {zero, zero, zero};
+    residual.pull = zero;
     const V3 x = Load3(state.axes, lane), y = Load3(state.axes + 3, lane),
              z = Load3(state.axes + 6, lane);
     if (kTask && task->swing) {
-      SwingLeft(*task, lane, f, x, y, z, &way.angular, &way.turn2, &way.about);
+      SwingLeft(*task, lane, f, x, y, z, &residual.angular, &residual.turn2, &residual.about);
     } else {
-      TurnLeft(f, x, y, z, &way.angular, &way.turn2);
+      TurnLeft(f, x, y, z, &residual.angular, &residual.turn2);
     }
     if constexpr (kTask) {
-      way.linear = TimesRows(task->linear, lane, way.linear);
-      const V whole2 = hn::Max(Dot(way.angular, way.angular), Number(1e-60));
-      way.angular = TimesRows(task->angular, lane, way.angular);
+      residual.linear = TimesRows(task->linear, lane, residual.linear);
+      const V whole2 = hn::Max(Dot(residual.angular, residual.angular), Number(1e-60));
+      residual.angular = TimesRows(task->angular, lane, residual.angular);
       // Far away the displacement of a step is shorter than the remaining one.
-      const V share = hn::Div(way.turn2, whole2);
-      way.turn2 = hn::Mul(share, Dot(way.angular, way.angular));
-      way.pull = Load(task->pull + lane);
+      const V share = hn::Div(residual.turn2, whole2);
+      residual.turn2 = hn::Mul(share, Dot(residual.angular, residual.angular));
+      residual.pull = Load(task->pull + lane);
     }
-    way.distance2 = Dot(way.linear, way.linear);
-    way.cost = hn::Add(way.distance2, way.turn2);
-    return way;
+    residual.distance2 = Dot(residual.linear, residual.linear);
+    residual.cost = hn::Add(residual.distance2, residual.turn2);
+    return residual;
   }
 
   // Stores the measured errors, and keeps the best.
-  static HWY_INLINE void Note(const Way& way, int n, const V* q, int lane, LaneState* state) {
-    hn::Store(way.distance2, d, state->distance2 + lane);
-    hn::Store(way.turn2, d, state->turn2 + lane);
+  static HWY_INLINE void Note(const Residual& residual, int n, const V* q, int lane,
+                              LaneState* state) {
+    hn::Store(residual.distance2, d, state->distance2 + lane);
+    hn::Store(residual.turn2, d, state->turn2 + lane);
     const V best = Load(state->best_cost + lane);
-    const auto better = hn::Lt(way.cost, best);
-    hn::Store(hn::IfThenElse(better, way.cost, best), d, state->best_cost + lane);
+    const auto better = hn::Lt(residual.cost, best);
+    hn::Store(hn::IfThenElse(better, residual.cost, best), d, state->best_cost + lane);
     if (kAlone && hn::AllFalse(d, better)) return;
     for (int i = 0; i < n; ++i) {
       if constexpr (kAlone) {
@@ -355,7 +356,7 @@ struct LaneStep {
   template <bool kFirst, bool kRoams, int N, bool kTask>
   static HWY_INLINE void AddJoint(const FoldedChain& chain, const LaneOptions& options, int i, V q,
                                   V roam, const Column& column, int lane, const LaneTask* task,
-                                  const Way& way, Moves<N, kTask>* joints, Equations* e) {
+                                  const Residual& residual, Moves<N, kTask>* joints, Equations* e) {
     V* c = joints->column[i];
     const FoldedJoint& joint = chain.joints[i];
     V3 moves = column.moves, turns = column.turns;
@@ -364,7 +365,7 @@ struct LaneStep {
       // Along the border of a cone nothing is required.
       if (task->cone > 0) {
         const auto to_axis = hn::Gt(Load(task->to_axis + lane), hn::Zero(d));
-        const V3 across = Times(Dot(way.about, turns), way.about);
+        const V3 across = Times(Dot(residual.about, turns), residual.about);
         turns = {hn::IfThenElse(to_axis, turns.x, across.x),
                  hn::IfThenElse(to_axis, turns.y, across.y),
                  hn::IfThenElse(to_axis, turns.z, across.z)};
@@ -374,7 +375,7 @@ struct LaneStep {
       if (HWY_UNLIKELY(joint.slide)) to_goal = hn::Mul(Number(chain.per_metre), to_goal);
       joints->spare[i] = options.locked[i]
                              ? hn::Zero(d)
-                             : hn::Mul(hn::Mul(way.pull, Number(task->part[i])), to_goal);
+                             : hn::Mul(hn::Mul(residual.pull, Number(task->part[i])), to_goal);
     }
     c[0] = moves.x, c[1] = moves.y, c[2] = moves.z;
     c[3] = turns.x, c[4] = turns.y, c[5] = turns.z;
@@ -384,7 +385,7 @@ struct LaneStep {
     const auto above = hn::Ge(q, limits.upper), below = hn::Le(q, limits.lower);
     const bool seldom = kAlone || (kRoams && joint.has_whole_turn);
     if (!seldom || HWY_UNLIKELY(!hn::AllFalse(d, hn::Or(above, below)))) {
-      V push = hn::Add(Dot(moves, way.linear), Dot(turns, way.angular));
+      V push = hn::Add(Dot(moves, residual.linear), Dot(turns, residual.angular));
       if constexpr (kTask) push = hn::Add(push, joints->spare[i]);
       const auto up = hn::Gt(push, hn::Zero(d));
       const auto stuck = hn::Or(hn::And(up, above), hn::AndNot(up, below));
@@ -395,7 +396,7 @@ struct LaneStep {
       for (int k = 0; k < 6; ++k) c[k] = hn::Zero(d);
     }
     if constexpr (kTask) {
-      const auto at_ease = hn::Gt(way.pull, hn::Zero(d));
+      const auto at_ease = hn::Gt(residual.pull, hn::Zero(d));
       joints->ease[i] = hn::IfThenElse(at_ease, Number(task->ease[i]), Number(task->share[i]));
       for (int r = 0; r < 6; ++r) e->b[r] = hn::NegMulAdd(c[r], joints->spare[i], e->b[r]);
     }
@@ -416,15 +417,18 @@ struct LaneStep {
   template <bool kRoams, int N, bool kTask, class ColumnAt>
   static HWY_INLINE void Assemble(const FoldedChain& chain, const LaneOptions& options, const V* q,
                                   V roam, const ColumnAt& column, int lane, const LaneTask* task,
-                                  const Way& way, Moves<N, kTask>* joints, Equations* e) {
+                                  const Residual& residual, Moves<N, kTask>* joints, Equations* e) {
     const int n = N ? N : chain.n;
-    e->b[0] = way.linear.x, e->b[1] = way.linear.y, e->b[2] = way.linear.z;
-    e->b[3] = way.angular.x, e->b[4] = way.angular.y, e->b[5] = way.angular.z;
-    AddJoint<true, kRoams>(chain, options, 0, q[0], roam, column(0), lane, task, way, joints, e);
+    e->b[0] = residual.linear.x, e->b[1] = residual.linear.y, e->b[2] = residual.linear.z;
+    e->b[3] = residual.angular.x, e->b[4] = residual.angular.y, e->b[5] = residual.angular.z;
+    AddJoint<true, kRoams>(chain, options, 0, q[0], roam, column(0), lane, task, residual, joints,
+                           e);
     for (int i = 1; i < n; ++i)
-      AddJoint<false, kRoams>(chain, options, i, q[i], roam, column(i), lane, task, way, joints, e);
+      AddJoint<false, kRoams>(chain, options, i, q[i], roam, column(i), lane, task, residual,
+                              joints, e);
     const V damping =  // which is known last
-        hn::MulAdd(hn::Min(way.cost, Number(kMostCost)), Number(kDamping), Number(kLeastDamping));
+        hn::MulAdd(hn::Min(residual.cost, Number(kMostCost)), Number(kDamping),
+                   Number(kLeastDamping));
     for (int i = 0; i < 6; ++i) e->a[Entry(i, i)] = hn::Add(e->a[Entry(i, i)], damping);
   }
 
@@ -513,12 +517,12 @@ struct LaneStep {
     const double* to_tip = chain.tip.translation;
     const V3 tip = MulAdd(Number(to_tip[0]), f.x,
                           MulAdd(Number(to_tip[1]), f.y, MulAdd(Number(to_tip[2]), f.z, f.p)));
-    const Way way = Measure<kTask>(f, tip, lane, task, *state);
-    Note(way, n, q, lane, state);
-    const auto arrived = hn::And(hn::Le(way.distance2, Number(options.distance2)),
-                                 hn::Le(way.turn2, Number(options.turn2)));
+    const Residual residual = Measure<kTask>(f, tip, lane, task, *state);
+    Note(residual, n, q, lane, state);
+    const auto arrived = hn::And(hn::Le(residual.distance2, Number(options.distance2)),
+                                 hn::Le(residual.turn2, Number(options.turn2)));
     auto stay = arrived;
-    if constexpr (kTask) stay = hn::And(stay, hn::Le(way.pull, hn::Zero(d)));
+    if constexpr (kTask) stay = hn::And(stay, hn::Le(residual.pull, hn::Zero(d)));
 
     Equations e;
     Moves<N, kTask> joints;
@@ -526,10 +530,10 @@ struct LaneStep {
     if constexpr (kCoupled) {
       SumColumns(*chain.coupling, n, tip, &all);
       const auto column = [&](int i) HWY_ATTR { return all.columns[i]; };
-      Assemble<kRoams>(chain, options, q, roam, column, lane, task, way, &joints, &e);
+      Assemble<kRoams>(chain, options, q, roam, column, lane, task, residual, &joints, &e);
     } else {
       const auto column = [&](int i) HWY_ATTR { return ColumnOf(chain.joints[i], axes[i], tip); };
-      Assemble<kRoams>(chain, options, q, roam, column, lane, task, way, &joints, &e);
+      Assemble<kRoams>(chain, options, q, roam, column, lane, task, residual, &joints, &e);
     }
     SolveSix(hn::Set(d, 1.0), e.a, e.b);
     Advance<kRoams>(chain, options, q, roam, joints, e, stay, lane, state);

@@ -32,7 +32,7 @@ constexpr double kMostLengths = 1e9, kMostMetres = 1e100;
 }  // namespace
 
 LaneWork::LaneWork(const Chain& chain, const IkOptions& options)
-    : asked_(chain),
+    : original_(chain),
       chain_(chain.model()),
       lane_chain_(chain.lanes()),
       folded_(lane_chain_.folded()),

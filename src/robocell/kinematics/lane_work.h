@@ -44,7 +44,7 @@ class LaneWork {
   void Pull(int lane, const JointVector& goal);
   void LetGo(int lane) { lane_task_->pull[lane] = 0; }
   IkResult Judge(const Transform& target, const JointVector& q) const {
-    return Judged(asked_, target, task_, options_.tolerance, q);
+    return Judged(original_, target, task_, options_.tolerance, q);
   }
 
   // Return joint values of a lane: the present ones, and the best since Aim. Locked joints equal
@@ -82,7 +82,7 @@ class LaneWork {
   JointVector Taken(const double (&rows)[kMaxChainJoints][kMaxLanes], int lane,
                     const JointVector& seed) const;
 
-  const Chain& asked_;
+  const Chain& original_;
   const ChainModel& chain_;
   const LaneChain& lane_chain_;
   const FoldedChain& folded_;

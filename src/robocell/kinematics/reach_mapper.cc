@@ -75,7 +75,7 @@ void ReachMapper::FindCellsInReach() {
 void ReachMapper::AskForAll() {
   for (std::size_t pose = 0; pose < states_.size(); ++pose) {
     Ask(pose, nullptr);
-    if (asked_.size() >= kPosesTogether) Solve(from_starts_);
+    if (queued_.size() >= kPosesTogether) Solve(from_starts_);
   }
   Solve(from_starts_);
 }
@@ -94,7 +94,7 @@ void ReachMapper::AskBeside(std::span<const std::size_t> news, int axis, int ste
     const std::size_t pose = PoseBeside(from, axis, step);
     if (pose == kNone || states_[pose] == State::kReached) continue;
     Ask(pose, &q_[from * chain_.n_joints()]);
-    if (asked_.size() >= kPosesTogether) Solve(from_seeds_);
+    if (queued_.size() >= kPosesTogether) Solve(from_seeds_);
   }
   Solve(from_seeds_);
 }
@@ -104,14 +104,14 @@ bool ReachMapper::InsistAtBorders() {
     if (states_[pose] != State::kOpen) continue;
     states_[pose] = State::kInsisted;
     Ask(pose, nullptr);
-    if (asked_.size() >= kPosesTogether) Solve(from_many_starts_);
+    if (queued_.size() >= kPosesTogether) Solve(from_many_starts_);
   }
   Solve(from_many_starts_);
   return !news_.empty();
 }
 
 void ReachMapper::Ask(std::size_t pose, const float* seed) {
-  asked_.push_back(pose);
+  queued_.push_back(pose);
   const std::size_t cell = cell_of_slot_[pose / rotations_.size()];
   targets_.emplace_back(CentreOf(cell), rotations_[pose % rotations_.size()]);
   if (seed) seeds_.insert(seeds_.end(), seed, seed + chain_.n_joints());
@@ -120,7 +120,7 @@ void ReachMapper::Ask(std::size_t pose, const float* seed) {
 void ReachMapper::Solve(const IkBatchOptions& options) {
   IkBatch(chain_, targets_, seeds_, options, &found_);
   for (int b = 0; b < found_.size; ++b) {
-    const std::size_t pose = asked_[b];
+    const std::size_t pose = queued_[b];
     if (!found_.success[b]) {
       if (&options == &from_seeds_) barred_.push_back(pose);
       continue;
@@ -131,7 +131,7 @@ void ReachMapper::Solve(const IkBatchOptions& options) {
     states_[pose] = State::kReached;
     news_.push_back(pose);
   }
-  asked_.clear();
+  queued_.clear();
   targets_.clear();
   seeds_.clear();
 }

@@ -56,7 +56,7 @@ class ReachMapper {
   std::vector<std::size_t> news_, barred_;
 
   // The cells of the queries that are solved together.
-  std::vector<std::size_t> asked_;
+  std::vector<std::size_t> queued_;
   std::vector<Pose> targets_;
   std::vector<double> seeds_;
   IkBatchResult found_;

@@ -179,9 +179,9 @@ void StartTable::Score(const Aim& aim, int first, int count, float* scores) cons
 
 template <class Visit>
 void StartTable::ForNearby(const Aim& aim, const Visit& visit) const {
-  const int asked = CellOf(aim.position.data());
+  const int target_cell = CellOf(aim.position.data());
   std::array<float, 64> scores;
-  for (int d = detour_begin_[asked]; d < detour_begin_[asked + 1]; ++d) {
+  for (int d = detour_begin_[target_cell]; d < detour_begin_[target_cell + 1]; ++d) {
     const int end = begin_[detours_[d] + 1];
     for (int first = begin_[detours_[d]]; first < end; first += static_cast<int>(scores.size())) {
       const int count = std::min(end - first, static_cast<int>(scores.size()));

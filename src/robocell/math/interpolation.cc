@@ -44,9 +44,9 @@ double MinimumJerkDuration(double distance, double max_velocity, double max_acce
   if (!std::isfinite(distance)) {
     throw ArgumentError(fmt::format("the distance of a motion must be finite, not {}", distance));
   }
-  const double way = std::abs(distance);
-  return std::max(1.875 * way / max_velocity,
-                  std::sqrt(10 * std::numbers::inv_sqrt3 * way / max_acceleration));
+  const double length = std::abs(distance);
+  return std::max(1.875 * length / max_velocity,
+                  std::sqrt(10 * std::numbers::inv_sqrt3 * length / max_acceleration));
 }
 
 TrapezoidalMotion::TrapezoidalMotion(double distance, double max_velocity, double max_acceleration)
@@ -58,10 +58,10 @@ TrapezoidalMotion::TrapezoidalMotion(double distance, double max_velocity, doubl
         "trapezoidal motion: distance {}, max_velocity {} and max_acceleration {} must be finite",
         distance, max_velocity, max_acceleration));
   }
-  const double way = std::abs(distance);
-  const double speed = std::min(max_velocity, std::sqrt(way * max_acceleration));
+  const double length = std::abs(distance);
+  const double speed = std::min(max_velocity, std::sqrt(length * max_acceleration));
   ramp_ = speed / max_acceleration;
-  cruise_end_ = speed > 0 ? way / speed : 0;
+  cruise_end_ = speed > 0 ? length / speed : 0;
 }
 
 CoordinateState TrapezoidalMotion::at(double time) const {
@@ -98,9 +98,9 @@ double JointMoveDuration(std::span<const double> from, std::span<const double> t
 }
 
 double PoseMoveDuration(const Pose& from, const Pose& to, const PoseMoveLimits& limits) {
-  const double way = (to.translation() - from.translation()).norm();
+  const double length = (to.translation() - from.translation()).norm();
   const double turn = AngleBetween(from.quaternion(), to.quaternion());
-  return std::max(MinimumJerkDuration(way, limits.linear_velocity, limits.linear_acceleration),
+  return std::max(MinimumJerkDuration(length, limits.linear_velocity, limits.linear_acceleration),
                   MinimumJerkDuration(turn, limits.angular_velocity, limits.angular_acceleration));
 }
 

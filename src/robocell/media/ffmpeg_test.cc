@@ -34,8 +34,8 @@ std::string TextOf(const fs::path& path) {
 
 TEST(Ffmpeg, ReusesTheVersionQueriedByAParent) {
   TempDir folder;
-  const fs::path asked = folder / "asked", answer = folder / "answer";
-  const std::string count = "echo once >> " + asked.string() + "; echo 'ffmpeg version ";
+  const fs::path calls = folder / "asked", answer = folder / "answer";
+  const std::string count = "echo once >> " + calls.string() + "; echo 'ffmpeg version ";
   {
     const FakeFfmpeg fake(count + "1 Copyright nobody'");
     EXPECT_EQ(InOwnProcess([&] {  // this process has no result yet
@@ -47,12 +47,12 @@ TEST(Ffmpeg, ReusesTheVersionQueriedByAParent) {
     setenv("ROBOCELL_FFMPEG_ANSWER", TextOf(answer).c_str(), 1);
     EXPECT_EQ(FfmpegVersion(), "ffmpeg version 1");
     EXPECT_EQ(FfmpegAnswer(), TextOf(answer));
-    EXPECT_EQ(TextOf(asked), "once\n");
+    EXPECT_EQ(TextOf(calls), "once\n");
   }
   const FakeFfmpeg other(count + "2 Copyright nobody'");
   EXPECT_EQ(FfmpegVersion(), "ffmpeg version 2");
   EXPECT_NE(FfmpegAnswer(), TextOf(answer));
-  EXPECT_EQ(TextOf(asked), "once\nonce\n");
+  EXPECT_EQ(TextOf(calls), "once\nonce\n");
   unsetenv("ROBOCELL_FFMPEG_ANSWER");
 }
 

@@ -63,8 +63,8 @@ struct VideoReader::Impl {
   void RequireCleanEnd() {
     if (!decoder) return;
     const int code = decoder->Wait();
-    const std::string said = decoder->Errors();
-    if (code != 0 || !said.empty()) Fail(fmt::format("it does not decode cleanly: '{}'", said));
+    const std::string errors = decoder->Errors();
+    if (code != 0 || !errors.empty()) Fail(fmt::format("it does not decode cleanly: '{}'", errors));
     decoder.reset();
   }
 

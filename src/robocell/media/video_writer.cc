@@ -173,10 +173,10 @@ struct VideoWriter::Impl {
   [[noreturn]] void EncoderFailed() {
     encoder->CloseStdin();
     encoder->Wait();
-    const std::string said = encoder->Errors();
+    const std::string errors = encoder->Errors();
     const std::string what =
         fmt::format("the encoder {} after {}; it said {}", encoder->DescribeEnd(),
-                    Counted(frames, "frame"), said.empty() ? "nothing" : "'" + said + "'");
+                    Counted(frames, "frame"), errors.empty() ? "nothing" : "'" + errors + "'");
     // SIGXFSZ: a limit on the size of files, which the next one would meet too.
     if (encoder->signal() != 0 && encoder->signal() != SIGXFSZ) FailDead(what);
     Fail(what);

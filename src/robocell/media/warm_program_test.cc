@@ -205,7 +205,7 @@ TEST_F(WarmProgramTest, ItEndsWithItsProcess) {
   close(ends[1]);
 }
 
-TEST_F(WarmProgramTest, ScriptsAndProgramsThatAreSwitchedOffStartInTheUsualWay) {
+TEST_F(WarmProgramTest, ScriptsAndProgramsThatAreSwitchedOffStartAsUsual) {
   {
     const FakeFfmpeg script("echo 'a script'");
     ChildProcess child({FindFfmpeg()}, kTalking);

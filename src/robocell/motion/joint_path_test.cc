@@ -61,10 +61,10 @@ TEST(ConnectTrees, FindsAPathAroundAWall) {
 
 TEST(ConnectTrees, GivesUpWithoutAPath) {
   Rng rng = Rng::Stream(1, "no way");
-  int asked = 0;
-  const FreeFunction wall = [&](const JointVector& q) { return ++asked, std::abs(q[0]) > 0.1; };
+  int calls = 0;
+  const FreeFunction wall = [&](const JointVector& q) { return ++calls, std::abs(q[0]) > 0.1; };
   EXPECT_FALSE(ConnectTrees({-1, 0}, {1, 0}, kLimits, wall, rng));
-  EXPECT_LT(asked, 20000);
+  EXPECT_LT(calls, 20000);
 }
 
 TEST(ConnectTrees, SameStreamSamePath) {

@@ -16,7 +16,7 @@
 
 namespace robocell {
 
-std::string InTheWay::Text(const mjModel* model) const {
+std::string ObstacleCounts::Text(const mjModel* model) const {
   const auto most =
       std::ranges::max_element(counts_, {}, &std::pair<const std::array<int, 2>, int>::second);
   if (most == counts_.end()) return "";
@@ -39,7 +39,7 @@ struct PlanningScene::State {
   std::vector<double> finger_values;
   std::optional<Pose> target_in_tcp;  // set while it is held
   int checks = 0;
-  std::array<int, 2> in_the_way = {};
+  std::array<int, 2> obstacle = {};
 };
 
 PlanningScene::PlanningScene(const Scene& scene, const Robot& robot, const std::string& target_body,
@@ -101,7 +101,7 @@ bool PlanningScene::IsFree(const JointVector& q, const FreedomDemand& demand) {
   State& s = *state_;
   ++s.checks;
   s.Place(q, demand.gap);
-  s.in_the_way = {};
+  s.obstacle = {};
   if (!s.scratch.FindTouches()) return false;  // missing contacts may be collisions
   for (const internal::ScratchRobot::Touch& touch : s.scratch.touches()) {
     if (!touch.itself) {
@@ -109,13 +109,13 @@ bool PlanningScene::IsFree(const JointVector& q, const FreedomDemand& demand) {
       if (touch.distance >= demand.clearance || (demand.touch_target && wanted)) continue;
     }
     const mjModel* m = s.scratch.model();
-    s.in_the_way = {m->geom_bodyid[touch.own_geom], m->geom_bodyid[touch.other_geom]};
+    s.obstacle = {m->geom_bodyid[touch.own_geom], m->geom_bodyid[touch.other_geom]};
     return false;
   }
   return true;
 }
 
-std::array<int, 2> PlanningScene::in_the_way() const { return state_->in_the_way; }
+std::array<int, 2> PlanningScene::obstacle() const { return state_->obstacle; }
 int PlanningScene::checks() const { return state_->checks; }
 const Robot& PlanningScene::robot() const { return state_->scratch.robot(); }
 const GripperShape& PlanningScene::shape() const { return *state_->shape; }

@@ -29,8 +29,8 @@ struct FreedomDemand {
 };
 inline constexpr double kMostClearance = 0.025;
 
-// Counts which bodies were in the way, for messages.
-class InTheWay {
+// Counts which bodies collided, for messages.
+class ObstacleCounts {
  public:
   // Counts two colliding bodies, a part of the robot first.
   void Add(const std::array<int, 2>& bodies) { ++counts_[bodies]; }
@@ -58,7 +58,7 @@ class PlanningScene {
   // robot touch that do not touch in its present posture.
   bool IsFree(const JointVector& q, const FreedomDemand& demand);
   // Returns the bodies that collided when IsFree last returned false, a part of the robot first.
-  std::array<int, 2> in_the_way() const;
+  std::array<int, 2> obstacle() const;
   // Returns the number of calls of IsFree.
   int checks() const;
 

@@ -98,12 +98,12 @@ SpecPtr Parsed(Parse parse, const std::string& file, std::string_view context) {
   std::array<char, 2048> error{};
   const std::string place =
       Prefix(context) + (file.empty() ? "model text" : "model file '" + file + "'");
-  const internal::WarningCapture told;  // for a file that they do not name
+  const internal::WarningCapture captured;  // for a file that they do not name
   SpecPtr spec(
       internal::Tried(place, [&] { return parse(error.data(), static_cast<int>(error.size())); }));
   const std::string begin = file.empty() ? place + ": " : Prefix(context);
   if (!spec) throw SpecError(begin + internal::ParseProblem(Trim(error.data()), file));
-  for (const std::string& text : told.messages()) {
+  for (const std::string& text : captured.messages()) {
     if (internal::IsAboutNan(text)) throw SpecError(begin + internal::NanProblem(file));
     LogWarn(fmt::format("{}: MuJoCo: {}", place, text));
   }

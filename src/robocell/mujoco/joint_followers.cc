@@ -37,11 +37,22 @@ bool Contains(std::span<const int> joints, int joint) {
   return std::find(joints.begin(), joints.end(), joint) != joints.end();
 }
 
+// Returns whether a constraint between joints has one of these. Without one no joint follows them,
+// which is known without composing the constraints of the others; resets ask for it.
+bool AreCoupled(const mjModel* m, std::span<const int> joints) {
+  for (int e = 0; e < m->neq; ++e) {
+    if (m->eq_type[e] == mjEQ_JOINT &&
+        (Contains(joints, m->eq_obj1id[e]) || Contains(joints, m->eq_obj2id[e])))
+      return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 std::vector<JointFollower> FollowersOf(const mjModel* m, std::span<const int> joints) {
   std::vector<JointFollower> out;
-  if (m->neq == 0) return out;
+  if (!AreCoupled(m, joints)) return out;
   const ModelCouplings found = FindCouplings(m);
   const auto add = [&](int joint, std::size_t leader, const JointPolynomial& p) {
     const bool known = std::any_of(out.begin(), out.end(),
@@ -49,6 +60,7 @@ std::vector<JointFollower> FollowersOf(const mjModel* m, std::span<const int> jo
     if (!known && !Contains(joints, joint)) out.push_back({joint, leader, p});
   };
   for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (joints[i] < 0) continue;
     const CoupledJoint* own = found.Of(joints[i]);
     if (own && own->leader < 0) continue;
     const int root = own ? own->leader : joints[i];
@@ -66,7 +78,7 @@ std::vector<JointFollower> FollowersOf(const mjModel* m, std::span<const int> jo
 
 std::vector<ListedFollower> FollowersAmong(const mjModel* m, std::span<const int> joints) {
   std::vector<ListedFollower> out;
-  if (m->neq == 0) return out;
+  if (!AreCoupled(m, joints)) return out;
   const ModelCouplings found = FindCouplings(m);
   for (std::size_t i = 0; i < joints.size(); ++i) {
     const CoupledJoint* own = found.Of(joints[i]);

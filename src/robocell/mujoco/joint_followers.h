@@ -23,10 +23,11 @@ struct JointFollower {
 
 // Returns the joints that follow those of the list and are not in it. A joint of the list may itself
 // follow one outside of it, or be led by one: as long as that is affine, all others follow it too.
+// Joints of -1 are left out.
 std::vector<JointFollower> FollowersOf(const mjModel* model, std::span<const int> joints);
 
 // Returns the indices in the list of joints that follow another one of it, with their leader there.
-// Of several that follow a joint outside, the first leads the others.
+// If several follow a joint outside, the first one leads the others.
 struct ListedFollower {
   std::size_t index = 0, leader = 0;
   JointPolynomial of_leader;

@@ -13,7 +13,7 @@
 namespace robocell::internal {
 namespace {
 
-// What may be megabytes and is read when a renderer is given the model, not for each image.
+// Returns true for fields of megabytes that a renderer reads once, and not for each image.
 constexpr bool IsAsset(std::string_view field) {
   for (const std::string_view beginning : {"mesh_", "hfield_data", "tex_data", "bvh_", "oct_",
                                            "skin_", "name", "path", "text_", "key_", "plugin_"}) {

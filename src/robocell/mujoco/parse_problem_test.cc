@@ -23,41 +23,45 @@ using ::testing::Not;
 
 // Returns the message of ParseXmlFile for a model in which the third line is `line`, without the
 // folder.
-std::string Told(const std::string& line) {
+std::string ProblemOf(const std::string& line) {
   const TempDir folder;
   AtomicWrite(folder.path() / "arm.xml",
               "<mujoco>\n<worldbody>\n" + line + "\n</worldbody></mujoco>");
-  std::string told = ExpectThrow<SpecError>([&] { ParseXmlFile(folder.path() / "arm.xml"); }, "");
+  std::string message =
+      ExpectThrow<SpecError>([&] { ParseXmlFile(folder.path() / "arm.xml"); }, "");
   const std::string in = folder.path().string() + "/";
-  for (size_t at = told.find(in); at != std::string::npos; at = told.find(in))
-    told.erase(at, in.size());
-  return told;
+  for (size_t at = message.find(in); at != std::string::npos; at = message.find(in))
+    message.erase(at, in.size());
+  return message;
 }
 
 TEST(ParseProblem, SuggestsTheNearestAttributeOrElement) {
-  EXPECT_EQ(Told("<geom tpye='box'/>"),
+  EXPECT_EQ(ProblemOf("<geom tpye='box'/>"),
             "arm.xml:3: <geom>: unrecognized attribute: 'tpye'. Did you mean 'type'? Correct it "
             "there; MJCF's elements and attributes: "
             "https://mujoco.readthedocs.io/en/stable/XMLreference.html");
-  EXPECT_THAT(Told("<gemo/>"), HasSubstr("arm.xml:3: <gemo>: unrecognized element. Did you mean "
-                                         "'geom'? Correct it there"));
-  EXPECT_THAT(Told("<geom qqqqqqqqqqqq='1'/>"),
+  EXPECT_THAT(ProblemOf("<gemo/>"),
+              HasSubstr("arm.xml:3: <gemo>: unrecognized element. Did you mean "
+                        "'geom'? Correct it there"));
+  EXPECT_THAT(ProblemOf("<geom qqqqqqqqqqqq='1'/>"),
               AllOf(HasSubstr("'qqqqqqqqqqqq'. Correct it"), Not(HasSubstr("Did you mean"))));
 }
 
 TEST(ParseProblem, ReportsTheLineOfAWrongValue) {
-  EXPECT_THAT(Told("<geom type='bx'/>"), HasSubstr("arm.xml:3: <geom>: invalid keyword: 'bx'. "));
-  EXPECT_THAT(Told("<geom pos='1 2 x'/>"),
+  EXPECT_THAT(ProblemOf("<geom type='bx'/>"),
+              HasSubstr("arm.xml:3: <geom>: invalid keyword: 'bx'. "));
+  EXPECT_THAT(ProblemOf("<geom pos='1 2 x'/>"),
               HasSubstr("arm.xml:3: <geom>: bad format in attribute 'pos'. "));
 }
 
 TEST(ParseProblem, ReportsMalformedXml) {
-  EXPECT_EQ(Told("<body>"),
+  EXPECT_EQ(ProblemOf("<body>"),
             "arm.xml:3: <body>: not well-formed XML: mismatched element. Each element that is "
             "opened is closed, inside of the one around it, and each attribute is written "
             "name=\"value\"");
-  EXPECT_THAT(Told("<geom size=1/>"), HasSubstr("arm.xml:3: <geom>: not well-formed XML: parsing "
-                                                "attribute. "));
+  EXPECT_THAT(ProblemOf("<geom size=1/>"),
+              HasSubstr("arm.xml:3: <geom>: not well-formed XML: parsing "
+                        "attribute. "));
 }
 
 TEST(ParseProblem, ReportsAGitLfsPointer) {
@@ -69,7 +73,7 @@ TEST(ParseProblem, ReportsAGitLfsPointer) {
 }
 
 TEST(ParseProblem, SuggestsTheNearestIncludedFile) {
-  const auto told = [](const std::string& include, const std::string& there) {
+  const auto message = [](const std::string& include, const std::string& there) {
     const TempDir folder;
     std::filesystem::create_directory(folder.path() / "parts");
     AtomicWrite(folder.path() / there, "<mujoco/>");
@@ -77,10 +81,11 @@ TEST(ParseProblem, SuggestsTheNearestIncludedFile) {
     AtomicWrite(file, "<mujoco>\n<include file='" + include + "'/>\n</mujoco>");
     return ExpectThrow<SpecError>([&] { ParseXmlFile(file); }, file + ":2: <include>: ");
   };
-  EXPECT_THAT(told("asets.xml", "assets.xml"),
+  EXPECT_THAT(message("asets.xml", "assets.xml"),
               HasSubstr("Error opening file 'asets.xml'. Did you mean 'assets.xml'? Correct it"));
-  EXPECT_THAT(told("parts/lnk.xml", "parts/link.xml"), HasSubstr("Did you mean 'parts/link.xml'?"));
-  EXPECT_THAT(told("hand.xml", "gripper.xml"),
+  EXPECT_THAT(message("parts/lnk.xml", "parts/link.xml"),
+              HasSubstr("Did you mean 'parts/link.xml'?"));
+  EXPECT_THAT(message("hand.xml", "gripper.xml"),
               HasSubstr("'hand.xml'. There: gripper.xml. Correct"));
 }
 
@@ -96,13 +101,14 @@ TEST(ParseProblem, ReportsTheLineOfMalformedXmlInAnIncludedFile) {
 TEST(ParseProblem, ReportsFilesThatAreNotModels) {
   const TempDir folder;
   const std::string file = (folder.path() / "x.xml").string();
-  const auto told = [&](const std::string& text) {
+  const auto message = [&](const std::string& text) {
     AtomicWrite(file, text);
     return ExpectThrow<SpecError>([&] { ParseXmlFile(file, "robot 'a'"); }, "robot 'a': " + file);
   };
-  EXPECT_THAT(told("<html/>"), HasSubstr("x.xml: Unrecognized XML model type: 'html'. Correct it"));
-  EXPECT_THAT(told(""), HasSubstr("x.xml: empty file"));
-  EXPECT_THAT(told("hello"), HasSubstr("x.xml:1: not well-formed XML: parsing text"));
+  EXPECT_THAT(message("<html/>"),
+              HasSubstr("x.xml: Unrecognized XML model type: 'html'. Correct it"));
+  EXPECT_THAT(message(""), HasSubstr("x.xml: empty file"));
+  EXPECT_THAT(message("hello"), HasSubstr("x.xml:1: not well-formed XML: parsing text"));
 }
 
 TEST(ParseProblem, OfATextHasTheLineAlone) {

@@ -219,11 +219,11 @@ TEST_F(Cameras, RejectInvalidNumbers) {
     ComputeCamera(model_.get(), data_.get(), view, 64, 48);
   };
   for (const double fovy : {nan, infinity, -5.0, 0.0, 180.0, 1e30}) {
-    const std::string said =
+    const std::string message =
         fmt::format("a camera's fovy is {}; it must be above 0 and below 180 degrees", fovy);
-    ExpectThrow<ArgumentError>([&] { draw(FreeCamera{.fovy = fovy}); }, said);
-    ExpectThrow<ArgumentError>([&] { draw(OrbitCamera{.fovy = fovy}); }, said);
-    ExpectThrow<ArgumentError>([&] { draw(TrackingCamera{.fovy = fovy}); }, said);
+    ExpectThrow<ArgumentError>([&] { draw(FreeCamera{.fovy = fovy}); }, message);
+    ExpectThrow<ArgumentError>([&] { draw(OrbitCamera{.fovy = fovy}); }, message);
+    ExpectThrow<ArgumentError>([&] { draw(TrackingCamera{.fovy = fovy}); }, message);
     model_->cam_fovy[0] = static_cast<float>(fovy);  // by hand, after the engine has checked it
     ExpectThrow<ArgumentError>([&] { draw(ModelCamera{0}); }, "a camera's fovy is ");
   }

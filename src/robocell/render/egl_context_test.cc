@@ -41,8 +41,8 @@ TEST_F(EglContextTest, ContextsAreTheirOwn) {
   std::thread([&] { const GlContext::Current there(*other); }).join();
 }
 
-// What was current before a scope is current after it: the outer context still cannot be taken by
-// another thread, the inner one can.
+// A scope makes the previous context current again: another thread still cannot take the outer
+// context, and can take the inner one.
 TEST_F(EglContextTest, AScopeRestoresTheContextBeforeIt) {
   const auto inner = CreateEglContext();
   const GlContext::Current outside(*context_);
@@ -56,14 +56,14 @@ TEST_F(EglContextTest, AScopeRestoresTheContextBeforeIt) {
 
 TEST_F(EglContextTest, ADeviceThatIsNotThereIsAnErrorWithTheDevices) {
   setenv("ROBOCELL_EGL_DEVICE", "99", 1);
-  std::string said;
+  std::string message;
   try {
     CreateEglContext();
   } catch (const Error& error) {
-    said = error.what();
+    message = error.what();
   }
   unsetenv("ROBOCELL_EGL_DEVICE");
-  EXPECT_THAT(said, HasSubstr("99"));
+  EXPECT_THAT(message, HasSubstr("99"));
 }
 
 }  // namespace

@@ -86,10 +86,10 @@ double LargestDifference(std::span<const double> a, std::span<const double> b) {
 TEST_F(Apply, SmallPoseStepsAreSmallJointSteps) {
   constexpr int kSteps = 4000;
   Rng rng = Rng::Stream(1, "random walk");
-  Eigen::Vector3d way;
+  Eigen::Vector3d displacement;
   const auto step = [&](int i, const Pose& from) {
-    if (i % 5 == 0) way = 0.02 * RandomVector(rng).normalized();
-    return Pose(from.translation() + way, from.quaternion());
+    if (i % 5 == 0) displacement = 0.02 * RandomVector(rng).normalized();
+    return Pose(from.translation() + displacement, from.quaternion());
   };
   // The first solution may have the elbow or the wrist on the other side.
   JointVector any(home);

@@ -128,10 +128,10 @@ std::string HeldByRobot(const Scene& scene, const std::string& robot) {
 
 void LeavesObject::Warn(const Scene& scene, const std::string& robot, const std::string& place,
                         BaseKind base, const Pose& from, const Pose& to) {
-  if (told_ || Displacement(from, to) <= kNowhere) return;
+  if (warned_ || Displacement(from, to) <= kNowhere) return;
   const std::string held = HeldByRobot(scene, robot);
   if (held.empty()) return;
-  told_ = true;
+  warned_ = true;
   // Small steps in the contacts of a body with mass.
   const bool pushes = base == BaseKind::kFree || base == BaseKind::kFixed;
   const std::string give =

@@ -29,7 +29,7 @@ class LeavesObject {
             const Pose& from, const Pose& to);
 
  private:
-  bool told_ = false;
+  bool warned_ = false;
 };
 
 }  // namespace robocell::internal

@@ -6,7 +6,7 @@
 
 namespace robocell {
 
-void BeyondLimits::Tell(const std::string& what, double value, const Interval& range) {
+void BeyondLimits::Warn(const std::string& what, double value, const Interval& range) {
   LogWarn(
       fmt::format("{} is commanded to {:g}, beyond [{:g}, {:g}]; the nearest value inside is used "
                   "(reported once)",

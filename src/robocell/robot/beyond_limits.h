@@ -23,19 +23,19 @@ class BeyondLimits {
   // Only logs, for values that other code clips.
   template <class What>
   void Watch(double value, const Interval& range, const What& what) {
-    if (told_ || (value >= range.lower - kSlack && value <= range.upper + kSlack)) return;
+    if (warned_ || (value >= range.lower - kSlack && value <= range.upper + kSlack)) return;
     if (std::isnan(value)) return;
-    told_ = true;
-    Tell(what(), value, range);
+    warned_ = true;
+    Warn(what(), value, range);
   }
-  bool told() const { return told_; }
+  bool warned() const { return warned_; }
 
  private:
   static constexpr double kSlack = 1e-3;  // allows for rounding and small overshoot
 
-  static void Tell(const std::string& what, double value, const Interval& range);
+  static void Warn(const std::string& what, double value, const Interval& range);
 
-  bool told_ = false;
+  bool warned_ = false;
 };
 
 }  // namespace robocell

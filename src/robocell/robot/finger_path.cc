@@ -51,8 +51,12 @@ class FingerPath {
  public:
   FingerPath(const mjModel* m, const FingerPair& pair, std::span<const double> from,
              std::span<const double> to)
-      : m_(m), pair_(pair), from_(from), data_(MakeData(m)), way_(static_cast<size_t>(m->nv)) {
-    mj_differentiatePos(m, way_.data(), 1, from.data(), to.data());
+      : m_(m),
+        pair_(pair),
+        from_(from),
+        data_(MakeData(m)),
+        displacement_(static_cast<size_t>(m->nv)) {
+    mj_differentiatePos(m, displacement_.data(), 1, from.data(), to.data());
   }
 
   std::optional<FlatDistance> Run() {
@@ -77,7 +81,7 @@ class FingerPath {
   void Place(double share) {
     mjData* d = data_.get();
     std::copy(from_.begin(), from_.end(), d->qpos);
-    mj_integratePos(m_, d->qpos, way_.data(), share);
+    mj_integratePos(m_, d->qpos, displacement_.data(), share);
     Guarded("following the fingers", d, [&] { mj_kinematics(m_, d); });
   }
 
@@ -139,7 +143,7 @@ class FingerPath {
   const FingerPair& pair_;
   std::span<const double> from_;
   const DataPtr data_;
-  std::vector<mjtNum> way_;
+  std::vector<mjtNum> displacement_;
 };
 
 std::string OwnName(const mjModel* m, const RobotRecord& robot, mjtObj kind, int id) {

@@ -116,11 +116,11 @@ std::string WhyUnstable(const Scene& scene) {
     const int base = FindId(scene.model(), mjOBJ_BODY, robot.base_body);
     for (const UnstableServo& servo : UnstableServos(scene.model(), base, robot.prefix)) {
       const std::vector<std::string>& warnings = scene.compiled()->warnings();
-      const auto told = std::ranges::find_if(warnings, [&](const std::string& warning) {
+      const auto found = std::ranges::find_if(warnings, [&](const std::string& warning) {
         return warning.find(servo.too_high) != std::string::npos;
       });
       why += why.empty() ? " The simulation cannot follow a gain: " : "; ";
-      why += told == warnings.end() ? servo.text() : *told;
+      why += found == warnings.end() ? servo.text() : *found;
     }
     for (const std::string& spring : UnstableSprings(scene.model(), base, robot.prefix))
       why += fmt::format(" Robot '{}': {}", robot.name, spring);

@@ -290,8 +290,8 @@ RobotConfig WithStickyGripper(ModelFolder& folder, const std::string& arm) {
 TEST(Gripper, ReportsFingersThatDoNotReturn) {
   ModelFolder folder;
   RobotConfig config = WithStickyGripper(folder, kTwoJointArm);
-  for (const bool said : {false, true}) {
-    if (said) GripperConfig(config).ctrl = GripperCtrl{.open = 0, .closed = -0.04};
+  for (const bool stated : {false, true}) {
+    if (stated) GripperConfig(config).ctrl = GripperCtrl{.open = 0, .closed = -0.04};
     Robot robot = RobotAlone(config);
     ExpectThrow<ArgumentError>(
         [&] { robot.gripper().opening(); },
@@ -369,8 +369,8 @@ TEST(Gripper, RejectsFingersThatDoNotComeToRest) {
   constexpr const char* kServo = R"(<position name="grip" joint="l" kp="1000" ctrlrange="0 .04"/>)";
   ModelFolder folder;
   RobotConfig config = WithSlowGripper(folder, 30, kServo);
-  for (const bool said : {false, true}) {
-    if (said) GripperConfig(config).distance = GripperDistance{.closed = 0.002, .open = 0.082};
+  for (const bool stated : {false, true}) {
+    if (stated) GripperConfig(config).distance = GripperDistance{.closed = 0.002, .open = 0.082};
     Robot robot = RobotAlone(config);
     ExpectThrow<ArgumentError>(
         [&] { GripperOf(robot).Measure(); },
@@ -436,10 +436,10 @@ TEST(Gripper, ScalesTheOpeningToTheMeasuredRange) {
     robot.controller("gripper").Reset();
     EXPECT_NEAR(robot.controller("gripper").target()[0], opening, 1e-6);
   }
-  RobotConfig said = config;
-  GripperConfig(said).actuators = {"g_left", "g_right"};
-  GripperConfig(said).ctrl = GripperCtrl{.open = 0.02, .closed = -0.02};
-  EXPECT_DOUBLE_EQ(RobotAlone(said).gripper().ctrl_for_opening(0.5), 0)
+  RobotConfig stated = config;
+  GripperConfig(stated).actuators = {"g_left", "g_right"};
+  GripperConfig(stated).ctrl = GripperCtrl{.open = 0.02, .closed = -0.02};
+  EXPECT_DOUBLE_EQ(RobotAlone(stated).gripper().ctrl_for_opening(0.5), 0)
       << "of the controls, which the file says";
 }
 

@@ -191,10 +191,10 @@ class PassedFingers {
 
   // Returns distances at a share of the line.
   GeomDistances At(double share) {
-    std::vector<mjtNum> way(static_cast<size_t>(m_->nv));
-    mj_differentiatePos(m_, way.data(), 1, from_.data(), to_.data());
+    std::vector<mjtNum> displacement(static_cast<size_t>(m_->nv));
+    mj_differentiatePos(m_, displacement.data(), 1, from_.data(), to_.data());
     std::copy(from_.begin(), from_.end(), data_->qpos);
-    mj_integratePos(m_, data_->qpos, way.data(), share);
+    mj_integratePos(m_, data_->qpos, displacement.data(), share);
     Guarded(kContext, data_.get(), [&] { mj_kinematics(m_, data_.get()); });
     return DistancesOfGeoms(m_, data_.get(), parts_.pair);
   }

@@ -76,10 +76,10 @@ void JointPositionController::Compute(std::span<double> ctrl) {
     });
   }
   group_.CtrlForJointPos(within_, ctrl);
-  if (servos_ && !beyond_.told()) TellCutCtrl(ctrl);
+  if (servos_ && !beyond_.warned()) WarnOfCutCtrl(ctrl);
 }
 
-void JointPositionController::TellCutCtrl(std::span<const double> ctrl) {
+void JointPositionController::WarnOfCutCtrl(std::span<const double> ctrl) {
   for (auto cut = servos_->FindCutCtrl(within_, ctrl, 0); cut;
        cut = servos_->FindCutCtrl(within_, ctrl, cut->actuator + 1)) {
     if (!IsCommanded(cut->joint)) continue;

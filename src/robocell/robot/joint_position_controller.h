@@ -44,7 +44,7 @@ class JointPositionController : public Controller {
  private:
   // Returns true after SetTarget(), or after a number was written into the port.
   bool IsCommanded(size_t joint) const { return commanded_ || target_[joint] != held_[joint]; }
-  void TellCutCtrl(std::span<const double> ctrl);
+  void WarnOfCutCtrl(std::span<const double> ctrl);
 
   MoveGroup& group_;
   const ServoGroup* servos_;  // the same, if it can report clipped controls

@@ -43,12 +43,12 @@ void JointTorqueController::Compute(std::span<double> ctrl) {
   RequireValues([&] { return arm_.place(); }, "joint", torque_.get(), target_size(),
                 arm_.joint_names());
   arm_.GetJointPos(q_);
-  if (!beyond_.told()) TellStrained();
+  if (!beyond_.warned()) WarnOfStrained();
   arm_.CtrlForJointTorque(torque_.get(), ctrl);
 }
 
 // The engine clips by itself.
-void JointTorqueController::TellStrained() {
+void JointTorqueController::WarnOfStrained() {
   for (size_t i = arm_.FindStrained(torque_.get(), 0); i < torque_.size();
        i = arm_.FindStrained(torque_.get(), i + 1)) {
     if (!IsCommanded(i)) continue;

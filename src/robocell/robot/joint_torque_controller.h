@@ -40,7 +40,7 @@ class JointTorqueController : public Controller {
  private:
   // Returns true after SetTarget(), or after a number was written into the port.
   bool IsCommanded(size_t joint) const { return commanded_ || torque_[joint] != held_[joint]; }
-  void TellStrained();
+  void WarnOfStrained();
 
   ArmGroup& arm_;
   PortValues torque_;

@@ -37,8 +37,8 @@ TEST(PoseRamp, KeepsItsLimitsAndEndsExactlyAtTheGoal) {
   for (int trial = 0; trial < 20; ++trial) {
     PoseRamp ramp(RandomPose(rng));
     const Pose goal = RandomPose(rng);
-    const Eigen::Vector3d way = goal.translation() - ramp.pose().translation();
-    const double longest = std::max(way.norm() / kLimits.linear_speed,
+    const Eigen::Vector3d displacement = goal.translation() - ramp.pose().translation();
+    const double longest = std::max(displacement.norm() / kLimits.linear_speed,
                                     (ramp.pose().inverse() * goal).angle() / kLimits.angular_speed);
     Follow(ramp, goal, static_cast<int>((longest + 0.5) / kTick));
     EXPECT_EQ(ramp.pose(), goal);

@@ -168,8 +168,8 @@ void Robot::ThrowOtherClass(const std::string& group, const Controller& made) co
 
 CtrlMode Robot::ctrl_mode() const {
   internal::GroupSlot& slot = open().RequireKind(MoveGroupKind::kArm);
-  const CtrlMode told = open().RequireController(slot).mode();
-  return internal::ModeNow(slot.own->drives, open().scene).value_or(told);
+  const CtrlMode declared = open().RequireController(slot).mode();
+  return internal::ModeNow(slot.own->drives, open().scene).value_or(declared);
 }
 
 void Robot::set_ctrl_mode(CtrlMode mode) {
@@ -274,7 +274,7 @@ void Robot::SetJointPos(std::span<const double> q, bool call_forward) {
   auto* arm = dynamic_cast<ArmGroup*>(slot.own->group.get());
   if (arm) {
     arm->WriteJointPos(q);
-    open().TellBeyondLimits(*arm, q);
+    open().WarnBeyondLimits(*arm, q);
   } else {
     slot.own->group->SetJointPos(q);
   }

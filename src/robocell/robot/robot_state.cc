@@ -337,11 +337,12 @@ std::unique_ptr<Controller> Robot::State::Successor(internal::GroupSlot& slot,
 void Robot::State::PutInstead(internal::GroupSlot& slot, const std::string& controller) {
   Controller& known = *slot.control->controller;
   const std::span<const double> port = known.command_port();
-  const std::vector<double> told(port.begin(), port.end());
+  const std::vector<double> command(port.begin(), port.end());
   const TargetKind kind = known.port_kind();
   Use(slot, Successor(slot, controller, known.mode()));
   Controller& put = *slot.control->controller;
-  if (put.port_kind() == kind) std::copy(told.begin(), told.end(), put.command_port().begin());
+  if (put.port_kind() == kind)
+    std::copy(command.begin(), command.end(), put.command_port().begin());
 }
 
 std::vector<internal::GroupSlot*> Robot::State::OfKind(MoveGroupKind kind) const {
@@ -414,11 +415,11 @@ void Robot::State::ListKinds() {
   ReadPorts();
 }
 
-void Robot::State::TellBeyondLimits(const ArmGroup& arm, std::span<const double> q) {
-  if (told_beyond_limits) return;
+void Robot::State::WarnBeyondLimits(const ArmGroup& arm, std::span<const double> q) {
+  if (warned_beyond_limits) return;
   const size_t i = arm.FindBeyondLimits(q);
   if (i >= q.size()) return;
-  told_beyond_limits = true;
+  warned_beyond_limits = true;
   const Interval limits = arm.joint_pos_limits()[i];
   LogWarn(
       fmt::format("{}: joint '{}' is set to {:g}, outside its limits {:g} to {:g}, which "

@@ -92,7 +92,7 @@ class Robot::State : public SceneObserver, public internal::BodyPutObserver {
   // Reads the state of the arm into the ports, and the force-torque sensors.
   void ReadPorts();
   // Logs the first teleport that puts the arm beyond its limits.
-  void TellBeyondLimits(const ArmGroup& arm, std::span<const double> q);
+  void WarnBeyondLimits(const ArmGroup& arm, std::span<const double> q);
   // Throws ClosedError if its bodies were removed with an object of the scene.
   void RequireBodies() const {
     if (!lost.empty()) ThrowLost();
@@ -113,7 +113,7 @@ class Robot::State : public SceneObserver, public internal::BodyPutObserver {
   std::vector<double> pos, vel, trq;  // the arm's measurement ports
   std::vector<internal::FtReading> ft_sensors;
   std::string lost;  // why it could not follow a rebuild
-  bool paused = false, told_beyond_limits = false;
+  bool paused = false, warned_beyond_limits = false;
 
  private:
   // Pointers into the slots, which own them, so that a tick does not follow several pointers.

@@ -31,7 +31,7 @@ std::set<std::string> CommandedActuators(const Robot& robot) {
 
 }  // namespace
 
-std::string TellUnusedGroups(const Robot& robot) {
+std::string DescribeUnusedGroups(const Robot& robot) {
   std::string arm, gripper;
   std::vector<std::string> unused;
   for (const std::string& name : robot.group_names()) {

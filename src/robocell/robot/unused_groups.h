@@ -12,7 +12,7 @@ namespace robocell::internal {
 // Lists the used groups of kind arm and gripper, which are its first arm and that arm's gripper
 // (Robot::gripper_of()), and the unused ones: "arm 'left' and gripper 'lgrip' are used; 'right' and
 // 'rgrip' hold still". "" for a robot without others.
-std::string TellUnusedGroups(const Robot& robot);
+std::string DescribeUnusedGroups(const Robot& robot);
 
 // Returns the actuators that belong to no move group, so that nothing will ever command them;
 // usually a group is missing in the robot's file. Names are without the robot's prefix. Actuators

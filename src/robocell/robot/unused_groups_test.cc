@@ -18,7 +18,7 @@ TEST(GripperOf, IsTheHandOnTheArmInAnyFileOrder) {
     EXPECT_EQ(robot.gripper_of("l_arm"), "l_hand");
     EXPECT_EQ(robot.gripper_of("r_arm"), "r_hand");
     EXPECT_EQ(robot.gripper().name(), "l_hand");
-    EXPECT_EQ(TellUnusedGroups(robot),
+    EXPECT_EQ(DescribeUnusedGroups(robot),
               "arm 'l_arm' and its gripper 'l_hand' are used; r_arm, r_hand hold still");
   }
 }
@@ -33,7 +33,7 @@ TEST(GripperOf, ExcludesTheHandOfAnotherArm) {
                              "robot 'torso': arm 'l_arm', the first of its `move_groups`, carries "
                              "no gripper: 'r_hand' is on arm 'r_arm'. Declare the arm with the "
                              "gripper first, or take group 'r_hand' by its name");
-  EXPECT_EQ(TellUnusedGroups(robot),
+  EXPECT_EQ(DescribeUnusedGroups(robot),
             "arm 'l_arm', which carries no gripper, is used; r_arm, r_hand hold still");
 }
 
@@ -47,13 +47,13 @@ TEST(GripperOf, ASingleArmGetsTheFirstGripper) {
   const Robot robot = RobotAlone(alone);
   EXPECT_EQ(robot.gripper_of("l_arm"), "r_hand");
   EXPECT_EQ(robot.gripper().name(), "r_hand");
-  EXPECT_EQ(TellUnusedGroups(robot), "");
+  EXPECT_EQ(DescribeUnusedGroups(robot), "");
 }
 
 TEST(GripperOf, RejectsGroupsThatAreNotArms) {
   const Robot robot = RobotAlone(Rc7());
   EXPECT_EQ(robot.gripper_of("arm"), "gripper");
-  EXPECT_EQ(TellUnusedGroups(robot), "");
+  EXPECT_EQ(DescribeUnusedGroups(robot), "");
   ExpectThrow<ArgumentError>(
       [&] { robot.gripper_of("gripper"); },
       "robot 'rc7' / group 'gripper' is of kind gripper, and grippers go with arms: arm");

@@ -22,26 +22,26 @@ constexpr double kMostReach = 1.1, kLeastReach = 0.3;
 // Smallest change of an opening that is read from a joint, from closed to open.
 constexpr double kLeastRead = 0.1;
 
-void ValidateDistance(const ActuatedGripper& gripper, const GripperDistance& said,
+void ValidateDistance(const ActuatedGripper& gripper, const GripperDistance& stated,
                       Problems& problems) {
   const GripperDistance measured = gripper.Measure().distance;
-  if (std::abs(measured.closed - said.closed) <= kDistanceTolerance &&
-      std::abs(measured.open - said.open) <= kDistanceTolerance)
+  if (std::abs(measured.closed - stated.closed) <= kDistanceTolerance &&
+      std::abs(measured.open - stated.open) <= kDistanceTolerance)
     return;
   problems.AddAt("distance",
                  fmt::format("the fingers are {:.3f} m apart when closed and {:.3f} m when open, "
                              "not {:.3f} and {:.3f}: correct it, or leave `distance` out to "
                              "have it measured",
-                             measured.closed, measured.open, said.closed, said.open));
+                             measured.closed, measured.open, stated.closed, stated.open));
 }
 
 // An opening that is read from a joint has to follow the fingers: the range may be wider or
 // narrower than what the joint does, but not turned around or somewhere else.
-void ValidateJointRange(const ActuatedGripper& gripper, const GripperJointRange& said,
+void ValidateJointRange(const ActuatedGripper& gripper, const GripperJointRange& stated,
                         Problems& problems) {
   const GripperJointRange measured = gripper.MeasureJoint();
   const auto opening = [&](double q) {
-    return std::clamp((q - said.closed) / (said.open - said.closed), 0.0, 1.0);
+    return std::clamp((q - stated.closed) / (stated.open - stated.closed), 0.0, 1.0);
   };
   const double open = opening(measured.open), closed = opening(measured.closed);
   if (open - closed >= kLeastRead) return;
@@ -51,8 +51,9 @@ void ValidateJointRange(const ActuatedGripper& gripper, const GripperJointRange&
           "joint '{}' is at {:.4g} when the gripper is open and at {:.4g} when it is closed, "
           "so with open: {:g} and closed: {:g} its opening is read as {:.2f} and {:.2f}: {}, "
           "or leave `joint_range` out to read it from the fingers",
-          gripper.joint_names()[0], measured.open, measured.closed, said.open, said.closed, open,
-          closed, closed > open ? "open and closed are swapped; exchange them" : "correct it"));
+          gripper.joint_names()[0], measured.open, measured.closed, stated.open, stated.closed,
+          open, closed,
+          closed > open ? "open and closed are swapped; exchange them" : "correct it"));
 }
 
 // `failed` receives the reason why a gripper cannot be measured as configured.
@@ -95,13 +96,13 @@ void ValidateBaseSize(const Robot& robot, Problems& problems) {
 
 // A reach far from that of the TCP: centimetres or kilometres, or the value of another robot.
 void ValidateReachField(const Robot& robot, Problems& problems) {
-  const std::optional<double>& said = robot.config().reach;
-  if (!said || !HasArm(robot)) return;
+  const std::optional<double>& stated = robot.config().reach;
+  if (!stated || !HasArm(robot)) return;
   const double measured = ApproximateReach(robot.chain());
-  if (*said <= kMostReach * measured && *said >= kLeastReach * measured) return;
+  if (*stated <= kMostReach * measured && *stated >= kLeastReach * measured) return;
   problems.AddAt("reach", fmt::format("the TCP gets {:.2f} m away from the root body, not {:g} m: "
                                       "correct it, or leave `reach` out to have it measured",
-                                      measured, *said));
+                                      measured, *stated));
 }
 
 // Lists the controllers that drive this arm to joint positions.

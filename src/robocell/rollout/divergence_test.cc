@@ -211,8 +211,8 @@ TEST_F(Crowd, RecordsFullContactBuffers) {
 
 // With a little more memory the contacts fit, but not the results computed from them.
 TEST_F(Crowd, ThatExceedsTheMemoryIsAnErrorWithARemedy) {
-  const std::string said = ExpectThrow<EngineError>([&] { Rollout("5000K"); }, "scene 'test'");
-  EXPECT_THAT(said, HasSubstr("increase <size memory"));
+  const std::string message = ExpectThrow<EngineError>([&] { Rollout("5000K"); }, "scene 'test'");
+  EXPECT_THAT(message, HasSubstr("increase <size memory"));
 }
 
 }  // namespace

@@ -151,7 +151,7 @@ class ActionReplay {
     RequireSameSchema();
     RequireSameCode(env.config(), episode);
     seen_ = RowsOf(episode, env.layout().observed);
-    actions_ = RowsOf(episode, asked_);
+    actions_ = RowsOf(episode, commanded_);
     rewards_ = internal::ReadSteps<double>(episode, "reward");
     times_ = internal::ReadSteps<double>(episode, "time");
     ticks_ = internal::ReadSteps<int64_t>(episode, std::string(kControlTickColumn));
@@ -189,20 +189,20 @@ class ActionReplay {
     for (const Feature& feature : recorded.features())
       by_name_ = by_name_ && !feature.column.name.starts_with("action/");
     if (!by_name_) {
-      asked_ = env_.layout().commanded;
+      commanded_ = env_.layout().commanded;
       return;
     }
     for (const Feature& feature : env_.features().commanded().features()) {
-      if (recorded.Has(feature.column.name + "_relative")) asked_.Add(feature);
+      if (recorded.Has(feature.column.name + "_relative")) commanded_.Add(feature);
     }
   }
 
   EnvStep Step(size_t row) {
-    const auto width = static_cast<size_t>(asked_.size());
+    const auto width = static_cast<size_t>(commanded_.size());
     std::span<const double> numbers = std::span(actions_).subspan(row * width, width);
     if (!by_name_) return env_.Step(numbers, options_.poll);
     std::map<std::string, std::vector<double>> commands;
-    for (const Feature& feature : asked_.features()) {
+    for (const Feature& feature : commanded_.features()) {
       const auto size = static_cast<size_t>(feature.size());
       commands[feature.column.name].assign(numbers.begin(),
                                            numbers.begin() + static_cast<std::ptrdiff_t>(size));
@@ -294,7 +294,7 @@ class ActionReplay {
   const Episode& episode_;
   const EnvReplayOptions& options_;
   bool by_name_ = true;  // the actions are commands by name
-  FeatureSchema asked_;
+  FeatureSchema commanded_;
   std::vector<double> seen_, actions_, rewards_, times_;
   std::vector<int64_t> ticks_;
   ReplayResult report_;

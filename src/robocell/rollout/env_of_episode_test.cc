@@ -230,10 +230,10 @@ TEST_F(EnvOfEpisodeTest, ColumnsHaveARowForEachStep) {
   for (const int64_t rows : {int64_t{0}, int64_t{2}, int64_t{1000000000000000}}) {
     const Episode edited =
         Edited(episode, [&](auto& json) { json["tables"]["steps"]["rows"] = rows; });
-    const std::string said = "has 3 rows in 'steps.h5', where 'episode.json' says " +
-                             std::to_string(rows) + "; `robocell verify ";
-    ExpectThrow<IoError>([&] { ReplayActions(env, edited); }, said);
-    ExpectThrow<IoError>([&] { VerifyReplay(edited); }, said);
+    const std::string problem = "has 3 rows in 'steps.h5', where 'episode.json' says " +
+                                std::to_string(rows) + "; `robocell verify ";
+    ExpectThrow<IoError>([&] { ReplayActions(env, edited); }, problem);
+    ExpectThrow<IoError>([&] { VerifyReplay(edited); }, problem);
   }
   for (const auto& rows : {nlohmann::ordered_json(-1), nlohmann::ordered_json(5e81),
                            nlohmann::ordered_json("three")}) {

@@ -120,7 +120,8 @@ class EnvEpisode {
                     .subtasks = SubtasksOf(env)}) {
     if (has_images_) {
       begun_.shown.Take(env);
-      recording_.AddCameras(begun_.shown.images, RateOfRows(env.config()), true);
+      recording_.AddCameras(begun_.shown.images, RateOfRows(env.config()),
+                            internal::FrameTimes::kOwn);
     }
     AddLabels();
     const std::vector<double> state = env.state().numbers();
@@ -163,9 +164,11 @@ class EnvEpisode {
     begun_.commands.assign(commands.begin(), commands.end());
     after_.assign(env_.observation().begin(), env_.observation().end());
     warnings_ = recording_.warnings();
-    begun_.outcome = {step,  // the verdict
-                      step.success || step.reason == EndReason::kDiverged, false,
-                      !step.ik_failed.empty(), warnings_.total()};
+    const TaskVerdict& verdict = step;
+    begun_.outcome = {verdict,
+                      {.terminated = step.success || step.reason == EndReason::kDiverged,
+                       .ik_failed = !step.ik_failed.empty(),
+                       .warnings = warnings_.total()}};
     begun_.reason = step.reason;
     divergence_ = step.message;
     if (rows_ > 0) Write(ended_);
@@ -195,7 +198,7 @@ class EnvEpisode {
   }
 
  private:
-  enum { kSeen, kAsked };  // the further columns of a row
+  enum { kObserved, kRequested };  // the further columns of a row
 
   struct Row {
     std::vector<double> state, commands, seen, action, times, ctrl;
@@ -235,8 +238,8 @@ class EnvEpisode {
   void Write(const Row& row) {
     recording_.PutState(row.state, 0);
     recording_.PutCommands(row.commands);
-    recording_.PutMore(kSeen, row.seen);
-    recording_.PutMore(kAsked, row.action);
+    recording_.PutMore(kObserved, row.seen);
+    recording_.PutMore(kRequested, row.action);
     recording_.PutOutcome(row.outcome);
     recording_.writer().Put(
         reason_column_,
@@ -325,7 +328,7 @@ void RequireRecorderOptions(const EnvRecorderOptions& options) {
   if (!IsEpisodeId(options.prefix))
     throw ArgumentError(fmt::format(
         "'{}' cannot begin the ids of episodes, which are visible folders", options.prefix));
-  const Json json = Json::parse(options.metadata_json, nullptr, false);
+  const Json json = Json::parse(options.metadata_json, nullptr, /*allow_exceptions=*/false);
   if (!json.is_object()) throw ArgumentError("metadata_json must be an object in JSON");
 }
 

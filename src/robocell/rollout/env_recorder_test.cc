@@ -106,9 +106,9 @@ TEST(EnvRecorders, RecordObservationsActionsAndRewards) {
   const Episode episode = Dataset(folder.path()).At(0);
   EXPECT_EQ(episode.Read<double>("reward"), rewards);
   EXPECT_EQ(episode.Read<double>("time"), times);
-  const std::vector<double> asked =
+  const std::vector<double> requested =
       episode.Read<double>("action/robot/tquat", {.first = 1, .count = 1});
-  EXPECT_EQ(asked[2], 0.1);
+  EXPECT_EQ(requested[2], 0.1);
   const auto final = nlohmann::json::parse(episode.results_json()).at(kFinalObservation);
   for (const Feature& feature : env.layout().observed.features()) {
     const std::string& name = feature.column.name;

@@ -34,7 +34,7 @@ std::vector<SegmentLabel> SegmentLabelsOf(const Scene& scene) {
 
 EpisodeCameras::EpisodeCameras(EpisodeSchema& schema, const Scene& scene,
                                std::span<const CellImage> images, const Ratio& rate,
-                               bool with_times) {
+                               FrameTimes times) {
   bool has_segments = false;
   for (const CellImage& image : images) {
     const Eigen::Matrix<double, 3, 3, Eigen::RowMajor> k = image.camera.intrinsics();
@@ -54,7 +54,7 @@ EpisodeCameras::EpisodeCameras(EpisodeSchema& schema, const Scene& scene,
                                           .shape = {4, 4},
                                           .units = "m, 1",
                                           .frame = "world -> camera, OpenCV axes"});
-    if (with_times) {
+    if (times == FrameTimes::kOwn) {
       stream.time = schema.AddColumn({.name = path + "time",
                                       .units = "s",
                                       .description = "When the frame was taken, since the reset: "

@@ -14,12 +14,14 @@
 
 namespace robocell::internal {
 
+// The times of frames: those of their rows, or their own, which may be earlier.
+enum class FrameTimes { kOfRows, kOwn };
+
 class EpisodeCameras {
  public:
-  // Declares a stream for each image. `rate`: rows per second. `with_times`: whether a frame has a
-  // time of its own, which may be earlier than its row.
+  // Declares a stream for each image. `rate`: rows per second.
   EpisodeCameras(EpisodeSchema& schema, const Scene& scene, std::span<const CellImage> images,
-                 const Ratio& rate, bool with_times = false);
+                 const Ratio& rate, FrameTimes times = FrameTimes::kOfRows);
   // Writes the images of a row, in the order of the declared ones, and a row of extrinsics per
   // stream. `times`: s since the start of the episode, if frames have any.
   void Put(EpisodeWriter& writer, std::span<const CellImage> images,

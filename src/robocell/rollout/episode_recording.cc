@@ -53,8 +53,8 @@ EpisodeRecording::EpisodeRecording(Scene scene, const Columns& columns)
 }
 
 void EpisodeRecording::AddCameras(std::span<const CellImage> images, const Ratio& rate,
-                                  bool with_times) {
-  cameras_.emplace(schema_, scene_, images, rate, with_times);
+                                  FrameTimes times) {
+  cameras_.emplace(schema_, scene_, images, rate, times);
 }
 
 ColumnId EpisodeRecording::AddLabel(ColumnSpec column, const std::string& source) {

@@ -57,7 +57,8 @@ class EpisodeRecording {
   EpisodeRecording(Scene scene, const Columns& columns);
 
   // Declarations, before Begin. Returns the column of a label, which is recorded with writer().Put.
-  void AddCameras(std::span<const CellImage> images, const Ratio& rate, bool with_times = false);
+  void AddCameras(std::span<const CellImage> images, const Ratio& rate,
+                  FrameTimes times = FrameTimes::kOfRows);
   ColumnId AddLabel(ColumnSpec column, const std::string& source);
 
   void Begin(const std::filesystem::path& dataset, const std::string& id,

@@ -19,7 +19,7 @@ class Raising : public Expert {
   Action Act(const Scene&, Rng&) override { return {}; }
   bool done() const override { throw ArgumentError("no such gripper"); }
   std::string failure() const override {
-    ++asked;
+    ++done_calls;
     return "gave up";
   }
   int phase() const override { return 3; }
@@ -28,15 +28,15 @@ class Raising : public Expert {
     return std::string("mine.py:3, in ") + method;
   }
 
-  mutable int asked = 0;
+  mutable int done_calls = 0;
 };
 
 TEST(ExpertCalls, AnErrorNamesItsHookAndItsPlace) {
   Raising expert;
   ExpertCalls calls(expert, false);
-  const std::string said = ExpectThrow<HookError>(
+  const std::string message = ExpectThrow<HookError>(
       [&] { calls("done", true, [&] { return expert.done(); }); }, "no such gripper");
-  EXPECT_NE(said.find("mine.py:3, in done"), std::string::npos) << said;
+  EXPECT_NE(message.find("mine.py:3, in done"), std::string::npos) << message;
   EXPECT_FALSE(calls.failed());
   EXPECT_EQ(calls.failure(), "gave up");
 }
@@ -51,7 +51,7 @@ TEST(ExpertCalls, AnErrorThatFailsTheRolloutIsItsReasonAndEndsTheCalls) {
   const std::string reason = calls.failure();
   EXPECT_EQ(reason.rfind("policy error: ", 0), 0u) << reason;
   EXPECT_NE(reason.find("no such gripper"), std::string::npos) << reason;
-  EXPECT_EQ(expert.asked, 0);
+  EXPECT_EQ(expert.done_calls, 0);
 }
 
 }  // namespace

@@ -39,8 +39,8 @@ class Attempts {
 };
 
 // Repair may set episodes of other models aside: verify recognises them by dataset.json.
-internal::EpisodeLook InTheWay(const fs::path& folder, const std::string& what,
-                               std::string_view advice = internal::kLeftAlone) {
+internal::EpisodeLook Blocked(const fs::path& folder, const std::string& what,
+                              std::string_view advice = internal::kLeftAlone) {
   return {.state = internal::EpisodeState::kBroken,
           .problem = fmt::format("'{}' is {}: {}", folder.string(), what, advice)};
 }
@@ -69,14 +69,14 @@ Attempts::Found Attempts::Look(const PlanItem& item, int attempt) {
   try {
     found.episode.emplace(folder);
     if (const std::string why = WhyNotOurs(*found.episode); !why.empty())
-      return {.look = InTheWay(folder, why, internal::kMoveAway)};
+      return {.look = Blocked(folder, why, internal::kMoveAway)};
     found.earlier = EarlierAttemptsIn(found.episode->metadata_json());
     return found;
   } catch (const Json::exception& error) {
-    return {.look = InTheWay(folder,
-                             fmt::format("an episode with strange metadata ({})", error.what()))};
+    return {.look = Blocked(folder,
+                            fmt::format("an episode with strange metadata ({})", error.what()))};
   } catch (const IoError& error) {
-    return {.look = InTheWay(folder, fmt::format("damaged ({})", error.what()))};
+    return {.look = Blocked(folder, fmt::format("damaged ({})", error.what()))};
   }
 }
 

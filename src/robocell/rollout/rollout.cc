@@ -13,16 +13,30 @@
 namespace robocell::internal {
 namespace {
 
-const std::string kNoIkSolution = "no IK solution for ";
+enum class FailureKind { kGaveUp, kNoIkSolution, kTimeout, kNotDone };
 
-// Returns why a rollout ended without success. Commands that could not be followed explain more
-// than the timeout that they cause.
-std::string WhyFailed(const RolloutResult& result, Task& task, const std::string& gave_up,
-                      bool truncated) {
-  if (!gave_up.empty() && !truncated) return gave_up;
-  if (!result.ik_failures.empty()) return kNoIkSolution + result.ik_failures.begin()->first;
-  if (truncated) return "timeout";
-  return TaskCalls(task).WhyNotDone();
+// Why a rollout ended without success.
+struct Failure {
+  FailureKind kind;
+  std::string text;
+};
+
+// Commands that could not be followed explain more than the timeout that they cause.
+Failure FailureOf(const RolloutResult& result, Task& task, const std::string& gave_up,
+                  const RowFlags& flags) {
+  if (!gave_up.empty() && !flags.truncated) return {FailureKind::kGaveUp, gave_up};
+  if (!result.ik_failures.empty()) {
+    return {FailureKind::kNoIkSolution, "no IK solution for " + result.ik_failures.begin()->first};
+  }
+  if (flags.truncated) return {FailureKind::kTimeout, "timeout"};
+  return {FailureKind::kNotDone, TaskCalls(task).WhyNotDone()};
+}
+
+void NoteFailure(const Failure& failure, const std::string& episode, RolloutResult& result) {
+  result.failure = failure.text;
+  if (failure.kind != FailureKind::kNoIkSolution) return;
+  LogDebug(fmt::format("episode '{}': {}, first at {}", episode, failure.text,
+                       result.ik_failures.begin()->second.first));
 }
 
 // Logs it too: a failure that is not kept leaves no record.
@@ -77,8 +91,9 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
         calls("act", StepOutcome(), [&] { return in.cell.Send(expert.Act(start.scene, rng)); });
     return calls.failed() ? in.cell.Send({}) : sent;
   };
-  bool terminated = false, truncated = false;
-  while (!terminated && !truncated) {
+  constexpr bool kOnceFailed = true;  // an expert that raised an error is done
+  RowFlags flags;
+  while (!flags.terminated && !flags.truncated) {
     if (ShouldStop(options.stop)) return result.stopped = true, result;
     recording.PutState([&] {
       return phase = calls("phase", phase, [&] {
@@ -96,29 +111,25 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
       return result.stopped = true, result;
     TaskVerdict& verdict = step.verdict;
     ++result.rows;
-    terminated = calls("done", true, [&] { return expert.done(); }) || !step.ok() ||
-                 (verdict.success &&
-                  calls("ends_at_success", true, [&] { return expert.ends_at_success(); }));
+    flags.terminated = calls("done", kOnceFailed, [&] { return expert.done(); }) || !step.ok() ||
+                       (verdict.success && calls("ends_at_success", kOnceFailed,
+                                                 [&] { return expert.ends_at_success(); }));
     // An expert's failure is not a demonstration, whatever the task's verdict.
-    const bool gave_up = terminated && !calls.failure().empty();
+    const bool gave_up = flags.terminated && !calls.failure().empty();
     result.success = verdict.success = verdict.success && !gave_up;
-    truncated = !terminated && result.rows >= run.rates.max_steps;
+    flags.truncated = !flags.terminated && result.rows >= run.rates.max_steps;
     if (!step.ok()) NoteDivergence(step.step, options.episode_id, result);
-    const bool ik_failed = !step.failed_robot.empty();
-    if (ik_failed) {
+    flags.ik_failed = !step.failed_robot.empty();
+    if (flags.ik_failed) {
       const auto index = static_cast<size_t>(phase);
       NoteNoIkSolution(step, time, index < phases.size() ? phases[index] : "", result);
     }
-    const bool is_put = recording.PutOutcome(
-        {verdict, terminated, truncated, ik_failed, recording.warnings().total()});
+    flags.warnings = recording.warnings().total();
+    const bool is_put = recording.PutOutcome({verdict, flags});
     if (!is_put) return result.stopped = true, result;
   }
   if (!result.success && result.failure.empty())
-    result.failure = WhyFailed(result, *start.task, calls.failure(), truncated);
-  if (!result.success && result.failure.starts_with(kNoIkSolution)) {
-    LogDebug(fmt::format("episode '{}': {}, first at {}", options.episode_id, result.failure,
-                         result.ik_failures.begin()->second.first));
-  }
+    NoteFailure(FailureOf(result, *start.task, calls.failure(), flags), options.episode_id, result);
   if (!result.success && !options.keep_failures) {
     recording.RequireWritten();
     return result;
@@ -126,8 +137,8 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   if (!recording.Finish()) return result.stopped = true, result;
   if (options.before_commit) options.before_commit();
   result.committed = recording.Commit({.success = result.success,
-                                       .terminated = terminated,
-                                       .truncated = truncated,
+                                       .terminated = flags.terminated,
+                                       .truncated = flags.truncated,
                                        .end_reason = result.success ? "success" : result.failure,
                                        .warnings = Warnings(recording.warnings(), result),
                                        .results_json = ResultsOf(calls, result)});

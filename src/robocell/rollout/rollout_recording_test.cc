@@ -145,9 +145,9 @@ TEST_F(FilmedRolloutTest, FailuresAreRenderedOnlyIfKept) {
 TEST_F(FilmedRolloutTest, AStopBetweenActingAndDrawingLeavesNothing) {
   start->task = std::make_shared<Content>();
   Commanding expert(Robot::Of(start->scene, "rc7").FkFrame(), 4);
-  int asked = 0;
+  int polls = 0;
   const RolloutResult result =
-      Film(expert, "e", RenderWhen::kKept, false, [&] { return ++asked > 4; });
+      Film(expert, "e", RenderWhen::kKept, false, [&] { return ++polls > 4; });
   EXPECT_TRUE(result.stopped);
   EXPECT_FALSE(result.committed);
   EXPECT_EQ(result.rows, 4) << "all of it was acted";

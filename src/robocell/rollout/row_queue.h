@@ -40,7 +40,7 @@ struct EpisodeRow {
 class RowQueue {
  public:
   enum class Begin { kAtOnce, kAtFinish };
-  // Of rows that are written beside the rollout. Their numbers are kilobytes each.
+  // Bounds the rows that wait for the writer. Each takes kilobytes.
   static constexpr size_t kMostAhead = 256;
 
   RowQueue(std::function<void(EpisodeRow&)> write, Begin begin);

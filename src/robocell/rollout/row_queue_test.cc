@@ -136,9 +136,9 @@ TEST(RowQueue, AStopRequestEndsTheWaitForTheRest) {
   Held held;
   RowQueue queue([&](EpisodeRow&) { held.Write(); }, RowQueue::Begin::kAtFinish);
   for (int i = 0; i < 200; ++i) EXPECT_TRUE(queue.Push(Row(i), [] { return true; }));
-  int asked = 0;
+  int polls = 0;
   EXPECT_FALSE(queue.Finish([&] {
-    if (++asked == 1) return false;  // before it begins
+    if (++polls == 1) return false;  // before it begins
     held.AwaitFirst();
     return true;
   }));
@@ -150,9 +150,9 @@ TEST(RowQueue, AStopRequestEndsTheWaitOfAPush) {
   Held held;
   RowQueue queue([&](EpisodeRow&) { held.Write(); }, RowQueue::Begin::kAtOnce);
   for (size_t i = 0; i < RowQueue::kMostAhead; ++i) EXPECT_TRUE(queue.Push(Row(0), {}));
-  int asked = 0;
-  EXPECT_FALSE(queue.Push(Row(1), [&] { return ++asked > 2; }));
-  EXPECT_EQ(asked, 3);
+  int polls = 0;
+  EXPECT_FALSE(queue.Push(Row(1), [&] { return ++polls > 2; }));
+  EXPECT_EQ(polls, 3);
   held.GoOn();
   EXPECT_TRUE(queue.Finish({}));
   EXPECT_EQ(held.written(), RowQueue::kMostAhead) << "the row that was not pushed is not written";

@@ -335,19 +335,19 @@ void Runner::State::TryAttempt(const PlanItem& item, int attempt, const StopRequ
     Attempt(item, attempt, stop, earlier, result);
     raised = 0;
   } catch (...) {
-    const std::string told = WhatUsersCodeRaised();
+    const std::string raised_text = WhatUsersCodeRaised();
     const bool must_keep_start = run.keep == Keep::kFirst && start_accepted;
-    if (!told.empty() && must_keep_start) {
+    if (!raised_text.empty() && must_keep_start) {
       std::throw_with_nested(
           Error("something else than the policy raised in the rollout, and an evaluation takes no "
                 "other start in its place: " +
-                told));
+                raised_text));
     }
-    if (told.empty() || ++raised >= kMostRaised) throw;
-    LogWarn(fmt::format("episode '{}', attempt {}: {}", item.id, attempt, told));
+    if (raised_text.empty() || ++raised >= kMostRaised) throw;
+    LogWarn(fmt::format("episode '{}', attempt {}: {}", item.id, attempt, raised_text));
     ++result.attempts;
-    ++result.failures[told];
-    earlier.push_back({.object_kind = object_kind, .raised = true, .reason = told});
+    ++result.failures[raised_text];
+    earlier.push_back({.object_kind = object_kind, .raised = true, .reason = raised_text});
   }
 }
 

@@ -142,7 +142,7 @@ TEST(Runner, TheExpertPicksAndPlacesANamedObject) {
     EXPECT_TRUE(result.success) << task.kind();
     EXPECT_EQ(result.object_kind, "cube");
     const Episode episode = Dataset(run.output).Open(result.item.id);
-    // What was recorded is the second way: the cube rose by more than lift_height.
+    // The recorded poses are the oracle: the cube rose by more than lift_height.
     const std::vector<double> pose = episode.Read<double>("objects/cube/pose");
     double highest = pose[2];
     for (size_t i = 2; i < pose.size(); i += 7) highest = std::max(highest, pose[i]);
@@ -263,9 +263,9 @@ TEST(Runner, AnEngineErrorIsNotAFailureOfTheExpert) {
   Runner runner(run, {.sampler = {}, .expert = [](const RunConfig&, const EpisodeStart&) {
                         return std::make_unique<BreaksTheEngine>();
                       }});
-  const std::string said =
+  const std::string message =
       ExpectThrow<EngineError>([&] { runner.Run(MakePlan(run)[0]); }, "callback failed");
-  EXPECT_THAT(said, ::testing::Not(::testing::HasSubstr("in act")));
+  EXPECT_THAT(message, ::testing::Not(::testing::HasSubstr("in act")));
   EXPECT_EQ(Dataset(run.output).size(), 0u);
 }
 
@@ -462,9 +462,9 @@ TEST(Runner, KeepsTheRenderSettingOfTheDatasetByDefault) {
   run.render = RenderWhen::kKept;
   PrepareDataset(run);
   std::vector<bool> written;
-  for (const auto told : {std::optional(RenderWhen::kKept), std::optional<RenderWhen>(),
-                          std::optional(RenderWhen::kAlways)}) {
-    run.render = told;
+  for (const auto chosen : {std::optional(RenderWhen::kKept), std::optional<RenderWhen>(),
+                            std::optional(RenderWhen::kAlways)}) {
+    run.render = chosen;
     RunnerParts parts;
     parts.expert = [&](const RunConfig&, const EpisodeStart&) {
       return std::make_unique<Watching>(run.output, &written);
@@ -522,15 +522,15 @@ TEST(Runner, AStopInTheMiddleOfARolloutIsObeyed) {
 TEST(Runner, AStopWhileSamplingIsObeyed) {
   TempDir folder;
   const RunConfig run = Blind("demo.yaml", folder / "out");
-  int asked = 0;
+  int polls = 0;
   Runner runner(run);
-  const ItemResult result = runner.Run(MakePlan(run)[0], [&] { return ++asked > 1; });
+  const ItemResult result = runner.Run(MakePlan(run)[0], [&] { return ++polls > 1; });
   EXPECT_TRUE(result.stopped);
   EXPECT_EQ(result.accepted, 0);
   EXPECT_EQ(result.attempts, 0);
   EXPECT_EQ(result.undecided, 1);
   EXPECT_TRUE(result.refusals.empty());
-  EXPECT_GT(asked, 2) << "the sampler asks too";
+  EXPECT_GT(polls, 2) << "the sampler asks too";
 }
 
 TEST(Runner, AnExceptionOfTheStopRequestPropagatesCleanly) {

@@ -1,5 +1,5 @@
-// DrawStart: one attempt at the start of an item, the same for a Runner, which records what follows,
-// and for a RunEnv, whose caller acts. RefusedStarts counts what the attempts refused.
+// DrawStart: makes one attempt at the start of an item, for a Runner, which records the rollout, and
+// for a RunEnv, whose caller acts. RefusedStarts counts the refusals of several attempts.
 //
 //   RefusedStarts refused;
 //   for (int attempt = 0; attempt < run.max_attempts; ++attempt) {
@@ -21,7 +21,7 @@
 
 namespace robocell::internal {
 
-// Where starts are drawn from.
+// The run and the sampler that starts are drawn from.
 struct StartDraw {
   const RunConfig& run;
   TaskSampler& sampler;

@@ -19,15 +19,15 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::Pair;
 
-// Refuses, and records what it was asked.
+// Refuses, and records its requests.
 class Recording : public TaskSampler {
  public:
   SampleResult Sample(const SampleRequest& request, Rng& rng) override {
-    asked.push_back({request.scene, request.episode, request.attempt});
+    requests.push_back({request.scene, request.episode, request.attempt});
     drawn.push_back(rng.NextBits());
     return {.start = {}, .refusal = {.reason = "no"}};
   }
-  std::vector<std::vector<int>> asked;
+  std::vector<std::vector<int>> requests;
   std::vector<uint64_t> drawn;
 };
 
@@ -38,7 +38,7 @@ TEST(DrawStart, AttemptsHaveStreamsOfTheirOwn) {
   Recording sampler;
   const PlanItem item{.index = 3, .scene = 1, .episode = 2, .id = "e"};
   for (const int attempt : {0, 4, 0}) DrawStart({run, sampler, data}, item, attempt, {});
-  EXPECT_THAT(sampler.asked,
+  EXPECT_THAT(sampler.requests,
               ElementsAre(ElementsAre(1, 2, 0), ElementsAre(1, 2, 4), ElementsAre(1, 2, 0)));
   EXPECT_EQ(sampler.drawn[0], sampler.drawn[2]);
   EXPECT_NE(sampler.drawn[0], sampler.drawn[1]);

@@ -48,7 +48,7 @@ class StateDrawer {
   std::shared_ptr<const CompiledScene> assets_;  // meshes and textures live as long as snapshots
   ModelSnapshots snapshots_;
   CellImages& images_;
-  // What is drawn: at one address, with the values of the last snapshot.
+  // The drawn model: it keeps its address and takes the values of each snapshot.
   std::unique_ptr<mjModel> model_;
   std::shared_ptr<const ModelSnapshot> shown_;
   DataPtr data_;

@@ -35,8 +35,8 @@
 #include "robocell/task/base_placement.h"
 #include "robocell/task/sampler_kind.h"
 #include "robocell/task/start_contents.h"
-#include "robocell/task/start_sampler.h"
 #include "robocell/task/task_kind.h"
+#include "robocell/task/task_sampler.h"
 
 namespace robocell {
 namespace {
@@ -367,9 +367,7 @@ class SceneValidator {
   // Other samplers have places of their own for the base.
   void ValidateBaseRange(const Robot& robot) {
     if (!run_.sampler.empty()) return;
-    const std::shared_ptr<TaskSampler> sampler = MakeSampler(run_);
-    if (auto* starts = dynamic_cast<StartSampler*>(sampler.get()))
-      starts->ValidateBaseRange(robot, problems_);
+    MakeSampler(run_)->ValidateBaseRange(robot, problems_);
   }
 
   // Validates the starts in each distinct scene.

@@ -363,8 +363,15 @@ TEST(ValidateRun, ReportsABaseRangeOutOfReachForAnyTask) {
       [&] {
         ValidateRun(RunOfBall({.distance = {2, 3}}), here);
       },
-      "start.base_distance: [2, 3] m goes beyond ");
-  RunConfig run = RunOfBall({});
+      "task: the distance that base_range() of 'ball_of_validate_test' returns, [2, 3] m goes "
+      "beyond ");
+  EXPECT_THAT(ExpectThrow<SpecError>(
+                  [&] {
+                    ValidateRun(RunOfBall({.distance = {2, 3}}), here);
+                  },
+                  "give [smallest, largest] within that"),
+              HasSubstr(" (mine.cc:7, in base_range)"));
+  RunConfig run = RunOfBall({.distance = {2, 3}});
   run.start.base_distance = {{4, 5}};
   ExpectThrow<SpecError>([&] { ValidateRun(run, here); },
                          "start.base_distance: [4, 5] m goes beyond ");
@@ -375,7 +382,7 @@ TEST(ValidateRun, ReportsABaseRangeOutOfReachForAnyTask) {
       << "there is nothing to reach";
 }
 
-// As in an environment.
+// Environments name it alike.
 TEST(ValidateRun, AModelThatATaskAddsIsNamedWithItsLine) {
   ExpectThrow<SpecError>(
       [&] { ValidateRun(RunOfBall({.model = "nowhere.xml"}), {.on_this_machine = false}); },
@@ -475,9 +482,9 @@ TEST(ValidateRun, ReportsAGripperThatCannotBeMeasuredOnce) {
   narrow.actuator = ElementRef{.name = "gripper"};
   narrow.ctrlrange = Vec2{99.999, 100};
   run.robot.config.edits.push_back(narrow);
-  for (const bool said : {true, false}) {
+  for (const bool stated : {true, false}) {
     gripper.ctrl = GripperCtrl{.open = 100, .closed = 99.999};
-    if (!said) gripper.ctrl.reset();
+    if (!stated) gripper.ctrl.reset();
     const std::string text =
         ExpectThrow<SpecError>([&] { ValidateRun(run); }, "the finger distance stays at 0.0900 m");
     EXPECT_EQ(text.find("finger distance stays"), text.rfind("finger distance stays")) << text;

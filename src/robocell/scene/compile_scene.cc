@@ -382,7 +382,7 @@ class SceneCompiler {
   }
 
   // Duplicates among robots are reported earlier; here the name of the object can be changed.
-  void TellRepeatedName(const std::string& text, const Part* base) {
+  void ExplainRepeatedName(const std::string& text, const Part* base) {
     const std::optional<Repeated> repeated = RepeatedName(text);
     if (!repeated) return;
     std::vector<const Part*> owners;
@@ -403,8 +403,8 @@ class SceneCompiler {
   }
 
   // The engine reports what its decoders make of a pointer of Git LFS, if anything.
-  void TellPointers(const Part* base) {
-    const auto tell = [&](const Part& part) {
+  void WarnOfPointers(const Part* base) {
+    const auto check = [&](const Part& part) {
       std::vector<std::string> files;
       if (!part.file.empty()) files.push_back(part.file);
       for (const Part::Tool& tool : part.tools) files.push_back(tool.file);
@@ -413,11 +413,11 @@ class SceneCompiler {
         if (!pointers.empty()) log_.Problem(part.place, pointers, part.field);
       }
     };
-    if (base) tell(*base);
+    if (base) check(*base);
     for (const auto& robot : robots_) {
-      if (robot->part.spec) tell(robot->part);
+      if (robot->part.spec) check(robot->part);
     }
-    for (const auto& object : objects_) tell(object->part);
+    for (const auto& object : objects_) check(object->part);
     log_.Throw(spec().name);
   }
 
@@ -426,20 +426,20 @@ class SceneCompiler {
     // The base as its file describes it, without later attachments.
     std::optional<Part> base;
     if (spec().base) {
-      CompileLog told;  // log of loading it
-      base = LoadBase(told);
+      CompileLog loading;  // log of loading it
+      base = LoadBase(loading);
     }
-    TellPointers(base ? &*base : nullptr);
-    TellRepeatedName(text, base ? &*base : nullptr);
-    const auto tell = [&](const Part& part, const std::string& prefix) {
+    WarnOfPointers(base ? &*base : nullptr);
+    ExplainRepeatedName(text, base ? &*base : nullptr);
+    const auto attribute = [&](const Part& part, const std::string& prefix) {
       if (const auto problem = CompileProblem(text, part, prefix))
         log_.Problem(part.place, *problem, part.field);
     };
-    if (base) tell(*base, "");
+    if (base) attribute(*base, "");
     for (const auto& robot : robots_) {
-      if (robot->part.spec) tell(robot->part, robot->record.prefix);
+      if (robot->part.spec) attribute(robot->part, robot->record.prefix);
     }
-    for (const auto& object : objects_) tell(object->part, object->prefix);
+    for (const auto& object : objects_) attribute(object->part, object->prefix);
     log_.Throw(spec().name);
   }
 

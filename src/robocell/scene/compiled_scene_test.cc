@@ -120,14 +120,14 @@ TEST(CompiledScene, AMissingObjectThatIsABodyOfOneIsNamed) {
   SceneSpec spec = EmptyScene();
   spec.objects.push_back({.name = "cupboard", .mjcf_path = "cabinet", .pos = Vec3{0, 0, 0}});
   const Scene scene = Scene::Build(spec);
-  const auto said = [&](const std::string& name) {
+  const auto message = [&](const std::string& name) {
     return ExpectThrow<NotFoundError>([&] { scene.compiled()->object(name); }, "no object '");
   };
   EXPECT_TRUE(
-      said("cupboard_drawer").ends_with(" 'cupboard_drawer' is a body of object 'cupboard'"));
-  EXPECT_TRUE(said("cupbord").ends_with("Did you mean 'cupboard'?"));
-  EXPECT_TRUE(said("ubord_drawer").ends_with(" Object 'cupboard' has a body 'cupboard_drawer'"))
-      << said("ubord_drawer");
+      message("cupboard_drawer").ends_with(" 'cupboard_drawer' is a body of object 'cupboard'"));
+  EXPECT_TRUE(message("cupbord").ends_with("Did you mean 'cupboard'?"));
+  EXPECT_TRUE(message("ubord_drawer").ends_with(" Object 'cupboard' has a body 'cupboard_drawer'"))
+      << message("ubord_drawer");
 }
 
 }  // namespace

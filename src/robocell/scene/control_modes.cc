@@ -76,11 +76,11 @@ class SerialStretches {
       limbs_[limb].joints.push_back(joint);
       limbs_[limb].actuators.push_back(actuators_.at(joint));
     }
-    std::vector<mjsBody*> ways;
+    std::vector<mjsBody*> branches;
     for (mjsElement* child : BodyElements(body, mjOBJ_BODY)) {
-      if (!DrivenJoints(mjs_asBody(child), true).empty()) ways.push_back(mjs_asBody(child));
+      if (!DrivenJoints(mjs_asBody(child), true).empty()) branches.push_back(mjs_asBody(child));
     }
-    for (mjsBody* way : ways) Follow(way, ways.size() == 1 ? limb : Begin());
+    for (mjsBody* branch : branches) Follow(branch, branches.size() == 1 ? limb : Begin());
   }
 
   CtrlMode kind_;

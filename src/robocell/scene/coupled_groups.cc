@@ -15,13 +15,6 @@ namespace {
 
 constexpr double kHomeSlack = 1e-3;  // rad or m
 
-std::vector<int> IdsOf(const mjModel* m, const RobotRecord& robot, const NameList& joints) {
-  std::vector<int> ids;
-  for (const std::string& joint : joints)
-    ids.push_back(FindId(m, mjOBJ_JOINT, robot.prefix + joint));
-  return ids;
-}
-
 // Drops the followers of one arm.
 class ArmReducer {
  public:
@@ -30,21 +23,21 @@ class ArmReducer {
         name_(std::move(name)),
         joints_(robot.config.move_groups.at(name_).joints.names),
         log_(log) {
-    const std::vector<int> ids = IdsOf(m, robot, robot.config.move_groups.at(name_).joints);
+    const std::vector<int> ids = JointIds(m, robot, robot.config.move_groups.at(name_).joints);
     if (std::find(ids.begin(), ids.end(), -1) == ids.end()) followers_ = FollowersAmong(m, ids);
   }
 
   void Run() {
     if (followers_.empty()) return;
-    std::vector<std::string> said;
+    std::vector<std::string> texts;
     for (const ListedFollower& f : followers_)
-      said.push_back(fmt::format("'{}' follows '{}'", joints_[f.index], joints_[f.leader]));
+      texts.push_back(fmt::format("'{}' follows '{}'", joints_[f.index], joints_[f.leader]));
     log_.Note(place(),
               fmt::format("arm '{}': {} by equality constraints, so that {} no joint of "
                           "its own in configurations and commands",
-                          name_, ListNames(said), said.size() == 1 ? "it is" : "they are"));
+                          name_, ListNames(texts), texts.size() == 1 ? "it is" : "they are"));
     if (auto* home = Find(robot_.config.home)) {
-      TellContradictions(*home);
+      WarnOfContradictions(*home);
       Drop(*home);
     }
     if (auto* noise = Find(robot_.config.home_noise); noise && noise->size() > 1) Drop(*noise);
@@ -67,7 +60,7 @@ class ArmReducer {
       values.erase(values.begin() + static_cast<std::ptrdiff_t>(f->index));
   }
 
-  void TellContradictions(const std::vector<double>& home) {
+  void WarnOfContradictions(const std::vector<double>& home) {
     for (const ListedFollower& f : followers_) {
       const double follows = f.of_leader.at(home[f.leader]);
       if (std::abs(home[f.index] - follows) <= kHomeSlack) continue;
@@ -98,13 +91,20 @@ void DropFollowers(const mjModel* m, std::vector<RobotRecord>& robots, CompileLo
   }
 }
 
-void PlaceFollowers(const mjModel* m, const RobotRecord& robot, const MoveGroupConfig& group,
+std::vector<int> JointIds(const mjModel* m, const RobotRecord& robot, const NameList& joints) {
+  std::vector<int> ids;
+  ids.reserve(joints.size());
+  for (const std::string& joint : joints)
+    ids.push_back(FindId(m, mjOBJ_JOINT, robot.prefix + joint));
+  return ids;
+}
+
+void PlaceFollowers(const mjModel* m, const MoveGroupConfig& group, std::span<const int> joints,
                     double* qpos) {
   if (m->neq == 0 || group.kind != MoveGroupKind::kArm) return;
-  const std::vector<int> ids = IdsOf(m, robot, group.joints);
-  if (std::find(ids.begin(), ids.end(), -1) != ids.end()) return;
-  for (const JointFollower& f : FollowersOf(m, ids))
-    qpos[m->jnt_qposadr[f.joint]] = f.of_leader.at(qpos[m->jnt_qposadr[ids[f.leader]]]);
+  if (std::find(joints.begin(), joints.end(), -1) != joints.end()) return;
+  for (const JointFollower& f : FollowersOf(m, joints))
+    qpos[m->jnt_qposadr[f.joint]] = f.of_leader.at(qpos[m->jnt_qposadr[joints[f.leader]]]);
 }
 
 }  // namespace robocell::internal

@@ -64,7 +64,7 @@ TEST_F(CoupledGroups, KeepWhatFollowsNothing) {
 TEST_F(CoupledGroups, PlaceTheirFollowers) {
   arm().joints.names = {"a", "c"};
   double qpos[3] = {0.4, 0, 0.2};
-  PlaceFollowers(model.get(), robots[0], arm(), qpos);
+  PlaceFollowers(model.get(), arm(), JointIds(model.get(), robots[0], arm().joints), qpos);
   EXPECT_DOUBLE_EQ(qpos[1], -0.4);
   EXPECT_DOUBLE_EQ(qpos[2], 0.2);
 }

@@ -67,7 +67,7 @@ TEST(DriveMatrix, FindsServosThatMoveAllJointsTogether) {
   EXPECT_THAT(found(DrivenModel("<position name='ps' tendon='sum'/>")), IsEmpty());
 }
 
-TEST(DriveMatrix, TellsWhyActuatorsMoveTooLittle) {
+TEST(DriveMatrix, ExplainsWhyActuatorsMoveTooLittle) {
   const ModelPtr m =
       DrivenModel("<position name='ps' tendon='sum'/><position name='pt' tendon='sum'/>");
   EXPECT_THAT(WhyNoMatrixDrive(m.get(), kTwoJoints, std::vector<int>{0, 1}),

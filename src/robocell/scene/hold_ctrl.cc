@@ -8,7 +8,6 @@
 
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/joint_followers.h"
-#include "robocell/mujoco/names.h"
 #include "robocell/scene/actuator_kind.h"
 
 namespace robocell::internal {
@@ -73,10 +72,11 @@ bool IsFiltered(const mjModel* model, int actuator) {
 }
 
 void SettleLag(const mjModel* model, mjData* data, int actuator, double ctrl) {
-  if (!IsPositionServo(model, actuator)) return;
+  const int activation = IsFiltered(model, actuator) ? model->actuator_actadr[actuator] : -1;
+  const bool lags = activation >= 0 || model->actuator_historyadr[actuator] >= 0;
+  if (!lags || !IsPositionServo(model, actuator)) return;
   ForgetPastCtrl(model, data, actuator, &ctrl);
-  const int activation = model->actuator_actadr[actuator];
-  if (IsFiltered(model, actuator) && activation >= 0) data->act[activation] = ctrl;
+  if (activation >= 0) data->act[activation] = ctrl;
 }
 
 void ForgetPastCtrl(const mjModel* model, mjData* data) {
@@ -114,15 +114,12 @@ void Hold(const mjModel* model, mjData* data, int actuator) {
   if (inputs->act) data->act[model->actuator_actadr[actuator]] = *inputs->act;
 }
 
-void MarkDofs(const mjModel* model, const RobotRecord& robot, const MoveGroupConfig& group,
+void MarkDofs(const mjModel* model, const MoveGroupConfig& group, std::span<const int> joints,
               std::vector<bool>& dofs) {
-  std::vector<int> joints;
-  for (const std::string& name : group.joints) {
-    const int joint = FindId(model, mjOBJ_JOINT, robot.prefix + name);
+  for (const int joint : joints) {
     if (joint < 0) continue;
     const int end = joint + 1 < model->njnt ? model->jnt_dofadr[joint + 1] : int(model->nv);
     for (int dof = model->jnt_dofadr[joint]; dof < end; ++dof) dofs[dof] = true;
-    joints.push_back(joint);
   }
   if (model->neq == 0 || group.kind != MoveGroupKind::kArm) return;
   for (const JointFollower& follower : FollowersOf(model, joints))

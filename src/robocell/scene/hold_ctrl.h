@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -55,8 +56,8 @@ double RestingLength(const mjModel* model, int actuator, const HoldingInputs& in
 void Hold(const mjModel* model, mjData* data, int actuator);
 
 // Marks the degrees of freedom (nv) of a group's joints, and of the joints that follow those of an
-// arm.
-void MarkDofs(const mjModel* model, const RobotRecord& robot, const MoveGroupConfig& group,
+// arm. `joints` are the group's; a joint of -1 is left out.
+void MarkDofs(const mjModel* model, const MoveGroupConfig& group, std::span<const int> joints,
               std::vector<bool>& dofs);
 
 // Returns true if an actuator pulls at one of the marked degrees of freedom: directly, through a

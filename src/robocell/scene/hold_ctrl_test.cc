@@ -70,7 +70,7 @@ TEST(HoldCtrl, APlainServoIsSentTheLengthToTheBit) {
   EXPECT_FALSE(std::signbit(*RestingCtrl(hinge.model(), 0, -0.0))) << "no negative zero";
 }
 
-TEST(HoldCtrl, IsClampedToTheRangeUnlessAskedFree) {
+TEST(HoldCtrl, IsClampedToTheRangeUnlessRequestedFree) {
   const Hinge hinge("<position joint='hinge' kp='20' ctrlrange='-.5 .5'/>");
   EXPECT_EQ(RestingCtrl(hinge.model(), 0, 0.7), 0.5);
   EXPECT_EQ(FreeRestingCtrl(hinge.model(), 0, 0.7), 0.7);

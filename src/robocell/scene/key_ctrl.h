@@ -3,7 +3,7 @@
 //
 //   KeyCtrl ctrl(model, data, part_key, "home", robots);
 //   ctrl.Set(actuator, true, key_ctrl, key_act);
-//   ctrl.Tell(log);
+//   ctrl.Report(log);
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -36,7 +36,7 @@ class KeyCtrl {
   // part's keyframe decides; numbers that it leaves out are 0, as for the engine.
   void Set(int actuator, bool own, mjtNum* ctrl, mjtNum* act);
   // Reports a warning for each file whose controls were replaced or cannot reach the positions.
-  void Tell(CompileLog& log) const;
+  void Report(CompileLog& log) const;
 
  private:
   std::optional<HoldingInputs> OwnInputs(int actuator) const;

@@ -111,11 +111,11 @@ class OptionComparison {
   // Compares an option by its member, shown with `show`.
   template <class T, class Show>
   void Compare(const char* name, T mjOption::*option, const Show& show) {
-    const T asked = part_.*option, used = scene_.*option;
-    if (asked == defaults_.*option || asked == used) return;
+    const T requested = part_.*option, used = scene_.*option;
+    if (requested == defaults_.*option || requested == used) return;
     log_.Warn(place_, fmt::format("sets {} {}, but the scene uses {}; set it in the scene's "
                                   "options if it matters",
-                                  name, show(asked), show(used)));
+                                  name, show(requested), show(used)));
   }
   template <class T>
   void Compare(const char* name, T mjOption::*option) {

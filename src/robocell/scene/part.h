@@ -33,8 +33,8 @@ struct Part {
   std::vector<Tool> tools = {};
 };
 
-// Whether the joints of a URDF, which has no actuators, get position servos: those of robots and
-// tools do.
+// Chooses whether joints of a URDF, which has no actuators, get position servos: joints of robots
+// and tools do.
 enum class UrdfServos { kNone, kAll };
 
 // Returns the spec of a model file, MJCF or URDF. Remarks about a URDF go to the log. Throws the

@@ -14,7 +14,7 @@
 
 namespace robocell::internal {
 
-// What counts of the pose that a keyframe gives to a free joint, when the scene places the part.
+// The part of a free joint's pose in a keyframe that counts when the scene places the part.
 // kWhole: the pose, as from the origin of the file's world. kHeightAndTilt: without its horizontal
 // position and heading, for robots that stand where the scene says. kNone: nothing, for objects,
 // which the scene places like those without a keyframe.

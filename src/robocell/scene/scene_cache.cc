@@ -75,16 +75,16 @@ json ToJson(const std::vector<ObjectRecord>& objects) {
 std::vector<RobotRecord> RobotsFromJson(const SceneSpec& spec, const json& robots) {
   std::vector<RobotRecord> records;
   for (size_t i = 0; i < robots.size(); ++i) {
-    const json& said = robots[i];
-    RobotRecord record = internal::RecordOf(spec.robots[i], said.at("name"));
-    record.base.kind = static_cast<BaseKind>(said.at("base_kind").get<int>());
-    record.top_body = said.at("top_body");
-    record.root_body = said.at("root_body");
-    record.mocap_body = Optional(said.at("mocap_body"));
-    record.pedestal_height = said.at("pedestal_height");
-    record.attachment_site = Optional(said.at("attachment_site"));
-    record.tcp_site = Optional(said.at("tcp_site"));
-    record.base_body = said.at("base_body");
+    const json& stored = robots[i];
+    RobotRecord record = internal::RecordOf(spec.robots[i], stored.at("name"));
+    record.base.kind = static_cast<BaseKind>(stored.at("base_kind").get<int>());
+    record.top_body = stored.at("top_body");
+    record.root_body = stored.at("root_body");
+    record.mocap_body = Optional(stored.at("mocap_body"));
+    record.pedestal_height = stored.at("pedestal_height");
+    record.attachment_site = Optional(stored.at("attachment_site"));
+    record.tcp_site = Optional(stored.at("tcp_site"));
+    record.base_body = stored.at("base_body");
     records.push_back(std::move(record));
   }
   return records;
@@ -92,12 +92,12 @@ std::vector<RobotRecord> RobotsFromJson(const SceneSpec& spec, const json& robot
 
 std::vector<ObjectRecord> ObjectsFromJson(const json& objects) {
   std::vector<ObjectRecord> records;
-  for (const json& said : objects) {
-    records.push_back({.name = said.at("name"),
-                       .root_body = said.at("root_body"),
-                       .free_joint = Optional(said.at("free_joint"))});
-    if (!said.contains("pool")) continue;
-    const json& pool = said.at("pool");
+  for (const json& stored : objects) {
+    records.push_back({.name = stored.at("name"),
+                       .root_body = stored.at("root_body"),
+                       .free_joint = Optional(stored.at("free_joint"))});
+    if (!stored.contains("pool")) continue;
+    const json& pool = stored.at("pool");
     records.back().pool = PoolRecord{.parked = pool.at("parked"),
                                      .contype = pool.at("contype"),
                                      .conaffinity = pool.at("conaffinity"),
@@ -191,8 +191,8 @@ class SceneCacheEntry {
   static std::shared_ptr<CompiledScene> Read(const SceneSpec& spec, std::string_view text) {
     CutLine(text);
     const auto head = nlohmann::json::parse(CutLine(text));
-    const bool tells = !head.at("warnings").empty() || !head.at("notes").empty();
-    if (tells && head.at("places") != PlacesOf(spec)) return nullptr;
+    const bool has_messages = !head.at("warnings").empty() || !head.at("notes").empty();
+    if (has_messages && head.at("places") != PlacesOf(spec)) return nullptr;
     if (!head.contains("key_owners")) return nullptr;  // it is older than these
     std::shared_ptr<CompiledScene> scene(new CompiledScene);
     scene->scene_spec_ = spec;

@@ -223,11 +223,11 @@ TEST(SceneCache, ReportsAndReplacesADamagedEntry) {
     flipped[at] = static_cast<char>(flipped[at] ^ 1);
     for (const std::string& damaged : {flipped, whole.substr(0, at)}) {
       AtomicWrite(file, damaged);
-      std::vector<std::string> said;
+      std::vector<std::string> logged;
       const ScopedLogSink capture(
-          [&](LogLevel, std::string_view text) { said.emplace_back(text); });
+          [&](LogLevel, std::string_view text) { logged.emplace_back(text); });
       EXPECT_EQ(SaveBinaryString(CompileSceneCached(spec, folder.path())->model()), good);
-      EXPECT_THAT(said, ElementsAre(HasSubstr("is damaged; the scene is compiled again")));
+      EXPECT_THAT(logged, ElementsAre(HasSubstr("is damaged; the scene is compiled again")));
       EXPECT_EQ(ReadFile(file), whole);
     }
   }
@@ -236,10 +236,11 @@ TEST(SceneCache, ReportsAndReplacesADamagedEntry) {
 TEST(SceneCache, AnUnwritableFolderOnlyGivesAWarning) {
   const TempDir folder;
   AtomicWrite(folder / "file", "not a folder");
-  std::vector<std::string> said;
-  const ScopedLogSink capture([&](LogLevel, std::string_view text) { said.emplace_back(text); });
+  std::vector<std::string> logged;
+  const ScopedLogSink capture([&](LogLevel, std::string_view text) { logged.emplace_back(text); });
   EXPECT_NE(CompileSceneCached(EmptyScene(), folder / "file")->model(), nullptr);
-  EXPECT_THAT(said, ElementsAre(HasSubstr("scene 'test' is not kept for later processes: cannot")));
+  EXPECT_THAT(logged,
+              ElementsAre(HasSubstr("scene 'test' is not kept for later processes: cannot")));
 }
 
 TEST(SceneCache, TreatsAnUnreadableEntryAsMissing) {
@@ -247,7 +248,7 @@ TEST(SceneCache, TreatsAnUnreadableEntryAsMissing) {
   CompileSceneCached(EmptyScene(), folder.path());
   fs::permissions(folder.path(), fs::perms::all);
   fs::permissions(Entries(folder.path())[0], fs::perms::none);
-  EXPECT_EQ(SaidToNobody([&] { CompileSceneCached(EmptyScene(), folder.path()); }),
+  EXPECT_EQ(MessageAsNobody([&] { CompileSceneCached(EmptyScene(), folder.path()); }),
             "nothing was thrown");
 }
 

@@ -142,7 +142,7 @@ class KeyFiller {
       : m_(model), robots_(robots), log_(log), data_(MakeData(model)) {
     configured_.resize(static_cast<size_t>(m_->nv));
     ForEachHome(robots_, [&](const auto& robot, const auto& group, const auto&) {
-      MarkDofs(m_, robot, group, configured_);
+      MarkDofs(m_, group, JointIds(m_, robot, group.joints), configured_);
     });
   }
 
@@ -153,7 +153,7 @@ class KeyFiller {
     KeyRow(m_, 0).TakePositions(part);
     ForEachHome(robots_, [&](const auto& robot, const auto& group, const auto& values) {
       SetGroup(m_, row.qpos(), robot, group, values);
-      PlaceFollowers(m_, robot, group, row.qpos());
+      PlaceFollowers(m_, group, JointIds(m_, robot, group.joints), row.qpos());
     });
     for (int dof = 0; dof < m_->nv; ++dof) {
       if (configured_[static_cast<size_t>(dof)]) row.qvel()[dof] = 0;
@@ -164,7 +164,7 @@ class KeyFiller {
       const bool own = !ActsOn(m_, data_.get(), id, configured_);
       ctrl.Set(id, own, row.ctrl(), row.act());
     }
-    ctrl.Tell(log_);
+    ctrl.Report(log_);
     for (const RobotRecord& robot : robots_) OpenUndecidedGrippers(part, robot, row);
   }
 
@@ -186,7 +186,7 @@ class KeyFiller {
       if (ctrl.IsOfPart(id) || ActsOn(m_, data_.get(), id, moved))
         ctrl.Set(id, true, row.ctrl(), row.act());
     }
-    ctrl.Tell(log_);
+    ctrl.Report(log_);
   }
 
  private:

@@ -425,7 +425,7 @@ TEST_F(KeyControls, OfServosThatIntegrateHold) {
         <keyframe><key name="home" qpos="1" )" +
             numbers + "/></keyframe>");
   };
-  for (const auto& [numbers, told] :
+  for (const auto& [numbers, expected] :
        std::vector<std::pair<std::string, bool>>{{R"(act="1" ctrl="0")", false},
                                                  {"", false},
                                                  {R"(act="0.1" )", true},
@@ -436,7 +436,7 @@ TEST_F(KeyControls, OfServosThatIntegrateHold) {
     bool found = false;
     for (const std::string& warning : scene.compiled()->warnings())
       found |= warning.find("keyframe 'home': controls do not hold") != std::string::npos;
-    EXPECT_EQ(found, told) << numbers;
+    EXPECT_EQ(found, expected) << numbers;
   }
 }
 

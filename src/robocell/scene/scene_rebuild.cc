@@ -149,14 +149,14 @@ void Scene::Rebuild(const SceneSpec& spec) {
   };
   swap();
   const auto observers = s.observers;
-  const auto tell = [&] {
+  const auto notify = [&] {
     for (const auto& watch : observers) {
       if (const auto observer = watch.observer.lock()) observer->OnRebuild();
       open();
     }
   };
   try {
-    tell();
+    notify();
   } catch (...) {
     if (s.closed) throw;
     swap();

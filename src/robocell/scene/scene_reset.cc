@@ -188,17 +188,13 @@ void AddNoise(const mjModel* model, mjData* data, int joint, double noise, Rng& 
   if (model->jnt_limited[joint]) q = std::clamp(q, range[0], range[1]);
 }
 
-// Adds uniform noise to the group's positions, one stream per robot and group.
-void AddGroupNoise(const mjModel* model, mjData* data, const RobotRecord& robot,
-                   const std::string& group, const std::vector<double>& noise, uint64_t seed) {
-  Rng rng = Rng::Stream(seed, "home_noise", robot.name, group);
-  const NameList& joints = robot.config.move_groups.at(group).joints;
+// Adds uniform noise to the positions of a group, one stream per robot and group.
+void AddGroupNoise(const mjModel* model, mjData* data, const std::vector<int>& joints,
+                   const std::vector<double>& noise, Rng rng) {
   for (size_t i = 0; i < joints.size(); ++i) {
     const double amount = noise.size() == 1 ? noise[0] : i < noise.size() ? noise[i] : 0;
-    const int joint = FindId(model, mjOBJ_JOINT, robot.prefix + joints[i]);
-    if (joint >= 0) AddNoise(model, data, joint, amount, rng);
+    if (joints[i] >= 0) AddNoise(model, data, joints[i], amount, rng);
   }
-  internal::PlaceFollowers(model, robot, robot.config.move_groups.at(group), data->qpos);
 }
 
 bool IsZero(const std::vector<double>& values) {
@@ -210,10 +206,12 @@ void ApplyHomeNoise(const CompiledScene& compiled, mjData* data, uint64_t seed,
                     std::vector<bool>& moved) {
   const mjModel* model = compiled.model();
   for (const RobotRecord& robot : compiled.robots()) {
-    for (const auto& [group, noise] : robot.config.home_noise.entries()) {
-      AddGroupNoise(model, data, robot, group, *noise, seed);
-      if (!IsZero(*noise))
-        internal::MarkDofs(model, robot, robot.config.move_groups.at(group), moved);
+    for (const auto& [name, noise] : robot.config.home_noise.entries()) {
+      const MoveGroupConfig& group = robot.config.move_groups.at(name);
+      const std::vector<int> joints = internal::JointIds(model, robot, group.joints);
+      AddGroupNoise(model, data, joints, *noise, Rng::Stream(seed, "home_noise", robot.name, name));
+      internal::PlaceFollowers(model, group, joints, data->qpos);
+      if (!IsZero(*noise)) internal::MarkDofs(model, group, joints, moved);
     }
   }
 }
@@ -308,7 +306,7 @@ void Scene::State::FinishReset(Scene& scene) {
   scene.SyncPoses();
   const auto present = observers;
   std::exception_ptr failed;
-  const auto tell = [&](void (SceneObserver::*what)()) {
+  const auto notify = [&](void (SceneObserver::*what)()) {
     for (const auto& watch : present) {
       try {
         if (const auto observer = watch.observer.lock()) (observer.get()->*what)();
@@ -319,10 +317,10 @@ void Scene::State::FinishReset(Scene& scene) {
     }
   };
   internal::ForgetPastCtrl(model(), data.data);  // controllers know better of theirs
-  tell(&SceneObserver::OnReset);
+  notify(&SceneObserver::OnReset);
   Forget(model(), data.data);
   scene.Forward();
-  tell(&SceneObserver::OnResetDone);
+  notify(&SceneObserver::OnResetDone);
   if (failed) std::rethrow_exception(failed);
 }
 

@@ -263,10 +263,10 @@ TEST(Reset, CallsHooksAndObserversBeforeComputingPoses) {
 TEST(Reset, PlacesBodiesAtTheGivenPoses) {
   const Pose there = Pose::FromRpy({0.5, 0.3, 0.4}, {0.1, 0.2, 0.3});
   const Pose aside(Eigen::Vector3d(0.1, 0.5, 0.1));
-  Scene moved = Scene::Build(Busy()), told = Scene::Build(Busy());
-  const auto onlooker = std::make_shared<Onlooker>(told);
-  told.AddObserver(onlooker);
-  told.AddResetHook([&](ResetContext& reset) {
+  Scene moved = Scene::Build(Busy()), observed = Scene::Build(Busy());
+  const auto onlooker = std::make_shared<Onlooker>(observed);
+  observed.AddObserver(onlooker);
+  observed.AddResetHook([&](ResetContext& reset) {
     const Pose cube = reset.scene.body_pose("cube0");
     EXPECT_EQ(cube.is_close(there, 1e-12, 1e-12), !reset.options.body_poses.empty());
     reset.scene.SetBodyPose("cube0", aside);
@@ -275,17 +275,17 @@ TEST(Reset, PlacesBodiesAtTheGivenPoses) {
   moved.Reset({.seed = 3});
   for (const char* cube : {"cube1", "cube0"})
     moved.SetBodyPose(cube, cube == std::string("cube0") ? there : aside);
-  EXPECT_TRUE(told.StepN(10).ok());
-  told.Reset({.seed = 3, .body_poses = {{"cube0", there}}});
+  EXPECT_TRUE(observed.StepN(10).ok());
+  observed.Reset({.seed = 3, .body_poses = {{"cube0", there}}});
   EXPECT_DOUBLE_EQ(onlooker->height, 0.4);
   const auto qpos = [](const Scene& s) {
     return std::vector<double>(s.data()->qpos, s.data()->qpos + s.model()->nq);
   };
-  EXPECT_EQ(qpos(told), qpos(moved));
-  EXPECT_THAT(std::span(told.data()->qvel, told.model()->nv), Each(0.0));
-  EXPECT_EQ(told.contacts().size(), moved.contacts().size());
-  told.Reset({.seed = 3});
-  EXPECT_EQ(told.body_pose("cube0").translation().x(), 0.1) << "it holds for one reset";
+  EXPECT_EQ(qpos(observed), qpos(moved));
+  EXPECT_THAT(std::span(observed.data()->qvel, observed.model()->nv), Each(0.0));
+  EXPECT_EQ(observed.contacts().size(), moved.contacts().size());
+  observed.Reset({.seed = 3});
+  EXPECT_EQ(observed.body_pose("cube0").translation().x(), 0.1) << "it holds for one reset";
 }
 
 TEST(Reset, RejectsImmovableBodiesWithoutAChange) {

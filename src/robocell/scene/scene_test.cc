@@ -87,14 +87,14 @@ TEST(Scene, UsesAssignedLists) {
 }
 
 TEST(Scene, ReadingPosesDoesNotChangePhysics) {
-  Scene quiet = Scene::Build(Workplace()), asked = Scene::Build(Workplace());
+  Scene quiet = Scene::Build(Workplace()), queried = Scene::Build(Workplace());
   for (int i = 0; i < 200; ++i) {
-    quiet.data()->ctrl[0] = asked.data()->ctrl[0] = 0.01 * i;
+    quiet.data()->ctrl[0] = queried.data()->ctrl[0] = 0.01 * i;
     EXPECT_TRUE(quiet.Step().ok());
-    EXPECT_TRUE(asked.Step().ok());
-    asked.body_pose("cube");
+    EXPECT_TRUE(queried.Step().ok());
+    queried.body_pose("cube");
   }
-  EXPECT_EQ(quiet.state(), asked.state());
+  EXPECT_EQ(quiet.state(), queried.state());
 }
 
 TEST(Scene, UnknownNamesSuggestTheNearest) {

@@ -25,7 +25,7 @@ std::string UrdfToMjcf(const std::filesystem::path& file, const std::filesystem:
     mjs_setString(mesh->file, path.lexically_relative(from).c_str());
   }
   mjs_setString(spec->modelfiledir, from.c_str());
-  // As in scenes: Euler's method takes the damping of servos explicitly, and may diverge.
+  // Scenes do the same: Euler's method takes the damping of servos explicitly and may diverge.
   if (urdf.mujoco.find("<option") == std::string::npos)
     spec->option.integrator = mjINT_IMPLICITFAST;
   Compile(spec.get(), nullptr, urdf.file.string());

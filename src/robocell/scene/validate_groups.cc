@@ -141,15 +141,15 @@ class GroupValidator {
     for (const std::string& joint : *joints)
       ids.push_back(FindId(m_, mjOBJ_JOINT, robot_.prefix + joint));
     if (std::find(ids.begin(), ids.end(), -1) != ids.end()) return "";
-    std::vector<std::string> said;
+    std::vector<std::string> texts;
     const std::vector<ListedFollower> followers = FollowersAmong(m_, ids);
     for (const ListedFollower& f : followers)
-      said.push_back(fmt::format("'{}' follows '{}'", (*joints)[f.index], (*joints)[f.leader]));
+      texts.push_back(fmt::format("'{}' follows '{}'", (*joints)[f.index], (*joints)[f.leader]));
     for (auto f = followers.rbegin(); f != followers.rend(); ++f)
       joints->erase(joints->begin() + static_cast<std::ptrdiff_t>(f->index));
-    if (said.empty()) return "";
+    if (texts.empty()) return "";
     return fmt::format(". By equality constraints {}, without a place of its own in the list",
-                       ListNames(said));
+                       ListNames(texts));
   }
 
   // Returns the group that lists a joint; "" if there is none.

@@ -301,8 +301,8 @@ std::vector<FloorArea> FindFreeFloor(const Scene& scene, const std::vector<bool>
     Grid grid(floor);
     for (const auto& corners : boxes) grid.Take(corners);
     for (const FloorArea& area : areas) {
-      const double way = area.frame_to_world.translation().z() - height;
-      if (std::abs(way) < kSameFloor) grid.Take(CornersOf(area));
+      const double offset = area.frame_to_world.translation().z() - height;
+      if (std::abs(offset) < kSameFloor) grid.Take(CornersOf(area));
     }
     for (int i = 0; i < kMostAreas; ++i) {
       std::optional<FloorArea> area = grid.TakeLargest();

@@ -45,10 +45,10 @@ class OwnGeoms {
   // Returns the distance to the first of them; negative if there is none.
   double Ray(const Eigen::Vector3d& from, const Eigen::Vector3d& direction) const {
     const Eigen::Vector3d point = body_to_world_ * from;
-    const Eigen::Vector3d way = body_to_world_.rotation() * direction;
+    const Eigen::Vector3d ray = body_to_world_.rotation() * direction;
     double nearest = -1;
     for (const int g : geoms_) {
-      const double hit = RayToGeom(m_, d_, g, point, way, nullptr);
+      const double hit = RayToGeom(m_, d_, g, point, ray, nullptr);
       if (hit >= 0 && (nearest < 0 || hit < nearest)) nearest = hit;
     }
     return nearest;

@@ -103,8 +103,8 @@ TEST(Landmarks, TerrainHasATop) {
 
 TEST_F(LandmarksTest, SuggestsTheNearestName) {
   EXPECT_FALSE(marks->Has("bord"));
-  const std::string said = ExpectThrow<NotFoundError>([&] { (void)marks->Tops("bord"); }, "");
-  EXPECT_THAT(said, HasSubstr("Did you mean 'board'?"));
+  const std::string message = ExpectThrow<NotFoundError>([&] { (void)marks->Tops("bord"); }, "");
+  EXPECT_THAT(message, HasSubstr("Did you mean 'board'?"));
 }
 
 }  // namespace

@@ -47,18 +47,18 @@ std::vector<std::string> NamesOf(const StartObjects& start) {
   return names;
 }
 
-// Where mistakes go, each once.
+// Collects mistakes, each once.
 struct Mistakes {
   Problems& problems;
   PlaceMistakes& reported;
 
   // Adds a mistake of the entry at `key`, of all entries for "".
-  void Add(PlaceMistakeKind kind, const SaidPlaces& said, const std::string& key,
+  void Add(PlaceMistakeKind kind, const StatedPlaces& stated, const std::string& key,
            const std::string& text, const std::string& which = "") {
-    if (!reported.insert({kind, said.path, key, which}).second) return;
-    const Problems::Scope scope(problems, said.path);
-    if (!said.hook.empty())
-      problems.Add(said.hook + (key.empty() ? "" : ": '" + key + "'") + ": " + text);
+    if (!reported.insert({kind, stated.path, key, which}).second) return;
+    const Problems::Scope scope(problems, stated.path);
+    if (!stated.hook.empty())
+      problems.Add(stated.hook + (key.empty() ? "" : ": '" + key + "'") + ": " + text);
     else if (key.empty())
       problems.Add(text);
     else
@@ -67,28 +67,28 @@ struct Mistakes {
 };
 
 // Adds mistakes of single entries.
-void ValidateEntries(const SaidPlaces& said, const StartObjects& start, Mistakes& mistakes) {
-  for (const auto& [key, place] : said.places.entries()) {
+void ValidateEntries(const StatedPlaces& stated, const StartObjects& start, Mistakes& mistakes) {
+  for (const auto& [key, place] : stated.places.entries()) {
     Problems of_place;
     ValidateFields(*place, of_place);
     for (const std::string& line : LinesOf(of_place))
-      mistakes.Add(PlaceMistakeKind::kNotValid, said, key, line, line);
+      mistakes.Add(PlaceMistakeKind::kNotValid, stated, key, line, line);
     if (Named(key, start) || IsKind(key, start) || start.may_come(key)) continue;
-    mistakes.Add(PlaceMistakeKind::kNoSuchObject, said, key,
+    mistakes.Add(PlaceMistakeKind::kNoSuchObject, stated, key,
                  NoSuchName("", "object", key, NamesOf(start)));
   }
 }
 
 // The entry for an object.
 struct Entry {
-  const SaidPlaces* said;
+  const StatedPlaces* stated;
   std::string key;
   const ObjectPlace* place;
 };
 
-std::optional<Entry> EntryOf(std::span<const SaidPlaces> said, const StartObjects& start,
+std::optional<Entry> EntryOf(std::span<const StatedPlaces> stated, const StartObjects& start,
                              size_t i) {
-  for (const SaidPlaces& each : said) {
+  for (const StatedPlaces& each : stated) {
     const std::string part = start.parts.empty() ? "" : start.parts[i];
     for (const std::string& key : {start.objects[i].name, part, start.kinds[i]}) {
       if (const ObjectPlace* place = each.places.find(key)) return Entry{&each, key, place};
@@ -162,7 +162,7 @@ std::optional<NoPlace> WhyNoPlace(const PlaceLink& link) {
 // Data of a start's links.
 struct Linking {
   const std::shared_ptr<const Landmarks>& base;
-  std::span<const SaidPlaces> said;
+  std::span<const StatedPlaces> stated;
   const StartObjects& start;
   Mistakes& mistakes;
   Measured measured;
@@ -192,11 +192,11 @@ struct Linking {
   // The link of an object; unset when it has no entry, a wrong one, or one by kind that refers to
   // itself.
   std::optional<PlaceLink> Of(size_t i) {
-    const std::optional<Entry> entry = EntryOf(said, start, i);
+    const std::optional<Entry> entry = EntryOf(stated, start, i);
     if (!entry) return std::nullopt;
     const auto wrong = [&](PlaceMistakeKind kind,
                            const std::string& why) -> std::optional<PlaceLink> {
-      mistakes.Add(kind, *entry->said, entry->key, why);
+      mistakes.Add(kind, *entry->stated, entry->key, why);
       return std::nullopt;
     };
     Problems of_place;
@@ -235,7 +235,7 @@ struct Linking {
 };
 
 // Each after those that it refers to; without those of a circle, which are a problem.
-std::vector<PlaceLink> InOrder(std::vector<PlaceLink> links, const SaidPlaces& said,
+std::vector<PlaceLink> InOrder(std::vector<PlaceLink> links, const StatedPlaces& stated,
                                const std::vector<SceneObject>& objects, Mistakes& mistakes) {
   std::vector<PlaceLink> ordered;
   while (!links.empty()) {
@@ -248,7 +248,7 @@ std::vector<PlaceLink> InOrder(std::vector<PlaceLink> links, const SaidPlaces& s
       for (const PlaceLink& link : links) circle.push_back(TextOf(link, objects));
       const std::string which = fmt::format("{}", fmt::join(circle, ", "));
       mistakes.Add(
-          PlaceMistakeKind::kCircle, said, "",
+          PlaceMistakeKind::kCircle, stated, "",
           fmt::format(
               "these run in a circle: {}. Let one of them lie on the support, without an entry",
               which),
@@ -277,24 +277,24 @@ std::string TextOf(const PlaceLink& link, const std::vector<SceneObject>& object
 }
 
 std::vector<PlaceLink> LinkPlaces(const std::shared_ptr<const Landmarks>& base,
-                                  std::span<const SaidPlaces> said, const StartObjects& start,
+                                  std::span<const StatedPlaces> stated, const StartObjects& start,
                                   Problems& problems) {
   PlaceMistakes reported;
-  return LinkPlaces(base, said, start, problems, reported);
+  return LinkPlaces(base, stated, start, problems, reported);
 }
 
 std::vector<PlaceLink> LinkPlaces(const std::shared_ptr<const Landmarks>& base,
-                                  std::span<const SaidPlaces> said, const StartObjects& start,
+                                  std::span<const StatedPlaces> stated, const StartObjects& start,
                                   Problems& problems, PlaceMistakes& reported) {
   std::vector<PlaceLink> links;
-  if (said.empty()) return links;
+  if (stated.empty()) return links;
   Mistakes mistakes{problems, reported};
-  for (const SaidPlaces& each : said) ValidateEntries(each, start, mistakes);
-  Linking linking{base, said, start, mistakes, Measured(start)};
+  for (const StatedPlaces& each : stated) ValidateEntries(each, start, mistakes);
+  Linking linking{base, stated, start, mistakes, Measured(start)};
   for (size_t i = 0; i < start.objects.size(); ++i) {
     if (auto link = linking.Of(i)) links.push_back(*std::move(link));
   }
-  return InOrder(std::move(links), said.front(), start.objects, mistakes);
+  return InOrder(std::move(links), stated.front(), start.objects, mistakes);
 }
 
 }  // namespace robocell::internal

@@ -24,11 +24,12 @@ namespace robocell::internal {
 std::shared_ptr<const Landmarks> LandmarksOf(const SceneSpec& scene,
                                              const std::optional<SceneAnnotations>& known = {});
 
-// Places as one side says them, and where: "start.places" of a run, "places" of an environment.
-struct SaidPlaces {
+// Places that a file or a task states: `path` is "start.places" of a run, "places" of an
+// environment.
+struct StatedPlaces {
   Map<ObjectPlace> places;
   std::string path;
-  // The hook that returned them, "places()", if it was no file; `path` is then that of its task.
+  // The method that returned them, "places()"; `path` is then that of its task. "" for a file.
   std::string hook = {};
 };
 
@@ -54,7 +55,7 @@ struct PlaceLink {
   std::shared_ptr<const Landmarks> own = {};  // the object's, alone at the origin
 };
 
-// What is wrong with an entry of places.
+// The mistakes of an entry of places.
 enum class PlaceMistakeKind {
   kNotValid,         // by itself
   kNoSuchObject,     // no object has the name or kind of the entry
@@ -67,10 +68,10 @@ enum class PlaceMistakeKind {
   kNoGround,  // what the reference stands on is not known
   kCircle,
 };
-// A mistake, wherever it shows: several starts show one, each with its own alternatives.
+// Identifies a mistake: several starts have the same one, each with its own alternatives.
 struct PlaceMistake {
   PlaceMistakeKind kind;
-  std::string path, entry;  // of SaidPlaces, and the key of the entry; "" for several entries
+  std::string path, entry;  // of StatedPlaces, and the key of the entry; "" for several entries
   std::string which = {};   // of several of this kind
   bool operator<(const PlaceMistake& other) const {
     return std::tie(kind, path, entry, which) <
@@ -79,18 +80,18 @@ struct PlaceMistake {
 };
 using PlaceMistakes = std::set<PlaceMistake>;
 
-// The link of each object that has an entry, each after those that it refers to. Of `said`, what
-// comes first counts; in each, an object's name comes before its part, and that before its kind. An
-// entry by part or kind does not concern the object that it refers to.
+// Returns the link of each object that has an entry, each after those that it refers to. The first
+// of `stated` with an entry counts; in each, an object's name comes before its part, and that before
+// its kind. An entry by part or kind does not concern the object that it refers to.
 // Adds problems, at the path of the entry: no object has that name or kind, a place is not valid,
 // the reference is nothing in the scene or cannot be put on, into or beside, or relations run in a
 // circle. Entries with problems have no link. The second form leaves out mistakes that `reported`
 // has, and adds the others to it.
 std::vector<PlaceLink> LinkPlaces(const std::shared_ptr<const Landmarks>& base,
-                                  std::span<const SaidPlaces> said, const StartObjects& start,
+                                  std::span<const StatedPlaces> stated, const StartObjects& start,
                                   Problems& problems);
 std::vector<PlaceLink> LinkPlaces(const std::shared_ptr<const Landmarks>& base,
-                                  std::span<const SaidPlaces> said, const StartObjects& start,
+                                  std::span<const StatedPlaces> stated, const StartObjects& start,
                                   Problems& problems, PlaceMistakes& reported);
 
 // Returns "'mug' next_to 'box'".

@@ -20,11 +20,11 @@ using ::testing::HasSubstr;
 std::vector<std::string> Linked(const Map<ObjectPlace>& places) {
   const Start start({Block("top", {0.01, 0.01, 0.01}), Block("middle", {0.02, 0.02, 0.01}),
                      Block("bottom", {0.03, 0.03, 0.01})});
-  const std::vector<SaidPlaces> said = {{places, "start.places"}};
+  const std::vector<StatedPlaces> stated = {{places, "start.places"}};
   Problems problems;
   const auto may_come = [](const std::string&) { return false; };
   std::vector<std::string> links;
-  for (const PlaceLink& link : LinkPlaces(LandmarksOf(start.base), said,
+  for (const PlaceLink& link : LinkPlaces(LandmarksOf(start.base), stated,
                                           {start.objects, start.kinds, may_come}, problems)) {
     const std::string of = link.other ? std::to_string(*link.other) : link.mark;
     links.push_back(std::to_string(link.object) + " on " + of);
@@ -53,11 +53,12 @@ TEST(PlaceLinks, AllErrorsAreReportedTogether) {
 TEST(PlaceLinks, KnowTheBodiesInsideObjectsOfTheStart) {
   SceneObject cabinet{.name = "target", .mjcf_path = "cabinet", .fixed = false};
   const Start start({Block("cube", {0.01, 0.01, 0.01}), cabinet});
-  const std::vector<SaidPlaces> said = {{{{"cube", {.inside = "target_drawer"}}}, "start.places"}};
+  const std::vector<StatedPlaces> stated = {
+      {{{"cube", {.inside = "target_drawer"}}}, "start.places"}};
   const auto may_come = [](const std::string&) { return false; };
   Problems problems;
   const std::vector<PlaceLink> links =
-      LinkPlaces(LandmarksOf(start.base), said, {start.objects, start.kinds, may_come}, problems);
+      LinkPlaces(LandmarksOf(start.base), stated, {start.objects, start.kinds, may_come}, problems);
   EXPECT_TRUE(problems.empty()) << problems.Text("it");
   ASSERT_EQ(links.size(), 1u);
   EXPECT_EQ(links[0].other, 1u);
@@ -100,11 +101,11 @@ TEST(PlaceLinks, APartNamesTheObjectThatItStandsFor) {
   const Start start({Block("brick", {0.01, 0.01, 0.01}), Block("cube", {0.02, 0.02, 0.01})});
   const auto may_come = [](const std::string&) { return false; };
   const auto linked = [&](const Map<ObjectPlace>& places, std::vector<std::string> parts) {
-    const std::vector<SaidPlaces> said = {{places, "places"}};
+    const std::vector<StatedPlaces> stated = {{places, "places"}};
     Problems problems;
     std::vector<std::string> links;
     for (const PlaceLink& link :
-         LinkPlaces(LandmarksOf(start.base), said,
+         LinkPlaces(LandmarksOf(start.base), stated,
                     {start.objects, start.kinds, may_come, std::move(parts)}, problems)) {
       links.push_back(std::to_string(link.object) + " on " +
                       (link.other ? std::to_string(*link.other) : link.mark));

@@ -175,11 +175,11 @@ TEST(SceneSource, ReportsInvalidSizes) {
 
 TEST(SceneSource, RejectsNonFiniteAnnotations) {
   const std::shared_ptr<SceneSource> source = MakeSceneSource(OddRun());
-  const std::string said = "annotations of scene 4: supports[0].face.half_x is -1";
+  const std::string expected = "annotations of scene 4: supports[0].face.half_x is -1";
   Odd::known = {.supports = {{.face = {Pose(), -1, 0.4, 0.02}}}};
-  ExpectThrow<ArgumentError>([&] { source->CheckedAnnotations(4); }, said);
-  ExpectThrow<ArgumentError>([&] { source->Annotations(4); }, said);
-  ExpectThrow<ArgumentError>([&] { SupportsOf(*source, 4, {}); }, said);
+  ExpectThrow<ArgumentError>([&] { source->CheckedAnnotations(4); }, expected);
+  ExpectThrow<ArgumentError>([&] { source->Annotations(4); }, expected);
+  ExpectThrow<ArgumentError>([&] { SupportsOf(*source, 4, {}); }, expected);
   Odd::known = {.supports = {{.face = {Pose(), 0.3, 0.4, 0.02}}}};
   EXPECT_EQ(source->Annotations(4).supports.size(), 1u);
 }

@@ -101,7 +101,7 @@ TEST(SoundAnnotations, TheWrongEntryOfSeveralIsNamed) {
                              "scene 4: supports[1].face.half_x is -1; it must be at least 0");
 }
 
-// What is derived from geometry is the second way to annotations.
+// Annotations derived from geometry are the oracle.
 TEST(SoundAnnotations, DerivedOnesAreSound) {
   for (const char* equipment : {"", "cabinet", "tray"}) {
     SceneSpec spec{.name = "s", .base = "tabletop", .timestep = 0.002, .add_floor = true};

@@ -88,11 +88,12 @@ struct SpatialRelation::Impl {
     if (IsInside() || IsOnTop()) return false;
     const Eigen::Vector3d from(scene.data()->subtree_com + 3 * reference.id());
     const Eigen::Vector3d to(scene.data()->subtree_com + 3 * object.id());
-    Eigen::Vector3d way = to - from;
-    way.z() = 0;
-    if (way.norm() < mjMINVAL) return false;
-    way.normalize();
-    const Interval near = ExtentOf(reference.id(), way), far = ExtentOf(object.id(), way);
+    Eigen::Vector3d direction = to - from;
+    direction.z() = 0;
+    if (direction.norm() < mjMINVAL) return false;
+    direction.normalize();
+    const Interval near = ExtentOf(reference.id(), direction),
+                   far = ExtentOf(object.id(), direction);
     if (far.lower - near.upper > most_gap) return false;
     // Requires that they are beside each other, not one high above the other.
     const Interval low = ExtentOf(reference.id(), Eigen::Vector3d::UnitZ());

@@ -59,21 +59,21 @@ Vector3d Down(const mjModel* m) {
 // the geom.
 double RayDown(const mjModel* m, const mjData* d, Vector3d from, const Vector3d& down, int without,
                int* geom) {
-  double way = 0;
+  double distance = 0;
   for (int layer = 0; layer < kMostLayers; ++layer) {
     const double hit = internal::Guarded("looking for what is below", [&] {
       return mj_ray(m, d, from.data(), down.data(), nullptr, 1, without, geom, nullptr);
     });
     if (hit < 0) return -1;
-    way += hit;
+    distance += hit;
     if (internal::IsCollisionGeom(m, *geom) &&
         !internal::IsInSubtree(m, m->geom_bodyid[*geom], without))
-      return way;
+      return distance;
     constexpr double kOn = 1e-4;  // m, past what was hit
     from += (hit + kOn) * down;
-    way += kOn;
+    distance += kOn;
   }
-  return way;
+  return distance;
 }
 
 std::vector<int> CollidingGeoms(const mjModel* m, int root) {

@@ -137,11 +137,12 @@ class LevelFaces {
     for (double above = kOn; above <= kRoom;) {
       const Eigen::Vector3d from = top + above * Eigen::Vector3d::UnitZ();
       int geom = -1;
-      const double way = mj_ray(m_, scene_.data(), from.data(), up, nullptr, 1, -1, &geom, nullptr);
-      if (way < 0 || above + way > kRoom) return true;
+      const double distance =
+          mj_ray(m_, scene_.data(), from.data(), up, nullptr, 1, -1, &geom, nullptr);
+      if (distance < 0 || above + distance > kRoom) return true;
       const int body = m_->geom_bodyid[geom];
       if (!IsUnder(body, robots_) && (with_free || !IsFree(body))) return false;
-      above += way + kOn;
+      above += distance + kOn;
     }
     return true;
   }

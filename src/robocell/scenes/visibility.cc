@@ -24,10 +24,10 @@ class Rays {
   // Looks at a point in the bounding box of one of the body's geoms.
   void Look(const Eigen::Vector3d& point) {
     const Eigen::Vector3d eye = camera_.camera_in_world.translation();
-    const Eigen::Vector3d way = point - eye;
-    const double far = way.norm();
+    const Eigen::Vector3d displacement = point - eye;
+    const double far = displacement.norm();
     if (far < kSameDepth) return;
-    const Eigen::Vector3d direction = way / far;
+    const Eigen::Vector3d direction = displacement / far;
     static constexpr mjtByte kGroups[mjNGROUP] = {1, 1, 1, 0, 0, 0};
     int geom = -1;
     const double hit = mj_ray(m_, d_, eye.data(), direction.data(), kGroups, 1, -1, &geom, nullptr);

@@ -95,7 +95,7 @@ concept NamesItsKind = requires {
   { T::kKind } -> std::convertible_to<const char*>;
 };
 
-// What a kind says about the configurations that name it, beside its fields. Each sort of kinds has
+// The checks of a kind on configurations that name it, beside its fields. Each sort of kinds has
 // a class of its own (TaskKind, SceneSourceKind).
 class KindRules {
  public:

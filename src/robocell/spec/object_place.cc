@@ -5,11 +5,11 @@
 namespace robocell {
 
 void ObjectPlace::Validate(Problems& problems) const {
-  const int said = !on_top_of.empty() + !inside.empty() + !next_to.empty();
-  if (said == 0) {
+  const int relations = !on_top_of.empty() + !inside.empty() + !next_to.empty();
+  if (relations == 0) {
     problems.Add(
         "where? Set one of on_top_of, inside and next_to to the name of an object or body");
-  } else if (said > 1) {
+  } else if (relations > 1) {
     problems.Add("only one of on_top_of, inside and next_to can be set");
   }
   ValidateRange(gap, "gap", problems);

@@ -158,13 +158,13 @@ void ValidateGroupsApart(const RobotConfig& robot, Problems& problems) {
 
 // Groups may share joints, which have one start.
 void ValidateHomesAgree(const RobotConfig& robot, Problems& problems) {
-  std::map<std::string, std::pair<std::string, double>> said;  // joint -> group, value
+  std::map<std::string, std::pair<std::string, double>> stated;  // joint -> group, value
   for (const auto& [name, values] : robot.home.entries()) {
     const MoveGroupConfig* group = robot.move_groups.find(name);
     if (!group || group->joints.size() != values->size()) continue;
     for (size_t i = 0; i < values->size(); ++i) {
       const std::string& joint = group->joints[i];
-      const auto [first, is_new] = said.try_emplace(joint, name, (*values)[i]);
+      const auto [first, is_new] = stated.try_emplace(joint, name, (*values)[i]);
       const auto& [other, value] = first->second;
       if (is_new || value == (*values)[i]) continue;
       problems.AddAt(fmt::format("home.{}[{}]", name, i),

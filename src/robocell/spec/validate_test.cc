@@ -141,11 +141,11 @@ struct Wheel {
 
 TEST(RequireValid, ReportsFieldsAndTheWholeTogether) {
   RequireValid(Wheel(), "the wheel");
-  const std::string said = ExpectThrow<SpecError>(
+  const std::string message = ExpectThrow<SpecError>(
       [] { RequireValid(Wheel{.radius = -1, .spokes = {2}}, "the wheel"); }, "the wheel");
-  EXPECT_THAT(said, HasSubstr("radius: -1 must be greater than 0"));
-  EXPECT_THAT(said, HasSubstr("spokes[0]: 2 must lie between 0 and 1"));
-  EXPECT_THAT(said, HasSubstr("one spoke is not enough"));
+  EXPECT_THAT(message, HasSubstr("radius: -1 must be greater than 0"));
+  EXPECT_THAT(message, HasSubstr("spokes[0]: 2 must lie between 0 and 1"));
+  EXPECT_THAT(message, HasSubstr("one spoke is not enough"));
 }
 
 }  // namespace

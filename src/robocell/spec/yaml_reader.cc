@@ -206,7 +206,7 @@ void Reader::ForEachKey(const YAML::Node& node, const OnKey& f, const IsStrange&
     std::string name;
     if (!ReadScalar(entry.first, "a name", name)) continue;
     if (stray.IsPartOfLast(entry.first, entry.second, strange(name))) {
-      TellStray(last, stray);
+      ReportStray(last, stray);
       continue;
     }
     last.reset(entry.first);
@@ -341,7 +341,7 @@ void Reader::MarkMap(const char* field) {
   (*sources_)[JoinPath(problems_.path(), field) + std::string(kAnyKey)] = "";
 }
 
-void Reader::TellStray(const YAML::Node& key, const Stray& stray) {
+void Reader::ReportStray(const YAML::Node& key, const Stray& stray) {
   problems_.Truncate(stray.problems());
   const Problems::Scope scope(problems_, key.Scalar());
   Fail(key, stray.Text());
@@ -398,9 +398,9 @@ std::string WithIndicesInBrackets(const std::string& path) {
 
 void Reader::ReportUnusedOverrides() {
   for (const Override& o : overrides_) {
-    const auto tells = [&](const Problem& p) { return p.source == "--set " + o.text; };
+    const auto is_reported = [&](const Problem& p) { return p.source == "--set " + o.text; };
     const auto& list = problems_.list();
-    if (o.used || std::any_of(list.begin(), list.end(), tells)) continue;
+    if (o.used || std::any_of(list.begin(), list.end(), is_reported)) continue;
     const std::string in_brackets = WithIndicesInBrackets(o.path);
     problems_.AddFromSource(
         "--set " + o.text,

@@ -264,7 +264,7 @@ class Reader {
 
   // Replaces the problem of the last key's value by a report of the part that was probably cut off
   // from it.
-  void TellStray(const YAML::Node& key, const Stray& stray);
+  void ReportStray(const YAML::Node& key, const Stray& stray);
 
   static bool IsOneOf(const std::string& name, const std::vector<std::string>& names) {
     return std::find(names.begin(), names.end(), name) != names.end();

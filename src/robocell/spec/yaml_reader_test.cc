@@ -19,17 +19,17 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-// Reads a text as a value of T. `said`: the problems, if any are expected.
+// Reads a text as a value of T. `problems`: the problems, if any are expected.
 template <class T>
-T ReadAs(const std::string& text, std::vector<std::string>* said = nullptr) {
+T ReadAs(const std::string& text, std::vector<std::string>* problems = nullptr) {
   Reader reader("f.yaml", "");
   T value{};
   reader.Read(ParseText(text, "f.yaml"), value);
   std::vector<std::string> messages;
   for (const Problem& problem : reader.problems().list())
     messages.push_back(problem.source + ": " + problem.message);
-  if (said)
-    *said = messages;
+  if (problems)
+    *problems = messages;
   else
     EXPECT_THAT(messages, IsEmpty()) << text;
   return value;
@@ -37,9 +37,9 @@ T ReadAs(const std::string& text, std::vector<std::string>* said = nullptr) {
 
 template <class T>
 std::string ProblemOf(const std::string& text) {
-  std::vector<std::string> said;
-  ReadAs<T>(text, &said);
-  return said.size() == 1 ? said[0] : std::to_string(said.size()) + " problems";
+  std::vector<std::string> problems;
+  ReadAs<T>(text, &problems);
+  return problems.size() == 1 ? problems[0] : std::to_string(problems.size()) + " problems";
 }
 
 TEST(YamlReader, NumbersAreReadToTheBit) {
@@ -83,10 +83,10 @@ TEST(YamlReader, NamesExpandRangesUnlessTheyAreQuoted) {
   EXPECT_THAT(ReadAs<NameList>("joint1..joint3").names, ElementsAre("joint1", "joint2", "joint3"));
   EXPECT_THAT(ReadAs<NameList>("[base, j1..j2]").names, ElementsAre("base", "j1", "j2"));
   EXPECT_THAT(ReadAs<NameList>("'joint1..joint3'").names, ElementsAre("joint1..joint3"));
-  std::vector<std::string> said;
-  EXPECT_THAT(ReadAs<NameList>("[a, joint7..joint1]", &said).names, IsEmpty())
+  std::vector<std::string> problems;
+  EXPECT_THAT(ReadAs<NameList>("[a, joint7..joint1]", &problems).names, IsEmpty())
       << "an incomplete list is not compared with others";
-  EXPECT_EQ(said.size(), 1);
+  EXPECT_EQ(problems.size(), 1);
 }
 
 TEST(YamlReader, IndicesExpandRisingRanges) {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/base/hook_error.h"
 #include "robocell/base/units.h"
 #include "robocell/kinematics/chain.h"
 #include "robocell/kinematics/chain_model.h"
@@ -70,7 +71,28 @@ void RequireSound(const BaseRange& range) {
       "the height_offset of a base range is {}; it must be finite metres", range.height_offset));
 }
 
-void ValidateBaseRange(const BaseRange& base, const Robot& robot, Problems& problems) {
+BaseRangeOwners OwnersOfBaseRange(const StartConfig& start, const Hooks& task,
+                                  const std::string& kind, const BaseRange& of_task) {
+  const std::string place = task.PlaceOfHook("base_range");
+  const auto own = [&](const char* what) {
+    return NumberOwner{
+        .field = "task",
+        .method = fmt::format("the {} that base_range() of '{}' returns, ", what, kind),
+        .written = place.empty() ? "" : " (" + place + ")"};
+  };
+  const BaseRange plain;
+  BaseRangeOwners owners;
+  if (!start.base_distance && of_task.distance != plain.distance) owners.distance = own("distance");
+  if (!start.base_height_offset && of_task.height_offset != plain.height_offset)
+    owners.height = own("height_offset");
+  return owners;
+}
+
+void ValidateBaseRange(const BaseRange& base, const Robot& robot, Problems& problems,
+                       const BaseRangeOwners& owners) {
+  const auto add = [&](const NumberOwner& owner, const std::string& text) {
+    problems.AddAt(owner.field, owner.method + text + owner.written);
+  };
   // The offset from the bottom of the robot's pedestal, which is what is placed, to its base frame.
   const Eigen::Vector3d up = (robot.base().pose().inverse() * robot.base_in_world()).translation();
   const double most = kReachShare * robot.reach();
@@ -82,19 +104,19 @@ void ValidateBaseRange(const BaseRange& base, const Robot& robot, Problems& prob
       "{:.0f} % is used",
       AtMost(robot.reach()), 100 * kReachShare);
   if (height > most) {
-    problems.AddAt("start.base_height_offset",
-                   fmt::format("{:g} m puts the base frame {:.2f} ... {:.2f} m above the object "
-                               "(with base_height_noise, and {:.2f} m of what the robot stands "
-                               "on), but {}",
-                               base.height_offset, low, high, up.z(), reach));
+    add(owners.height,
+        fmt::format("{:g} m puts the base frame {:.2f} ... {:.2f} m above the object "
+                    "(with base_height_noise, and {:.2f} m of what the robot stands "
+                    "on), but {}",
+                    base.height_offset, low, high, up.z(), reach));
     return;
   }
   const double farthest = std::sqrt(most * most - height * height) + up.head<2>().norm();
   if (base.distance[1] <= farthest) return;
-  problems.AddAt("start.base_distance",
-                 fmt::format("[{:g}, {:g}] m goes beyond {} m, from where the object is out of "
-                             "reach: {}; give [smallest, largest] within that",
-                             base.distance[0], base.distance[1], AtMost(farthest), reach));
+  add(owners.distance,
+      fmt::format("[{:g}, {:g}] m goes beyond {} m, from where the object is out of "
+                  "reach: {}; give [smallest, largest] within that",
+                  base.distance[0], base.distance[1], AtMost(farthest), reach));
 }
 
 void RequireFinite(const BasePlacement& placement) {
@@ -143,8 +165,8 @@ std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support, 
 
 std::optional<Refusal> ValidateBaseDistance(const Robot& robot, const Pose& target,
                                             const BaseRange& range) {
-  const Eigen::Vector3d way = target.translation() - robot.base().pose().translation();
-  const double distance = way.head<2>().norm();
+  const Eigen::Vector3d displacement = target.translation() - robot.base().pose().translation();
+  const double distance = displacement.head<2>().norm();
   const auto& [smallest, largest] = range.distance;
   if (distance > smallest - kRangeTolerance && distance < largest + kRangeTolerance)
     return std::nullopt;

@@ -29,6 +29,8 @@
 
 namespace robocell {
 
+class Hooks;
+
 inline constexpr double kReachShare = 0.95;  // share of the robot's reach that is used
 
 // The range of a robot's base around an object, in metres.
@@ -45,9 +47,24 @@ BaseRange BaseRangeOf(const StartConfig& start, const BaseRange& of_task);
 // above its largest.
 void RequireSound(const BaseRange& range);
 
-// Adds problems of start.base_distance and start.base_height_offset for a range that goes beyond the
-// robot's reach: StartSampler refuses all starts from there.
-void ValidateBaseRange(const BaseRange& range, const Robot& robot, Problems& problems);
+// Names the owner of a number for a problem: the field of a file, or a method of a user's task.
+struct NumberOwner {
+  std::string field;        // "start.base_distance", or "task" for a method
+  std::string method = {};  // begins the text: "the distance that base_range() of 'mine' returns, "
+  std::string written = {};  // ends it: " (mine.py:7, in base_range)"
+};
+struct BaseRangeOwners {
+  NumberOwner distance = {"start.base_distance"}, height = {"start.base_height_offset"};
+};
+// Returns the owners of the numbers of BaseRangeOf: a task's own ones are those that `start` leaves
+// out and that are not the defaults.
+BaseRangeOwners OwnersOfBaseRange(const StartConfig& start, const Hooks& task,
+                                  const std::string& kind, const BaseRange& of_task);
+
+// Adds problems for a range that goes beyond the robot's reach: StartSampler refuses all starts from
+// there.
+void ValidateBaseRange(const BaseRange& range, const Robot& robot, Problems& problems,
+                       const BaseRangeOwners& owners = {});
 
 struct BasePlacement {
   double distance = 0;  // horizontal distance from the target

@@ -127,11 +127,11 @@ TEST(BasePlacement, AProposedBaseFacesTheTargetAtItsDistance) {
       ProposeBasePose(made.robot, support, target, {.distance = 0.45, .height = -0.25},
                       {.base_facing_noise = 0.1}, rng);
   ASSERT_TRUE(base);
-  const Eigen::Vector3d way = target.translation() - base->translation();
-  EXPECT_NEAR(way.head<2>().norm(), 0.45, 1e-9);
-  EXPECT_NEAR(way.z(), 0.25, 1e-9);
+  const Eigen::Vector3d displacement = target.translation() - base->translation();
+  EXPECT_NEAR(displacement.head<2>().norm(), 0.45, 1e-9);
+  EXPECT_NEAR(displacement.z(), 0.25, 1e-9);
   const Eigen::Vector3d ahead = base->rotation() * Eigen::Vector3d::UnitX();
-  EXPECT_GT(ahead.head<2>().dot(way.head<2>().normalized()), std::cos(0.1) - 1e-9);
+  EXPECT_GT(ahead.head<2>().dot(displacement.head<2>().normalized()), std::cos(0.1) - 1e-9);
 }
 
 TEST(BasePlacement, CoversEveryQuarterOfTheRangesEvenly) {

@@ -39,19 +39,19 @@ TEST(GraspCheck, RefusesAnObjectThatDoesNotFitWithItsSizes) {
 
 TEST(GraspCheck, OneUsableGraspOfAFewIsEnough) {
   const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
-  int asked = 0;
+  int calls = 0;
   const auto refuse_but = [&](int good) {
-    asked = 0;
+    calls = 0;
     return Check(pick, 0.05, [&, good](PlanningScene&, const GraspMotion&) {
-      return ++asked == good ? std::nullopt : std::optional(Refusal{"of no use"});
+      return ++calls == good ? std::nullopt : std::optional(Refusal{"of no use"});
     });
   };
   EXPECT_FALSE(refuse_but(2).has_value());
-  EXPECT_EQ(asked, 2);
+  EXPECT_EQ(calls, 2);
   const auto refusal = refuse_but(0);
   ASSERT_TRUE(refusal.has_value());
   EXPECT_EQ(refusal->reason, "of no use");
-  EXPECT_LE(asked, 4);
+  EXPECT_LE(calls, 4);
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ std::optional<GraspMotion> GraspMotions::Next() {
 bool GraspMotions::IsFree(const JointVector& q, const FreedomDemand& demand) {
   if (planning_.IsFree(q, demand)) return true;
   ++in_collision_;
-  in_the_way_.Add(planning_.in_the_way());
+  obstacles_.Add(planning_.obstacle());
   return false;
 }
 
@@ -119,7 +119,7 @@ std::string GraspMotions::Reasons() const {
       fmt::format("that cannot be lifted by {:.2f} m (the last {:.2f} m are out of "
                   "reach)",
                   options_.lift, no_way_up_.least));
-  add(in_collision_, "in collision" + in_the_way_.Text(planning_.model()));
+  add(in_collision_, "in collision" + obstacles_.Text(planning_.model()));
   return fmt::format("of {} grasps{}", candidates_.size(), text);
 }
 

@@ -51,7 +51,7 @@ class GraspMotions {
  private:
   void SolveMore();
   std::optional<GraspMotion> TryCandidate(const GraspCandidate& grasp, const JointVector& q);
-  // Calls IsFree of the planning scene and counts what is in the way.
+  // Calls IsFree of the planning scene and counts the obstacles.
   bool IsFree(const JointVector& q, const FreedomDemand& demand);
 
   PlanningScene& planning_;
@@ -71,7 +71,7 @@ class GraspMotions {
   };
   Misses out_of_reach_, no_way_down_, no_way_up_;
   int in_collision_ = 0;
-  InTheWay in_the_way_;
+  ObstacleCounts obstacles_;
 };
 
 }  // namespace robocell

@@ -110,7 +110,7 @@ std::vector<std::string> ObjectTask::objects() const {
     const std::string& name = part == parts_.end() ? object : part->second;
     if (std::ranges::find(names, name) == names.end()) names.push_back(name);
   }
-  // As in a run, those beside the target follow what is drawn.
+  // The objects beside the target follow the drawn ones, as in a run.
   auto after = std::ranges::find_if_not(
       names, [&](const std::string& name) { return stands_for_.contains(name); });
   for (size_t i = 1; i <= kMostBeside && i < candidates_.size(); ++i)

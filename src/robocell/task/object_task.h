@@ -1,11 +1,11 @@
-// ObjectTask: the common part of tasks about one object: where it is put, how high it was lifted,
-// who holds it.
+// ObjectTask: the common part of tasks about one object: it places the object, and measures its
+// height and whether a robot holds it.
 //
-// The task names an object of the scene, or draws objects of the catalogue. In a run each start has
-// a drawn target of a kind that takes its turn, and up to two objects of other kinds beside it. The
-// scene of an environment has one object of each kind, and each start draws which one is the
-// target (drawn_objects.h). The stages of the start place the drawn objects; a start from which no grasp of a drawn
-// object is in reach is refused, and in runs also one of a named object.
+// The task names an object of the scene, or draws objects of the catalogue. In a run the kinds take
+// turns: each start has a target of one kind, and up to two objects of other kinds. The scene of an
+// environment has one object of each kind, and each start draws its target among them
+// (drawn_objects.h). The stages of the start place the drawn objects. A start without a grasp in
+// reach is refused if the object is drawn, and in all runs.
 #pragma once
 
 #include <map>
@@ -92,15 +92,14 @@ class ObjectTask : public Task {
                                              const GraspMotion& /*motion*/) {
     return {};
   }
-  // Adds an object to those that were drawn, after the target.
+  // Adds an object to the drawn ones, after the target.
   void AddDrawn(SceneSpec& spec, const SceneObject& object, const std::string& kind);
-  // Has another object of the scene observed.
+  // Adds another object of the scene to the observed ones.
   void Observed(const std::string& object, const std::string& kind);
-  // Has an object observed as `part` while the part stands for it (Stand), and never otherwise.
+  // Adds an object that is observed as `part` while the part stands for it (Stand).
   void ObservedAs(const std::string& part, const std::string& object, const std::string& kind);
   void Stand(const std::string& part, const std::string& object) { stands_for_[part] = object; }
-  // Returns the objects of the scene that the task has to do with, also those that this start has
-  // not drawn.
+  // Returns all objects of the task in the scene, including those that this start has not drawn.
   const std::vector<std::string>& all_objects() const { return all_; }
 
   const ObjectOfTask& fields() const { return fields_; }

@@ -30,7 +30,8 @@ constexpr double kRestTurn = 0.2;    // rad/s
 constexpr int kTries = 1000;
 constexpr const char* kTray = "tray";
 // Reasons of refusals.
-constexpr const char* kNoWayToPlace = "the object cannot be put down at the goal";
+const std::string kNotAtGoal = "the object cannot be put down at the goal";
+const std::string kNotOnThe = "the object cannot be put down on the ";  // kind of the goal object
 constexpr const char* kNoRest = "the object cannot come to rest at the goal";
 
 std::vector<std::string> NamedObjects(const PickAndPlaceTaskConfig& fields) {
@@ -201,8 +202,8 @@ std::optional<Refusal> PickAndPlaceTask::CheckStart(const Scene& scene) {
   if (auto refusal = ObjectTask::CheckStart(scene)) return refusal;
   if (is_named()) return std::nullopt;  // Starts keeps the distance
   Begin(scene);
-  const Eigen::Vector3d way = GoalInWorld() - ObjectInWorld();
-  if (way.head<2>().norm() >= task_.goal_distance) return std::nullopt;
+  const Eigen::Vector3d displacement = GoalInWorld() - ObjectInWorld();
+  if (displacement.head<2>().norm() >= task_.goal_distance) return std::nullopt;
   return Refusal{Refusal::kNoFreePlace, "the object lies nearer to its goal than goal_distance"};
 }
 
@@ -212,11 +213,13 @@ std::optional<Refusal> PickAndPlaceTask::RefuseGrasp(const Scene& scene, Plannin
   const int body = planning.target_body();
   const Pose object = Pose::FromTranslationAndMatrix(planning.data()->xpos + 3 * body,
                                                      planning.data()->xmat + 9 * body);
+  const Eigen::Vector3d rest = GoalInWorld() + RiseOverGoal(scene) * Eigen::Vector3d::UnitZ();
   PlaceMotions places(planning, motion.grasp.tcp_in_world.inverse() * object,
-                      PosesAbout(PlaceOver(GoalInWorld()), object), motion.up.back(),
+                      PosesAbout(PlaceOver(rest), object), motion.up.back(),
                       {.gap = motion.grasp.width});
   if (places.Next()) return std::nullopt;
-  return Refusal{kNoWayToPlace, places.Reasons() + WhyTooLow(scene)};
+  return Refusal{has_goal_object() ? kNotOnThe + goal_word_ : kNotAtGoal,
+                 places.Reasons() + WhyTooLow(scene)};
 }
 
 // Returns the height of the object's root over its lowest point, as it lies now.
@@ -230,19 +233,36 @@ double PickAndPlaceTask::HeightOfRoot(const Scene& scene) const {
   return ObjectInWorld().z() - bottom;
 }
 
+// Returns how far the object would be inside its support at a goal that is a place.
+std::optional<PickAndPlaceTask::GoalInside> PickAndPlaceTask::InsideAtGoal(
+    const Scene& scene) const {
+  constexpr double kInside = 1e-3;  // m
+  if (!task_.goal || has_goal_object()) return std::nullopt;
+  const GoalInside heights{
+      .root = HeightOfRoot(scene),
+      .goal = internal::HeightOverSupport(scene, GoalInWorld(), object().id())};
+  if (!std::isfinite(heights.goal) || !std::isfinite(heights.root) ||
+      heights.goal > heights.root - kInside)
+    return std::nullopt;
+  return heights;
+}
+
+double PickAndPlaceTask::RiseOverGoal(const Scene& scene) const {
+  const std::optional<GoalInside> inside = InsideAtGoal(scene);
+  const double rise = inside ? inside->root - inside->goal : 0;
+  return rise <= task_.goal_tolerance ? rise : 0;
+}
+
 // Returns the end of a message about a goal at which the object would be inside its support; "" for
 // other goals.
 std::string PickAndPlaceTask::WhyTooLow(const Scene& scene) const {
-  constexpr double kInside = 1e-3;  // m
-  if (!task_.goal || has_goal_object()) return "";
-  const double own = HeightOfRoot(scene);
-  const double goal = internal::HeightOverSupport(scene, GoalInWorld(), object().id());
-  if (!std::isfinite(goal) || !std::isfinite(own) || goal > own - kInside) return "";
+  const std::optional<GoalInside> inside = InsideAtGoal(scene);
+  if (!inside) return "";
   return fmt::format(
       "; task.goal is where the root of the object comes to rest: it is {:.3f} m over what is "
       "under "
       "it, and the root of '{}' rests {:.3f} m over its support",
-      goal, object().name(), own);
+      inside->goal, object().name(), inside->root);
 }
 
 std::vector<std::string> PickAndPlaceTask::resting_objects() const {

@@ -57,6 +57,9 @@ class PickAndPlaceTask final : public ObjectTask {
   std::string WhyNotRecalled(std::span<const double> memory) const override;
   // Returns where the object's root is to rest. The scene is the one that Begin saw, then or later.
   Eigen::Vector3d GoalInWorld() const;
+  // Returns the height above the goal, m, at which the object comes to rest as it lies now: at
+  // most goal_tolerance. 0 for a goal on an object, and for one that is not inside its support.
+  double RiseOverGoal(const Scene& scene) const;
   // Returns why one of the task's objects cannot come to rest at any of the goals; "" if all can.
   std::string WhyNoRest(const Scene& scene, const std::string& object) const;
   // Returns `picks` (ObjectTask::PossibleContents), each with a goal object, of all kinds in turn.
@@ -80,6 +83,11 @@ class PickAndPlaceTask final : public ObjectTask {
   bool has_goal_object() const { return !task_.goal_object.empty(); }
   Eigen::Vector3d TopOfGoalObject(const Scene& scene) const;
   double HeightOfRoot(const Scene& scene) const;
+  // Heights over the support under a goal: of the object's root at rest, and of the goal.
+  struct GoalInside {
+    double root = 0, goal = 0;
+  };
+  std::optional<GoalInside> InsideAtGoal(const Scene& scene) const;
   std::string WhyTooLow(const Scene& scene) const;
   std::string GoalText() const;
   std::string WhyGoalOutOfReach(const Scene& scene) const;

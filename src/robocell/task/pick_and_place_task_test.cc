@@ -109,6 +109,22 @@ TEST(PickAndPlaceTask, GoalsAreOfTheConfiguredKinds) {
   EXPECT_EQ(kinds, (std::set<std::string>{"tray", "nut"}));
 }
 
+// The gripper does not get into a mug.
+TEST(PickAndPlaceTask, RefusalsNameTheKindOfTheGoal) {
+  RunConfig run = PlaceRun();
+  run.task.As<PickAndPlaceTaskConfig>().goals = {"mug"};
+  run.task.As<PickAndPlaceTaskConfig>().objects = {"box"};
+  StartSampler sampler(run);
+  std::set<std::string> reasons;
+  for (int episode = 0; episode < 4; ++episode) {
+    Rng rng = Rng::Stream(5, episode);
+    const SampleResult result = sampler.Sample({.episode = episode}, rng);
+    if (!result.start) reasons.insert(result.refusal.counted_as());
+    for (const auto& [reason, count] : result.redrawn()) reasons.insert(reason);
+  }
+  EXPECT_THAT(reasons, Contains("task: the object cannot be put down on the mug"));
+}
+
 TEST(PickAndPlaceTask, RejectsAGoalOutOfReachWithTheReason) {
   RunConfig run = PlaceRun();
   run.task.As<PickAndPlaceTaskConfig>().goal_distance = 0.7;  // the table is 0.5 by 0.8 m

@@ -82,20 +82,20 @@ TEST(PickKind, DoubtsLengthsOfAnEnvironmentThatLookLikeMillimetres) {
 }
 
 // What `task:` says in an environment with the object "cube", and in a run.
-struct Told {
+struct Messages {
   std::string in_env, in_run;
 };
 
-Told ToldOf(const std::string& task) {
-  Told told;
+Messages MessagesOf(const std::string& task) {
+  Messages messages;
   EnvConfig env = Duo();
   env.root_frame_objects["cube"] = Thing();
   env.root_frame_objects["mat"] = Thing();
   const std::string text = kRunHead + "task: " + task + "\n";
   env.task = FromYamlUnchecked<RunConfig>(text).task;
-  told.in_env = Message(env);
-  told.in_run = ParseError<RunConfig>(text);
-  return told;
+  messages.in_env = Message(env);
+  messages.in_run = ParseError<RunConfig>(text);
+  return messages;
 }
 
 // The same block has the same rules in both.
@@ -107,9 +107,9 @@ TEST(PickKind, NamesOrDrawsInRunsAndEnvironmentsAlike) {
         "{kind: pick_and_place, object: cube, goals: [tray]}",
         "{kind: pick_and_place, objects: [box], goal: [0.4, 0, 0.02]}",
         "{kind: pick_and_place, object: cube, goal_object: mat, goal_spread: [0.1, 0.1]}"}) {
-    const Told told = ToldOf(task);
-    EXPECT_EQ(told.in_env, "") << task;
-    EXPECT_EQ(told.in_run, "") << task;
+    const Messages messages = MessagesOf(task);
+    EXPECT_EQ(messages.in_env, "") << task;
+    EXPECT_EQ(messages.in_run, "") << task;
   }
   const std::vector<std::pair<const char*, const char*>> rejected = {
       {"{kind: pick, object: cube, objects: [box]}",
@@ -128,9 +128,9 @@ TEST(PickKind, NamesOrDrawsInRunsAndEnvironmentsAlike) {
       {"{kind: pick, objects: [bok]}", "Did you mean 'box'?"},
       {"{kind: pick, lift_height: 50}", "50 m is more than any arm reaches"}};
   for (const auto& [task, text] : rejected) {
-    const Told told = ToldOf(task);
-    EXPECT_THAT(told.in_env, HasSubstr(text)) << task;
-    EXPECT_THAT(told.in_run, HasSubstr(text)) << task;
+    const Messages messages = MessagesOf(task);
+    EXPECT_THAT(messages.in_env, HasSubstr(text)) << task;
+    EXPECT_THAT(messages.in_run, HasSubstr(text)) << task;
   }
 }
 
@@ -233,10 +233,10 @@ TEST(PickKind, ARunPicksTheObjectOfItsScene) {
     EXPECT_EQ(start.task->instruction(), "pick up the cube");
     const Eigen::Vector3d at =
         start.scene.body_pose(start.scene.compiled()->object("cube").root_body).translation();
-    const Eigen::Vector3d way = at - ToEigen(own);
-    EXPECT_LE(std::abs(way.x()), 0.05 + 0.002);
-    EXPECT_LE(std::abs(way.y()), 0.03 + 0.002);
-    farthest = std::max(farthest, way.head<2>().norm());
+    const Eigen::Vector3d displacement = at - ToEigen(own);
+    EXPECT_LE(std::abs(displacement.x()), 0.05 + 0.002);
+    EXPECT_LE(std::abs(displacement.y()), 0.03 + 0.002);
+    farthest = std::max(farthest, displacement.head<2>().norm());
     const double distance = (start.base_in_world.translation() - at).head<2>().norm();
     EXPECT_GE(distance, range.distance[0] - 0.01);
     EXPECT_LE(distance, range.distance[1] + 0.01);
@@ -245,7 +245,7 @@ TEST(PickKind, ARunPicksTheObjectOfItsScene) {
   EXPECT_GT(farthest, 0.01) << "the spread is drawn";
 }
 
-// As in an environment: its place in relation to something comes before its pose in the scene.
+// A place in relation to something comes before a pose in the scene, as in an environment.
 TEST(PickKind, ARunPlacesTheObjectOfItsSceneByARelation) {
   RunConfig run = RunOnShelf(PickTaskConfig{.object = "cube"}, 0);
   run.start.places = {{"cube", {.on_top_of = "table"}}};

@@ -38,7 +38,7 @@ PlaceMotions::PlaceMotions(PlanningScene& planning, const Pose& object_in_tcp,
     : planning_(planning),
       object_in_tcp_(object_in_tcp),
       options_(options),
-      asked_(static_cast<int>(poses.size())) {
+      count_(static_cast<int>(poses.size())) {
   const Pose world_in_base = planning_.robot().base_in_world().inverse();
   const Pose tcp_in_object = object_in_tcp_.inverse();
   std::vector<Pose> targets;
@@ -73,7 +73,7 @@ std::optional<PlaceMotion> PlaceMotions::Next() {
     std::ranges::reverse(down);
     if (IsFree(candidate, down)) return PlaceMotion{candidate.object_in_world, std::move(down)};
     ++in_collision_;
-    in_the_way_.Add(planning_.in_the_way());
+    obstacles_.Add(planning_.obstacle());
   }
   return std::nullopt;
 }
@@ -102,8 +102,8 @@ std::string PlaceMotions::Reasons() const {
   add(out_of_reach_, "out of reach");
   add(no_way_down_,
       fmt::format("with no straight way down over the last {:.2f} m", options_.above));
-  add(in_collision_, "in collision" + in_the_way_.Text(planning_.model()));
-  return fmt::format("of {} ways to put it down{}", asked_, text);
+  add(in_collision_, "in collision" + obstacles_.Text(planning_.model()));
+  return fmt::format("of {} ways to put it down{}", count_, text);
 }
 
 }  // namespace robocell

@@ -58,8 +58,8 @@ class PlaceMotions {
   PlaceMotionOptions options_;
   std::vector<Candidate> candidates_;
   size_t next_ = 0;
-  int asked_ = 0, out_of_reach_ = 0, no_way_down_ = 0, in_collision_ = 0;
-  InTheWay in_the_way_;
+  int count_ = 0, out_of_reach_ = 0, no_way_down_ = 0, in_collision_ = 0;
+  ObstacleCounts obstacles_;
 };
 
 }  // namespace robocell

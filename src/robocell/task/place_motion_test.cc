@@ -54,9 +54,9 @@ TEST(PlaceMotions, AreSortedByDistanceToTheStart) {
   double before = 0;
   int count = 0;
   while (const auto motion = carrying.motions.Next()) {
-    const double way = JointDistance(motion->down.back(), carrying.pick.home());
-    EXPECT_GE(way, before);
-    before = way;
+    const double distance = JointDistance(motion->down.back(), carrying.pick.home());
+    EXPECT_GE(distance, before);
+    before = distance;
     ++count;
   }
   EXPECT_GT(count, 4);

@@ -49,7 +49,7 @@ class Search {
       : robot_(OnlyRobot(run)),
         shape_(GripperShape::Of(robot_.config(), run.options, robot_.scene().timestep())),
         lift_height_(PickRunOf(run.task).value_or(PickRun{}).lift_height),
-        asked_(BaseRangeOf(run.start, {})),
+        requested_(BaseRangeOf(run.start, {})),
         motion_(GraspMotionsToLift(lift_height_)) {
     const double reach = robot_.reach(), step = std::max(kGrid, reach / kMostPlaces);
     const double up = BaseUp();
@@ -132,8 +132,8 @@ class Search {
     for (const BasePlace& place : places) {
       const auto same = [&](const BasePlace& p) { return p.offset == place.offset; };
       const int count = static_cast<int>(std::count_if(places.begin(), places.end(), same));
-      const bool nearer =
-          std::abs(place.offset - asked_.height_offset) < std::abs(best - asked_.height_offset);
+      const bool nearer = std::abs(place.offset - requested_.height_offset) <
+                          std::abs(best - requested_.height_offset);
       if (count > most || (count == most && nearer)) best = place.offset, most = count;
     }
     double low = 0, high = 0;
@@ -148,14 +148,14 @@ class Search {
         "{} with start.base_height_offset {:.2f} and base_distance {:.2f} ... {:.2f} m, for "
         "example "
         "(collisions aside); the run says {:g}, with noise {:g} ... {:g}, and {:g} ... {:g}",
-        what, best, low, high, asked_.height_offset, asked_.height_noise[0], asked_.height_noise[1],
-        asked_.distance[0], asked_.distance[1]);
+        what, best, low, high, requested_.height_offset, requested_.height_noise[0],
+        requested_.height_noise[1], requested_.distance[0], requested_.distance[1]);
   }
 
   Robot robot_;
   std::shared_ptr<const GripperShape> shape_;
   double lift_height_;
-  BaseRange asked_;
+  BaseRange requested_;
   GraspMotionOptions motion_;
   std::vector<BasePlace> places_;
 };

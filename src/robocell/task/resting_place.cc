@@ -94,10 +94,10 @@ class Trial {
     for (double t = 0; t < kSeconds; t += kLook) {
       if (!Advance()) break;
     }
-    const Vector3d way = Position() - from;
-    if (-way.z() > way.head<2>().norm())
-      return fmt::format("put down there it falls by at least {:.2f} m", -way.z());
-    return fmt::format("put down there it ends up {:.2f} m away", way.norm());
+    const Vector3d displacement = Position() - from;
+    if (-displacement.z() > displacement.head<2>().norm())
+      return fmt::format("put down there it falls by at least {:.2f} m", -displacement.z());
+    return fmt::format("put down there it ends up {:.2f} m away", displacement.norm());
   }
 
  private:

@@ -172,13 +172,13 @@ std::shared_ptr<const SceneAnnotations> StartSampler::AnnotationsOf(int scene_in
 }
 
 // Returns the placements of `start` and of the task, in the order of precedence.
-std::vector<internal::SaidPlaces> StartSampler::SaidOfPlaces() {
-  std::vector<internal::SaidPlaces> said;
+std::vector<internal::StatedPlaces> StartSampler::PlacesStated() {
+  std::vector<internal::StatedPlaces> stated;
   if (!run_.start.places.empty())
-    said.push_back({.places = run_.start.places, .path = "start.places"});
+    stated.push_back({.places = run_.start.places, .path = "start.places"});
   if (const Map<ObjectPlace> own = internal::TaskCalls(*task_).Places(); !own.empty())
-    said.push_back({.places = own, .path = "task", .hook = "places()"});
-  return said;
+    stated.push_back({.places = own, .path = "task", .hook = "places()"});
+  return stated;
 }
 
 const std::shared_ptr<const internal::Landmarks>& StartSampler::LandmarksOf(const SceneSpec& base,
@@ -194,30 +194,31 @@ const std::shared_ptr<const internal::Landmarks>& StartSampler::LandmarksOf(cons
 std::optional<internal::RelatedPlaces> StartSampler::RelationsOf(const SceneSpec& spec,
                                                                  size_t before, int scene_index,
                                                                  const StartContents& contents) {
-  const std::vector<internal::SaidPlaces> said = SaidOfPlaces();
-  if (said.empty()) return std::nullopt;
+  const std::vector<internal::StatedPlaces> stated = PlacesStated();
+  if (stated.empty()) return std::nullopt;
   SceneSpec base = spec;
   base.objects.boxes().resize(std::min(before, base.objects.size()));
   const auto may_come = [&](const std::string& name) {
     return PossibleNames(scene_index).contains(name);
   };
   Problems problems(run_.locations);
-  std::vector<internal::PlaceLink> links = internal::LinkPlaces(
-      LandmarksOf(base, scene_index), said, {contents.objects, contents.kinds, may_come}, problems);
+  std::vector<internal::PlaceLink> links =
+      internal::LinkPlaces(LandmarksOf(base, scene_index), stated,
+                           {contents.objects, contents.kinds, may_come}, problems);
   problems.Throw("run '" + run_.run + "'");
   return internal::RelatedPlaces(std::move(links));
 }
 
 StartContents StartSampler::TakePlaced(SceneSpec& spec, size_t before) {
   StartContents taken;
-  const std::vector<internal::SaidPlaces> said = SaidOfPlaces();
+  const std::vector<internal::StatedPlaces> stated = PlacesStated();
   std::vector<SceneObject> others;
   for (size_t i = 0; i < spec.objects.size(); ++i) {
     SceneObject object = spec.objects[i];
-    const auto says = [&](const internal::SaidPlaces& each) {
+    const auto says = [&](const internal::StatedPlaces& each) {
       return each.places.contains(object.name);
     };
-    if (i >= before || std::ranges::none_of(said, says)) {
+    if (i >= before || std::ranges::none_of(stated, says)) {
       others.push_back(std::move(object));
       continue;
     }
@@ -267,8 +268,8 @@ void StartSampler::ValidateStarts(std::span<const int> scenes, Problems& problem
     SceneSpec spec = MakeBaseScene(scene);
     Rng rng = Rng::Stream(static_cast<uint64_t>(run_.seed), "possible contents", scene);
     AddContents({.scene = scene}, spec, rng);  // tasks may choose their places in prepare()
-    const std::vector<internal::SaidPlaces> said = SaidOfPlaces();
-    if (said.empty()) continue;
+    const std::vector<internal::StatedPlaces> stated = PlacesStated();
+    if (stated.empty()) continue;
     SceneSpec own = MakeBaseScene(scene);
     const StartContents placed = TakePlaced(own, own.objects.size());
     own.objects.boxes().resize(own.objects.size() - placed.objects.size());
@@ -278,7 +279,7 @@ void StartSampler::ValidateStarts(std::span<const int> scenes, Problems& problem
     };
     for (StartContents contents : PossibleContents(scene)) {
       Append(contents, placed);
-      internal::LinkPlaces(base, said, {contents.objects, contents.kinds, may_come}, found,
+      internal::LinkPlaces(base, stated, {contents.objects, contents.kinds, may_come}, found,
                            reported);
     }
   }
@@ -287,8 +288,11 @@ void StartSampler::ValidateStarts(std::span<const int> scenes, Problems& problem
 
 void StartSampler::ValidateBaseRange(const Robot& robot, Problems& problems) {
   if (run_.robot.config.base.kind == BaseKind::kFixed) return;
-  if (kind_->Contents(run_).empty() && MakeTask()->objects().empty()) return;
-  robocell::ValidateBaseRange(base_range(), robot, problems);
+  const std::shared_ptr<Task> task = MakeTask();
+  if (kind_->Contents(run_).empty() && internal::TaskCalls(*task).Objects().empty()) return;
+  const BaseRange of_task = SoundBaseRange(*task);
+  robocell::ValidateBaseRange(BaseRangeOf(run_.start, of_task), robot, problems,
+                              OwnersOfBaseRange(run_.start, *task, run_.task.kind(), of_task));
 }
 
 void StartSampler::ValidateRepeats(int scene, Problems& problems) {

@@ -31,7 +31,7 @@ namespace robocell {
 namespace internal {
 class Landmarks;
 class RelatedPlaces;
-struct SaidPlaces;
+struct StatedPlaces;
 }  // namespace internal
 class SceneSource;
 class TaskKind;
@@ -48,7 +48,7 @@ class StartSampler : public TaskSampler {
   void ValidateStarts(std::span<const int> scenes, Problems& problems) override;
   // Adds problems of a base range, of `start` or of the task, that goes beyond the reach of the
   // run's robot. Without an object to reach there are none.
-  void ValidateBaseRange(const Robot& robot, Problems& problems);
+  void ValidateBaseRange(const Robot& robot, Problems& problems) override;
   const RunConfig& run() const { return run_; }
   const std::shared_ptr<SceneSource>& source() const override { return source_; }
   void DropSource() override { source_.reset(); }
@@ -96,7 +96,7 @@ class StartSampler : public TaskSampler {
   std::optional<Refusal> Arrange(Setup& setup, const Support& support,
                                  const BasePlacement& placement, Rng& rng);
   BaseRange base_range();
-  std::vector<internal::SaidPlaces> SaidOfPlaces();
+  std::vector<internal::StatedPlaces> PlacesStated();
   // Moves the objects among the first `before` of a scene that have a place in relation to something
   // to its end, without their poses, and returns them: they are placed like the task's.
   StartContents TakePlaced(SceneSpec& spec, size_t before);

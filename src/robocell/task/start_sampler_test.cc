@@ -409,11 +409,11 @@ TEST(StartSampler, WithoutObjectsTheRobotFacesTheCentreOfTheSupport) {
     ASSERT_TRUE(result.start.has_value()) << result.refusal.detail;
     EXPECT_EQ(result.start->target_object, "");
     EXPECT_EQ(result.object_kind(), "");
-    const Eigen::Vector3d way =
+    const Eigen::Vector3d displacement =
         result.start->base_in_world.translation() - support.frame_to_world.translation();
-    EXPECT_GE(way.head<2>().norm(), 0.35 - 1e-6);
-    EXPECT_LE(way.head<2>().norm(), 0.40 + 1e-6);
-    EXPECT_NEAR(way.z(), -0.2, 1e-6);
+    EXPECT_GE(displacement.head<2>().norm(), 0.35 - 1e-6);
+    EXPECT_LE(displacement.head<2>().norm(), 0.40 + 1e-6);
+    EXPECT_NEAR(displacement.z(), -0.2, 1e-6);
   }
 }
 

@@ -81,7 +81,7 @@ void WarnOfNoWords(const Task& task, const std::string& kind, const std::string&
 void TaskJudge::Require(const TaskVerdict& verdict) {
   if (!std::isfinite(verdict.reward)) {
     throw ArgumentError(
-        fmt::format("{}the task's reward() is {} at t = {:.3f} s; rewards must be finite numbers",
+        fmt::format("{}the task's reward is {} at t = {:.3f} s; rewards must be finite numbers",
                     place_, verdict.reward, scene_.time()));
   }
   if (!(std::abs(verdict.progress - 0.5) <= 0.5 + kProgressRounding)) {

@@ -29,7 +29,7 @@ class Obedient : public Task {
     return verdict;
   }
   std::string instruction() const override { return "obey"; }
-  std::vector<std::string> subtasks() const override { return ++asked, names; }
+  std::vector<std::string> subtasks() const override { return ++calls, names; }
   std::string PlaceOfHook(const char* method) const override {
     return std::string("task.py:7, in ") + method;
   }
@@ -38,7 +38,7 @@ class Obedient : public Task {
   std::vector<std::string> names;
   bool throws = false;
   int begun = 0;
-  mutable int asked = 0;
+  mutable int calls = 0;
 };
 
 struct TaskJudgeTest : ::testing::Test {
@@ -67,7 +67,7 @@ TEST_F(TaskJudgeTest, ForwardsAVerdict) {
 TEST_F(TaskJudgeTest, RejectsInvalidVerdicts) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(WhyNot({.reward = kNan}),
-            "duo: the task's reward() is nan at t = 0.000 s; rewards must be finite numbers "
+            "duo: the task's reward is nan at t = 0.000 s; rewards must be finite numbers "
             "(task.py:7, in judge)");
   WhyNot({.reward = -INFINITY});
   EXPECT_EQ(WhyNot({.progress = 7}),
@@ -102,10 +102,10 @@ TEST_F(TaskJudgeTest, QueriesTheNamesOnceAnEpisode) {
   task.names = {"reach", "lift"};
   judge.Begin();
   judge.Judge();
-  EXPECT_EQ(task.asked, 0) << "index 0 needs no names";
+  EXPECT_EQ(task.calls, 0) << "index 0 needs no names";
   task.verdict.subtask = 1;
   for (int i = 0; i < 3; ++i) judge.Judge();
-  EXPECT_EQ(task.asked, 1);
+  EXPECT_EQ(task.calls, 1);
 }
 
 TEST_F(TaskJudgeTest, ErrorsOfHooksNameTheirPlace) {

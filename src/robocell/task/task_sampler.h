@@ -25,6 +25,7 @@
 
 namespace robocell {
 
+class Robot;
 class SceneSource;
 
 // Start of an episode: a built scene in its start state, and its task.
@@ -78,6 +79,9 @@ class TaskSampler : public Hooks {
     return none;
   }
   virtual void DropSource() {}
+  // Adds problems of the range from which it draws the robot's base, for samplers that draw it from
+  // one: a range beyond the robot's reach refuses every start.
+  virtual void ValidateBaseRange(const Robot& /*robot*/, Problems& /*problems*/) {}
 };
 
 }  // namespace robocell

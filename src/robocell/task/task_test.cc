@@ -32,9 +32,9 @@ class Looking final : public Task {
 };
 
 struct House {
-  int asked = 0;
+  int calls = 0;
   Task::KnownScene known = [this] {
-    ++asked;
+    ++calls;
     SceneAnnotations annotations;
     annotations.rooms.push_back({.name = "kitchen"});
     return std::make_shared<const SceneAnnotations>(annotations);
@@ -49,9 +49,9 @@ TEST(Task, QueriesAnnotationsOnceAndKeepsThem) {
   internal::TaskCalls(task).Prepare(house.known, spec, rng, "");
   EXPECT_EQ(task.rooms, 1u);
   EXPECT_EQ(task.annotations().rooms[0].name, "kitchen");
-  EXPECT_EQ(house.asked, 1);
+  EXPECT_EQ(house.calls, 1);
   internal::TaskCalls(task).Prepare(house.known, spec, rng, "");
-  EXPECT_EQ(house.asked, 2) << "it may be another scene";
+  EXPECT_EQ(house.calls, 2) << "it may be another scene";
 }
 
 TEST(Task, WithoutAnnotationsCostsNothing) {
@@ -60,7 +60,7 @@ TEST(Task, WithoutAnnotationsCostsNothing) {
   SceneSpec spec;
   Rng rng = Rng::Stream(1, "task");
   internal::TaskCalls(task).Prepare(house.known, spec, rng, "");
-  EXPECT_EQ(house.asked, 0);
+  EXPECT_EQ(house.calls, 0);
   ExpectThrow<Error>([&] { (void)task.annotations(); }, "in prepare() first");
 }
 
@@ -147,9 +147,9 @@ TEST(Task, LeavesTheObjectsOfTheScene) {
 }
 
 TEST(Task, ThatAddsAnObjectInMillimetresIsRejectedWithTheSizeThatIsMeant) {
-  const std::string said = Adding({"ball"}, 30).WhyNot();
-  EXPECT_NE(said.find("object 'ball' is 60 m large"), std::string::npos) << said;
-  EXPECT_NE(said.find("(in millimetres it would be 0.06 m)"), std::string::npos) << said;
+  const std::string reason = Adding({"ball"}, 30).WhyNot();
+  EXPECT_NE(reason.find("object 'ball' is 60 m large"), std::string::npos) << reason;
+  EXPECT_NE(reason.find("(in millimetres it would be 0.06 m)"), std::string::npos) << reason;
 }
 
 }  // namespace

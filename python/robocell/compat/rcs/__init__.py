@@ -10,29 +10,8 @@ becomes which. What is different: docs/compat.md.
 
 from __future__ import annotations
 
-from robocell.compat.rcs import camera, common, envs, sim
-from robocell.compat.rcs.registries import (
-    CAMERA_PATHS,
-    DEFAULT_TRANSFORMS,
-    GRIPPER_MOUNT_OFFSETS,
-    GRIPPER_PATHS,
-    GRIPPER_TCP_OFFSETS,
-    HOME_POSITIONS,
-    OBJECT_PATHS,
-    SCENE_PATHS,
-)
+from robocell.compat.rcs import camera, common, envs, registries, sim
+from robocell.compat.rcs.registries import *  # noqa: F403  (their names stand there alone)
 
-__all__ = [
-    "CAMERA_PATHS",
-    "DEFAULT_TRANSFORMS",
-    "GRIPPER_MOUNT_OFFSETS",
-    "GRIPPER_PATHS",
-    "GRIPPER_TCP_OFFSETS",
-    "HOME_POSITIONS",
-    "OBJECT_PATHS",
-    "SCENE_PATHS",
-    "camera",
-    "common",
-    "envs",
-    "sim",
-]
+__all__ = ["camera", "common", "envs", "sim"]
+__all__ += registries.__all__

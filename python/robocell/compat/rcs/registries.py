@@ -11,6 +11,7 @@ from typing import TypeVar
 
 from robocell.compat.rcs.common import Pose
 
+# The page's names, which `robocell.compat.rcs` has too.
 __all__ = [
     "CAMERA_PATHS",
     "DEFAULT_TRANSFORMS",
@@ -20,8 +21,6 @@ __all__ = [
     "HOME_POSITIONS",
     "OBJECT_PATHS",
     "SCENE_PATHS",
-    "Registry",
-    "UnknownNameError",
 ]
 
 Value = TypeVar("Value")

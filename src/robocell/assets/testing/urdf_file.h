@@ -23,7 +23,7 @@ inline constexpr const char* kMass =
     "<inertial><mass value=\"1\"/><inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.01\" iyz=\"0\" "
     "izz=\"0.01\"/></inertial>";
 
-// What a URDF of two links says beside them.
+// The text of a URDF of two links, beside the links themselves.
 struct Text {
   std::string upper = kMass;      // content of the link `upper`, line 3
   std::string type = "revolute";  // of the joint `turn`, line 4

@@ -48,15 +48,15 @@ TEST_F(FingerChecks, AGripperWithoutIntermediateOpenings) {
     AtomicWrite(model_, model);
     return Build().compiled()->notes();
   };
-  const auto told = [](const std::string& what) {
+  const auto noted = [](const std::string& what) {
     return Contains(HasSubstr("gripper 'hand' only opens and closes: grip is a " + what +
                               ", and nothing holds its fingers in between"));
   };
   constexpr const char* kMotor = R"(<motor name="grip" joint="l" ctrlrange="-20 20"/>)";
-  EXPECT_THAT(notes(kMotor), told("motor, whose control is a force"));
+  EXPECT_THAT(notes(kMotor), noted("motor, whose control is a force"));
   EXPECT_THAT(notes(R"(<velocity name="grip" joint="l" kv="10" ctrlrange="-.1 .1"/>)"),
-              told("velocity servo, whose control is a speed"));
-  EXPECT_THAT(notes(kMotor, " stiffness=\"300\""), Not(told("motor, whose control is a force")));
+              noted("velocity servo, whose control is a speed"));
+  EXPECT_THAT(notes(kMotor, " stiffness=\"300\""), Not(noted("motor, whose control is a force")));
   EXPECT_THAT(notes(servo), Not(Contains(HasSubstr("only opens and closes"))));
 }
 

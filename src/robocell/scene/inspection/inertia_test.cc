@@ -94,14 +94,14 @@ TEST_F(Inertia, ReportsAStiffnessOfTheRobotFileThereOnce) {
   arm.stiffness = 5e9;
   spec.robots.push_back({.name = "arm", .config = arm});
   const Scene scene = Scene::Build(spec);
-  int told = 0;
+  int found = 0;
   for (const std::string& warning : Warnings(scene)) {
     if (warning.find("is too high for") == std::string::npos) continue;
-    ++told;
+    ++found;
     EXPECT_THAT(warning, HasSubstr("robot 'arm': stiffness: the gain 5e+09 of servo 'servo"));
     EXPECT_THAT(warning, HasSubstr("Write a lower one: `stiffness: "));
   }
-  EXPECT_EQ(told, 1);
+  EXPECT_EQ(found, 1);
 }
 
 // The servo of a gripper may be scaled and act on a tendon.
@@ -166,10 +166,10 @@ TEST_F(Inertia, TheLimitOfAGainIsTheEngines) {
         most = std::max(most, std::abs(scene.data()->qpos[0]));
       const bool unstable = most > 1e-3;
       EXPECT_EQ(unstable, share > 1) << damping << " " << share << " " << most;
-      bool told = false;
+      bool found = false;
       for (const std::string& warning : Warnings(scene))
-        told |= warning.find("is too high for joint") != std::string::npos;
-      EXPECT_EQ(told, unstable) << damping << " " << share;
+        found |= warning.find("is too high for joint") != std::string::npos;
+      EXPECT_EQ(found, unstable) << damping << " " << share;
     }
   }
 }

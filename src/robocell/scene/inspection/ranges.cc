@@ -113,7 +113,7 @@ class RangeCheck {
   // may be intended, unless its servo contradicts it; so may those of fingers.
   void CheckTooNarrow(const MoveGroupConfig& group) {
     const bool arm = group.kind == MoveGroupKind::kArm;
-    int hinges = 0, widest = -1, telling = -1;
+    int hinges = 0, widest = -1, in_degrees = -1;
     for (const std::string& name : group.joints) {
       const int joint = ranges_.Joint(name);
       if (joint < 0 || !ranges_.IsHinge(joint) || !m_->jnt_limited[joint]) continue;
@@ -121,14 +121,14 @@ class RangeCheck {
       ++hinges;
       if (widest < 0 || ranges_.RangeOf(joint).width() > ranges_.RangeOf(widest).width())
         widest = joint;
-      if (IsInDegrees(group, joint)) telling = joint;
+      if (IsInDegrees(group, joint)) in_degrees = joint;
     }
-    if (hinges == 0 || ((hinges < 2 || !arm) && telling < 0)) return;
-    const int joint = telling >= 0 ? telling : widest;
+    if (hinges == 0 || ((hinges < 2 || !arm) && in_degrees < 0)) return;
+    const int joint = in_degrees >= 0 ? in_degrees : widest;
     const std::string name = ranges_.Name(mjOBJ_JOINT, joint);
     const auto span = ranges_.ServoSpan(ranges_.ServoOf(group, joint));
     const std::string servo =
-        telling < 0 || !span ? "" : fmt::format(", while its servo takes {}", span->text());
+        in_degrees < 0 || !span ? "" : fmt::format(", while its servo takes {}", span->text());
     findings_.WarnAt(
         PlaceInModel(part_, mjOBJ_JOINT, name),
         fmt::format("no hinge of the {} moves farther than {:.1f} degrees (joint '{}': "

@@ -39,11 +39,12 @@ struct Start {
   }
   RelatedPlaces Related(const Map<ObjectPlace>& places,
                         const Map<ObjectPlace>& of_task = {}) const {
-    const std::vector<SaidPlaces> said = {{places, "start.places"}, {of_task, "task", "places()"}};
+    const std::vector<StatedPlaces> stated = {{places, "start.places"},
+                                              {of_task, "task", "places()"}};
     const auto may_come = [](const std::string& name) { return name == "mug"; };
     Problems problems;
     RelatedPlaces related(
-        LinkPlaces(LandmarksOf(base), said, {objects, kinds, may_come}, problems));
+        LinkPlaces(LandmarksOf(base), stated, {objects, kinds, may_come}, problems));
     problems.Throw("start");
     return related;
   }

@@ -96,7 +96,7 @@ class RandomSpec {
     }
     FillOther(value.houses);
   }
-  // Of any kind that is registered.
+  // Returns a spec of any registered kind.
   void FillOther(TaskSpec& value) {
     const std::vector<std::string> kinds = TaskKinds();
     value = TaskSpec(kinds[rng_.UniformInt(kinds.size())]);
