@@ -32,7 +32,8 @@ endif()
 set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/media/yuv420.cc" PROPERTIES
   COMPILE_OPTIONS "-O2" SKIP_UNITY_BUILD_INCLUSION ON)
 # The same bytes with every instruction set: no multiplication and addition in one.
-set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/render/soft_kernel.cc" PROPERTIES
+set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/render/soft_kernel.cc"
+  "${PROJECT_SOURCE_DIR}/src/robocell/motion/sphere_kernel.cc" PROPERTIES
   COMPILE_OPTIONS "-O3;-ffp-contract=off" SKIP_UNITY_BUILD_INCLUSION ON)
 # ThreadSanitizer gives every function something to clean up, which an exception of the engine cannot pass
 # (engine_exception.h). What it then does not tell is who called a function of these. (Tests: RobocellTests.cmake.)
