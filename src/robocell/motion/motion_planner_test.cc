@@ -27,7 +27,7 @@ class MotionPlannerOfRc7 : public ::testing::Test {
  protected:
   static SceneSpec Spec() {
     SceneSpec spec = SceneWith({.name = "rc7", .config = Rc7()});
-    spec.objects.push_back(Wall("wall", {0.25, 0.02, 0.25}, {0.55, 0, 0.25}));
+    spec.objects.push_back(Wall("wall", {0.2, 0.02, 0.35}, {0.4, 0, 0.35}));
     spec.objects.push_back(BoxObject("cube", {-0.5, 0.4, 0.021}));
     return spec;
   }
@@ -127,7 +127,7 @@ TEST_F(MotionPlannerOfRc7, TakesAnyOfItsGoals) {
 }
 
 TEST_F(MotionPlannerOfRc7, SaysWhatTheStartCollidesWith) {
-  scene_.SetBodyPose("cube", robot_.tcp_in_world());
+  scene_.SetBodyPose("cube", robot_.tcp_in_world() * Pose(Eigen::Vector3d(0, 0, -0.08)));
   MotionPlanner planner(robot_);
   const MotionResult result = planner.Plan({MotionGoal::Joints(goal_)});
   EXPECT_FALSE(result.success);
@@ -161,7 +161,7 @@ TEST_F(MotionPlannerOfRc7, SaysWhyNoGoalCanBeReached) {
   EXPECT_NE(result.message.find("beyond its limits"), std::string::npos) << result.message;
 
   robot_.SetJointPos(goal_);
-  scene_.SetBodyPose("cube", robot_.tcp_in_world());
+  scene_.SetBodyPose("cube", robot_.tcp_in_world() * Pose(Eigen::Vector3d(0, 0, -0.08)));
   robot_.SetJointPos(start_);
   result = planner.Plan({MotionGoal::Joints(goal_)});
   EXPECT_EQ(result.failure, MotionFailure::kGoalInCollision);
@@ -195,7 +195,7 @@ TEST_F(MotionPlannerOfRc7, KeepsAnAxisUpright) {
     }
   }
   std::vector<double> tilted = goal_;
-  tilted[5] += 0.8;
+  tilted[5] -= 0.4;
   EXPECT_EQ(planner.Plan({MotionGoal::Joints(tilted)}).failure,
             MotionFailure::kGoalAgainstConstraint);
 }

@@ -68,7 +68,7 @@ TEST(MovingLinks, MayBeAnyJointsInAnyOrder) {
 class CoupledLinksOfMotion : public CoupledArms {};
 
 TEST_F(CoupledLinksOfMotion, FollowersMoveWithTheirLeaders) {
-  const Robot robot = RobotAlone(Config(kParallelogramArm, "[j1, j2, j4, j5, j6]"));
+  const Robot robot = Parallelogram("[j1, j2, j4, j5, j6]");
   const mjModel* m = robot.scene().model();
   const auto id = [&](const std::string& name) {
     return FindId(m, mjOBJ_JOINT, robot.prefix() + name);

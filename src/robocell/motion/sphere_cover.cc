@@ -23,7 +23,10 @@ struct Sphere {
 
 constexpr double kFinestCell = 0.4;  // radius of cells at the surface, as a share of the inflation
 constexpr double kDeeperCell = 0.5;  // cells grow by this share of their depth
-constexpr int kTries = 40;           // candidates for one sphere
+constexpr int kTries = 24;           // cells that propose the next sphere
+constexpr size_t kCounted = 1000;    // cells, at most, by which proposals are compared
+constexpr int kHalvings = 8;
+constexpr double kShares[] = {0.35, 0.6, 0.8, 1};  // of the deepest centre that covers a cell
 constexpr int kOfACluster = 6;       // leaves below one inner sphere
 constexpr int kMostCells = 12'000;
 
@@ -61,47 +64,44 @@ bool Covers(const Sphere& sphere, const Cell& cell) {
   return room >= 0 && (sphere.centre - cell.at).squaredNorm() <= room * room;
 }
 
-// Returns spheres that cover the cell and reach deep into the body: of centres on the way inwards
-// from its surface, the deepest.
-Sphere Deepest(const ConvexShape& shape, const Cell& cell, double inflation) {
-  Vector3d inwards = Vector3d::Zero();
+// Calls visit(sphere) for spheres that cover the cell and reach into the body: their centres lie on
+// the way inwards from its surface, as deep as they can be, and in between.
+template <class Visit>
+void VisitSpheres(const ConvexShape& shape, const Cell& cell, double inflation, Visit&& visit) {
   const double near = Depth(shape, cell.at) + inflation;
-  if (shape.kind == ConvexShape::Kind::kSweptBall) {
-    inwards = -cell.at;
-    inwards.z() = 0;
-  }
+  Vector3d inwards = Vector3d::Zero();
   for (const HalfSpace& plane : shape.planes) {
-    if (plane.offset - plane.normal.dot(cell.at) < near) inwards -= plane.normal;
+    const double depth = plane.offset - plane.normal.dot(cell.at);
+    if (depth < near) inwards -= (1.01 - depth / near) * plane.normal;
   }
-  Sphere best = Around(shape, cell.at, inflation);
-  if (inwards.norm() < 1e-9) return best;
+  visit(Around(shape, cell.at, inflation));
+  if (inwards.norm() < 1e-9) return;
   inwards.normalize();
   double low = 0, high = shape.box.diagonal().norm() / 2;
-  for (int k = 0; k < 10; ++k) {  // the set of depths that cover it is an interval from 0
+  for (int k = 0; k < kHalvings; ++k) {  // the set of depths that cover it is an interval from 0
     const double depth = (low + high) / 2;
     const Sphere sphere = Around(shape, cell.at + depth * inwards, inflation);
-    const bool is_inside = Depth(shape, sphere.centre) >= 0;
-    if (is_inside && Covers(sphere, cell)) {
-      low = depth;
-      best = sphere;
-    } else {
-      high = depth;
-    }
+    (sphere.radius > inflation && Covers(sphere, cell) ? low : high) = depth;
   }
-  return best;
+  for (const double share : kShares) {
+    const Sphere sphere = Around(shape, cell.at + share * low * inwards, inflation);
+    if (Covers(sphere, cell)) visit(sphere);
+  }
 }
 
 std::vector<Sphere> Choose(const ConvexShape& shape, std::vector<Cell> cells, double inflation) {
   std::vector<Sphere> chosen;
   while (!cells.empty()) {
-    const size_t step = std::max<size_t>(1, cells.size() / kTries);
+    const auto every = [&](size_t most) { return std::max<size_t>(1, cells.size() / most); };
+    const size_t step = every(kTries), stride = every(kCounted);
     Sphere best{};
     int most = -1;
     for (size_t i = 0; i < cells.size(); i += step) {
-      const Sphere sphere = Deepest(shape, cells[i], inflation);
-      const auto covered = static_cast<int>(std::ranges::count_if(
-          cells, [&](const Cell& cell) { return Covers(sphere, cell); }));
-      if (covered > most) most = covered, best = sphere;
+      VisitSpheres(shape, cells[i], inflation, [&](const Sphere& sphere) {
+        int covered = 0;
+        for (size_t k = i % stride; k < cells.size(); k += stride) covered += Covers(sphere, cells[k]);
+        if (covered > most) most = covered, best = sphere;
+      });
     }
     chosen.push_back(best);
     const auto is_covered = [&](const Cell& cell) { return Covers(best, cell); };

@@ -32,7 +32,7 @@ TEST(SphereCover, CoversSurfaceAndInsideOfEveryKindOfGeom) {
     const ConvexShape shape = ConvexShapesOf(shapes.model(), g)[0];
     for (const double inflation : {0.004, 0.01}) {
       const SphereCover cover = CoverWithSpheres(shape, inflation);
-      for (const Eigen::Vector3d& point : shapes.SurfacePoints(g, 2000, rng)) {
+      for (const Eigen::Vector3d& point : shapes.SurfacePoints(g, 600, rng)) {
         ASSERT_LE(OutsideOfLeaves(cover, point), 1e-9) << name;
         ASSERT_LE(OutsideOfLeaves(cover, rng.Uniform() * point), 1e-9) << name;
       }
@@ -81,7 +81,7 @@ TEST(SphereCover, FewSpheresAreEnough) {
   EXPECT_EQ(leaves("ball", 0.01), 1);
   EXPECT_LE(leaves("capsule", 0.01), 6);
   for (const std::string name : {"box", "cylinder", "ellipsoid", "mesh"}) {
-    EXPECT_LE(leaves(name, 0.01), 150) << name;
+    EXPECT_LE(leaves(name, 0.01), 120) << name;
     EXPECT_LT(leaves(name, 0.02), leaves(name, 0.01)) << name;
   }
 }
