@@ -32,6 +32,7 @@ set(ruckig_hints "")
 if(NOT ruckig_DIR)
   set(python "${Python_EXECUTABLE}")
   if(NOT python)
+    find_program(python NAMES python3 PATHS "${PROJECT_SOURCE_DIR}/.venv/bin" NO_DEFAULT_PATH NO_CACHE)
     find_program(python python3 NO_CACHE)
   endif()
   execute_process(COMMAND "${python}" -c
@@ -47,6 +48,15 @@ if(NOT ruckig_FOUND)
 endif()
 get_target_property(ROBOCELL_RUCKIG_INCLUDES ruckig::ruckig INTERFACE_INCLUDE_DIRECTORIES)
 list(FILTER ROBOCELL_RUCKIG_INCLUDES EXCLUDE REGEX "third_party")
+# Objects that newer compilers made of <iostream> name this function, so that older libraries refuse them, and never call
+# it. What else they need is in the library of g++ 12.
+include(CheckCXXSourceCompiles)
+check_cxx_source_compiles("namespace std { void ios_base_library_init(); } int main() { std::ios_base_library_init(); }"
+  ROBOCELL_HAS_IOS_LIBRARY_INIT)
+set(ROBOCELL_RUCKIG_LINK_OPTIONS "")
+if(NOT ROBOCELL_HAS_IOS_LIBRARY_INIT)
+  set(ROBOCELL_RUCKIG_LINK_OPTIONS "LINKER:--defsym=_ZSt21ios_base_library_initv=0")
+endif()
 
 include(RobocellMujoco)
 set(ROBOCELL_MUJOCO_VERSION 4.0.0)

@@ -56,7 +56,7 @@ if(ROBOCELL_HAS_TLS_DESCRIPTORS AND NOT ROBOCELL_SANITIZE)
 endif()
 target_compile_features(robocell PUBLIC cxx_std_20)
 # Calls within the library go straight to what they call, not through a table that others could change.
-target_link_options(robocell PRIVATE "LINKER:-Bsymbolic-functions" "LINKER:--version-script=${ROBOCELL_EXPORTS}")
+target_link_options(robocell PRIVATE ${ROBOCELL_RUCKIG_LINK_OPTIONS} "LINKER:-Bsymbolic-functions" "LINKER:--version-script=${ROBOCELL_EXPORTS}")
 set_target_properties(robocell PROPERTIES LINK_DEPENDS "${ROBOCELL_EXPORTS}")
 set(ROBOCELL_PUBLIC_LIBRARIES mujoco::mujoco Eigen3::Eigen fmt::fmt)
 set(ROBOCELL_PRIVATE_LIBRARIES robocell_flags spdlog::spdlog yaml-cpp nlohmann_json::nlohmann_json orocos-kdl
@@ -100,7 +100,7 @@ if(ROBOCELL_TESTS OR ROBOCELL_BENCHMARKS)
   target_include_directories(robocell_for_tests PUBLIC "${PROJECT_SOURCE_DIR}/src")
   target_compile_features(robocell_for_tests PUBLIC cxx_std_20)
   target_link_libraries(robocell_for_tests PUBLIC ${ROBOCELL_PUBLIC_LIBRARIES} PRIVATE ${ROBOCELL_PRIVATE_LIBRARIES})
-  target_link_options(robocell_for_tests PRIVATE "LINKER:-Bsymbolic-functions")
+  target_link_options(robocell_for_tests PRIVATE ${ROBOCELL_RUCKIG_LINK_OPTIONS} "LINKER:-Bsymbolic-functions")
   set_target_properties(robocell_for_tests PROPERTIES LINKER_LANGUAGE CXX BUILD_RPATH "${MUJOCO_DIR}"
     LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}")
   add_dependencies(robocell_for_tests robocell_warm_start)

@@ -31,6 +31,7 @@ constexpr double kCheckStep = kDegree / 2;
 constexpr double kPlanClearance = 4e-4;
 constexpr int kBoldIterations = 300;
 constexpr int kDirectGoals = 4;
+constexpr int kIterationsBetweenPolls = 16;
 // rad or m: joints may rest so far beyond their limits, which are soft.
 constexpr double kStartSlack = 0.01;
 constexpr double kLineStep = 1e-3;     // m
@@ -247,6 +248,7 @@ class Search {
     trees.TryDirect(kDirectGoals);
     for (int k = 0; k < most && iterations_ < budget_.iterations && !trees.found(); ++k) {
       if (out_of_time()) break;
+      if (budget_.poll && k % kIterationsBetweenPolls == 0) budget_.poll();
       ++iterations_;
       trees.Step(rng_);
     }

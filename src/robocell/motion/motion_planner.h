@@ -23,6 +23,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <initializer_list>
 #include <memory>
 #include <optional>
 #include <span>
@@ -63,8 +65,10 @@ struct MotionBudget {
   int iterations = 10000;  // of growing the trees
   // Seconds after which the search ends; unset: never. With it results depend on the processor.
   std::optional<double> deadline{};
-  int shortcuts = 40;  // tries
+  int shortcuts = 40;   // tries
   int most_goals = 32;  // joint positions that the goals are turned into
+  // Called occasionally; its exception ends the search and is rethrown.
+  std::function<void()> poll = {};
 };
 
 enum class MotionFailure {

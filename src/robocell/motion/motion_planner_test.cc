@@ -177,6 +177,12 @@ TEST_F(MotionPlannerOfRc7, SaysWhetherMoreIterationsMayHelp) {
             MotionFailure::kNoPath);
 }
 
+TEST_F(MotionPlannerOfRc7, RethrowsTheExceptionOfAPoll) {
+  MotionPlanner planner(robot_);
+  const auto stop = [] { throw Error("stop"); };
+  ExpectThrow<Error>([&] { planner.Plan({MotionGoal::Joints(goal_)}, {.poll = stop}); }, "stop");
+}
+
 TEST_F(MotionPlannerOfRc7, KeepsAnAxisUpright) {
   // Of the TCP's axes the one that points most upwards at the start.
   const Eigen::Matrix3d tcp = robot_.tcp_in_world().rotation();
