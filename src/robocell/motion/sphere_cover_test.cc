@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <string>
 
-#include "robocell/motion/cover_cache.h"
 #include "robocell/motion/testing/shapes.h"
 #include "robocell/testing/random_values.h"
 
@@ -97,15 +96,6 @@ TEST(SphereCover, ALargeBodyGetsFewSpheresAndALargerInflation) {
   const SphereCover cover = CoverWithSpheres(wall, 0.01);
   EXPECT_GT(cover.inflation, 0.01);
   EXPECT_LT(cover.leaves(), 2500);
-}
-
-TEST(CachedCover, IsMadeOnceForEachShape) {
-  const ShapesModel shapes;
-  const ConvexShape box = ConvexShapesOf(shapes.model(), shapes.Geom("box"))[0];
-  ConvexShape other = box;
-  other.planes[0].offset += 1e-3;
-  EXPECT_EQ(CachedCover(box), CachedCover(box));
-  EXPECT_NE(CachedCover(box), CachedCover(other));
 }
 
 }  // namespace
