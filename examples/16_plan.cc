@@ -53,13 +53,15 @@ rc::Scene Build() {
   return scene;
 }
 
+void Step(rc::Robot& robot) {
+  robot.Update();
+  if (const rc::StepResult step = robot.Step(); !step.ok()) throw rc::Error(step.message);
+}
+
 // Lets the fingers and the arm come to rest.
 void Wait(rc::Robot& robot, double seconds) {
   const auto steps = std::lround(seconds / robot.scene().timestep());
-  for (int i = 0; i < steps; ++i) {
-    robot.Update();
-    robot.Step();
-  }
+  for (int i = 0; i < steps; ++i) Step(robot);
 }
 
 // Moves the arm along a path and comes to rest.
@@ -68,8 +70,7 @@ rc::Trajectory Drive(rc::Robot& robot, const rc::MotionResult& result) {
   rc::Trajectory motion = rc::TimePath(result.path, kLimits);
   for (const std::vector<double>& q : motion.Sample(robot.scene().timestep())) {
     robot.SetJntPosCmd(q);
-    robot.Update();
-    robot.Step();
+    Step(robot);
   }
   Wait(robot, .3);
   return motion;

@@ -79,8 +79,10 @@ struct CollisionModel::State {
   void BoundLink(int link);
   void AllowOwnTouches();
   bool IsAllowed(int a, int b) const;
-  bool MayMeet(int a, int b) const {
-    return MayCollide(model(), a, b) && !IsAllowed(a, b);
+  bool StandsOn(int moving, int other) const;
+  bool MayMeet(int moving, int other) const {
+    return MayCollide(model(), moving, other) && !IsAllowed(moving, other) &&
+           !StandsOn(moving, other);
   }
   const mjModel* model() const { return compiled->model(); }
   std::string place() const { return "motion of robot '" + robot.name() + "'"; }
@@ -101,6 +103,7 @@ struct CollisionModel::State {
   std::optional<MovingLinks> links;
   std::vector<double> present;
   std::vector<char> counts, own;                        // per geom
+  std::vector<int> base_joints;                         // ids
   std::vector<std::pair<int, int>> allowed, attached;   // bodies
   std::vector<std::pair<int, int>> always_touching;     // geoms, the smaller id first, sorted
   std::vector<std::vector<int>> geoms_of;               // per link
@@ -122,6 +125,12 @@ void CollisionModel::State::ReadNames() {
   attached.clear();
   for (const auto& [a, b] : options.allowed) allowed.emplace_back(id(a), id(b));
   for (const auto& [body, to] : options.attached) attached.emplace_back(id(body), id(to));
+  base_joints.clear();
+  for (const std::string& group : robot.group_names()) {
+    if (robot.group(group).kind() != MoveGroupKind::kBase) continue;
+    for (const std::string& name : robot.group(group).joint_names())
+      base_joints.push_back(RequireId(m, mjOBJ_JOINT, name, place()));
+  }
   own.assign(m->ngeom, 0);
   counts.assign(m->ngeom, 0);
   for (const int g : robot.geom_ids()) own[g] = 1;
@@ -145,6 +154,19 @@ bool CollisionModel::State::IsAllowed(int a, int b) const {
     };
     return is_pair(first, second) || is_pair(second, first);
   });
+}
+
+// A base that moves on the floor touches it: planes count only for what the arms move, as when the
+// base is placed (clearance.h).
+bool CollisionModel::State::StandsOn(int moving, int other) const {
+  const mjModel* m = model();
+  if (m->geom_type[other] != mjGEOM_PLANE) return false;
+  int link = links->link_of(m->geom_bodyid[moving]);
+  for (; link != 0; link = links->links()[link].parent) {
+    const int joint = links->dofs()[links->links()[link].dof].joint;
+    if (std::ranges::find(base_joints, joint) == base_joints.end()) return false;
+  }
+  return true;
 }
 
 void CollisionModel::State::FindPresent() {

@@ -10,6 +10,7 @@
 // their link. Pairs of the robot's own parts that overlap at the last Update() may always touch.
 //
 // Only geoms that collide in the model count, and of the robot only Robot::collision_geom_ids().
+// Planes do not count for a moving base, which stands on them.
 // One thread at a time.
 #pragma once
 

@@ -240,5 +240,83 @@ TEST_F(MotionPlannerOfRc7, RejectsWhatDoesNotFit) {
   ExpectThrow<NotFoundError>([&] { planner.Plan({other}); }, "Planned arms: 'arm'");
 }
 
+TEST(MotionPlannerOfABase, MovesAPlanarBaseAndItsArmTogether) {
+  RobotConfig config = Rc7();
+  config.base.kind = BaseKind::kPlanar;
+  SceneSpec spec = SceneWith({.name = "rc7", .config = config});
+  spec.objects.push_back(Wall("pillar", {0.1, 0.4, 0.6}, {1, 0, 0.6}));
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  Robot robot = Robot::Of(scene, "rc7");
+  const Pose start = robot.tcp_in_world();
+  const Pose there(start.translation() + Eigen::Vector3d(2, 0, -0.1), start.quaternion());
+  MotionPlanner arm_alone(robot);
+  EXPECT_EQ(arm_alone.Plan({MotionGoal::Tcp(there)}).failure, MotionFailure::kGoalUnreachable);
+  MotionPlanner planner(robot, {.groups = {"base", "arm"}, .clearance = 0.01});
+  EXPECT_EQ(planner.joint_names().size(), 10u);
+  const MotionResult result = planner.Plan({MotionGoal::Tcp(there)}, {.seed = 1});
+  ASSERT_TRUE(result.success) << result.message;
+  EXPECT_GT(result.path.size(), 2u);  // around the pillar
+  for (const std::vector<double>& q : result.path) EXPECT_TRUE(planner.IsFree(q));
+  const std::span<const double> reached(result.path.back());
+  robot.base().SetJointPos(reached.first(3));
+  robot.SetJointPos(reached.subspan(3));
+  EXPECT_TRUE(robot.tcp_in_world().is_close(there, 1e-4, 1e-4));
+}
+
+// Two arms of three joints, whose hands are in each other's way.
+constexpr const char* kTwoArms = R"(<compiler angle="radian"/>
+  <default><joint axis="0 0 1" range="-2.9 2.9" damping="1"/>
+    <geom type="capsule" size=".03" mass=".5"/></default>
+  <worldbody><body name="base">
+    <body name="la" pos="0 .2 .3"><joint name="l1"/><geom fromto="0 0 0 .25 0 0"/>
+      <body name="lb" pos=".25 0 0"><joint name="l2"/><geom fromto="0 0 0 .25 0 0"/>
+        <body name="lc" pos=".25 0 0"><joint name="l3"/><geom fromto="0 0 0 .1 0 0"/>
+          <site name="lt" pos=".1 0 0"/></body></body></body>
+    <body name="ra" pos="0 -.2 .3"><joint name="r1"/><geom fromto="0 0 0 .25 0 0"/>
+      <body name="rb" pos=".25 0 0"><joint name="r2"/><geom fromto="0 0 0 .25 0 0"/>
+        <body name="rc" pos=".25 0 0"><joint name="r3"/><geom fromto="0 0 0 .1 0 0"/>
+          <site name="rt" pos=".1 0 0"/></body></body></body>
+  </body></worldbody>)";
+
+TEST(MotionPlannerOfTwoArms, MovesBothPastEachOther) {
+  ModelFolder folder;
+  const RobotConfig config = ParseYaml<RobotConfig>(
+      "name: two\nmodel: " + folder.Write("two", kTwoArms) +
+          "\nroot_body: base\nmove_groups:\n"
+          "  left: {kind: arm, joints: l1..l3, leaf: {site: lt}}\n"
+          "  right: {kind: arm, joints: r1..r3, leaf: {site: rt}}\ngravcomp: true\n",
+      "two.yaml");
+  const Robot robot = RobotAlone(config);
+  MotionPlanner planner(robot, {.groups = {"left", "right"}});
+  // Each hand is on the other's side afterwards, so that straight motions cross.
+  const std::vector<double> start = {0.7, -0.5, 0, -0.7, 0.5, 0};
+  const std::vector<double> goal = {-0.9, 0.3, 0, -1.6, -0.8, 0};
+  ASSERT_TRUE(planner.IsFree(start));
+  ASSERT_TRUE(planner.IsFree(goal));
+  const MotionGoal goals[] = {MotionGoal::Joints(goal)};
+  for (uint64_t seed = 0; seed < 3; ++seed) {
+    const MotionResult result = planner.PlanFrom(start, goals, {.seed = seed});
+    ASSERT_TRUE(result.success) << result.message;
+    for (size_t k = 1; k < result.path.size(); ++k) {
+      for (int i = 0; i <= 40; ++i) {
+        std::vector<double> q = result.path[k];
+        for (size_t j = 0; j < q.size(); ++j)
+          q[j] = result.path[k - 1][j] + i / 40.0 * (q[j] - result.path[k - 1][j]);
+        EXPECT_GT(planner.Clearance(q, 0.01), -1e-4);
+      }
+    }
+  }
+  // A pose for one arm leaves the other where it is.
+  MotionGoal right = MotionGoal::Tcp(robot.group("right").leaf_frame_to_world());
+  right.tcp = Pose(Eigen::Vector3d(0.3, -0.3, 0.3));
+  right.free_rotation = {0, 0, std::numbers::pi};
+  right.arm = "right";
+  const MotionGoal rights[] = {right};
+  const MotionResult result = planner.PlanFrom(start, rights);
+  ASSERT_TRUE(result.success) << result.message;
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(result.path.back()[i], start[i]);
+}
+
 }  // namespace
 }  // namespace robocell
