@@ -3,12 +3,12 @@
 //   build/release/motion_bench PROBLEMS ROBOT.yaml...
 //
 // Seeded problems for each robot in four families of scenes: a table with boxes, a shelf, a deep
-// box, a clutter of floating objects. Start and goal are joint positions whose TCP is at work there
+// box, a clutter of floating objects; each also in a hard form: narrower, or with twice the objects. Start and goal are joint positions whose TCP is at work there
 // and whose clearance is at least 3 mm. Each is planned once, with a clearance of 1.2 mm, by a
 // planner that was made for its scene; the time is the processor's for
 // MotionPlanner::PlanFrom, path checked and shortened. Prints one line of JSON for each robot and family: problems, solved, p50, p99 and
 // max in ms, and `collisions`: paths that the engine's collision detection, which the planner does
-// not use, finds nearer than 1 mm at steps of half a degree.
+// not use, finds nearer than 1 mm at steps of half a degree; `straight`: solved without a search.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -56,33 +56,36 @@ struct Region {  // where the TCP works, in the robot's frame
 
 struct Family {
   std::string name;
-  std::function<std::vector<Region>(double reach, Rng&, SceneSpec*)> build;
+  std::function<std::vector<Region>(double reach, bool hard, Rng&, SceneSpec*)> build;
+  bool hard = false;
 };
 
-std::vector<Region> Tabletop(double reach, Rng& rng, SceneSpec* spec) {
+std::vector<Region> Tabletop(double reach, bool hard, Rng& rng, SceneSpec* spec) {
   const double r = reach;
   spec->objects.push_back(
       Fixed("table", Shape::kBox, {0.35 * r, 0.8 * r, 0.02}, {0.6 * r, 0, -0.03}));
-  for (int k = 0; k < 6; ++k) {
-    const double height = rng.Uniform(0.05, 0.2) * r;
+  for (int k = 0; k < (hard ? 12 : 6); ++k) {
+    const double height = (hard ? rng.Uniform(0.1, 0.3) : rng.Uniform(0.05, 0.2)) * r;
     const double x = rng.Uniform(0.35, 0.75) * r, y = rng.Uniform(-0.5, 0.5) * r;
-    spec->objects.push_back(Fixed("box" + std::to_string(k), Shape::kBox,
-                                  {rng.Uniform(0.03, 0.07) * r, rng.Uniform(0.03, 0.07) * r, height},
-                                  {x, y, height - 0.01}, rng.Uniform(0, 180)));
+    spec->objects.push_back(
+        Fixed("box" + std::to_string(k), Shape::kBox,
+              {rng.Uniform(0.03, 0.07) * r, rng.Uniform(0.03, 0.07) * r, height},
+              {x, y, height - 0.01}, rng.Uniform(0, 180)));
   }
   return {{{0.35 * r, -0.6 * r, 0.05 * r}, {0.75 * r, 0.6 * r, 0.35 * r}}};
 }
 
-std::vector<Region> Shelf(double reach, Rng& rng, SceneSpec* spec) {
-  const double r = reach, x = rng.Uniform(0.65, 0.75) * r, gap = rng.Uniform(0.3, 0.38) * r;
+std::vector<Region> Shelf(double reach, bool hard, Rng& rng, SceneSpec* spec) {
+  const double r = reach, x = rng.Uniform(0.65, 0.75) * r,
+               gap = (hard ? 0.27 : rng.Uniform(0.3, 0.38)) * r;
   std::vector<Region> bays;
   for (int k = 0; k < 3; ++k) {
     const double z = 0.1 * r + k * gap;
-    spec->objects.push_back(Fixed("board" + std::to_string(k), Shape::kBox,
-                                  {0.15 * r, 0.45 * r, 0.01}, {x, 0, z}));
+    spec->objects.push_back(
+        Fixed("board" + std::to_string(k), Shape::kBox, {0.15 * r, 0.45 * r, 0.01}, {x, 0, z}));
     if (k < 2) {
-      bays.push_back({{x - 0.12 * r, -0.35 * r, z + 0.08 * r},
-                      {x + 0.05 * r, 0.35 * r, z + gap - 0.08 * r}});
+      bays.push_back(
+          {{x - 0.12 * r, -0.35 * r, z + 0.08 * r}, {x + 0.05 * r, 0.35 * r, z + gap - 0.08 * r}});
     }
   }
   const double middle = 0.1 * r + gap;
@@ -95,9 +98,10 @@ std::vector<Region> Shelf(double reach, Rng& rng, SceneSpec* spec) {
   return bays;
 }
 
-std::vector<Region> DeepBox(double reach, Rng& rng, SceneSpec* spec) {
+std::vector<Region> DeepBox(double reach, bool hard, Rng& rng, SceneSpec* spec) {
   const double r = reach, x = rng.Uniform(0.5, 0.6) * r, y = rng.Uniform(-0.2, 0.2) * r;
-  const double a = rng.Uniform(0.17, 0.22) * r, b = rng.Uniform(0.2, 0.26) * r, h = 0.15 * r;
+  const double a = (hard ? 0.15 : rng.Uniform(0.17, 0.22)) * r;
+  const double b = (hard ? 0.18 : rng.Uniform(0.2, 0.26)) * r, h = (hard ? 0.19 : 0.15) * r;
   spec->objects.push_back(Fixed("bottom", Shape::kBox, {a, b, 0.01}, {x, y, -0.02}));
   for (const int side : {-1, 1}) {
     const std::string end = std::to_string(side + 1);
@@ -110,9 +114,9 @@ std::vector<Region> DeepBox(double reach, Rng& rng, SceneSpec* spec) {
           {{0.2 * r, -0.6 * r, 0.4 * r}, {0.7 * r, 0.6 * r, 0.7 * r}}};
 }
 
-std::vector<Region> Clutter(double reach, Rng& rng, SceneSpec* spec) {
+std::vector<Region> Clutter(double reach, bool hard, Rng& rng, SceneSpec* spec) {
   const double r = reach;
-  for (int k = 0; k < 20; ++k) {
+  for (int k = 0; k < (hard ? 40 : 20); ++k) {
     const double yaw = rng.Uniform(-180, 180), distance = rng.Uniform(0.35, 0.95) * r;
     const Vec3 at = {distance * std::cos(yaw * M_PI / 180), distance * std::sin(yaw * M_PI / 180),
                      rng.Uniform(0.0, 0.9) * r};
@@ -126,7 +130,7 @@ std::vector<Region> Clutter(double reach, Rng& rng, SceneSpec* spec) {
 
 struct Times {
   std::vector<double> ms;
-  int solved = 0, problems = 0, collisions = 0;
+  int solved = 0, problems = 0, collisions = 0, straight = 0;
   double At(double part) const {
     return ms.empty() ? 0 : ms[static_cast<size_t>(part * static_cast<double>(ms.size() - 1))];
   }
@@ -138,8 +142,8 @@ std::optional<std::vector<double>> Draw(const Robot& robot, const MotionPlanner&
                                         Rng& rng) {
   Eigen::Vector3d at;
   for (int i = 0; i < 3; ++i) at[i] = rng.Uniform(region.low[i], region.high[i]);
-  const double yaw = inwards ? std::atan2(at.y(), at.x()) + rng.Uniform(-0.5, 0.5)
-                             : rng.Uniform(-M_PI, M_PI);
+  const double yaw =
+      inwards ? std::atan2(at.y(), at.x()) + rng.Uniform(-0.5, 0.5) : rng.Uniform(-M_PI, M_PI);
   // The approach axis: forwards and somewhat down, or anywhere.
   const double pitch = rng.Uniform(inwards ? M_PI / 2 : 0, M_PI);
   const Pose tcp = Pose::FromRpy(at, {0, 0, yaw}) * Pose::FromRpy({0, 0, 0}, {0, pitch, 0}) *
@@ -189,7 +193,7 @@ Times Run(const std::string& file, const Family& family, int problems) {
       const Scene bare = Scene::Build(spec);
       reach = Robot::Of(bare, "robot").reach();
     }
-    const std::vector<Region> regions = family.build(reach, rng, &spec);
+    const std::vector<Region> regions = family.build(reach, family.hard, rng, &spec);
     Scene scene = Scene::Build(spec);
     scene.Reset();
     const Robot robot = Robot::Of(scene, "robot");
@@ -199,7 +203,7 @@ Times Run(const std::string& file, const Family& family, int problems) {
     for (int tries = 0; tries < 40000 && made < problems / kScenes; ++tries) {
       const Region& a = rng.Choice(regions);
       const Region& b = regions.size() == 2 ? regions[&a == regions.data() ? 1 : 0] : a;
-      const bool inwards = family.name != "clutter";
+      const bool inwards = family.name.find("clutter") == std::string::npos;
       const auto start = Draw(robot, planner, &apart, a, inwards, rng);
       if (!start) continue;
       std::optional<std::vector<double>> goal;
@@ -213,6 +217,7 @@ Times Run(const std::string& file, const Family& family, int problems) {
       ++times.problems;
       times.solved += result.success;
       if (result.success) times.ms.push_back(ms);
+      times.straight += result.success && result.iterations == 0;
       if (!result.success) std::fprintf(stderr, "%s\n", result.message.c_str());
       if (result.success && Collides(&checked, result.path)) ++times.collisions;
     }
@@ -227,16 +232,23 @@ Times Run(const std::string& file, const Family& family, int problems) {
 int main(int argc, char** argv) try {
   using namespace robocell;
   const int problems = argc > 1 ? std::atoi(argv[1]) : 50;
-  const Family families[] = {
-      {"tabletop", Tabletop}, {"shelf", Shelf}, {"box", DeepBox}, {"clutter", Clutter}};
+  const Family families[] = {{"tabletop", Tabletop},
+                             {"shelf", Shelf},
+                             {"box", DeepBox},
+                             {"clutter", Clutter},
+                             {"hard tabletop", Tabletop, true},
+                             {"hard shelf", Shelf, true},
+                             {"hard box", DeepBox, true},
+                             {"hard clutter", Clutter, true}};
   for (int k = 2; k < argc; ++k) {
     for (const Family& family : families) {
       const Times times = Run(argv[k], family, problems);
       std::printf(
-          "{\"robot\": \"%s\", \"family\": \"%s\", \"problems\": %d, \"solved\": %d, \"p50\": %.3f, "
-          "\"p99\": %.3f, \"max\": %.3f, \"collisions\": %d}\n",
+          "{\"robot\": \"%s\", \"family\": \"%s\", \"problems\": %d, \"solved\": %d, \"p50\": "
+          "%.3f, "
+          "\"p99\": %.3f, \"max\": %.3f, \"collisions\": %d, \"straight\": %d}\n",
           argv[k], family.name.c_str(), times.problems, times.solved, times.At(0.5), times.At(0.99),
-          times.At(1), times.collisions);
+          times.At(1), times.collisions, times.straight);
       std::fflush(stdout);
     }
   }

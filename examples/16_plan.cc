@@ -41,8 +41,8 @@ rc::Scene Build() {
   rc::SceneSpec spec{.name = "plan", .timestep = .002, .add_floor = true, .add_skybox = true};
   spec.robots.push_back(
       {.name = "rc7", .config = rc::RobotConfig::Load(rc::assets::BuiltinRobotFile("rc7"))});
-  for (rc::SceneObject fixed : {Block("table", {.2, .4, .1}, {.5, 0, .1}),
-                                Block("wall", {.2, .02, .15}, {.5, 0, .35})}) {
+  for (rc::SceneObject fixed :
+       {Block("table", {.2, .4, .1}, {.5, 0, .1}), Block("wall", {.2, .02, .15}, {.5, 0, .35})}) {
     fixed.fixed = true;
     fixed.rgba = rc::Vec4{.5, .6, .7, 1};
     spec.objects.push_back(fixed);

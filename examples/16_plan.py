@@ -1,7 +1,8 @@
-"""Example 16: plans motions around obstacles: to any of a set of grasps, and with a cube in the hand.
+"""Example 16: plans motions around obstacles, to any of a set of grasps, with a cube in the hand.
 
 The goal of the first motion is a region: above the cube, the fingers turned as they like. The
-second motion carries the cube around a wall, upright. Both are timed within limits of velocity, acceleration and jerk, and driven.
+second motion carries the cube around a wall, upright. Both are timed within limits of velocity,
+acceleration and jerk, and driven.
 The same in C++: 16_plan.cc. Run: python examples/16_plan.py [folder for picture]
 """
 

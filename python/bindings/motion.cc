@@ -36,7 +36,9 @@ nb::object RowsArray(const Rows& rows, size_t columns) {
   for (const std::vector<double>& row : rows) flat.insert(flat.end(), row.begin(), row.end());
   return NewArray<double>(flat, {rows.size(), columns});
 }
-nb::object RowsArray(const Rows& rows) { return RowsArray(rows, rows.empty() ? 0 : rows[0].size()); }
+nb::object RowsArray(const Rows& rows) {
+  return RowsArray(rows, rows.empty() ? 0 : rows[0].size());
+}
 
 // Converts (k, n) numbers.
 Rows ToRows(nb::handle value, const char* name) {
@@ -73,8 +75,8 @@ std::vector<MotionGoal> ToGoals(nb::handle value) {
   std::vector<MotionGoal> goals;
   if (PyList_Check(value.ptr()) || PyTuple_Check(value.ptr())) {
     const std::vector<nb::object> items = ToItems(value, FieldPath("goals"), "a list of goals");
-    const bool numbers = !items.empty() && PyNumber_Check(items[0].ptr()) &&
-                         !nb::hasattr(items[0], "__len__");
+    const bool numbers =
+        !items.empty() && PyNumber_Check(items[0].ptr()) && !nb::hasattr(items[0], "__len__");
     if (!numbers) {
       for (const nb::object& item : items) AddGoals(item, &goals);
       return goals;
@@ -160,12 +162,12 @@ void BindGoal(nb::module_& m) {
           "free_rotation"_a = nb::make_tuple(0, 0, 0), "arm"_a = "",
           nb::sig("def __init__(self, tcp: Pose, position_box: numpy.typing.ArrayLike = (0, 0, 0), "
                   "free_rotation: numpy.typing.ArrayLike = (0, 0, 0), arm: str = '') -> None"),
-          "tcp: pose of the TCP in the world. position_box: largest displacement along each axis of "
+          "tcp: pose of the TCP in the world. position_box: largest displacement along each axis "
+          "of "
           "`tcp`, m, to both sides. free_rotation: largest rotation about each, rad; pi for any. "
           "arm: the group, by default the first planned one.")
       .def_static(
-          "at_joints",
-          [](nb::handle q) { return MotionGoal::Joints(ToRow(q, "q")); }, "q"_a,
+          "at_joints", [](nb::handle q) { return MotionGoal::Joints(ToRow(q, "q")); }, "q"_a,
           nb::sig("def at_joints(q: numpy.typing.ArrayLike) -> MotionGoal"),
           "Returns the goal of joint positions (n,), one for each planned joint, rad or m.")
       .def_prop_ro(
@@ -202,7 +204,8 @@ void BindGoal(nb::module_& m) {
                   "numpy.typing.ArrayLike = (0, 0, 1), tolerance: float = 0.1, arm: str = '') -> "
                   "None"),
           "axis_in_tcp: direction in the TCP frame. axis_in_world: direction that it keeps. "
-          "tolerance: largest angle between them, rad. arm: the group, by default the first planned "
+          "tolerance: largest angle between them, rad. arm: the group, by default the first "
+          "planned "
           "one.")
       .def_ro("tolerance", &AxisConstraint::tolerance, "Largest angle, rad.")
       .def_ro("arm", &AxisConstraint::arm, "The arm group; \"\" for the first planned one.");
@@ -234,8 +237,7 @@ void BindResult(nb::module_& m) {
       .def_ro("iterations", &MotionResult::iterations, "How often the trees grew.")
       .def_ro("configurations", &MotionResult::configurations,
               "Number of configurations checked by spheres.")
-      .def_ro("distances", &MotionResult::distances,
-              "Number of distances computed by the engine.")
+      .def_ro("distances", &MotionResult::distances, "Number of distances computed by the engine.")
       .def("__bool__", [](const MotionResult& r) { return r.success; })
       .def("__repr__", [](const MotionResult& r) {
         return r.success ? fmt::format("<MotionResult: {} way points>", r.path.size())
@@ -243,14 +245,14 @@ void BindResult(nb::module_& m) {
       });
 }
 
-#define PLANNER_SIGNATURE                                                                         \
-  "groups: list[str] = [], clearance: float = 0.001, allowed_contacts: list[tuple[str, str]] = "  \
+#define PLANNER_SIGNATURE                                                                        \
+  "groups: list[str] = [], clearance: float = 0.001, allowed_contacts: list[tuple[str, str]] = " \
   "[], attached: list[tuple[str, str]] = [], keep_axis: AxisConstraint | None = None"
 #define BUDGET_SIGNATURE                                                                     \
   "seed: int = 0, iterations: int = 10000, deadline: float | None = None, shortcuts: int = " \
   "40, most_goals: int = 32"
-#define GOALS_SIGNATURE                                                                      \
-  "goals: MotionGoal | Pose | numpy.typing.ArrayLike | Sequence[MotionGoal | Pose | "        \
+#define GOALS_SIGNATURE                                                               \
+  "goals: MotionGoal | Pose | numpy.typing.ArrayLike | Sequence[MotionGoal | Pose | " \
   "numpy.typing.ArrayLike]"
 
 void BindPlanner(nb::module_& m) {
@@ -270,8 +272,8 @@ void BindPlanner(nb::module_& m) {
           "__init__",
           [](MotionPlanner* self, const Robot& robot, std::vector<std::string> groups,
              double clearance, Pairs allowed, Pairs attached, const AxisConstraint* keep_axis) {
-            const MotionOptions options = OptionsOf(std::move(groups), clearance, std::move(allowed),
-                                                    std::move(attached), keep_axis);
+            const MotionOptions options = OptionsOf(
+                std::move(groups), clearance, std::move(allowed), std::move(attached), keep_axis);
             const nb::gil_scoped_release unlocked;
             new (self) MotionPlanner(robot, options);
           },
@@ -279,7 +281,8 @@ void BindPlanner(nb::module_& m) {
           "allowed_contacts"_a = Pairs{}, "attached"_a = Pairs{}, "keep_axis"_a = nb::none(),
           nb::sig("def __init__(self, robot: Robot, *, " PLANNER_SIGNATURE ") -> None"),
           "groups: groups whose joints move, by default the first arm; several arms, or a planar "
-          "base with its arm, move at once. clearance: least distance to everything that is not the "
+          "base with its arm, move at once. clearance: least distance to everything that is not "
+          "the "
           "robot, m. allowed_contacts: pairs of bodies that may touch, with their subtrees; \"\" "
           "stands for everything. attached: bodies that move with another body, (\"cube\", "
           "\"hand\"). keep_axis: a constraint on the whole motion.")
@@ -295,7 +298,8 @@ void BindPlanner(nb::module_& m) {
           nb::sig("def plan(self, " GOALS_SIGNATURE
                   ", *, start: numpy.typing.ArrayLike | None = None, " BUDGET_SIGNATURE
                   ") -> MotionResult"),
-          "Plans a motion to any one of the goals: MotionGoals, poses of the TCP in the world, joint "
+          "Plans a motion to any one of the goals: MotionGoals, poses of the TCP in the world, "
+          "joint "
           "positions (n,) or (k, n), or a list of these. Without `start` it looks at the scene's "
           "present state first, and starts there; with it the surroundings are those of the last "
           "update. `deadline` in seconds ends the search, and makes results depend on the "
@@ -320,9 +324,8 @@ void BindPlanner(nb::module_& m) {
       .def("update", &MotionPlanner::Update, nb::call_guard<nb::gil_scoped_release>(),
            "Copies the scene's present state.")
       .def(
-          "is_free",
-          [](const MotionPlanner& p, nb::handle q) { return p.IsFree(ToPlanned(p, q)); }, "q"_a,
-          nb::sig("def is_free(self, q: numpy.typing.ArrayLike) -> bool"),
+          "is_free", [](const MotionPlanner& p, nb::handle q) { return p.IsFree(ToPlanned(p, q)); },
+          "q"_a, nb::sig("def is_free(self, q: numpy.typing.ArrayLike) -> bool"),
           "Returns True if joint positions (n,) keep the clearance, by the engine's distances.")
       .def(
           "clearance",
@@ -331,7 +334,8 @@ void BindPlanner(nb::module_& m) {
           },
           "q"_a, "horizon"_a = 0.1,
           nb::sig("def clearance(self, q: numpy.typing.ArrayLike, horizon: float = 0.1) -> float"),
-          "Returns the smallest distance of what moves to everything else and to itself, m; at most "
+          "Returns the smallest distance of what moves to everything else and to itself, m; at "
+          "most "
           "`horizon`.")
       .def_prop_ro("joint_names", &MotionPlanner::joint_names,
                    "Names of the planned joints, in the order of all configurations.")
@@ -363,8 +367,10 @@ void BindPlanner(nb::module_& m) {
           nb::sig("def plan(self, " GOALS_SIGNATURE ", *, " PLANNER_SIGNATURE ", " BUDGET_SIGNATURE
                   ") -> MotionResult"),
           "Plans a collision-free motion from the present joint positions to any one of the goals: "
-          "poses of the TCP in the world, joint positions, robocell.motion.MotionGoal, or a list of "
-          "these. The arguments are those of robocell.motion.MotionPlanner and its `plan`; a planner "
+          "poses of the TCP in the world, joint positions, robocell.motion.MotionGoal, or a list "
+          "of "
+          "these. The arguments are those of robocell.motion.MotionPlanner and its `plan`; a "
+          "planner "
           "that is kept saves some milliseconds each time."
           "\n\nExamples:\n"
           "    >>> robot.plan(robot.tcp_in_world).success\n"
@@ -389,9 +395,9 @@ void BindTrajectory(nb::module_& m) {
                   "numpy.typing.NDArray[numpy.float64], numpy.typing.NDArray[numpy.float64]]"),
           "Returns positions, velocities and accelerations (n,) at a time in seconds.")
       .def(
-          "sample", [](const Trajectory& t, double tick) { return RowsArray(t.Sample(tick), t.n_joints()); },
-          "tick"_a,
-          nb::sig("def sample(self, tick: float) -> numpy.typing.NDArray[numpy.float64]"),
+          "sample",
+          [](const Trajectory& t, double tick) { return RowsArray(t.Sample(tick), t.n_joints()); },
+          "tick"_a, nb::sig("def sample(self, tick: float) -> numpy.typing.NDArray[numpy.float64]"),
           "Returns the positions (k, n) at 0, tick, 2 tick, ..., and at the end.");
   m.def(
       "time_path",

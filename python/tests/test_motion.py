@@ -27,7 +27,7 @@ def wall_scene() -> rc.Scene:
 def robot() -> rc.Robot:
     """Beside a wall that separates its left from its right."""
     robot = wall_scene().robot("rc7")
-    q = robot.jnt_pos_msr.copy()
+    q = np.array(robot.arm.joint_pos)
     q[0] = 0.7
     robot.set_joint_pos(q)
     return robot
@@ -56,12 +56,18 @@ def test_a_path_avoids_the_wall_and_is_a_pure_function_of_its_seed(robot: rc.Rob
 def test_goals_come_in_every_form(robot: rc.Robot) -> None:
     here = np.array(robot.arm.joint_pos)
     goal = beyond_the_wall(robot)
-    near = here + [0.2, 0, 0, 0, 0, 0, 0]
+    near = here + np.array([0.2, 0, 0, 0, 0, 0, 0])
     tcp = robot.tcp_in_world
     region = rc.motion.MotionGoal(tcp, position_box=(0.02, 0, 0), free_rotation=(0, 0, math.pi))
     planner = rc.motion.MotionPlanner(robot)
-    for goals in (goal, list(goal), tcp, region, np.stack([goal, near]), [tcp, goal], (region,)):
-        assert planner.plan(goals).success
+    assert planner.plan(goal).success
+    assert planner.plan(list(goal)).success
+    assert planner.plan(tcp).success
+    assert planner.plan(region).success
+    assert planner.plan(np.stack([goal, near])).goal == 1
+    mixed: list[rc.Pose | np.ndarray] = [tcp, goal]
+    assert planner.plan(mixed).success
+    assert planner.plan((region,)).success
     assert planner.plan([goal, rc.Pose(translation=[9, 0, 0]), near]).goal == 2
     assert planner.plan(rc.motion.MotionGoal.at_joints(goal), start=near).path[0][0] == near[0]
 
@@ -97,7 +103,7 @@ def test_a_planner_looks_at_the_scene_when_it_plans(robot: rc.Robot) -> None:
     planner = rc.motion.MotionPlanner(robot)
     q = np.array(robot.arm.joint_pos)
     assert planner.joint_names == list(robot.joint_names)
-    np.testing.assert_allclose(planner.joint_limits, robot.joint_limits)
+    np.testing.assert_allclose(planner.joint_limits, robot.arm.joint_pos_limits)
     assert planner.is_free(q)
     assert 0 < planner.clearance(q, 0.5) < 0.5
     line = planner.plan_line(rc.Pose(translation=[0, 0, 0.05]) * robot.tcp_in_world)

@@ -102,14 +102,14 @@ struct CollisionModel::State {
   DataPtr data;
   std::optional<MovingLinks> links;
   std::vector<double> present;
-  std::vector<char> counts, own;                        // per geom
-  std::vector<int> base_joints;                         // ids
-  std::vector<std::pair<int, int>> allowed, attached;   // bodies
-  std::vector<std::pair<int, int>> always_touching;     // geoms, the smaller id first, sorted
-  std::vector<std::vector<int>> geoms_of;               // per link
-  std::vector<Transform> geom_in_link;                  // per geom
-  std::vector<Transform> poses;                         // per link
-  std::vector<Shapes> shapes_of;                        // per geom
+  std::vector<char> counts, own;                       // per geom
+  std::vector<int> base_joints;                        // ids
+  std::vector<std::pair<int, int>> allowed, attached;  // bodies
+  std::vector<std::pair<int, int>> always_touching;    // geoms, the smaller id first, sorted
+  std::vector<std::vector<int>> geoms_of;              // per link
+  std::vector<Transform> geom_in_link;                 // per geom
+  std::vector<Transform> poses;                        // per link
+  std::vector<Shapes> shapes_of;                       // per geom
   SphereTable table;
   SphereScratch scratch;
   std::vector<SpherePair> pairs;
@@ -222,7 +222,8 @@ void CollisionModel::State::AddTree(int link, int geom) {
                            .own = own[geom] != 0};
     tree.nodes.first = static_cast<int>(table.nodes.size());
     for (const SphereCover::Node& node : cover->nodes)
-      table.nodes.push_back({BallOf(pose * node.centre, node.radius), node.next + tree.nodes.first});
+      table.nodes.push_back(
+          {BallOf(pose * node.centre, node.radius), node.next + tree.nodes.first});
     tree.nodes.last = static_cast<int>(table.nodes.size());
     table.trees.push_back(tree);
   }
@@ -429,9 +430,10 @@ void CollisionModel::State::AllowOwnTouches() {
 
 void CollisionModel::State::Update() {
   if (robot.scene().compiled() != compiled) {
-    throw Error(fmt::format("scene '{}': objects were added or removed since the robot's "
-                            "surroundings were looked at; make the planner again",
-                            robot.scene().name()));
+    throw Error(
+        fmt::format("scene '{}': objects were added or removed since the robot's "
+                    "surroundings were looked at; make the planner again",
+                    robot.scene().name()));
   }
   ReadNames();
   FindPresent();
@@ -457,9 +459,8 @@ double CollisionModel::State::EngineDistance(const SpherePair& pair, double hori
   mjData* d = data.get();
   // With a horizon of 0 the engine does not tell how near separate geoms are, but that they are.
   const double within = std::max(horizon, 1e-6);
-  return Guarded("planning a motion: distance of two geoms", d, [&] {
-    return mj_geomDistance(m, d, pair.geom, pair.other, within, nullptr);
-  });
+  return Guarded("planning a motion: distance of two geoms", d,
+                 [&] { return mj_geomDistance(m, d, pair.geom, pair.other, within, nullptr); });
 }
 
 CollisionModel::CollisionModel(const Robot& robot, std::span<const int> joints,

@@ -150,7 +150,10 @@ TEST_F(CollisionModelOfRc7, AllowedContactsDoNotCount) {
   EXPECT_EQ(FoundAt(&model), "");
   EXPECT_EQ(model.MayHit(model.present(), 1, SphereJudge::kCautious), 0u);
   ExpectThrow<NotFoundError>(
-      [&] { CollisionModel(robot_, joints_, {.allowed = {{"cupe", ""}}}); }, "Did you mean 'cube'?");
+      [&] {
+        CollisionModel(robot_, joints_, {.allowed = {{"cupe", ""}}});
+      },
+      "Did you mean 'cube'?");
 }
 
 TEST_F(CollisionModelOfRc7, AttachedBodiesMoveAndCollideWithTheRest) {

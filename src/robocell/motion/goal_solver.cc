@@ -58,7 +58,8 @@ class Solver {
     if (!is_pose || nearest.success) Sample(number, goal, arm, in_base, options, before, rng, out);
     if (out->size() > before) return "";
     if (!is_pose)
-      return fmt::format("goal {}: no pose of its region can be reached within the joint limits", number);
+      return fmt::format("goal {}: no pose of its region can be reached within the joint limits",
+                         number);
     return fmt::format(
         "goal {}: arm '{}' cannot reach its pose within the joint limits (it comes within {:.3g} m "
         "and {:.3g} rad)",
@@ -70,8 +71,9 @@ class Solver {
     for (int i = 0; i < 3; ++i) {
       for (const double freedom : {goal.position_box[i], goal.free_rotation[i]}) {
         if (freedom >= 0 && std::isfinite(freedom)) continue;
-        throw ArgumentError(fmt::format(
-            "{}: goal {} has a freedom of {}; it must be finite and 0 or more", place_, number, freedom));
+        throw ArgumentError(
+            fmt::format("{}: goal {} has a freedom of {}; it must be finite and 0 or more", place_,
+                        number, freedom));
       }
     }
     if (!IsFinite(goal.tcp))
@@ -81,16 +83,16 @@ class Solver {
   std::string Given(int number, const std::vector<double>& q,
                     std::vector<SolvedGoals::Solution>* out) const {
     if (q.size() != start_.size()) {
-      throw ArgumentError(fmt::format("{}: goal {} has {} joint values, expected {}", place_, number,
-                                      q.size(), start_.size()));
+      throw ArgumentError(fmt::format("{}: goal {} has {} joint values, expected {}", place_,
+                                      number, q.size(), start_.size()));
     }
     for (size_t i = 0; i < q.size(); ++i) {
       const std::string joint = Name(i);
       if (!std::isfinite(q[i]))
         throw ArgumentError(fmt::format("{}: goal {}: {} is not finite", place_, number, joint));
       if (q[i] < limits_[i].lower - kLimitSlack || q[i] > limits_[i].upper + kLimitSlack) {
-        return fmt::format("goal {}: {} is {:.4g}, beyond its limits {:.4g} ... {:.4g}", number, joint,
-                           q[i], limits_[i].lower, limits_[i].upper);
+        return fmt::format("goal {}: {} is {:.4g}, beyond its limits {:.4g} ... {:.4g}", number,
+                           joint, q[i], limits_[i].lower, limits_[i].upper);
       }
     }
     out->push_back({number, q});
@@ -150,7 +152,8 @@ class Solver {
       }
       return true;
     };
-    if (std::any_of(out->begin() + static_cast<std::ptrdiff_t>(before), out->end(), is_same)) return;
+    if (std::any_of(out->begin() + static_cast<std::ptrdiff_t>(before), out->end(), is_same))
+      return;
     out->push_back({number, std::move(q)});
   }
 

@@ -78,7 +78,8 @@ TEST_F(GoalSolver, SamplesTheWholeRegion) {
 
 TEST_F(GoalSolver, LeavesNoGoalOutWhenThereAreManySolutions) {
   std::vector<MotionGoal> goals;
-  for (int k = 0; k < 4; ++k) goals.push_back(MotionGoal::Tcp(TcpAt({0.4 * k, 0, 0, 1.5, 0, 1, 0})));
+  for (int k = 0; k < 4; ++k)
+    goals.push_back(MotionGoal::Tcp(TcpAt({0.4 * k, 0, 0, 1.5, 0, 1, 0})));
   const SolvedGoals solved = Solve(goals, 8);
   EXPECT_EQ(solved.solutions.size(), 8u);
   std::set<int> reached;

@@ -90,7 +90,8 @@ void GoalTrees::TryDirect(int goals) {
   std::vector<int> order(goals_);
   std::iota(order.begin(), order.end(), 0);
   const std::span<const double> start = trees_[0].at(0);
-  std::ranges::stable_sort(order, {}, [&](int g) { return DistanceIn(space_, start, trees_[1].at(g)); });
+  std::ranges::stable_sort(order, {},
+                           [&](int g) { return DistanceIn(space_, start, trees_[1].at(g)); });
   for (int k = 0; k < std::min(goals, goals_) && !found(); ++k) {
     if (judge_.IsFree(start, trees_[1].at(order[k]))) Join(0, order[k]);
   }
@@ -151,8 +152,8 @@ void Shorten(Rows* path, const JointSpace& space, EdgeJudge* judge, Rng& rng, in
     double a = rng.Uniform(0, ends.back()), b = rng.Uniform(0, ends.back());
     if (a > b) std::swap(a, b);
     const auto point = [&](double along, std::vector<double>* q) {
-      const size_t k = std::min<size_t>(
-          path->size() - 1, std::ranges::upper_bound(ends, along) - ends.begin());
+      const size_t k =
+          std::min<size_t>(path->size() - 1, std::ranges::upper_bound(ends, along) - ends.begin());
       const double length = ends[k] - ends[k - 1];
       MoveTowards((*path)[k - 1], (*path)[k], length > 0 ? (along - ends[k - 1]) / length : 1, q);
       return k;

@@ -114,8 +114,7 @@ TEST(GoalTrees, KeepToWhatProjectionsAllow) {
   Rng rng = Rng::Stream(1, "circle");
   for (int k = 0; k < 2000 && !trees.found(); ++k) trees.Step(rng);
   ASSERT_TRUE(trees.found());
-  for (const std::vector<double>& q : trees.path())
-    EXPECT_NEAR(std::hypot(q[0], q[1]), 1, 1e-9);
+  for (const std::vector<double>& q : trees.path()) EXPECT_NEAR(std::hypot(q[0], q[1]), 1, 1e-9);
 }
 
 }  // namespace

@@ -24,18 +24,15 @@ using internal::Rows;
 using Clock = std::chrono::steady_clock;
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kSlideUnit = 0.3;     // m of a slide that count like 1 rad
-constexpr double kPlanStep = kDegree;  // between configurations of an edge, of the joint that moves most
+constexpr double kSlideUnit = 0.3;  // m of a slide that count like 1 rad
 constexpr double kCheckStep = kDegree / 2;
-// m: so much more clearance while planning covers most of what lies between checked configurations.
-constexpr double kPlanClearance = 4e-4;
 constexpr int kBoldIterations = 300;
 constexpr int kDirectGoals = 4;
 constexpr int kIterationsBetweenPolls = 16;
 // rad or m: joints may rest so far beyond their limits, which are soft.
 constexpr double kStartSlack = 0.01;
-constexpr double kLineStep = 1e-3;     // m
-constexpr double kLineJump = 0.1;      // rad or m: more of a joint in one step is another branch
+constexpr double kLineStep = 1e-3;  // m
+constexpr double kLineJump = 0.1;   // rad or m: more of a joint in one step is another branch
 constexpr int kMostLineSteps = 20000;
 
 void RequireOptions(const MotionOptions& options, const std::string& place) {
@@ -46,7 +43,8 @@ void RequireOptions(const MotionOptions& options, const std::string& place) {
   if (!options.keep_axis) return;
   const AxisConstraint& keep = *options.keep_axis;
   if (!(keep.axis_in_tcp.norm() > 1e-9 && keep.axis_in_world.norm() > 1e-9 && keep.tolerance > 0))
-    throw ArgumentError(place + ": keep_axis needs two axes that are not 0, and a tolerance above 0");
+    throw ArgumentError(place +
+                        ": keep_axis needs two axes that are not 0, and a tolerance above 0");
 }
 
 std::vector<int> JointsOf(const Robot& robot, const MotionOptions& options,
@@ -139,12 +137,14 @@ std::optional<MotionResult> MotionPlanner::State::CheckStart(std::span<const dou
   }
   for (size_t i = 0; i < start.size(); ++i) {
     if (!std::isfinite(start[i]))
-      throw ArgumentError(fmt::format("{}: the start of {} is not finite", place, NameOf(static_cast<int>(i))));
+      throw ArgumentError(
+          fmt::format("{}: the start of {} is not finite", place, NameOf(static_cast<int>(i))));
     if (start[i] < limits[i].lower - kStartSlack || start[i] > limits[i].upper + kStartSlack) {
-      return Fail(MotionFailure::kStartBeyondLimits,
-                  fmt::format("{} starts at {:.4g}, beyond its limits {:.4g} ... {:.4g}; move it "
-                              "back first",
-                              NameOf(static_cast<int>(i)), start[i], limits[i].lower, limits[i].upper));
+      return Fail(
+          MotionFailure::kStartBeyondLimits,
+          fmt::format("{} starts at {:.4g}, beyond its limits {:.4g} ... {:.4g}; move it "
+                      "back first",
+                      NameOf(static_cast<int>(i)), start[i], limits[i].lower, limits[i].upper));
     }
   }
   if (model.MayHit(start, 1, internal::SphereJudge::kCautious)) {
@@ -193,11 +193,23 @@ internal::JointSpace MotionPlanner::State::SpaceOf(std::span<const double> start
 
 namespace {
 
-// One search for a path, in stages.
+// One search for a path, in stages: each is slower than the one before and leaves less out.
+struct Stage {
+  PathJudge::Kind kind;
+  double step;  // rad, between configurations of an edge
+  double more;  // m of clearance, which covers most of what lies between them
+};
+constexpr Stage kStages[] = {{PathJudge::Kind::kBold, kDegree, 4e-4},
+                             {PathJudge::Kind::kBold, kDegree / 2, 4e-4},
+                             {PathJudge::Kind::kEngine, kDegree / 2, 4e-4},
+                             {PathJudge::Kind::kEngine, kDegree / 2, 0},
+                             {PathJudge::Kind::kEngine, kDegree / 8, 0}};
+
 class Search {
  public:
   Search(CollisionModel* model, const internal::TipAxis* axis, const std::vector<Interval>& limits,
-         const internal::JointSpace& space, std::span<const double> start, const MotionBudget& budget)
+         const internal::JointSpace& space, std::span<const double> start,
+         const MotionBudget& budget)
       : space_(space),
         judge_(model, space_, axis, limits),
         start_(start),
@@ -215,20 +227,25 @@ class Search {
   }
 
   bool Run(const Rows& goals) {
-    double step = kPlanStep;
-    for (int attempt = 0; attempt < 2; ++attempt, step /= 2) {
-      judge_.Use(PathJudge::Kind::kBold, step, kPlanClearance);
-      if (!judge_.IsFree(start_)) break;
+    for (const Stage& stage : kStages) {
+      const bool engine = stage.kind == PathJudge::Kind::kEngine;
+      judge_.Use(stage.kind, stage.step, stage.more);
+      if (!judge_.IsFree(start_)) continue;
       const std::vector<int> free = FreeGoals(goals);
-      if (free.empty() || !Connect(goals, free, kBoldIterations)) break;
+      if (free.empty()) continue;
+      const int left = budget_.iterations - iterations_;
+      const int most = !engine ? kBoldIterations : stage.more > 0 ? left / 2 : left;
+      if (!Connect(goals, free, most)) {
+        if (out_of_time()) return false;
+        continue;
+      }
+      const Rows whole = path_;
       Improve();
       if (Holds()) return true;
+      path_ = whole;
+      if (Holds()) return true;
     }
-    judge_.Use(PathJudge::Kind::kEngine, kCheckStep, 0);
-    const std::vector<int> free = FreeGoals(goals);
-    if (free.empty() || !Connect(goals, free, budget_.iterations)) return false;
-    Improve();
-    return Holds();
+    return false;
   }
 
   const Rows& path() const { return path_; }
@@ -318,7 +335,8 @@ MotionResult MotionPlanner::PlanFrom(std::span<const double> start,
                                      const MotionBudget& budget) {
   State& s = *state_;
   if (budget.iterations < 0 || budget.shortcuts < 0 || budget.most_goals < 1)
-    throw ArgumentError(s.place + ": iterations and shortcuts must be 0 or more, most_goals 1 or more");
+    throw ArgumentError(s.place +
+                        ": iterations and shortcuts must be 0 or more, most_goals 1 or more");
   const CollisionModel::Counts before = s.model.counts();
   const auto finish = [&](MotionResult result) {
     result.configurations = s.model.counts().configurations - before.configurations;
@@ -340,11 +358,13 @@ MotionResult MotionPlanner::PlanFrom(std::span<const double> start,
     goal_of.push_back(solution.goal);
   }
   if (rows.empty()) {
-    return finish(s.Fail(MotionFailure::kGoalAgainstConstraint,
-                         fmt::format("none of the {} joint positions that reach a goal obeys keep_axis",
-                                     solved.solutions.size())));
+    return finish(
+        s.Fail(MotionFailure::kGoalAgainstConstraint,
+               fmt::format("none of the {} joint positions that reach a goal obeys keep_axis",
+                           solved.solutions.size())));
   }
-  Search search(&s.model, s.axis ? &*s.axis : nullptr, s.limits, s.SpaceOf(start, rows), start, budget);
+  Search search(&s.model, s.axis ? &*s.axis : nullptr, s.limits, s.SpaceOf(start, rows), start,
+                budget);
   MotionResult result;
   result.success = search.Run(rows);
   result.iterations = search.iterations();
@@ -362,10 +382,11 @@ MotionResult MotionPlanner::PlanFrom(std::span<const double> start,
     if (contact && !first) first = contact;
   }
   if (!some_free) {
-    result = s.Fail(MotionFailure::kGoalInCollision,
-                    fmt::format("all {} joint positions that reach a goal are in collision or nearer "
-                                "than the clearance of {} m; in the nearest one {} are",
-                                rows.size(), s.options.clearance, s.model.Describe(*first)));
+    result =
+        s.Fail(MotionFailure::kGoalInCollision,
+               fmt::format("all {} joint positions that reach a goal are in collision or nearer "
+                           "than the clearance of {} m; in the nearest one {} are",
+                           rows.size(), s.options.clearance, s.model.Describe(*first)));
   } else {
     const bool may_help = search.may_help();
     result = s.Fail(
@@ -391,8 +412,8 @@ MotionResult MotionPlanner::PlanLine(std::span<const double> start, const Pose& 
   const Pose from = arm.chain.Fk(values), to = arm.base_in_world.inverse() * tcp_in_world;
   const double metres = (to.translation() - from.translation()).norm();
   const double turn = (from.inverse() * to).angle();
-  const int steps = static_cast<int>(
-      std::clamp(std::ceil(std::max(metres / kLineStep, turn / kCheckStep)), 1.0, 1.0 * kMostLineSteps));
+  const int steps = static_cast<int>(std::clamp(
+      std::ceil(std::max(metres / kLineStep, turn / kCheckStep)), 1.0, 1.0 * kMostLineSteps));
   IkOptions ik{.max_restarts = 0};
   for (size_t i = 0; i < arm.dofs.size(); ++i) ik.locked[i] = arm.dofs[i] < 0;
   PathJudge judge(&s.model, s.SpaceOf(start, {}), s.axis ? &*s.axis : nullptr, s.limits);
@@ -403,14 +424,13 @@ MotionResult MotionPlanner::PlanLine(std::span<const double> start, const Pose& 
     ik.seed = values;
     const IkResult found = Ik(arm.chain, from.interpolate(to, static_cast<double>(k) / steps), ik);
     double jump = 0;
-    for (int i = 0; i < values.size(); ++i)
-      jump = std::max(jump, std::abs(found.q[i] - values[i]));
+    for (int i = 0; i < values.size(); ++i) jump = std::max(jump, std::abs(found.q[i] - values[i]));
     const double done = 100.0 * (k - 1) / steps;
     if (!found.success || jump > kLineJump) {
       result.failure = MotionFailure::kGoalUnreachable;
       result.message = fmt::format(
-          "{}: arm '{}' cannot follow the line beyond {:.0f} % of it within the joint limits", s.place,
-          arm.name, done);
+          "{}: arm '{}' cannot follow the line beyond {:.0f} % of it within the joint limits",
+          s.place, arm.name, done);
       return result;
     }
     values = found.q;

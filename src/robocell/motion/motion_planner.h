@@ -79,7 +79,7 @@ enum class MotionFailure {
   kGoalUnreachable,  // no goal has a solution within the limits
   kGoalInCollision,  // all solutions are in collision
   kGoalAgainstConstraint,
-  kNoPath,           // none found in the budget
+  kNoPath,  // none found in the budget
 };
 // Returns "start_in_collision" etc., and "none".
 std::string ToString(MotionFailure failure);

@@ -187,8 +187,7 @@ TEST_F(MotionPlannerOfRc7, KeepsAnAxisUpright) {
   // Of the TCP's axes the one that points most upwards at the start.
   const Eigen::Matrix3d tcp = robot_.tcp_in_world().rotation();
   const Eigen::Vector3d up = tcp.transpose() * Eigen::Vector3d::UnitZ();
-  MotionPlanner planner(
-      robot_, {.keep_axis = AxisConstraint{.axis_in_tcp = up, .tolerance = 0.2}});
+  MotionPlanner planner(robot_, {.keep_axis = AxisConstraint{.axis_in_tcp = up, .tolerance = 0.2}});
   const MotionResult result = planner.Plan({MotionGoal::Joints(goal_)}, {.seed = 1});
   ASSERT_TRUE(result.success) << result.message;
   for (size_t k = 1; k < result.path.size(); ++k) {
@@ -231,8 +230,11 @@ TEST_F(MotionPlannerOfRc7, FollowsAStraightLineOrSaysWhatIsInTheWay) {
 TEST_F(MotionPlannerOfRc7, RejectsWhatDoesNotFit) {
   MotionPlanner planner(robot_);
   ExpectThrow<ArgumentError>([&] { planner.Plan({}); }, "there is no goal");
-  ExpectThrow<ArgumentError>([&] { planner.Plan({MotionGoal::Joints({1, 2})}); },
-                             "goal 0 has 2 joint values, expected 7");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        planner.Plan({MotionGoal::Joints({1, 2})});
+      },
+      "goal 0 has 2 joint values, expected 7");
   ExpectThrow<NotFoundError>([&] { MotionPlanner(robot_, {.groups = {"leg"}}); }, "leg");
   ExpectThrow<ArgumentError>([&] { MotionPlanner(robot_, {.clearance = -1}); }, "clearance");
   MotionGoal other = MotionGoal::Tcp(Pose());

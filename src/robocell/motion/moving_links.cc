@@ -51,11 +51,12 @@ MovingLinks::MovingLinks(const mjModel* m, const mjData* d, std::span<const int>
           "{}: {} is a ball or free joint; motions are planned for hinges and slides only", place,
           name()));
     }
-    if (moved[joint].dof >= 0) throw ArgumentError(fmt::format("{}: {} appears twice", place, name()));
+    if (moved[joint].dof >= 0)
+      throw ArgumentError(fmt::format("{}: {} appears twice", place, name()));
     moved[joint].dof = n_dofs();
     const JointRange range = LimitsOf(m, joint);
-    dofs_.push_back({joint, type == mjJNT_SLIDE, std::isfinite(range.upper - range.lower), range.lower,
-                     range.upper});
+    dofs_.push_back({joint, type == mjJNT_SLIDE, std::isfinite(range.upper - range.lower),
+                     range.lower, range.upper});
   }
   for (const ListedFollower& follower : FollowersAmong(m, joints)) {
     throw ArgumentError(fmt::format("{}: {} follows {}; plan with the latter alone", place,
@@ -85,8 +86,9 @@ MovingLinks::MovingLinks(const mjModel* m, const mjData* d, std::span<const int>
       const Moved& how = moved[joint];
       if (how.dof < 0) continue;
       const Transform frame = FrameOfJoint(d, joint);
-      links_.push_back({link, at_present_[link].inverse() * frame, m->jnt_type[joint] == mjJNT_SLIDE,
-                        how.dof, d->qpos[m->jnt_qposadr[joint]], how.of_dof});
+      links_.push_back({link, at_present_[link].inverse() * frame,
+                        m->jnt_type[joint] == mjJNT_SLIDE, how.dof, d->qpos[m->jnt_qposadr[joint]],
+                        how.of_dof});
       at_present_.push_back(frame);
       link = static_cast<int>(links_.size()) - 1;
     }

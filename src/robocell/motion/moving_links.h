@@ -24,11 +24,11 @@ class MovingLinks {
   // What one joint moves. Its frame turns about its own z axis, or shifts along it, by the value
   // of the joint less `reference`.
   struct Link {
-    int parent = 0;       // index of a link before this one
-    Transform fixed;      // the joint's frame at `reference` in the frame of the parent
+    int parent = 0;   // index of a link before this one
+    Transform fixed;  // the joint's frame at `reference` in the frame of the parent
     bool slide = false;
-    int dof = 0;          // index in the configuration
-    double reference = 0;  // rad or m
+    int dof = 0;             // index in the configuration
+    double reference = 0;    // rad or m
     JointPolynomial of_dof;  // value of the joint: the identity unless it follows
   };
   struct Dof {
@@ -59,8 +59,8 @@ class MovingLinks {
  private:
   std::vector<Link> links_;
   std::vector<Dof> dofs_;
-  std::vector<int> link_of_;          // per body
-  std::vector<Transform> in_link_;    // per body
+  std::vector<int> link_of_;           // per body
+  std::vector<Transform> in_link_;     // per body
   std::vector<Transform> at_present_;  // per link: its pose in the data
 };
 

@@ -81,7 +81,10 @@ TEST_F(CoupledLinksOfMotion, FollowersMoveWithTheirLeaders) {
   EXPECT_NEAR(links.dofs()[0].lower, -1.2, 1e-12);  // of j3: -1.7 ... 1.2
   EXPECT_NEAR(links.dofs()[0].upper, 1.7, 1e-12);
   ExpectThrow<ArgumentError>(
-      [&] { MovingLinks(m, data.get(), std::vector{id("j2"), id("j3")}, "test"); }, "follows");
+      [&] {
+        MovingLinks(m, data.get(), std::vector{id("j2"), id("j3")}, "test");
+      },
+      "follows");
 }
 
 TEST(MovingLinks, RejectsJointsThatAreNoSingleNumber) {
@@ -94,8 +97,11 @@ TEST(MovingLinks, RejectsJointsThatAreNoSingleNumber) {
   ExpectThrow<ArgumentError>([&] { MovingLinks(m, scene.data(), std::vector{free}, "test"); },
                              "ball or free joint");
   const int hinge = FindId(m, mjOBJ_JOINT, Robot::Of(scene, "rc7").joint_names()[0]);
-  ExpectThrow<ArgumentError>([&] { MovingLinks(m, scene.data(), std::vector{hinge, hinge}, "test"); },
-                             "appears twice");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        MovingLinks(m, scene.data(), std::vector{hinge, hinge}, "test");
+      },
+      "appears twice");
 }
 
 TEST(MovingLinks, AttachedBodiesMoveWithTheirLink) {

@@ -27,7 +27,7 @@ constexpr int kTries = 24;           // cells that propose the next sphere
 constexpr size_t kCounted = 1000;    // cells, at most, by which proposals are compared
 constexpr int kHalvings = 8;
 constexpr double kShares[] = {0.35, 0.6, 0.8, 1};  // of the deepest centre that covers a cell
-constexpr int kOfACluster = 6;       // leaves below one inner sphere
+constexpr int kOfACluster = 6;                     // leaves below one inner sphere
 constexpr int kMostCells = 12'000;
 
 // Cuts the box into cells until each can be covered. Points of the body in a cell are within
@@ -48,7 +48,8 @@ void Cut(const ConvexShape& shape, const Vector3d& centre, const Vector3d& half,
   for (int x = 0; x < parts[0]; ++x) {
     for (int y = 0; y < parts[1]; ++y) {
       for (int z = 0; z < parts[2]; ++z) {
-        const Vector3d at = centre - half + part.cwiseProduct(Vector3d(2 * x + 1, 2 * y + 1, 2 * z + 1));
+        const Vector3d at =
+            centre - half + part.cwiseProduct(Vector3d(2 * x + 1, 2 * y + 1, 2 * z + 1));
         Cut(shape, at, part, inflation, cells);
       }
     }
@@ -99,7 +100,8 @@ std::vector<Sphere> Choose(const ConvexShape& shape, std::vector<Cell> cells, do
     for (size_t i = 0; i < cells.size(); i += step) {
       VisitSpheres(shape, cells[i], inflation, [&](const Sphere& sphere) {
         int covered = 0;
-        for (size_t k = i % stride; k < cells.size(); k += stride) covered += Covers(sphere, cells[k]);
+        for (size_t k = i % stride; k < cells.size(); k += stride)
+          covered += Covers(sphere, cells[k]);
         if (covered > most) most = covered, best = sphere;
       });
     }
@@ -151,10 +153,9 @@ void Build(std::span<Sphere> spheres, std::vector<SphereCover::Node>* nodes) {
     int axis = 0;
     box.sizes().maxCoeff(&axis);
     const size_t middle = part.size() / 2;
-    std::nth_element(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(middle), part.end(),
-                     [axis](const Sphere& a, const Sphere& b) {
-                       return a.centre[axis] < b.centre[axis];
-                     });
+    std::nth_element(
+        part.begin(), part.begin() + static_cast<std::ptrdiff_t>(middle), part.end(),
+        [axis](const Sphere& a, const Sphere& b) { return a.centre[axis] < b.centre[axis]; });
     return std::array{part.first(middle), part.subspan(middle)};
   };
   for (const std::span<Sphere> half : cut(spheres)) {

@@ -21,7 +21,8 @@ double OutsideOfLeaves(const SphereCover& cover, const Eigen::Vector3d& point) {
   return nearest;
 }
 
-const std::vector<std::string> kBounded = {"ball", "capsule", "box", "cylinder", "ellipsoid", "mesh"};
+const std::vector<std::string> kBounded = {"ball",     "capsule",   "box",
+                                           "cylinder", "ellipsoid", "mesh"};
 
 TEST(SphereCover, CoversSurfaceAndInsideOfEveryKindOfGeom) {
   const ShapesModel shapes;
@@ -75,7 +76,8 @@ TEST(SphereCover, InnerSpheresContainTheLeavesBelowThem) {
 TEST(SphereCover, FewSpheresAreEnough) {
   const ShapesModel shapes;
   const auto leaves = [&](const std::string& name, double inflation) {
-    return CoverWithSpheres(ConvexShapesOf(shapes.model(), shapes.Geom(name))[0], inflation).leaves();
+    return CoverWithSpheres(ConvexShapesOf(shapes.model(), shapes.Geom(name))[0], inflation)
+        .leaves();
   };
   EXPECT_EQ(leaves("ball", 0.01), 1);
   EXPECT_LE(leaves("capsule", 0.01), 6);

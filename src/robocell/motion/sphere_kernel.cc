@@ -25,7 +25,7 @@ using M = hn::Mask<Floats>;
 constexpr int kWidth = HWY_MAX(static_cast<int>(hn::MaxLanes(kFloats)), 1);
 
 // Products and sums are rounded one by one, so that every instruction set has the same numbers.
-HWY_INLINE V All(float value) { return hn::Set(kFloats, value); }
+HWY_INLINE V Every(float value) { return hn::Set(kFloats, value); }
 HWY_INLINE V Sum(V a, V b) { return hn::Add(a, b); }
 HWY_INLINE V Sum(V a, V b, V c) { return hn::Add(hn::Add(a, b), c); }
 
@@ -33,7 +33,7 @@ struct V3 {
   V x, y, z;
 };
 HWY_INLINE V Dot(const float* a, const V3& b) {
-  return Sum(hn::Mul(All(a[0]), b.x), hn::Mul(All(a[1]), b.y), hn::Mul(All(a[2]), b.z));
+  return Sum(hn::Mul(Every(a[0]), b.x), hn::Mul(Every(a[1]), b.y), hn::Mul(Every(a[2]), b.z));
 }
 HWY_INLINE V Squared(const V3& a) {
   return Sum(hn::Mul(a.x, a.x), hn::Mul(a.y, a.y), hn::Mul(a.z, a.z));
@@ -51,17 +51,17 @@ HWY_INLINE uint32_t BitsOf(M mask) {
 // Sine and cosine of |x| <= pi (and somewhat more), within 2e-7: by quarter turns and the
 // polynomials of Cephes (S. Moshier, sinf).
 HWY_INLINE void SineAndCosine(V x, V* sine, V* cosine) {
-  const V turns = hn::Round(hn::Mul(x, All(0.636619772f)));
-  V r = hn::Sub(x, hn::Mul(turns, All(1.5703125f)));
-  r = hn::Sub(r, hn::Mul(turns, All(4.837512969970703125e-4f)));
-  r = hn::Sub(r, hn::Mul(turns, All(7.54978995489188216e-8f)));
+  const V turns = hn::Round(hn::Mul(x, Every(0.636619772f)));
+  V r = hn::Sub(x, hn::Mul(turns, Every(1.5703125f)));
+  r = hn::Sub(r, hn::Mul(turns, Every(4.837512969970703125e-4f)));
+  r = hn::Sub(r, hn::Mul(turns, Every(7.54978995489188216e-8f)));
   const V r2 = hn::Mul(r, r);
-  V s = Sum(hn::Mul(All(-1.9515295891e-4f), r2), All(8.3321608736e-3f));
-  s = Sum(hn::Mul(s, r2), All(-1.6666654611e-1f));
+  V s = Sum(hn::Mul(Every(-1.9515295891e-4f), r2), Every(8.3321608736e-3f));
+  s = Sum(hn::Mul(s, r2), Every(-1.6666654611e-1f));
   s = Sum(hn::Mul(hn::Mul(s, r2), r), r);
-  V c = Sum(hn::Mul(All(2.443315711809948e-5f), r2), All(-1.388731625493765e-3f));
-  c = Sum(hn::Mul(c, r2), All(4.166664568298827e-2f));
-  c = Sum(hn::Mul(hn::Mul(c, r2), r2), hn::Sub(All(1.0f), hn::Mul(All(0.5f), r2)));
+  V c = Sum(hn::Mul(Every(2.443315711809948e-5f), r2), Every(-1.388731625493765e-3f));
+  c = Sum(hn::Mul(c, r2), Every(4.166664568298827e-2f));
+  c = Sum(hn::Mul(hn::Mul(c, r2), r2), hn::Sub(Every(1.0f), hn::Mul(Every(0.5f), r2)));
   const hn::RebindToSigned<Floats> ints;
   const auto quarter = hn::NearestInt(turns);
   const auto one = hn::Set(ints, 1), two = hn::Set(ints, 2);
@@ -82,7 +82,7 @@ class Lanes {
       std::fill(s_.known.begin(), s_.known.end(), 0);
       s_.group = 1;
     }
-    for (int k = 0; k < 12; ++k) Put(s_.frames[k], All(k % 4 == 0 && k < 9 ? 1.0f : 0.0f));
+    for (int k = 0; k < 12; ++k) Put(s_.frames[k], Every(k % 4 == 0 && k < 9 ? 1.0f : 0.0f));
   }
 
   // Returns the lanes that hit something. With `any`, at the first one. `pairs` may be null; with it
@@ -133,7 +133,7 @@ class Lanes {
     const V moved = hn::Load(kFloats, by);
     const SphereScratch::Lanes* parent = &s_.frames[12 * static_cast<size_t>(link.parent)];
     SphereScratch::Lanes* frame = &s_.frames[12 * static_cast<size_t>(l)];
-    V sine = All(0), cosine = All(1);
+    V sine = Every(0), cosine = Every(1);
     if (!link.slide) SineAndCosine(moved, &sine, &cosine);
     for (int row = 0; row < 3; ++row) {
       const V3 r{Get(parent[3 * row]), Get(parent[3 * row + 1]), Get(parent[3 * row + 2])};
@@ -151,7 +151,7 @@ class Lanes {
 
   HWY_INLINE V3 InWorld(int32_t link, const SphereTable::Ball& ball) const {
     const SphereScratch::Lanes* f = &s_.frames[12 * static_cast<size_t>(link)];
-    const V x = All(ball.x), y = All(ball.y), z = All(ball.z);
+    const V x = Every(ball.x), y = Every(ball.y), z = Every(ball.z);
     const auto row = [&](int r) HWY_ATTR {
       return Sum(Sum(hn::Mul(Get(f[3 * r]), x), hn::Mul(Get(f[3 * r + 1]), y)),
                  Sum(hn::Mul(Get(f[3 * r + 2]), z), Get(f[9 + r])));
@@ -172,38 +172,38 @@ class Lanes {
 
   // Returns true where a ball touches an obstacle; never false for one that does.
   M Touches(const SphereTable::Obstacle& o, const V3& p, float radius) const {
-    const V r = All(radius), zero = hn::Zero(kFloats);
-    const V3 d = Minus(p, {All(o.centre[0]), All(o.centre[1]), All(o.centre[2])});
+    const V r = Every(radius), zero = hn::Zero(kFloats);
+    const V3 d = Minus(p, {Every(o.centre[0]), Every(o.centre[1]), Every(o.centre[2])});
     switch (o.shape) {
       case SphereTable::Shape::kBall: {
         const float reach = radius + o.size[0];
-        return hn::Le(Squared(d), All(reach * reach));
+        return hn::Le(Squared(d), Every(reach * reach));
       }
       case SphereTable::Shape::kBox: {
-        const V3 out{hn::Max(hn::Sub(hn::Abs(Dot(o.axes, d)), All(o.size[0])), zero),
-                     hn::Max(hn::Sub(hn::Abs(Dot(o.axes + 3, d)), All(o.size[1])), zero),
-                     hn::Max(hn::Sub(hn::Abs(Dot(o.axes + 6, d)), All(o.size[2])), zero)};
+        const V3 out{hn::Max(hn::Sub(hn::Abs(Dot(o.axes, d)), Every(o.size[0])), zero),
+                     hn::Max(hn::Sub(hn::Abs(Dot(o.axes + 3, d)), Every(o.size[1])), zero),
+                     hn::Max(hn::Sub(hn::Abs(Dot(o.axes + 6, d)), Every(o.size[2])), zero)};
         return hn::Le(Squared(out), hn::Mul(r, r));
       }
       case SphereTable::Shape::kCapsule: {
         const float* axis = o.axes + 6;
-        const V along = hn::Max(hn::Min(Dot(axis, d), All(o.size[1])), All(-o.size[1]));
-        const V3 out = Minus(d, {hn::Mul(along, All(axis[0])), hn::Mul(along, All(axis[1])),
-                                 hn::Mul(along, All(axis[2]))});
+        const V along = hn::Max(hn::Min(Dot(axis, d), Every(o.size[1])), Every(-o.size[1]));
+        const V3 out = Minus(d, {hn::Mul(along, Every(axis[0])), hn::Mul(along, Every(axis[1])),
+                                 hn::Mul(along, Every(axis[2]))});
         const float reach = radius + o.size[0];
-        return hn::Le(Squared(out), All(reach * reach));
+        return hn::Le(Squared(out), Every(reach * reach));
       }
       case SphereTable::Shape::kCylinder: {
         const V along = Dot(o.axes + 6, d);
         const V across = hn::Sqrt(hn::Max(hn::Sub(Squared(d), hn::Mul(along, along)), zero));
-        const V beside = hn::Max(hn::Sub(across, All(o.size[0])), zero);
-        const V above = hn::Max(hn::Sub(hn::Abs(along), All(o.size[1])), zero);
+        const V beside = hn::Max(hn::Sub(across, Every(o.size[0])), zero);
+        const V above = hn::Max(hn::Sub(hn::Abs(along), Every(o.size[1])), zero);
         return hn::Le(Sum(hn::Mul(beside, beside), hn::Mul(above, above)), hn::Mul(r, r));
       }
       case SphereTable::Shape::kPolytope: {
         const float reach = radius + o.ball.radius;
-        const V3 to_ball = Minus(p, {All(o.ball.x), All(o.ball.y), All(o.ball.z)});
-        M touches = hn::Le(Squared(to_ball), All(reach * reach));
+        const V3 to_ball = Minus(p, {Every(o.ball.x), Every(o.ball.y), Every(o.ball.z)});
+        M touches = hn::Le(Squared(to_ball), Every(reach * reach));
         for (int32_t k = o.planes.first; k < o.planes.last && Some(touches); ++k)
           touches = hn::And(touches, Within(t_.planes[k], p, radius));
         return touches;
@@ -214,7 +214,7 @@ class Lanes {
     return hn::Lt(r, r);
   }
   HWY_INLINE M Within(const SphereTable::Plane& plane, const V3& p, float radius) const {
-    return hn::Le(Dot(plane.normal, p), All(plane.offset + radius));
+    return hn::Le(Dot(plane.normal, p), Every(plane.offset + radius));
   }
 
   HWY_INLINE float MarginTo(const SphereTable::Tree& tree, bool own) const {
@@ -267,7 +267,7 @@ class Lanes {
       const float reach = link.ball.radius + t_.links[pair.other].ball.radius + margin;
       const SphereScratch::Lanes* other = &s_.balls[3 * static_cast<size_t>(pair.other)];
       const V3 between = Minus(centre, {Get(other[0]), Get(other[1]), Get(other[2])});
-      if (!Some(hn::Le(Squared(between), All(reach * reach)))) continue;
+      if (!Some(hn::Le(Squared(between), Every(reach * reach)))) continue;
       for (int32_t p = pair.trees.first; p < pair.trees.last; ++p) {
         if (MeetTree(t_.tree_pairs[p])) return true;
       }
@@ -311,7 +311,7 @@ class Lanes {
     return found;
   }
   HWY_INLINE M Near(const V3& a, const V3& b, float reach) const {
-    return hn::Le(Squared(Minus(a, b)), All(reach * std::max(reach, 0.0f)));
+    return hn::Le(Squared(Minus(a, b)), Every(reach * std::max(reach, 0.0f)));
   }
 
   bool Report(uint32_t found, int32_t geom, int32_t other, bool own) {
@@ -343,12 +343,13 @@ int Nearest(const float* points, int stride, int count, int dofs, const float* q
   alignas(64) float least[kWidth];
   alignas(64) int32_t index[kWidth];
   const hn::RebindToSigned<Floats> ints;
-  V best = All(std::numeric_limits<float>::infinity());
+  V best = Every(std::numeric_limits<float>::infinity());
   auto where = hn::Zero(ints), here = hn::Iota(ints, 0);
   for (int i = 0; i < count; i += kWidth) {
     V sum = hn::Zero(kFloats);
     for (int k = 0; k < dofs; ++k) {
-      const V d = hn::Sub(hn::LoadU(kFloats, points + static_cast<size_t>(k) * stride + i), All(q[k]));
+      const V d =
+          hn::Sub(hn::LoadU(kFloats, points + static_cast<size_t>(k) * stride + i), Every(q[k]));
       sum = Sum(sum, hn::Mul(d, d));
     }
     const auto exists = hn::Lt(here, hn::Set(ints, count));

@@ -35,9 +35,9 @@ class SphereScratch {
   };
   void Fit(const SphereTable& table);
 
-  std::vector<Lanes> frames;   // 12 per link
-  std::vector<Lanes> balls;    // 3 per link: centre of its ball
-  std::vector<Lanes> centres;  // 3 per node
+  std::vector<Lanes> frames;    // 12 per link
+  std::vector<Lanes> balls;     // 3 per link: centre of its ball
+  std::vector<Lanes> centres;   // 3 per node
   std::vector<uint32_t> known;  // per node: the group whose centres are there
   std::vector<int32_t> active;
   uint32_t group = 0;

@@ -66,8 +66,8 @@ TEST(SphereKernel, FindsTheDistanceAtWhichABallTouchesEachShape) {
                 {{{0, 0, -1}, -1.1f}, {{1, 0, 0}, 1.2f}, {{-1, 0, 0}, -0.8f}})};
   for (const SphereTable& table : tables) {
     OnEveryInstructionSet([&](const std::string& name) {
-      const std::string what = name + ", shape " +
-                               std::to_string(static_cast<int>(table.obstacles[0].shape));
+      const std::string what =
+          name + ", shape " + std::to_string(static_cast<int>(table.obstacles[0].shape));
       EXPECT_TRUE(Hits(table, 1.001, 0)) << what;
       EXPECT_FALSE(Hits(table, 0.999, 0)) << what;
       EXPECT_TRUE(Hits(table, 0.999, 0, 0.002f)) << what;

@@ -37,9 +37,9 @@ void RequirePath(std::span<const std::vector<double>> path, const MotionLimits& 
     const bool is_finite =
         std::ranges::all_of(path[k], [](double value) { return std::isfinite(value); });
     if (path[k].size() != joints || !is_finite) {
-      throw ArgumentError(fmt::format(
-          "timing a path: way point {} has {} values, expected {} that are finite", k,
-          path[k].size(), joints));
+      throw ArgumentError(
+          fmt::format("timing a path: way point {} has {} values, expected {} that are finite", k,
+                      path[k].size(), joints));
     }
   }
   RequireLimits("velocity", limits.velocity, joints);
@@ -69,7 +69,9 @@ WayLimits LimitsOfWay(std::span<const double> from, std::span<const double> to,
 
 }  // namespace
 
-int Trajectory::n_joints() const { return points_.empty() ? 0 : static_cast<int>(points_[0].size()); }
+int Trajectory::n_joints() const {
+  return points_.empty() ? 0 : static_cast<int>(points_[0].size());
+}
 
 Trajectory TimePath(std::span<const std::vector<double>> path, const MotionLimits& limits) {
   RequirePath(path, limits);
@@ -90,9 +92,10 @@ Trajectory TimePath(std::span<const std::vector<double>> path, const MotionLimit
     input.max_jerk = {way.jerk / (second * second * second)};
     ruckig::Trajectory<1> solved;
     if (generator.calculate(input, solved) != ruckig::Result::Working) {
-      throw Error(fmt::format("timing a path: no motion to way point {} within the limits; they may "
-                              "be many powers of ten apart",
-                              k));
+      throw Error(
+          fmt::format("timing a path: no motion to way point {} within the limits; they may "
+                      "be many powers of ten apart",
+                      k));
     }
     Trajectory::Line line;
     const ruckig::Profile profile = solved.get_profiles()[0][0];
@@ -138,7 +141,8 @@ TrajectoryPoint Trajectory::At(double time) const {
 
 std::vector<std::vector<double>> Trajectory::Sample(double tick) const {
   if (!(tick > 0 && std::isfinite(tick)))
-    throw ArgumentError(fmt::format("sampling a trajectory: the tick is {} s; it must be above 0", tick));
+    throw ArgumentError(
+        fmt::format("sampling a trajectory: the tick is {} s; it must be above 0", tick));
   std::vector<std::vector<double>> rows;
   const auto ticks = static_cast<int64_t>(std::ceil(duration() / tick - 1e-9));
   for (int64_t k = 0; k < ticks; ++k) rows.push_back(At(static_cast<double>(k) * tick).position);
@@ -162,10 +166,12 @@ std::string WhyTooSlow(std::span<const std::vector<double>> path, const MotionLi
     if (time > most) most = time, slowest = i;
   }
   return fmt::format(
-      "limits too tight: the path takes {:.3g} s, more than {:.3g} s; joint '{}' alone takes {:.3g} s "
+      "limits too tight: the path takes {:.3g} s, more than {:.3g} s; joint '{}' alone takes "
+      "{:.3g} s "
       "(velocity {:.3g}, acceleration {:.3g}, jerk {:.3g})",
-      needed, seconds, slowest < joint_names.size() ? joint_names[slowest] : std::to_string(slowest),
-      most, Limit(limits.velocity, slowest), Limit(limits.acceleration, slowest),
+      needed, seconds,
+      slowest < joint_names.size() ? joint_names[slowest] : std::to_string(slowest), most,
+      Limit(limits.velocity, slowest), Limit(limits.acceleration, slowest),
       Limit(limits.jerk, slowest));
 }
 

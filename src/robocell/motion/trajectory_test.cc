@@ -98,8 +98,11 @@ TEST(Trajectory, VerySmallAndVeryLargeMotionsWork) {
 
 TEST(Trajectory, RejectsLimitsAndPathsThatMakeNoSense) {
   const Path path = {{0, 0}, {1, 1}};
-  ExpectThrow<ArgumentError>([&] { TimePath(path, {.velocity = {1, 2, 3}}); },
-                             "velocity has 3 values, expected 1 or 2");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        TimePath(path, {.velocity = {1, 2, 3}});
+      },
+      "velocity has 3 values, expected 1 or 2");
   ExpectThrow<ArgumentError>([&] { TimePath(path, {.acceleration = {0}}); }, "above 0");
   ExpectThrow<ArgumentError>(
       [&] { TimePath(path, {.jerk = {std::numeric_limits<double>::quiet_NaN()}}); }, "jerk");

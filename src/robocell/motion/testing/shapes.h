@@ -30,8 +30,9 @@ class ShapesModel {
     for (int k = 0; k < 36; ++k) heights += std::to_string(0.5 + 0.5 * std::sin(k)) + " ";
     const std::string path = folder_.Write("shapes", R"(
       <asset><mesh name="mesh" vertex=")" + vertices + R"("/>
-        <hfield name="field" nrow="6" ncol="6" size="0.1 0.08 0.05 0.02" elevation=")" + heights +
-                                                     R"("/></asset>
+        <hfield name="field" nrow="6" ncol="6" size="0.1 0.08 0.05 0.02" elevation=")" +
+                                                         heights +
+                                                         R"("/></asset>
       <worldbody>
         <geom name="ball" type="sphere" size="0.05" pos="0 0 1"/>
         <geom name="capsule" type="capsule" size="0.03 0.06" pos="1 0 1" euler="20 30 40"/>
