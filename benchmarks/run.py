@@ -22,6 +22,7 @@ import dynamics
 import env_step
 import episodes
 import ik
+import motion
 import overlap
 import policy_round_trip
 import read_frames
@@ -51,6 +52,7 @@ BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "overlap": overlap.rows,
     "episodes": episodes.rows,
     "policy_round_trip": policy_round_trip.rows,
+    "motion": motion.rows,
 }
 
 

@@ -110,6 +110,47 @@ TEST_P(CollisionModels, AnswersDependOnNeitherTheOthersNorTheInstructionSet) {
   }
 }
 
+// Obstacles of the kinds that scene objects lack.
+constexpr const char* kKinds = R"(
+  <asset><mesh name="wedge" vertex="-.1 -.1 -.1 .1 -.1 -.1 0 .1 -.1 0 0 .15 -.12 .05 0"/>
+    <hfield name="hills" nrow="6" ncol="8" size=".4 .3 .2 .05" elevation="
+      0 3 0 1 0 2 2 2 2 0 0 2 0 2 2 3 0 2 1 0 3 0 1 0
+      0 0 3 0 2 0 2 0 3 0 2 2 3 0 1 0 0 2 1 0 2 3 0 0"/>
+  </asset>
+  <worldbody><body name="kinds">
+    <geom name="capsule" type="capsule" size=".05 .2" pos=".35 -.3 .7" euler="30 20 10"/>
+    <geom name="egg" type="ellipsoid" size=".1 .15 .08" pos=".2 .35 .8" euler="30 20 10"/>
+    <geom name="wedge" type="mesh" mesh="wedge" pos=".45 .1 .6" euler="30 20 10"/>
+    <geom name="hills" type="hfield" hfield="hills" pos="-.3 0 .3"/>
+  </body></worldbody>)";
+
+TEST(CollisionModelAmongAllKinds, MissesNothingThatTheEngineFinds) {
+  ModelFolder folder;
+  SceneSpec spec = SceneWith({.name = "rc7", .config = Rc7()});
+  spec.objects.push_back(
+      {.name = "kinds", .mjcf_path = folder.Write("kinds", kKinds), .pos = Vec3{}, .fixed = true});
+  const Scene scene = Scene::Build(spec);
+  const Robot robot = Robot::Of(scene, "rc7");
+  CollisionModel model(robot, JointIds(robot), {.clearance = 0.004});
+  CollisionFilter filter(robot, {.clearance = 0.004});
+  Rng rng = Rng::Stream(3, "configurations");
+  std::vector<int> found(scene.model()->ngeom, 0);
+  for (int k = 0; k < 1500; ++k) {
+    std::vector<double> q;
+    for (const MovingLinks::Dof& dof : model.links().dofs())
+      q.push_back(rng.Uniform(dof.lower, dof.upper));
+    const bool is_free = filter.IsFree(q);
+    const auto contact = model.FindContact(q);
+    EXPECT_EQ(!contact, is_free);
+    if (contact) ++found[contact->other];
+    if (!is_free) {
+      EXPECT_EQ(model.MayHit(q, 1, SphereJudge::kCautious), 1u);
+    }
+  }
+  for (const std::string name : {"capsule", "egg", "wedge", "hills"})
+    EXPECT_GT(found[FindId(scene.model(), mjOBJ_GEOM, "kinds_" + name)], 3) << name;
+}
+
 class CollisionModelOfRc7 : public ::testing::Test {
  protected:
   static SceneSpec Spec() {
