@@ -178,11 +178,11 @@ void BindGoal(nb::module_& m) {
       .def_prop_ro(
           "position_box", [](const MotionGoal& g) { return ThreeArray(g.position_box); },
           nb::for_getter(nb::sig("def position_box(self) -> numpy.typing.NDArray[numpy.float64]")),
-          "Largest displacement along each axis, m.")
+          "Largest displacement along each axis (3,), m.")
       .def_prop_ro(
           "free_rotation", [](const MotionGoal& g) { return ThreeArray(g.free_rotation); },
           nb::for_getter(nb::sig("def free_rotation(self) -> numpy.typing.NDArray[numpy.float64]")),
-          "Largest rotation about each axis, rad.")
+          "Largest rotation about each axis (3,), rad.")
       .def_ro("arm", &MotionGoal::arm, "The arm group; \"\" for the first planned one.");
   nb::class_<AxisConstraint>(
       m, "AxisConstraint",
@@ -377,6 +377,21 @@ void BindPlanner(nb::module_& m) {
           "    True");
 }
 
+MotionLimits ToLimits(nb::handle velocity, nb::handle acceleration, nb::handle jerk) {
+  const auto limits = [](nb::handle value, const char* name) {
+    return PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr())
+               ? std::vector{ToDouble(value, FieldPath(name))}
+               : ToRow(value, name);
+  };
+  return {.velocity = limits(velocity, "velocity"),
+          .acceleration = limits(acceleration, "acceleration"),
+          .jerk = limits(jerk, "jerk")};
+}
+
+#define LIMITS_SIGNATURE                                                   \
+  "velocity: float | numpy.typing.ArrayLike = 1.0, acceleration: float | " \
+  "numpy.typing.ArrayLike = 3.0, jerk: float | numpy.typing.ArrayLike = 20.0"
+
 void BindTrajectory(nb::module_& m) {
   nb::class_<Trajectory>(m, "Trajectory",
                          "A path over time; straight lines from way point to way point, at rest in "
@@ -402,25 +417,32 @@ void BindTrajectory(nb::module_& m) {
   m.def(
       "time_path",
       [](nb::handle path, nb::handle velocity, nb::handle acceleration, nb::handle jerk) {
-        const auto limits = [](nb::handle value, const char* name) {
-          return PyFloat_Check(value.ptr()) || PyLong_Check(value.ptr())
-                     ? std::vector{ToDouble(value, FieldPath(name))}
-                     : ToRow(value, name);
-        };
-        return TimePath(ToRows(path, "path"), {.velocity = limits(velocity, "velocity"),
-                                               .acceleration = limits(acceleration, "acceleration"),
-                                               .jerk = limits(jerk, "jerk")});
+        return TimePath(ToRows(path, "path"), ToLimits(velocity, acceleration, jerk));
       },
       "path"_a, nb::kw_only(), "velocity"_a = 1.0, "acceleration"_a = 3.0, "jerk"_a = 20.0,
-      nb::sig("def time_path(path: numpy.typing.ArrayLike, *, velocity: float | "
-              "numpy.typing.ArrayLike = 1.0, acceleration: float | numpy.typing.ArrayLike = 3.0, "
-              "jerk: float | numpy.typing.ArrayLike = 20.0) -> Trajectory"),
+      nb::sig("def time_path(path: numpy.typing.ArrayLike, *, " LIMITS_SIGNATURE ") -> Trajectory"),
       "Times a path (k, n) within limits of velocity, acceleration and jerk, one for each joint or "
       "one for all: rad or m, and seconds. Raises ArgumentError for limits that are not above 0."
       "\n\nExamples:\n"
       "    >>> motion = rc.motion.time_path([[0.0, 0.0], [1.0, 0.5]], velocity=1.5)\n"
       "    >>> motion.sample(0.01).shape[1]\n"
       "    2");
+  m.def(
+      "why_too_slow",
+      [](nb::handle path, double seconds, const std::vector<std::string>& joint_names,
+         nb::handle velocity, nb::handle acceleration, nb::handle jerk) {
+        return WhyTooSlow(ToRows(path, "path"), ToLimits(velocity, acceleration, jerk), seconds,
+                          joint_names);
+      },
+      "path"_a, "seconds"_a, "joint_names"_a = std::vector<std::string>{}, nb::kw_only(),
+      "velocity"_a = 1.0, "acceleration"_a = 3.0, "jerk"_a = 20.0,
+      nb::sig("def why_too_slow(path: numpy.typing.ArrayLike, seconds: float, joint_names: "
+              "list[str] = [], *, " LIMITS_SIGNATURE ") -> str"),
+      "Returns why a path (k, n) takes longer than `seconds` within the limits, naming the joint "
+      "whose limits count most; \"\" if it does not."
+      "\n\nExamples:\n"
+      "    >>> rc.motion.why_too_slow([[0.0], [1.0]], 10.0)\n"
+      "    ''");
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ from robocell._core import (
     MotionResult,
     Trajectory,
     time_path,
+    why_too_slow,
 )
 
 __all__ = [
@@ -22,4 +23,5 @@ __all__ = [
     "MotionResult",
     "Trajectory",
     "time_path",
+    "why_too_slow",
 ]

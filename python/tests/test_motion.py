@@ -125,6 +125,10 @@ def test_paths_are_timed_within_limits() -> None:
     states = [motion.at(t) for t in np.linspace(0, motion.duration, 300)]
     assert np.max(np.abs([v for _, v, _ in states]), axis=0)[1] <= 0.4 + 1e-9
     assert np.max(np.abs([a for _, _, a in states])) <= 2 + 1e-9
+    assert rc.motion.why_too_slow(path, 60) == ""
+    why = rc.motion.why_too_slow(path, 1, ["a", "b"], velocity=[1, 0.1])
+    assert why.startswith("limits too tight: the path takes")
+    assert "joint 'b' alone" in why
     with pytest.raises(rc.ArgumentError, match="above 0"):
         rc.motion.time_path(path, velocity=0)
     with pytest.raises(rc.ArgumentError, match=r"\(k, n\)"):
