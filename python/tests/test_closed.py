@@ -68,6 +68,7 @@ KINDS = [
     *("scene", "robot", "ad hoc robot", "kinematics", "arm", "gripper", "base", "stepper"),
     *("gripper controller", "position controller", "renderer", "video recorder"),
     *("cartesian_pose", "joint_impedance", "cartesian_impedance", "environment"),
+    "motion planner",
 ]
 
 

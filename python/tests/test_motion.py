@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import gc
 import math
+import weakref
 
 import numpy as np
 import pytest
@@ -144,3 +146,19 @@ def test_an_axis_stays_where_it_is_kept(robot: rc.Robot) -> None:
         for q in np.linspace(a, b, 30):
             turned = (robot.base_in_world * robot.fk_frame(q)).rotation @ up
             assert math.acos(min(1, turned[2])) < 0.201
+
+
+def test_a_planner_that_its_scene_refers_to_is_collected() -> None:
+    class Mark:
+        pass
+
+    def cycle() -> weakref.ref[Mark]:
+        scene = wall_scene()
+        planner, mark = rc.motion.MotionPlanner(scene.robot("rc7")), Mark()
+        kept = [planner, mark]
+        scene.on_reset(lambda _: kept.reverse())
+        return weakref.ref(mark)
+
+    mark = cycle()
+    gc.collect()
+    assert mark() is None
