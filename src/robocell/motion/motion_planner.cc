@@ -26,7 +26,7 @@ using Clock = std::chrono::steady_clock;
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kSlideUnit = 0.3;  // m of a slide that count like 1 rad
 constexpr double kCheckStep = kDegree / 2;
-constexpr int kBoldIterations = 300;
+constexpr int kBoldIterations = 300, kBoldConstrained = 3000;  // with a constraint steps are short
 constexpr int kDirectGoals = 4;
 constexpr int kIterationsBetweenPolls = 16;
 // rad or m: joints may rest so far beyond their limits, which are soft.
@@ -211,6 +211,7 @@ class Search {
          const internal::JointSpace& space, std::span<const double> start,
          const MotionBudget& budget)
       : space_(space),
+        bold_(axis ? kBoldConstrained : kBoldIterations),
         judge_(model, space_, axis, limits),
         start_(start),
         budget_(budget),
@@ -234,7 +235,7 @@ class Search {
       const std::vector<int> free = FreeGoals(goals);
       if (free.empty()) continue;
       const int left = budget_.iterations - iterations_;
-      const int most = !engine ? kBoldIterations : stage.more > 0 ? left / 2 : left;
+      const int most = !engine ? bold_ : stage.more > 0 ? left / 2 : left;
       if (!Connect(goals, free, most)) {
         if (out_of_time()) return false;
         continue;
@@ -288,6 +289,7 @@ class Search {
   }
 
   internal::JointSpace space_;
+  int bold_;
   PathJudge judge_;
   std::span<const double> start_;
   const MotionBudget& budget_;

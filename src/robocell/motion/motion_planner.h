@@ -16,8 +16,9 @@
 // steps of at most half a degree, wherever the spheres do not show more than the clearance. If
 // that finds fault, planning continues with the engine's distances in place of doubtful spheres.
 //
-// The same scene, goals, options and seed give the same path, on every processor, unless a deadline
-// cuts the search short. A motion that is not found is a result with a failure, not an exception.
+// The same scene, goals, options and seed give the same path, unless a deadline cuts the search
+// short. Between joint positions that holds on every processor; inverse kinematics (goals of the
+// TCP, keep_axis) rounds differently with other instruction sets. A motion that is not found is a result with a failure, not an exception.
 // Throws ArgumentError for goals and options that do not fit the robot, NotFoundError for unknown
 // names, Error after objects were added to the scene or removed. Threads: those of the scene.
 #pragma once

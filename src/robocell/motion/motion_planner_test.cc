@@ -11,6 +11,7 @@
 #include "robocell/robot/collision_filter.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/instruction_sets.h"
 
 namespace robocell {
 namespace {
@@ -81,6 +82,17 @@ TEST_F(MotionPlannerOfRc7, SameSeedSamePath) {
   const std::vector<MotionGoal> goals = {MotionGoal::Joints(goal_)};
   EXPECT_EQ(Plan(robot_, goals, {}, {.seed = 3}).path, first.path);
   EXPECT_NE(planner.Plan({MotionGoal::Joints(goal_)}, {.seed = 4}).path, first.path);
+}
+
+TEST_F(MotionPlannerOfRc7, SamePathOnEveryInstructionSet) {
+  MotionPlanner planner(robot_);
+  std::vector<std::vector<double>> expected;
+  OnEveryInstructionSet([&](const std::string& name) {
+    const MotionResult result = planner.Plan({MotionGoal::Joints(goal_)}, {.seed = 5});
+    ASSERT_TRUE(result.success) << result.message;
+    if (expected.empty()) expected = result.path;
+    EXPECT_EQ(result.path, expected) << name;
+  });
 }
 
 TEST_F(MotionPlannerOfRc7, ReachesThePoseOfTheTcp) {
