@@ -242,6 +242,22 @@ POLICIES = tuple(
         ("state and two 224x224 images", 2.0, 0.7),
     )
 )
+MOTIONS = tuple(
+    Floor(
+        "P15",
+        f"collision-aware plan, {name}, {family}",
+        "motion",
+        f"plan, {name}, {family}, {{robot}}",
+        measure=MILLISECONDS,
+        floor=floor,
+        aim=(aim if "hard" in family or name != "median" else aim / 2),
+    )
+    for name, floor, aim in (("median", 2.0, 1.0), ("99th percentile", 50.0, 10.0))
+    for family in (
+        *("tabletop", "shelf", "box", "clutter"),
+        *("hard tabletop", "hard shelf", "hard box", "hard clutter"),
+    )
+)
 # The same rows with the kernels of processors without AVX-512.
 NARROWED = tuple(
     replace(floor, section=f"{floor.section}_avx2") for floor in KINEMATICS if floor.section

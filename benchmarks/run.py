@@ -23,6 +23,7 @@ import env_step
 import episodes
 import graphics_card
 import ik
+import motion
 import overlap
 import policy_round_trip
 import read_frames
@@ -53,6 +54,7 @@ BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "episodes": episodes.rows,
     "graphics_card": graphics_card.rows,
     "policy_round_trip": policy_round_trip.rows,
+    "motion": motion.rows,
 }
 
 

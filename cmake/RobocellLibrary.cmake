@@ -32,8 +32,12 @@ endif()
 set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/media/yuv420.cc" PROPERTIES
   COMPILE_OPTIONS "-O2" SKIP_UNITY_BUILD_INCLUSION ON)
 # The same bytes with every instruction set: no multiplication and addition in one.
-set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/render/soft_kernel.cc" PROPERTIES
+set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/render/soft_kernel.cc"
+  "${PROJECT_SOURCE_DIR}/src/robocell/motion/sphere_kernel.cc" PROPERTIES
   COMPILE_OPTIONS "-O3;-ffp-contract=off" SKIP_UNITY_BUILD_INCLUSION ON)
+# The headers of ruckig are this file's alone.
+set_source_files_properties("${PROJECT_SOURCE_DIR}/src/robocell/motion/trajectory.cc" PROPERTIES
+  INCLUDE_DIRECTORIES "${ROBOCELL_RUCKIG_INCLUDES}" SKIP_UNITY_BUILD_INCLUSION ON)
 # ThreadSanitizer gives every function something to clean up, which an exception of the engine cannot pass
 # (engine_exception.h). What it then does not tell is who called a function of these. (Tests: RobocellTests.cmake.)
 set(ROBOCELL_EXCEPTIONS_PASS "--param=tsan-instrument-func-entry-exit=0")
@@ -52,12 +56,12 @@ if(ROBOCELL_HAS_TLS_DESCRIPTORS AND NOT ROBOCELL_SANITIZE)
 endif()
 target_compile_features(robocell PUBLIC cxx_std_20)
 # Calls within the library go straight to what they call, not through a table that others could change.
-target_link_options(robocell PRIVATE "LINKER:-Bsymbolic-functions" "LINKER:--version-script=${ROBOCELL_EXPORTS}")
+target_link_options(robocell PRIVATE ${ROBOCELL_RUCKIG_LINK_OPTIONS} "LINKER:-Bsymbolic-functions" "LINKER:--version-script=${ROBOCELL_EXPORTS}")
 set_target_properties(robocell PROPERTIES LINK_DEPENDS "${ROBOCELL_EXPORTS}")
 set(ROBOCELL_PUBLIC_LIBRARIES mujoco::mujoco Eigen3::Eigen fmt::fmt)
 set(ROBOCELL_PRIVATE_LIBRARIES robocell_flags spdlog::spdlog yaml-cpp nlohmann_json::nlohmann_json orocos-kdl
   OpenSSL::Crypto PkgConfig::HWY ${HDF5_C_LIBRARIES} PNG::PNG Threads::Threads ${CMAKE_DL_LIBS}
-  $<LINK_ONLY:tinyxml2::tinyxml2>)  # its flags would be those of every file; its header needs none
+  $<LINK_ONLY:ruckig::ruckig> $<LINK_ONLY:tinyxml2::tinyxml2>)  # its flags would be those of every file; its header needs none
 target_include_directories(robocell PUBLIC
   "$<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/src>" "$<INSTALL_INTERFACE:include>")
 target_include_directories(robocell_waiting PRIVATE "${PROJECT_SOURCE_DIR}/src")
@@ -102,7 +106,7 @@ if(ROBOCELL_TESTS OR ROBOCELL_BENCHMARKS)
   target_include_directories(robocell_for_tests PUBLIC "${PROJECT_SOURCE_DIR}/src")
   target_compile_features(robocell_for_tests PUBLIC cxx_std_20)
   target_link_libraries(robocell_for_tests PUBLIC ${ROBOCELL_PUBLIC_LIBRARIES} PRIVATE ${ROBOCELL_PRIVATE_LIBRARIES})
-  target_link_options(robocell_for_tests PRIVATE "LINKER:-Bsymbolic-functions")
+  target_link_options(robocell_for_tests PRIVATE ${ROBOCELL_RUCKIG_LINK_OPTIONS} "LINKER:-Bsymbolic-functions")
   set_target_properties(robocell_for_tests PROPERTIES LINKER_LANGUAGE CXX BUILD_RPATH "${MUJOCO_DIR}"
     LIBRARY_OUTPUT_DIRECTORY "${PROJECT_BINARY_DIR}")
   add_dependencies(robocell_for_tests robocell_warm_start robocell_drawing_service)

@@ -31,6 +31,7 @@ void BindAssets(nb::module_& m);        // paths of models
 void BindScene(nb::module_& m);         // compiled and live scenes
 void BindKinematics(nb::module_& m);    // inverse kinematics
 void BindRobot(nb::module_& m);         // robots and groups, with the stepper
+void BindMotion(nb::module_& m);        // collision-free motions
 void BindRender(nb::module_& m);        // images and videos
 void BindTask(nb::module_& m);          // tasks and experts
 void BindSampler(nb::module_& m);       // starts of episodes

@@ -26,6 +26,7 @@ NB_MODULE(_core, m) {
   BindKinematics(m);
   BindRobot(m);
   BindCollisionFilter(m);
+  BindMotion(m);
   BindRender(m);
   BindTask(m);
   BindSampler(m);

@@ -12,7 +12,7 @@ the errors. All names are in modules by topic:
     scenes      sources of scenes, your own too               policy      policies of your own
     models      built-in robots, objects and scenes           evaluate    success rates
     menagerie   MuJoCo Menagerie's robots                     diagnose    checks, trials, advice
-    log         messages
+    log         messages                                      motion      collision-free motions
 
 They are there after `import robocell`. Modules that need packages of an extra are imported by
 name: `robocell.gym`, `robocell.sb3`, `robocell.lerobot`, `robocell.export`,
@@ -42,6 +42,7 @@ from robocell import (
     log,
     menagerie,
     models,
+    motion,
     render,
     robots,
     scene,
@@ -110,6 +111,7 @@ __all__ = [
     "log",
     "menagerie",
     "models",
+    "motion",
     "register_task",
     "render",
     "robots",

@@ -16,6 +16,7 @@ ALWAYS = {
     "Robot": {"name", "prefix", "scene"},
     "MoveGroup": {"name", "kind"},
     "Controller": {"kind"},
+    "MotionPlanner": {"joint_names"},
     "VideoRecorder": {"finish", "frames"},
     "Env": {"close", "config"},
 }
@@ -46,6 +47,7 @@ def handles(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, st
         "base": (robot.base, GROUP.format("base")),
         "gripper controller": (robot.controller("gripper"), GROUP.format("gripper")),
         "position controller": (robot.controller(), GROUP.format("arm")),
+        "motion planner": (rc.motion.MotionPlanner(robot), ROBOT),
         "stepper": (rc.control.Stepper(scene, [robot]), SCENE.format("stepper")),
         "renderer": (rc.render.Renderer(scene), SCENE.format("renderer")),
         "video recorder": (
@@ -66,6 +68,7 @@ KINDS = [
     *("scene", "robot", "ad hoc robot", "kinematics", "arm", "gripper", "base", "stepper"),
     *("gripper controller", "position controller", "renderer", "video recorder"),
     *("cartesian_pose", "joint_impedance", "cartesian_impedance", "environment"),
+    "motion planner",
 ]
 
 

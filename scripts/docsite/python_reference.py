@@ -22,6 +22,7 @@ TOPICS = {
     "robots": "robot files, attachments, `Robot` and its move groups",
     "scene": "`SceneSpec` and its parts, `Scene`, compiling, resets",
     "kinematics": "`Pose`, chains, inverse kinematics",
+    "motion": "collision-free motions, straight lines, timing",
     "control": "controllers, commands, the stepper, smooth motions",
     "render": "cameras, `Renderer`, videos",
     "scenes": "where runs take place: sources of scenes, and annotations",

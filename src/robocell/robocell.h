@@ -46,6 +46,8 @@
 #include "robocell/media/png.h"
 #include "robocell/media/video_reader.h"
 #include "robocell/media/video_writer.h"
+#include "robocell/motion/motion_planner.h"
+#include "robocell/motion/trajectory.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/mujoco/engine_defects.h"
 #include "robocell/mujoco/step.h"

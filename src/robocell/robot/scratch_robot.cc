@@ -18,7 +18,8 @@ namespace {
 
 bool IsStill(const mjModel* m, int body) { return m->body_dofnum[m->body_weldid[body]] == 0; }
 
-// Returns true if the engine looks for contacts of two geoms (its filters of mj_collision).
+}  // namespace
+
 bool MayCollide(const mjModel* m, int a, int b) {
   if (!(m->geom_contype[a] & m->geom_conaffinity[b]) &&
       !(m->geom_contype[b] & m->geom_conaffinity[a]))
@@ -35,8 +36,6 @@ bool MayCollide(const mjModel* m, int a, int b) {
   const bool neighbours = link != 0 && other != 0 && (above(link) == other || above(other) == link);
   return !neighbours || (m->opt.disableflags & mjDSBL_FILTERPARENT) != 0;
 }
-
-}  // namespace
 
 struct ScratchRobot::State {
   State(const Robot& r, std::string_view after_changes)

@@ -21,6 +21,9 @@
 
 namespace robocell::internal {
 
+// Returns true if the engine looks for contacts of two geoms (its filters of mj_collision).
+bool MayCollide(const mjModel* model, int a, int b);
+
 class ScratchRobot {
  public:
   // Finds contacts nearer than `horizon` metres. `remedy` ends the message of the Error after
