@@ -114,6 +114,7 @@ class Env::State {
   EnvState CellState() const;
   // Warns of arms and grippers that no action reaches.
   void TellUndriven(const Robot& robot) const;
+  void NoteFewJoints(const Robot& robot) const;
 
   EnvConfig config_;
   Scene scene_;  // the only handle: all others here are inner() ones, as collectors rely on

@@ -1,5 +1,6 @@
-// ActuatedGripper: a gripper with two fingers, moved by actuators whose raw controls run from one
-// value (open) to another (closed): parallel slides and linkages alike.
+// ActuatedGripper: a gripper with two fingers or more, moved by actuators whose raw controls run
+// from one value (open) to another (closed): parallel slides and linkages alike. The first of three
+// and more fingers closes against the others.
 //
 // Values missing from the configuration are determined on first use. Fingers: the bodies of the
 // group's joints, if these are two, or the gripping parts at the ends of their linkages. Control:

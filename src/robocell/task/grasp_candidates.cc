@@ -12,9 +12,13 @@
 #include "robocell/base/units.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/task/suction_grasps.h"
+#include "robocell/task/top_down.h"
 
 namespace robocell {
 namespace {
+
+using internal::TopDown;
 
 constexpr int kYaws = 12;                        // over half a turn
 constexpr double kSideSteps[] = {0, -0.6, 0.6};  // shares of the half extent across
@@ -48,15 +52,6 @@ double BodyYaw(const mjData* d, int body) {
   const double* r = d->xmat + 9 * body;
   const int column = std::hypot(r[0], r[3]) > 0.5 ? 0 : 1;
   return std::atan2(r[3 + column], r[column]);
-}
-
-// Returns the axes of a grasp frame whose approach points straight down, with x at an angle to the
-// world's x.
-Eigen::Matrix3d TopDown(double yaw) {
-  const Eigen::Vector3d x(std::cos(yaw), std::sin(yaw), 0), z(0, 0, -1);
-  Eigen::Matrix3d axes;
-  axes << x, z.cross(x), z;
-  return axes;
 }
 
 // The contacts that the pads would make.
@@ -223,7 +218,9 @@ constexpr double kTurnCost = 0.02;  // per radian
 
 std::vector<GraspCandidate> FindGrasps(const mjModel* m, const mjData* d, int object_body,
                                        const GripperShape& shape, const Pose& tcp_now) {
-  std::vector<GraspCandidate> grasps = CandidateSearch(m, d, object_body, shape).Run();
+  std::vector<GraspCandidate> grasps = shape.is_suction()
+                                           ? internal::FindSuctionGrasps(m, d, object_body, shape)
+                                           : CandidateSearch(m, d, object_body, shape).Run();
   for (GraspCandidate& grasp : grasps) {
     grasp.cost += kTurnCost * AngleBetween(tcp_now.quaternion(), grasp.tcp_in_world.quaternion());
   }
@@ -251,6 +248,7 @@ std::string SizesForGrasp(const mjModel* model, const mjData* data, int object_b
                           const GripperShape& shape) {
   const std::vector<int> geoms = internal::CollisionGeomsOf(model, object_body);
   if (geoms.empty()) return "none of its geoms collides";
+  if (shape.is_suction()) return internal::WhyNothingSticks(shape);
   double narrowest = std::numeric_limits<double>::infinity();
   for (int k = 0; k < kYaws; ++k) {
     const double yaw = BodyYaw(data, object_body) + k * internal::kPi / kYaws;

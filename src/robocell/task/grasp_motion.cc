@@ -86,7 +86,11 @@ std::optional<GraspMotion> GraspMotions::TryCandidate(const GraspCandidate& gras
   // Nothing but the pads may arrive first. The named fingers need not be the innermost geoms, and
   // the gap of the closed gripper is measured between the named fingers.
   const double before = std::min(open, grasp.width + shape.closed_gap() + kJustBefore);
-  if (!IsFree(q, {.gap = open}) || !IsFree(q, {.gap = before})) return std::nullopt;
+  // A suction cup presses on the object.
+  const bool touches = shape.is_suction();
+  if (!IsFree(q, {.gap = open, .touch_target = touches}) ||
+      !IsFree(q, {.gap = before, .touch_target = touches}))
+    return std::nullopt;
   const Pose tcp = world_in_base_ * grasp.tcp_in_world;
   const Chain& chain = planning_.robot().chain();
   JointPath down = internal::LineAbove(chain, tcp, q, up_in_base_, options_.above);
