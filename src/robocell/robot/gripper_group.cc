@@ -182,6 +182,9 @@ void ActuatedGripper::ResolveFingers() const {
   }
   parts_ = {RequireId(m, mjOBJ_BODY, robot.base_body, core().place()), core().ctrl_addresses(),
             MakeFingers(m, ends, core().place())};
+  pairs_.clear();
+  for (size_t i = 1; i < ends.size(); ++i)
+    pairs_.push_back(MakeFingers(m, ends[0], ends[i], core().place()));
   generation_ = core().scene().generation();
 }
 
@@ -209,9 +212,10 @@ std::vector<std::string> ActuatedGripper::Doubts(const GripperRange& range) cons
 }
 
 // The error of a model that diverges, or does not come to rest, names the gripper's owner.
-SettledFingers ActuatedGripper::Settled(const std::array<std::vector<double>, 2>& ctrl) const {
+SettledFingers ActuatedGripper::Settled(const FingerPair& pair,
+                                        const std::array<std::vector<double>, 2>& ctrl) const {
   try {
-    return SettleFingers(core().scene(), Parts(), ctrl);
+    return SettleFingers(core().scene(), {Parts().robot_body, Parts().ctrl_addresses, pair}, ctrl);
   } catch (const EngineError& error) {
     throw EngineError(core().place() + ": " + error.what() + "." + WhyUnstable(core().scene()));
   } catch (const ArgumentError& error) {
@@ -263,13 +267,17 @@ void ActuatedGripper::Orient(std::vector<GripperCtrl>& ends) const {
     std::array<std::vector<double>, 2> alone = {home, home};
     alone[0][i] = ends[i].open;
     alone[1][i] = ends[i].closed;
-    const auto [at_open, at_closed] = Settled(alone).distances;
-    if (std::abs(at_open - at_closed) < kLeastTravel) {
+    double opens = 0;  // m, by how much the first end is farther open
+    for (const FingerPair& pair : pairs_) {
+      const auto [at_open, at_closed] = Settled(pair, alone).distances;
+      if (std::abs(at_open - at_closed) > std::abs(opens)) opens = at_open - at_closed;
+    }
+    if (std::abs(opens) < kLeastTravel) {
       idle.push_back(i);
       continue;
     }
-    if (at_open < at_closed) Swap(ends[i]);
-    if (!first_swapped) first_swapped = at_open < at_closed;
+    if (opens < 0) Swap(ends[i]);
+    if (!first_swapped) first_swapped = opens < 0;
   }
   if (!first_swapped.value_or(false)) return;
   for (const size_t i : idle) Swap(ends[i]);

@@ -49,7 +49,8 @@ std::string FingersOnASlider(const std::string& equality) {
         "fromto=\"0 0 0 0 0 .1\" size=\".008\" mass=\".04\"/></body>",
         name, 0.03 * side, -side);
   };
-  return "<compiler angle=\"radian\"/><worldbody><body name=\"palm\"><geom type=\"box\" "
+  return "<compiler angle=\"radian\"/><worldbody><body name=\"palm\" pos=\"0 0 .5\"><geom "
+         "type=\"box\" "
          "size=\".03 .06 .01\" pos=\"0 0 -.06\" mass=\".2\"/><site name=\"tcp\" pos=\"0 0 .1\"/>"
          "<body name=\"slider\"><joint name=\"slide\" type=\"slide\" axis=\"0 0 1\" "
          "range=\"-.02 .04\" damping=\"5\" armature=\".1\"/><geom size=\".005\" mass=\".02\" "
@@ -108,7 +109,8 @@ std::string ThreeFingers() {
         fmt::format("<position name=\"s{0}\" joint=\"j{0}\" kp=\"1000\" ctrlrange=\"{1} {2}\"/>", i,
                     sign > 0 ? 0 : -0.03, sign > 0 ? 0.03 : 0);
   }
-  return "<worldbody><body name=\"palm\"><geom type=\"cylinder\" size=\".05 .01\" pos=\"0 0 "
+  return "<worldbody><body name=\"palm\" pos=\"0 0 .5\"><geom type=\"cylinder\" size=\".05 .01\" "
+         "pos=\"0 0 "
          "-.02\"/>"
          "<site name=\"tcp\" pos=\"0 0 .05\"/>" +
          fingers + "</body></worldbody><actuator>" + servos + "</actuator>";
@@ -141,13 +143,13 @@ TEST_F(GripperKinds, ThreeFingersHoldACubeBetweenThem) {
   config.move_groups.at("gripper").kind = MoveGroupKind::kGripper;
   SceneSpec spec = SceneWith({.name = "hand", .config = config});
   spec.gravity = {0, 0, 0};
-  spec.objects.push_back(BoxObject("cube", {0, 0, 0.03}));
+  spec.objects.push_back(BoxObject("cube", {0, 0, 0.53}));
   Scene scene = Scene::Build(spec);
   scene.Reset();
   Robot robot = Robot::Of(scene, "hand");
   robot.Apply({{"gripper", GroupCommand::Opening(1)}});
   Simulate(robot, 0.5);
-  scene.SetBodyPose("cube", Pose({0, 0, 0.03}, Quaternion{0, 0, 0, 1}));
+  scene.SetBodyPose("cube", Pose({0, 0, 0.53}, Quaternion{0, 0, 0, 1}));
   EXPECT_FALSE(robot.gripper().is_grasping("cube"));
   robot.Apply({{"gripper", GroupCommand::Opening(0)}});
   Simulate(robot, 1);
