@@ -206,8 +206,8 @@ void Env::State::NoteFewJoints(const Robot& robot) const {
     return;
   LogWarn(fmt::format(
       "{} / robot '{}': an arm of {} degrees of freedom cannot take every pose: actions reach the "
-      "position, and the rotation as nearly as the joints allow (motions() has the rest as "
-      "rotation_shortfall). `control_mode: joints` commands each joint",
+      "position, and the rotation as nearly as the joints allow; `rotation_shortfall` is the "
+      "rest. `control_mode: joints` commands each joint",
       place(), robot.name(), joints));
 }
 

@@ -21,7 +21,8 @@ using Numbers = std::vector<double>;
 
 // A desktop arm: a pan, three hinges in a vertical plane, and a roll. Its tip lies beside the plane,
 // so that no rotation stays as it is when the arm pans.
-constexpr const char* kDesktopArm = R"(<compiler angle="radian"/><worldbody><body name="base">
+constexpr const char* kDesktopArm = R"(<compiler angle="radian"/>
+  <default><geom contype="0" conaffinity="0"/></default><worldbody><body name="base">
   <geom type="box" size=".04 .04 .02" pos="0 0 .02"/>
   <body name="shoulder" pos="0 0 .06"><joint name="pan" axis="0 0 1" range="-2 2"/><geom size=".02"/>
   <body name="upper"><joint name="lift" axis="0 1 0" range="-2 2"/>

@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/scene.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/random_values.h"
 
