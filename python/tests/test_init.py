@@ -126,11 +126,12 @@ class TestRobots:
             "1",
             "--set",
             "cameras.streams=[]",
-            "--set",
-            "task.objects=[box]",
             cwd=tmp_path,
         )
         assert done.returncode == 0, done.stderr
+        # Nothing sticks to a ball.
+        run = yaml.safe_load((tmp_path / "out_pick.yaml").read_text())
+        assert "sphere" not in run["task"]["objects"]
 
     def test_motors_without_inertia_get_the_armature_that_check_names(self, tmp_path: Path):
         written = init(tmp_path, init_models.arm_of_motors_without_inertia())

@@ -456,7 +456,9 @@ class _Detection:
 
     def _other_cups(self) -> None:
         """Notes adhesion that is of no gripper, such as that of pads on fingers."""
-        used = {name for group in self._out.of_kind("gripper") for name in self._actuators_of(group)}
+        used = {
+            name for group in self._out.of_kind("gripper") for name in self._actuators_of(group)
+        }
         for actuator in self._actuation.actuators:
             if actuator.drive is not Drive.ADHESION or actuator.body not in self._bodies:
                 continue

@@ -77,22 +77,27 @@ bool HasFriction(const mjModel* m, int hand) {
   return false;
 }
 
-// Returns the sentence that names a cure if joints of the hand oscillate; "" if they do not.
-std::string WhyTheySwing(const mjModel* m, const mjData* d, int hand, std::string_view prefix) {
+// Returns sentences that name a cure if joints of the hand oscillate; "" if they do not, if nothing
+// helps, or if gains are so high that they diverge, which others report.
+std::string WhyTheySwing(const mjModel* m, const mjData* d, const GripperParts& parts,
+                         std::string_view prefix) {
+  if (!UnstableServos(m, parts.robot_body, prefix).empty()) return "";
   SwingTrial trial{.model = m, .start = d, .prefix = prefix};
-  const std::vector<bool> inside = SubtreeMask(m, hand);
+  const std::vector<bool> inside = SubtreeMask(m, parts.pair.hand);
   for (int j = 0; j < m->njnt; ++j) {
     const bool single = m->jnt_type[j] == mjJNT_HINGE || m->jnt_type[j] == mjJNT_SLIDE;
     if (single && inside[m->jnt_bodyid[j]]) trial.joints.push_back(j);
   }
   const std::vector<int> swinging = SwingingJoints(trial);
   if (swinging.empty()) return "";
+  const SwingCure cure = FindSwingCure(trial);
+  if (!cure.found()) return "";
   std::string name = ElementName(m, mjOBJ_JOINT, swinging.front());
   if (name.starts_with(prefix)) name.erase(0, prefix.size());
   return fmt::format(
       "Joint '{}' oscillates: what drives it is too stiff for the inertia that it moves at a "
-      "timestep of {:g} s. {}",
-      name, m->opt.timestep, FindSwingCure(trial).Text());
+      "timestep of {:g} s. {}.",
+      name, m->opt.timestep, cure.Text());
 }
 
 // Fingers held by dry friction creep on steadily, because friction is soft in the engine. This
@@ -114,7 +119,7 @@ double SettledDistance(const mjModel* m, mjData* d, const GripperParts& parts,
     if (width(passed) <= kStill || creeps)
       return FingerDistance(m, d, parts.pair.fingers[0], parts.pair.fingers[1]);
     if (d->time >= end) {
-      std::string why = WhyTheySwing(m, d, parts.pair.hand, prefix);
+      std::string why = WhyTheySwing(m, d, parts, prefix);
       if (why.empty()) {
         why =
             "Are the gripper's gains, damping and contacts right, or is its joint too slow for "
