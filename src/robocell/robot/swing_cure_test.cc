@@ -31,7 +31,7 @@ struct TwoLinks {
     <position name="left_fast" joint="left_light" kp="5000" kv="50" forcerange="-2 2"/>
     <position name="left_slow" joint="left_heavy" kp="100" kv="10"/></actuator></mujoco>)",
         timestep, light);
-    model = Compile(ParseXmlString(xml, "links").get(), "links");
+    model = Compile(ParseXmlString(xml, "links").get());
     data = MakeData(model.get());
     data->ctrl[0] = data->ctrl[1] = 0.1;
   }

@@ -27,6 +27,7 @@ constexpr double kSupportClearance =
 constexpr double kLeastOverlap = 0.012;  // overlap of pad and object along the approach
 constexpr double kDeepGrip = 0.02;  // one of the heights tried: this far below a grip at the top
 constexpr double kOpenClearance = 0.006;  // beside the object when the gripper is open, per finger
+constexpr double kJawClearance = 0.004;   // beside a pad that does not move when the hand opens
 constexpr double kLeastWidth = 0.006;
 constexpr double kLeastAboveClosed = 0.005;  // wider than the closed gripper, to notice holding
 constexpr double kLeastRange = 5e-4;         // range of held widths; a smaller one counts as none
@@ -192,12 +193,23 @@ class CandidateSearch {
                         2 * std::max(0.0, std::abs(at.z() - com_.z()) - 0.01) +
                         0.3 * (1 - squeeze.square) + 0.05 * (1 - squeeze.cover) +
                         3 * std::max(0.0, 0.012 - width) + 0.3 * width;
+    const double aside = Aside(width);
+    const Eigen::Vector3d held = shape_.PadAt(width) + aside * Eigen::Vector3d::UnitY();
     for (const double flip : {0.0, internal::kPi}) {  // either finger may be left
       const Eigen::Matrix3d axes = TopDown(yaw + flip);
-      const Pose tcp =
-          Pose(middle - axes * shape_.PadAt(width), axes) * shape_.grasp_in_tcp().inverse();
-      found_.push_back({tcp, width, cost});
+      const Pose tcp = Pose(middle - axes * held, axes) * shape_.grasp_in_tcp().inverse();
+      found_.push_back(
+          {.tcp_in_world = tcp, .width = width, .aside = std::abs(aside), .cost = cost});
     }
+  }
+
+  // Returns how far the object is from the middle of the pads, along the closing direction, so that
+  // it is clear of both pads of the open hand: 0 if both open.
+  double Aside(double width) const {
+    const double half = (shape_.open_gap() - width) / 2;
+    const double moved = shape_.PadAt(shape_.open_gap()).y() - shape_.PadAt(width).y();
+    return std::max(kJawClearance - (half - moved), 0.0) -
+           std::max(kJawClearance - (half + moved), 0.0);
   }
 
   const mjModel* m_;

@@ -21,7 +21,9 @@ namespace robocell {
 struct GraspCandidate {
   Pose tcp_in_world;
   double width = 0;  // object width between the pads, metres
-  double cost = 0;   // lower is better
+  // Distance of the object from a pad that does not move, to which the other one pushes it, metres.
+  double aside = 0;
+  double cost = 0;  // lower is better
 };
 
 // Returns the candidates, best first; empty when the object is too large, too small or too flat for

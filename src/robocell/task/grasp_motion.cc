@@ -91,7 +91,8 @@ std::optional<GraspMotion> GraspMotions::TryCandidate(const GraspCandidate& gras
   const double open = shape.open_gap();
   // Nothing but the pads may arrive first. The named fingers need not be the innermost geoms, and
   // the gap of the closed gripper is measured between the named fingers.
-  const double before = std::min(open, grasp.width + shape.closed_gap() + kJustBefore);
+  const double before =
+      std::min(open, grasp.width + grasp.aside + shape.closed_gap() + kJustBefore);
   // A suction cup presses on the object.
   const bool touches = shape.is_suction();
   if (!IsFree(q, {.gap = open, .touch_target = touches}) ||

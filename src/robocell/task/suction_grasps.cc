@@ -99,7 +99,7 @@ std::vector<GraspCandidate> FindSuctionGrasps(const mjModel* m, const mjData* d,
         const Eigen::Matrix3d axes = TopDown(2 * kPi * k / kYaws);
         const Pose tcp =
             Pose(middle - axes * shape.PadAt(0), axes) * shape.grasp_in_tcp().inverse();
-        found.push_back({tcp, 0, kCostOfOffset * offset.norm()});
+        found.push_back({.tcp_in_world = tcp, .cost = kCostOfOffset * offset.norm()});
       }
     }
   }
