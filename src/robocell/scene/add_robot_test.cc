@@ -111,7 +111,7 @@ TEST_F(Robots, ExplainMissingJointsOfASecondRoot) {
           "all of them into one body in that file (`robocell init` makes such a file), or make "
           "a robot of each, with its own robot file and root_body");
   spec.robots[0].config->move_groups.at("right").joints = {"r2"};  // in no body
-  EXPECT_THAT(ExpectThrow<NotFoundError>([&] { Scene::Build(spec); }, "no joint 'r2'"),
+  EXPECT_THAT(ExpectThrow<SpecError>([&] { Scene::Build(spec); }, "no joint 'r2'"),
               Not(HasSubstr("left out. Put")));
 }
 
