@@ -106,11 +106,32 @@ class TestRobots:
         assert written["edits"][0]["delete"] == {"joint": "hand:joint0"}
         assert written["base"] == {"kind": "mocap"}
 
-    def test_a_suction_cup_is_noted_as_unsupported(self, tmp_path: Path):
+    def test_a_suction_cup_is_a_gripper(self, tmp_path: Path):
         written = init(tmp_path, init_models.suction_arm())
-        assert kinds(written) == {"arm": "arm"}
+        assert kinds(written) == {"arm": "arm", "gripper": "gripper"}
         assert written["move_groups"]["arm"]["leaf"] == {"site": "tip"}
-        assert "suction cup" in (tmp_path / "out.yaml").read_text()
+        gripper = written["move_groups"]["gripper"]
+        assert gripper == {"kind": "gripper", "actuators": ["suck"], "leaf": {"site": "tip"}}
+        assert "suction cups and magnets" in (tmp_path / "out.yaml").read_text()
+        assert "NOTE" not in (tmp_path / "out.yaml").read_text()
+
+    def test_a_suction_cup_picks(self, tmp_path: Path):
+        init(tmp_path, init_models.suction_arm())
+        done = robocell_command(
+            "generate",
+            tmp_path / "out_pick.yaml",
+            "--episodes",
+            "3",
+            "--workers",
+            "1",
+            "--set",
+            "cameras.streams=[]",
+            cwd=tmp_path,
+        )
+        assert done.returncode == 0, done.stderr
+        # Nothing sticks to a ball.
+        run = yaml.safe_load((tmp_path / "out_pick.yaml").read_text())
+        assert "sphere" not in run["task"]["objects"]
 
     def test_motors_without_inertia_get_the_armature_that_check_names(self, tmp_path: Path):
         written = init(tmp_path, init_models.arm_of_motors_without_inertia())

@@ -249,6 +249,7 @@ def test_check_and_runs_report_an_undriven_group_alike(tmp_path: Path):
     assert undriven in checked.stderr
     assert "moves no joint, so that there is no controller for it" in checked.stderr
     assert "SetActuatorCtrl" in checked.stderr
+    assert "With `kind: gripper` it is a gripper that sticks" in checked.stderr
     # A suction cup is no arm.
     assert "joint_impedance" not in checked.stderr
     assert "no problems found" not in checked.stdout

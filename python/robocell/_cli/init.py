@@ -58,7 +58,15 @@ def init(
     """
     # With MuJoCo and numpy, which take longer to load than all that the other commands need.
     from robocell import _core
-    from robocell._onboarding import can_pick, detect, model_text, run_text, tried
+    from robocell._onboarding import (
+        can_pick,
+        detect,
+        is_suction,
+        model_text,
+        objects_held,
+        run_text,
+        tried,
+    )
 
     if picture:
         require_png(picture)
@@ -87,6 +95,8 @@ def init(
     picks = can_pick(guess)
     if picks and (force or not files["run"].exists()):
         _core.atomic_write(files["run"], run_text(guess, file).encode())
+        if is_suction(guess) and (held := objects_held(files["run"])):
+            _core.atomic_write(files["run"], run_text(guess, file, held).encode())
         print(f"wrote {files['run']}: a run file, to try it")
     elif not picks:
         print(_no_run_file(guess, file))

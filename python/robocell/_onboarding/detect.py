@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from robocell._onboarding.actuation import Actuation, Drive
+from robocell._onboarding.actuation import Actuation, Actuator, Drive
 from robocell._onboarding.arm_control import drive_of
 from robocell._onboarding.bases import (
     FLUSH_M,
@@ -142,7 +142,7 @@ class _Detection:
             )
         self._base_groups()
         self._other_groups()
-        self._cups()
+        self._other_cups()
         self._cameras(arms, reach)
         self._gravity(arms)
         if not arms and not hands:
@@ -212,17 +212,17 @@ class _Detection:
         name = f"{prefix}arm" if not prefix.startswith("arm") else prefix.rstrip("_")
         motion = find_fingers(source, self._actuation, limb.hand) if limb.hand else None
         fingers = motion.fingers if motion else None
+        cups: list[Actuator] = []
         if limb.hand and fingers:
             approach_body = limb.hand.body
             approach = approach_of(fingers, *self._wrist(limb, limb.hand))
             tcp = tcp_of_hand(source, limb.hand, fingers, approach, self._new_name(f"{prefix}tcp"))
         else:
-            cups = [a.body for a in self._actuation.actuators if a.body is not None]
-            fixed = source.rigid_with(limb.end)
-            cup = next((body for body in cups if body in fixed), None)
+            cups = self._cups_on(limb)
+            cup = cups[0].body if cups else None
             tcp = self._choose(f"TCP of {name}", tcp_without_hand(source, limb, cup))
             approach_body, approach = limb.end, self._outward(limb, tcp.value)
-            if not limb.hand and cup is None:
+            if not limb.hand and not cups:
                 self._out.tool_places.append(tcp.value.leaf)
         frame = self._frame(limb, tcp.value, approach_body, approach)
         if tcp.value.edit:
@@ -251,7 +251,32 @@ class _Detection:
         self._out.groups.append(group)
         if limb.hand and motion:
             self._grippers.add(limb.hand, motion, f"{prefix}gripper", tcp.value)
+        if cups:
+            self._add_cups(cups, f"{prefix}cup" if limb.hand else f"{prefix}gripper", tcp.value)
         return _Arm(limb, name, comment, tcp, motion, frame)
+
+    def _cups_on(self, limb: Limb) -> list[Actuator]:
+        """Returns the actuators that make bodies at the end of a limb stick."""
+        fixed = self._source.rigid_with(limb.end)
+        return [
+            actuator
+            for actuator in self._actuation.actuators
+            if actuator.drive is Drive.ADHESION and actuator.body in fixed
+        ]
+
+    def _add_cups(self, cups: list[Actuator], name: str, tcp: Tcp) -> None:
+        """Adds the gripper that consists of these."""
+        bodies = {self._source.body_name(cup.body) for cup in cups if cup.body is not None}
+        fields = {
+            "kind": "gripper",
+            "actuators": name_list([cup.name for cup in cups]),
+            "leaf": tcp.leaf,
+        }
+        comment = (
+            f"{shortened([cup.name for cup in cups])} makes {shortened(sorted(bodies))} stick to "
+            f"what it touches, as suction cups and magnets do [{Confidence.HIGH.value}]"
+        )
+        self._out.groups.append(Group(name, fields, comment, "gripper"))
 
     def _wrist(self, limb: Limb, hand: Hand) -> tuple[Vector, Vector | None]:
         """Returns the position of the arm's last joint and a hinge's axis, in the hand's frame."""
@@ -429,14 +454,26 @@ class _Detection:
         }
         self._out.groups.append(Group(name, fields, f"{why} [likely]", "generic"))
 
-    def _cups(self) -> None:
+    def _other_cups(self) -> None:
+        """Notes adhesion that is of no gripper, such as that of pads on fingers."""
+        used = {
+            name for group in self._out.of_kind("gripper") for name in self._actuators_of(group)
+        }
         for actuator in self._actuation.actuators:
-            if actuator.drive is Drive.ADHESION and actuator.body in self._bodies:
-                cup = self._source.body_name(actuator.body)
-                self._out.notes.append(
-                    f"'{actuator.name}' makes '{cup}' stick, as a suction cup does. robocell has "
-                    "no gripper of this kind yet: command it with scene.set_actuator_ctrl"
-                )
+            if actuator.drive is not Drive.ADHESION or actuator.body not in self._bodies:
+                continue
+            if actuator.name in used:
+                continue
+            body = self._source.body_name(actuator.body)
+            self._out.notes.append(
+                f"'{actuator.name}' makes '{body}' stick, and no gripper has it: command it with "
+                "scene.set_actuator_ctrl"
+            )
+
+    @staticmethod
+    def _actuators_of(group: Group) -> list[str]:
+        names = group.fields["actuators"]
+        return expand_names(names) if isinstance(names, str) else list(names)
 
     # --- Cameras and gravity ---
 

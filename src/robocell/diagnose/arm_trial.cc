@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
@@ -18,6 +19,7 @@
 #include "robocell/robot/arm_group.h"
 #include "robocell/robot/arrival.h"
 #include "robocell/robot/joint_resistance.h"
+#include "robocell/robot/swing_cure.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/hold_ctrl.h"
 #include "robocell/spec/problems.h"
@@ -40,13 +42,15 @@ constexpr double kSlow = 0.4;                 // a servo's time constant, second
 constexpr double kHopeless = 5;               // a time constant that no force helps
 constexpr double kTypingError = 100;          // a servo's own time constant, seconds
 constexpr double kExplains = 0.5;             // share of the missing motion that a cause explains
+constexpr double kUndamped = 0.1;             // damping ratio: with less, a joint swings freely
 
 // The reason why a joint is not where it should be, and what to do about it.
 struct Cause {
   std::string why, remedy;
-  std::string field;         // field of the robot's file
-  bool in_warnings = false;  // the scene's
-  std::string edit = "";     // appended to the remedy with those of others; "" for none
+  std::string field;            // field of the robot's file
+  bool in_warnings = false;     // the scene's
+  std::string edit = "";        // appended to the remedy with those of others; "" for none
+  std::string first_edit = "";  // one of those that the remedy itself names
 };
 
 struct Miss {
@@ -130,8 +134,14 @@ class ArmTrial {
     std::vector<Miss> misses;
     bool slides = false;
     const std::vector<double> now = arm_.joint_pos();
+    const std::vector<int> swinging = Swinging();
     for (size_t i = 0; i < home_.size(); ++i) {
       const double drift = std::abs(now[i] - home_[i]);
+      if (std::ranges::find(swinging, joints_[i]) != swinging.end()) {
+        slides = slides || IsSlide(i);
+        misses.push_back({JointName(i), "oscillates", HUGE_VAL, Oscillation(i)});
+        continue;
+      }
       if (drift <= tolerances_[i]) continue;
       slides = slides || IsSlide(i);
       misses.push_back({JointName(i), fmt::format("drifts by {:.3g} {}", drift, Unit(i)), drift,
@@ -294,9 +304,54 @@ class ArmTrial {
                              Rounded(value / (gear * gear)));
   }
 
+  SwingTrial FromHere() const {
+    return {.model = model(), .start = data(), .joints = joints_, .prefix = robot_.prefix()};
+  }
+
+  // Returns the joints that oscillate on their servos, which hold constant controls.
+  std::vector<int> Swinging() const {
+    for (size_t i = 0; i < joints_.size(); ++i) {
+      if (ServoOf(i) < 0 || robot_.controller(arm_.name()).mode() != CtrlMode::kPosition) return {};
+    }
+    return SwingingJoints(FromHere());
+  }
+
+  // A servo that pushes its joint past the target in every timestep.
+  Cause Oscillation(size_t i) const {
+    const int servo = ServoOf(i);
+    const mjtNum* bias = model()->actuator_biasprm + mjNBIAS * servo;
+    if (!cure_) cure_ = FindSwingCure(FromHere());
+    return {
+        fmt::format(": its servo '{}' (kp {:.3g}, kv {:.3g}) is too strong for the {:.2g} {} that "
+                    "the joint moves at a timestep of {:g} s",
+                    ServoName(servo), -bias[1], -bias[2],
+                    model()->dof_M0[model()->jnt_dofadr[joints_[i]]], IsSlide(i) ? "kg" : "kg m2",
+                    model()->opt.timestep),
+        cure_->Text(),
+        Field(),
+        false,
+        "",
+        cure_->edits.empty() ? "" : cure_->edits.front()};
+  }
+
+  // Returns the damping of a joint and its servo as a share of the critical one.
+  double DampingRatio(size_t i, int servo) const {
+    const double inertia = model()->dof_M0[model()->jnt_dofadr[joints_[i]]];
+    const double gear = Gear(model(), servo);
+    const double damping =
+        Resistance(i) - model()->actuator_biasprm[mjNBIAS * servo + 2] * gear * gear;
+    return damping / (2 * std::sqrt(std::max(StiffnessOf(servo) * inertia, 1e-12)));
+  }
+
   // It passes its target again and again.
   Miss Swings(size_t i, const Interval& error) const {
     const double most = (error.upper - error.lower) / 2;
+    const int own = ServoOf(i);
+    if (own >= 0 && DampingRatio(i, own) > kUndamped) {
+      return Miss{JointName(i),
+                  fmt::format("oscillates by {:.3g} {} around its target", most, Unit(i)), most,
+                  Oscillation(i)};
+    }
     Cause cause{": nothing damps it",
                 config().damping ? fmt::format("Raise `damping` ({:g} is set)", *config().damping)
                 : HasOneJoint()  ? fmt::format("Give its servo damping (`damping`, {} s/{})",
@@ -332,7 +387,8 @@ class ArmTrial {
       findings_.WarnAbout(
           worst.cause.field,
           fmt::format("joint '{}' {}{}{}{}. {}{}", worst.joint, worst.how, when, worst.cause.why,
-                      others.empty() ? "" : "; likewise " + others, worst.cause.remedy, edit));
+                      others.empty() ? "" : "; likewise " + others, worst.cause.remedy, edit),
+          worst.cause.first_edit);
     }
   }
 
@@ -559,6 +615,7 @@ class ArmTrial {
   std::vector<double> home_;
   std::vector<std::string> touching_;
   std::string diverged_;
+  mutable std::optional<SwingCure> cure_;  // found once
 };
 
 }  // namespace

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "robocell/base/files.h"
+#include "robocell/diagnose/check_robot.h"
 #include "robocell/diagnose/testing/bar.h"
 
 namespace robocell {
@@ -58,6 +60,34 @@ TEST_F(ArmTrials, WarnsAboutUndampedJoints) {
                                           "damping (`damping`, N m s/rad)"))));
   EXPECT_THAT(Doubts("kp='500'", "gravcomp: true\ndamping: 1e-3\n"),
               ElementsAre(HasSubstr("Raise `damping` (0.001 is set)")));
+}
+
+// At its force limit the servo overshoots with every timestep, because the link is light. It is
+// neither weak nor blocked, and the edit that was tried ends it.
+TEST_F(ArmTrials, ReportsAnOscillatingServoWithACureThatWorks) {
+  const auto doubts = [&](const std::string& edits) {
+    const std::string model = folder_.Write("light", R"(<compiler angle="radian"/>
+<worldbody><body name="post" pos="0 0 1"><geom size="0.02" pos="0 0 -0.5"/><body name="bar">
+<joint name="hip" axis="0 1 0" range="-2 2"/><geom type="capsule" size="0.02"
+fromto="0.02 0 0 0.1 0 0" mass="0.05"/><site name="tip" pos="0.1 0 0"/></body></body></worldbody>
+<actuator><position name="drive" joint="hip" kp="5000" kv="50" forcerange="-2 2"/></actuator>)");
+    AtomicWrite(file_, "name: light\nmodel: " + model + "\ngravcomp: true\n" + edits +
+                           "move_groups:\n  arm: {kind: arm, joints: [hip], leaf: {site: tip}}\n");
+    const Robot robot = RobotAlone(RobotConfig::Load(file_));
+    return CheckRobot(robot);
+  };
+  std::vector<Finding> found = doubts("");
+  std::erase_if(found, [](const Finding& f) { return f.severity == Severity::kNote; });
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_THAT(found[0].text,
+              AllOf(HasSubstr("joint 'hip' oscillates by "), HasSubstr(" rad around its target"),
+                    HasSubstr(": its servo 'drive' (kp 5e+03, kv 50) is too strong for the 0.00023 "
+                              "kg m2 that the joint moves at a timestep of 0.002 s. In a trial "
+                              "`edits: [{joint: 'hip', armature: "),
+                    HasSubstr("and so did a timestep of ")));
+  found = doubts("edits: [" + found[0].edit + "]\n");
+  std::erase_if(found, [](const Finding& f) { return f.severity == Severity::kNote; });
+  EXPECT_THAT(found, IsEmpty());
 }
 
 // Whatever the servo may push, and says: it is not too weak.

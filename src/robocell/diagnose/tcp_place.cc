@@ -44,8 +44,9 @@ struct GeomBox {
 
 double DistanceTo(const mjModel* m, const mjData* d, const Finger& finger, const Vector3d& point) {
   double nearest = std::numeric_limits<double>::infinity();
-  if (finger.site >= 0)
-    nearest = (Eigen::Map<const Vector3d>(d->site_xpos + 3 * finger.site) - point).norm();
+  for (const int site : finger.sites)
+    nearest =
+        std::min(nearest, (Eigen::Map<const Vector3d>(d->site_xpos + 3 * site) - point).norm());
   for (const int geom : finger.side)
     nearest = std::min(nearest, GeomBox(m, d, geom).DistanceTo(point));
   return nearest;
@@ -53,9 +54,10 @@ double DistanceTo(const mjModel* m, const mjData* d, const Finger& finger, const
 
 // Returns the middle of the geoms between which the finger distance is measured.
 Vector3d MiddleOf(const mjModel* m, const mjData* d, const Finger& finger) {
-  if (finger.site >= 0) return Eigen::Map<const Vector3d>(d->site_xpos + 3 * finger.site);
-  if (finger.geoms.empty()) return Eigen::Map<const Vector3d>(d->xpos + 3 * finger.body);
   Vector3d sum = Vector3d::Zero();
+  for (const int site : finger.sites) sum += Eigen::Map<const Vector3d>(d->site_xpos + 3 * site);
+  if (!finger.sites.empty()) return sum / static_cast<double>(finger.sites.size());
+  if (finger.geoms.empty()) return Eigen::Map<const Vector3d>(d->xpos + 3 * finger.body);
   for (const int geom : finger.geoms) sum += GeomBox(m, d, geom).Middle();
   return sum / static_cast<double>(finger.geoms.size());
 }

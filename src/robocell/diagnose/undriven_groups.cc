@@ -13,6 +13,7 @@
 #include "robocell/diagnose/trials.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/robot/suction_gripper.h"
 #include "robocell/robot/unused_groups.h"
 #include "robocell/scene/actuator_kind.h"
 
@@ -27,7 +28,11 @@ std::optional<std::string> ActsElsewhere(const Robot& robot, const MoveGroup& gr
   for (const std::string& name : group.actuator_names()) {
     const int id = FindId(m, mjOBJ_ACTUATOR, name);
     if (id < 0 || ActsOnJoint(m, id)) return std::nullopt;
-    if (!first) first = fmt::format("'{}' is {}", name, DescribeActuator(m, id));
+    const bool sticks = m->actuator_trntype[id] == mjTRN_BODY;
+    if (!first) {
+      first = fmt::format("'{}' is {}", name,
+                          sticks ? "an adhesion actuator" : DescribeActuator(m, id));
+    }
   }
   return first;
 }
@@ -37,8 +42,11 @@ std::string AboutUndriven(const Robot& robot, const MoveGroup& group, const std:
   if (const auto first = ActsElsewhere(robot, group)) {
     return fmt::format(
         "{}, which moves no joint, so that there is no controller for it. Command "
-        "it by its actuator with {}; environments, experts and records leave it out",
-        *first, set);
+        "it by its actuator with {}; environments, experts and records leave it out{}",
+        *first, set,
+        SuctionGripper::IsMadeOf(robot.scene().model(), group.actuator_names())
+            ? ". With `kind: gripper` it is a gripper that sticks, and they command it"
+            : "");
   }
   return fmt::format(
       "{}. Without one nothing commands it: environments, experts and records leave "

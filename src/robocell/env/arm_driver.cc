@@ -8,6 +8,7 @@
 #include "robocell/base/error.h"
 #include "robocell/env/base_frame.h"
 #include "robocell/env/env_scene.h"
+#include "robocell/kinematics/ik_position_first.h"
 #include "robocell/kinematics/ik_step.h"
 #include "robocell/math/rotation.h"
 #include "robocell/robot/arm_group.h"
@@ -23,6 +24,9 @@ constexpr double kJointsOfPose = 3;
 // An absolute pose without a solution nearby is out of reach, unless its distance is within these,
 // m and rad.
 constexpr double kSmallShift = 0.1, kSmallTurn = 0.5;
+// A rotation that an arm of fewer than six joints reaches; the tolerance of inverse kinematics is
+// smaller.
+constexpr double kSameRotation = 1e-4;
 
 std::optional<Robot> RobotWithGripper(const EnvConfig& config, const Robot& robot) {
   if (config.has_mounted_gripper(robot.name()))
@@ -379,7 +383,9 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
   const Pose target = base_in_shared().inverse() * next;
   bool solved = false;
   if (bounded) {
-    const IkResult ik = IkStep(robot_.chain(), target, joints);
+    IkResult ik = IkStep(robot_.chain(), target, joints);
+    if (!ik.success && HasFewJoints(robot_.chain()))
+      ik = IkPositionFirst(robot_.chain(), target, joints);
     solved = ik.success;
     if (solved) commands[arm] = GroupCommand::Joints(PositionsOf(ik.q));
   } else {
@@ -387,6 +393,15 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
   }
   // The gripper's command is carried out even if the pose has no solution.
   solved = robot_.Apply(commands).ok && (solved || !bounded);
+  if (solved && HasFewJoints(robot_.chain())) {
+    const Pose reached = TcpAt(controller_->commanded_joint_pos());
+    const double rotation = AngleBetween(reached.quaternion(), next.quaternion());
+    if (rotation > kSameRotation) {
+      sent_.position_shortfall = (reached.translation() - next.translation()).norm();
+      sent_.rotation_shortfall = rotation;
+      next = reached;
+    }
+  }
   if (!solved) {
     const bool small =
         relative_to_ == RelativeTo::kLastStep || IsSmallStep(robot_.FkFrame(joints), target);

@@ -12,6 +12,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/env/env_impl.h"
 #include "robocell/env/env_scene.h"
+#include "robocell/kinematics/ik_position_first.h"
 #include "robocell/robot/unused_groups.h"
 #include "robocell/robot/validate_config.h"
 #include "robocell/scene/require_keyframe.h"
@@ -185,6 +186,7 @@ Env::State::State(EnvConfig config, Scene scene, std::optional<int> copy,
       LogWarn(fmt::format("{}: {}", place(), warning));
     for (const internal::ArmDriver& arm : arms_) {
       WarnOfUndriven(arm.robot());
+      WarnOfFewJoints(arm.robot());
       RequireDistances(arm);
     }
   }
@@ -198,6 +200,18 @@ void Env::State::RequireDistances(const internal::ArmDriver& arm) const {
     internal::ValidateDistances(robot, problems);
     problems.Throw(fmt::format("{} / robot '{}'", place(), robot.name()));
   }
+}
+
+// Actions that are poses mean something else for them.
+void Env::State::WarnOfFewJoints(const Robot& robot) const {
+  const int joints = robot.chain().n_joints();
+  if (config_.control_mode == ControlMode::kJoints || !internal::HasFewJoints(robot.chain()))
+    return;
+  LogWarn(fmt::format(
+      "{} / robot '{}': an arm of {} degrees of freedom cannot take every pose: actions reach the "
+      "position, and the rotation as nearly as the joints allow; `rotation_shortfall` is the "
+      "rest. `control_mode: joints` commands each joint",
+      place(), robot.name(), joints));
 }
 
 void Env::State::WarnOfUndriven(const Robot& robot) const {

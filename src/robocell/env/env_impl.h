@@ -115,6 +115,8 @@ class Env::State {
   EnvState CellState() const;
   // Warns of arms and grippers that no action reaches.
   void WarnOfUndriven(const Robot& robot) const;
+  // Warns if actions are poses that its arm cannot all take.
+  void WarnOfFewJoints(const Robot& robot) const;
 
   EnvConfig config_;
   Scene scene_;  // all other handles here are inner() ones: garbage collectors rely on that

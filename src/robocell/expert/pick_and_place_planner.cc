@@ -124,7 +124,8 @@ std::string PickAndPlacePlanner::PlanPlace(Rng& rng) {
   PlanningScene& planning = pick_.planning();
   planning.Update();
   const GripperShape& shape = planning.shape();
-  opening_step_ = kOpenSpeed * options_.tick / (shape.open_gap() - shape.closed_gap());
+  const double range = shape.open_gap() - shape.closed_gap();
+  opening_step_ = range > 0 ? kOpenSpeed * options_.tick / range : 1;  // a cup lets go at once
   const Pose object = ObjectInWorld();
   const Eigen::Vector3d place = PlaceOver(task_->GoalInWorld() + rise_ * Eigen::Vector3d::UnitZ());
   std::string why_not;

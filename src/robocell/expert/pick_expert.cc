@@ -65,8 +65,9 @@ void RequirePickParts(const Robot& robot, const SimOptions& options, double time
   robot.arm();
   if (!GripperShape::Supports(robot.gripper())) {
     throw SpecError(
-        "the scripted expert needs a gripper with two fingers that actuators move; use your own "
-        "expert for this one");
+        "the scripted expert needs a gripper with fingers that actuators move, or suction cups; "
+        "use "
+        "your own expert for this one");
   }
   robot.gripper().inter_finger_dist_range();  // measured for the records, which may fail
   GripperShape::Of(robot.config(), options, timestep);

@@ -175,6 +175,10 @@ void PickPlanner::Follow(Phase next) {
 }
 
 void PickPlanner::CloseFurther() {
+  if (shape_->is_suction()) {
+    opening_ = 0;
+    return;
+  }
   const double range = shape_->open_gap() - shape_->closed_gap();
   opening_ = std::max(0.0, opening_ - kCloseSpeed * options_.tick / range);
 }
@@ -186,7 +190,8 @@ void PickPlanner::LeaveClose() {
   squeezed_ = opening_ > 0 ? 0 : squeezed_ + 1;
   const int least = std::max(Ticks(kCloseSeconds) - ticks_, Ticks(kSqueezeSeconds) - squeezed_);
   if (least > 0 || (!steady && squeezed_ < Ticks(kMostCloseSeconds))) return;
-  if (HandIsEmpty()) return Fail("the hand closed on nothing");
+  if (HandIsEmpty())
+    return Fail(shape_->is_suction() ? "the cup sticks to nothing" : "the hand closed on nothing");
   if (gap > plan_->motion.grasp.width + kWideGap)
     return Fail("the fingers stopped on something else");
   Enter(Phase::kLift);
@@ -226,7 +231,11 @@ Action PickPlanner::Command() const {
 }
 
 double PickPlanner::Gap() const { return robot_->gripper().inter_finger_dist(); }
-bool PickPlanner::HandIsEmpty() const { return Gap() < shape_->closed_gap() + kEmptyGap; }
+bool PickPlanner::HandIsEmpty() const {
+  if (!shape_->is_suction()) return Gap() < shape_->closed_gap() + kEmptyGap;
+  const Scene scene = robot_->scene();
+  return !robot_->gripper().is_grasping(scene.compiled()->object(target_object_).root_body);
+}
 
 Pose PickPlanner::TargetPose() const {
   const Scene scene = robot_->scene();

@@ -21,6 +21,7 @@
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/gripper_group.h"
 #include "robocell/robot/robot.h"
+#include "robocell/robot/suction_gripper.h"
 #include "robocell/scene/scene.h"
 
 namespace robocell {
@@ -57,7 +58,84 @@ SceneSpec RobotAlone(const RobotConfig& config, const SimOptions& options, doubl
   return spec;
 }
 
+struct Bounds {
+  Eigen::Vector3d lower = Eigen::Vector3d::Constant(1e9);
+  Eigen::Vector3d upper = Eigen::Vector3d::Constant(-1e9);
+};
+
+// Returns the extent of geoms in a frame of the world.
+Bounds ExtentOf(const Scene& scene, const std::vector<int>& geoms, const Pose& frame) {
+  Bounds box;
+  const Eigen::Matrix3d axes = frame.rotation();
+  for (int i = 0; i < 3; ++i) {
+    const double origin = axes.col(i).dot(frame.translation());
+    for (const int g : geoms) {
+      const Interval e = internal::GeomExtent(scene.model(), scene.data(), g, axes.col(i));
+      box.lower[i] = std::min(box.lower[i], e.lower - origin);
+      box.upper[i] = std::max(box.upper[i], e.upper - origin);
+    }
+  }
+  return box;
+}
+
+// Returns the axis of a frame, or its opposite, that is nearest to a direction in it.
+Eigen::Vector3d NearestAxis(const Eigen::Vector3d& direction) {
+  Eigen::Index axis;
+  direction.cwiseAbs().maxCoeff(&axis);
+  return Eigen::Vector3d::Unit(axis) * (direction[axis] > 0 ? 1 : -1);
+}
+
 }  // namespace
+
+// Looks at the cups of a suction gripper.
+class CupSurvey {
+ public:
+  static GripperShape Run(const Scene& scene, const Robot& robot,
+                          const internal::SuctionGripper& gripper) {
+    const mjModel* m = scene.model();
+    const mjData* d = scene.data();
+    std::vector<int> faces, carried;  // geoms that stick, and all that hang on their bodies
+    for (int g = 0; g < m->ngeom; ++g) {
+      for (const int cup : gripper.cups()) {
+        if (!internal::IsInSubtree(m, m->geom_bodyid[g], cup)) continue;
+        carried.push_back(g);
+        if (m->geom_bodyid[g] == cup && internal::IsCollisionGeom(m, g)) faces.push_back(g);
+      }
+    }
+    if (faces.empty()) {
+      throw ArgumentError(
+          fmt::format("robot '{}' / group '{}': no geom of the bodies that stick collides, so "
+                      "nothing sticks to "
+                      "them. In the model, give one contype=\"1\" conaffinity=\"1\"",
+                      robot.name(), gripper.name()));
+    }
+    const Pose tcp = robot.tcp_in_world();
+    const int last = FindId(m, mjOBJ_JOINT, robot.joint_names().back());
+    Eigen::Vector3d towards = -(tcp.inverse() * Eigen::Vector3d(d->xanchor + 3 * last));
+    if (towards.norm() < kNoDistance) towards = Eigen::Vector3d::UnitZ();
+    const Eigen::Vector3d approach = NearestAxis(towards);
+    const Eigen::Vector3d across =
+        std::abs(approach.y()) < 0.5 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ();
+    Eigen::Matrix3d axes;
+    axes << across.cross(approach), across, approach;
+    GripperShape shape;
+    shape.is_suction_ = true;
+    shape.grasp_in_tcp_ = Pose(Eigen::Vector3d::Zero(), axes);
+    const Pose frame = tcp * shape.grasp_in_tcp_;
+    const Bounds box = ExtentOf(scene, faces, frame);
+    shape.pad_half_width_ = (box.upper.x() - box.lower.x()) / 2;
+    shape.pad_half_height_ = (box.upper.y() - box.lower.y()) / 2;
+    const Eigen::Vector3d middle = (box.lower + box.upper) / 2;
+    shape.rows_.push_back({.gap = 0,
+                           .joints = {},
+                           .pad = {middle.x(), middle.y(), box.upper.z()},
+                           .tip = ExtentOf(scene, carried, frame).upper.z()});
+    return shape;
+  }
+
+ private:
+  static constexpr double kNoDistance = 1e-6;  // m between the last joint and the TCP
+};
 
 // Closes the gripper in a scene of its own and records its shape.
 class GripperSweep {
@@ -65,10 +143,11 @@ class GripperSweep {
   GripperSweep(Scene scene, Robot robot) : scene_(std::move(scene)), robot_(std::move(robot)) {
     gripper_ = dynamic_cast<internal::ActuatedGripper*>(&robot_.gripper());
     if (!gripper_) {
-      throw ArgumentError(fmt::format(
-          "robot '{}': planning a grasp needs a gripper with two fingers moved by actuators, not "
-          "a group of another kind",
-          robot_.name()));
+      throw ArgumentError(
+          fmt::format("robot '{}': planning a grasp needs a gripper with fingers moved by "
+                      "actuators, or suction "
+                      "cups, not a group of another kind",
+                      robot_.name()));
     }
     const mjModel* m = scene_.model();
     hand_ = gripper_->hand_body();
@@ -102,10 +181,6 @@ class GripperSweep {
   }
 
  private:
-  struct Box {
-    Eigen::Vector3d lower, upper;
-  };
-
   void MoveTo(double opening, double seconds) {
     gripper_->SetOpening(opening);
     const int steps = static_cast<int>(std::lround(seconds / scene_.timestep()));
@@ -151,41 +226,31 @@ class GripperSweep {
   }
 
   // Returns the pad of a finger in a frame at the TCP.
-  Box PadBox(int finger, const Pose& frame_in_tcp) const {
+  Bounds PadBox(int finger, const Pose& frame_in_tcp) const {
     const internal::Finger& f = gripper_->finger(finger);
     const Pose world = robot_.tcp_in_world() * frame_in_tcp;
-    if (f.site >= 0) {
-      const Eigen::Vector3d at =
-          world.inverse() * Eigen::Vector3d(scene_.data()->site_xpos + 3 * f.site);
-      const Eigen::Vector3d half = Eigen::Vector3d::Constant(kTipPadHalf);
-      return {at - half, at + half};
+    if (!f.sites.empty()) {
+      Bounds box;
+      for (const int site : f.sites) {
+        const Eigen::Vector3d at =
+            world.inverse() * Eigen::Vector3d(scene_.data()->site_xpos + 3 * site);
+        box.lower = box.lower.cwiseMin(at);
+        box.upper = box.upper.cwiseMax(at);
+      }
+      return {box.lower.array() - kTipPadHalf, box.upper.array() + kTipPadHalf};
     }
-    Box box = ExtentOf(f.geoms, world);
+    Bounds box = ExtentOf(scene_, f.geoms, world);
     if (box.upper.z() - box.lower.z() > 2 * kMostPadHalf)
       box.lower.z() = box.upper.z() - 2 * kTipPadHalf;
     return box;
   }
 
-  Box ExtentOf(const std::vector<int>& geoms, const Pose& frame) const {
-    Box box{Eigen::Vector3d::Constant(1e9), Eigen::Vector3d::Constant(-1e9)};
-    const Eigen::Matrix3d axes = frame.rotation();
-    for (int i = 0; i < 3; ++i) {
-      const double origin = axes.col(i).dot(frame.translation());
-      for (const int g : geoms) {
-        const Interval e = internal::GeomExtent(scene_.model(), scene_.data(), g, axes.col(i));
-        box.lower[i] = std::min(box.lower[i], e.lower - origin);
-        box.upper[i] = std::max(box.upper[i], e.upper - origin);
-      }
-    }
-    return box;
-  }
-
   Eigen::Vector3d PadCentre(int finger, const Pose& frame_in_tcp) const {
-    const Box box = PadBox(finger, frame_in_tcp);
+    const Bounds box = PadBox(finger, frame_in_tcp);
     return (box.lower + box.upper) / 2;
   }
   Eigen::Vector3d HalfPad(int finger) const {
-    const Box box = PadBox(finger, frame_);
+    const Bounds box = PadBox(finger, frame_);
     return (box.upper - box.lower) / 2;
   }
 
@@ -214,10 +279,8 @@ class GripperSweep {
 
   // Returns the axis of the TCP that is near enough to a direction, else the direction.
   static Eigen::Vector3d SnapToAxis(const Eigen::Vector3d& direction, double cosine) {
-    Eigen::Index axis;
-    direction.cwiseAbs().maxCoeff(&axis);
-    if (std::abs(direction[axis]) < cosine) return direction;
-    return Eigen::Vector3d::Unit(axis) * (direction[axis] > 0 ? 1 : -1);
+    const Eigen::Vector3d axis = NearestAxis(direction);
+    return axis.dot(direction) < cosine ? direction : axis;
   }
 
   GripperShape::Row Measure() const {
@@ -266,8 +329,10 @@ std::shared_ptr<const GripperShape> GripperShape::Of(const RobotConfig& config,
   }
   Scene scene = Scene::Build(spec);
   scene.Reset();
-  auto shape = std::make_shared<const GripperShape>(
-      GripperSweep(scene, Robot::Of(scene, config.name)).Run());
+  Robot robot = Robot::Of(scene, config.name);
+  const auto* cups = dynamic_cast<const internal::SuctionGripper*>(&robot.gripper());
+  auto shape = std::make_shared<const GripperShape>(cups ? CupSurvey::Run(scene, robot, *cups)
+                                                         : GripperSweep(scene, robot).Run());
   const std::lock_guard lock(mutex);
   if (all_known.size() >= kMostKept) all_known.clear();
   all_known.push_back({spec, content, shape});
@@ -275,7 +340,8 @@ std::shared_ptr<const GripperShape> GripperShape::Of(const RobotConfig& config,
 }
 
 bool GripperShape::Supports(const GripperGroup& gripper) {
-  return dynamic_cast<const internal::ActuatedGripper*>(&gripper) != nullptr;
+  return dynamic_cast<const internal::ActuatedGripper*>(&gripper) != nullptr ||
+         dynamic_cast<const internal::SuctionGripper*>(&gripper) != nullptr;
 }
 
 GripperShape::Place GripperShape::Find(double gap) const {

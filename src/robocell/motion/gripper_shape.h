@@ -10,6 +10,10 @@
 // (from the wrist to the pads), x = y cross z. Lengths are in metres. Values between measured gaps
 // are interpolated, those outside are clamped.
 //
+// A suction gripper (robot/suction_gripper.h) has one row with the gap 0. Its pad is the middle of
+// the face that sticks, whose half sizes along x and y are pad_half_width and pad_half_height; y is
+// an axis of the TCP.
+//
 // A pure function of the configuration and the options, cached in the process. Throws NotFoundError
 // without arm or gripper, ArgumentError for a gripper of a custom kind, DivergedError for one that
 // is unstable at this timestep. Any thread may call Of.
@@ -41,12 +45,13 @@ class GripperShape {
   static std::shared_ptr<const GripperShape> Of(const RobotConfig& config,
                                                 const SimOptions& options, double timestep);
 
-  // Returns true if a gripper can be measured: two fingers moved by actuators.
+  // Returns true if a gripper can be measured: fingers moved by actuators, or suction cups.
   static bool Supports(const GripperGroup& gripper);
 
   // Returns all joints of the hand, including the linkage, without the robot's prefix.
   const std::vector<std::string>& joint_names() const { return joint_names_; }
   const Pose& grasp_in_tcp() const { return grasp_in_tcp_; }
+  bool is_suction() const { return is_suction_; }
   double closed_gap() const { return rows_.front().gap; }
   double open_gap() const { return rows_.back().gap; }
   double pad_half_height() const { return pad_half_height_; }  // along the approach
@@ -60,6 +65,7 @@ class GripperShape {
 
  private:
   friend class GripperSweep;
+  friend class CupSurvey;
   struct Place {
     size_t below = 0;
     double part = 0;  // share of the interval to the next row
@@ -68,6 +74,7 @@ class GripperShape {
 
   std::vector<std::string> joint_names_;
   Pose grasp_in_tcp_;
+  bool is_suction_ = false;
   double pad_half_height_ = 0, pad_half_width_ = 0;
   std::vector<Row> rows_;
 };

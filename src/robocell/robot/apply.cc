@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
+#include "robocell/kinematics/ik_position_first.h"
 #include "robocell/kinematics/ik_step.h"
 #include "robocell/robot/move_group.h"
 #include "robocell/robot/robot_state.h"
@@ -123,8 +124,13 @@ Robot::ApplyResult Robot::Apply(const RobotAction& action) {
         targets.emplace_back(&controller, PoseTarget(command.pose));
         continue;
       }
-      const IkResult ik = internal::IkStep(state.RequireChain(slot), command.pose,
-                                           controller.commanded_joint_pos());
+      const Chain& chain = state.RequireChain(slot);
+      const std::span<const double> now = controller.commanded_joint_pos();
+      IkResult ik = internal::IkStep(chain, command.pose, now);
+      if (!ik.success && internal::HasFewJoints(chain)) {
+        ik = internal::IkPositionFirst(chain, command.pose, now);
+        if (result.ok) result.ik = ik;  // with the rest of the rotation
+      }
       if (!ik.success) {
         if (result.ok) result = {.ok = false, .failed_group = name, .ik = ik};
         continue;

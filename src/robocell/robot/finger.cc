@@ -4,6 +4,7 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <limits>
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/guard.h"
@@ -51,7 +52,7 @@ Finger MakeFinger(const mjModel* m, ElementId element) {
       finger.geoms = {element.id};
       return finger;
     case mjOBJ_SITE:
-      finger.site = element.id;
+      finger.sites = {element.id};
       finger.body = m->site_bodyid[element.id];
       break;
     default:
@@ -132,16 +133,33 @@ double FromAxis(const mjData* d, int joint, const mjtNum* point) {
 
 FingerPair MakeFingers(const mjModel* m, ElementId first, ElementId second,
                        const std::string& place) {
-  FingerPair pair{.fingers = {MakeFinger(m, first), MakeFinger(m, second)}};
-  auto& [a, b] = pair.fingers;
-  if (m->body_weldid[a.body] == m->body_weldid[b.body]) {
+  return MakeFingers(m, std::array{first, second}, place);
+}
+
+FingerPair MakeFingers(const mjModel* m, std::span<const ElementId> elements,
+                       const std::string& place) {
+  std::vector<Finger> fingers;
+  for (const ElementId& element : elements) fingers.push_back(MakeFinger(m, element));
+  FingerPair pair{.hand = fingers[0].body, .fingers = {}};
+  for (size_t i = 1; i < fingers.size(); ++i) {
+    pair.hand = CommonAncestor(m, pair.hand, fingers[i].body);
+    if (m->body_weldid[fingers[0].body] != m->body_weldid[fingers[i].body]) continue;
     throw ArgumentError(fmt::format(
         "{}: the fingers {} and {} are parts of one rigid body, so nothing moves between them; "
         "name one element of each finger",
-        place, Describe(m, first.kind, first.id), Describe(m, second.kind, second.id)));
+        place, Describe(m, elements[0].kind, elements[0].id),
+        Describe(m, elements[i].kind, elements[i].id)));
   }
-  pair.hand = CommonAncestor(m, a.body, b.body);
-  for (Finger& finger : pair.fingers) finger.side = SideOf(m, pair.hand, finger.body);
+  for (Finger& finger : fingers) finger.side = SideOf(m, pair.hand, finger.body);
+  for (size_t i = 2; i < fingers.size(); ++i) {
+    const auto add = [](std::vector<int>& to, const std::vector<int>& from) {
+      to.insert(to.end(), from.begin(), from.end());
+    };
+    add(fingers[1].sites, fingers[i].sites);
+    add(fingers[1].geoms, fingers[i].geoms);
+    add(fingers[1].side, fingers[i].side);
+  }
+  pair.fingers = {fingers[0], fingers[1]};
   return pair;
 }
 
@@ -193,14 +211,18 @@ bool IsMeasuredAtItsHinge(const mjModel* m, std::span<const double> qpos, const 
 
 std::string HowToNameTips(const CompiledScene& scene, const RobotRecord& robot,
                           const FingerPair& pair, const Jaw& jaw) {
-  const auto name = [&](int finger) {
+  const auto full_name = [&](int finger) {
     return ElementName(scene.model(), mjOBJ_BODY, pair.fingers[static_cast<size_t>(finger)].body);
+  };
+  const auto name = [&](int finger) {
+    const std::string full = full_name(finger);
+    return full.starts_with(robot.prefix) ? full.substr(robot.prefix.size()) : full;
   };
   return fmt::format(
       "'{}' turns about a hinge in '{}', and the two are nearest at the hinge, however far their "
       "tips are apart: name the tips of both as `fingers`, geoms or sites ({})",
       name(jaw.index), name(1 - jaw.index),
-      HowToAddSite(scene, robot, name(jaw.index), "tip", "[...]").text);
+      HowToAddSite(scene, robot, full_name(jaw.index), "tip", "[...]").text);
 }
 
 NearestPoints NearestOf(const mjModel* m, mjData* d, const Finger& a, const Finger& b) {
@@ -221,10 +243,13 @@ NearestPoints NearestOf(const mjModel* m, mjData* d, const Finger& a, const Fing
 }
 
 double FingerDistance(const mjModel* m, mjData* d, const Finger& a, const Finger& b) {
-  if (a.site >= 0 && b.site >= 0) {
-    return mju_dist3(d->site_xpos + 3 * a.site, d->site_xpos + 3 * b.site);
+  if (a.sites.empty() || b.sites.empty()) return std::max(0.0, NearestOf(m, d, a, b).distance);
+  double least = std::numeric_limits<double>::infinity();
+  for (const int i : a.sites) {
+    for (const int k : b.sites)
+      least = std::min<double>(least, mju_dist3(d->site_xpos + 3 * i, d->site_xpos + 3 * k));
   }
-  return std::max(0.0, NearestOf(m, d, a, b).distance);
+  return least;
 }
 
 }  // namespace robocell::internal

@@ -1,5 +1,6 @@
 // The two fingers of a gripper: the geoms, bodies or sites that a configuration names, as ids in
-// the present model, and the free distance between them. gripper_group.h moves them.
+// the present model, and the free distance between them. Of three and more fingers the first closes
+// against all others, which count as one. gripper_group.h moves them.
 #pragma once
 
 #include <array>
@@ -14,8 +15,8 @@
 namespace robocell::internal {
 
 struct Finger {
-  int site = -1;           // set when the finger is named by a site
-  int body = -1;           // the body that carries it
+  std::vector<int> sites;  // set when the finger is named by a site; several of several fingers
+  int body = -1;           // the body that carries it, of several fingers the first one
   bool is_body = false;    // named by that body, not by a geom or site of it
   std::vector<int> geoms;  // those of the measured distance: the named geom, or the body's
                            // colliding geoms
@@ -30,6 +31,9 @@ struct FingerPair {
 // Makes fingers from two geoms, bodies or sites. Throws ArgumentError if both are parts of one
 // rigid body.
 FingerPair MakeFingers(const mjModel* model, ElementId first, ElementId second,
+                       const std::string& place);
+// Makes the first finger and its counterpart, all others. The same errors.
+FingerPair MakeFingers(const mjModel* model, std::span<const ElementId> elements,
                        const std::string& place);
 
 // Returns the bodies at the ends of two fingers, from the bodies that the gripper's joints move:

@@ -78,8 +78,14 @@ std::string FingerHint(const mjModel* m, const RobotRecord& robot, const std::ve
 // The largest mesh of a finger, m; those drawn in millimetres are a thousand times too large.
 constexpr double kLargestMesh = 2;
 
+// Returns the name of an element in the robot's own file.
+std::string NameInFile(const mjModel* m, const RobotRecord& robot, mjtObj kind, int id) {
+  const std::string name = ElementName(m, kind, id);
+  return name.starts_with(robot.prefix) ? name.substr(robot.prefix.size()) : name;
+}
+
 // Hints that the mesh of a finger is too large to be in metres; "" if none is.
-std::string MillimetresHint(const mjModel* m, const FingerPair& pair) {
+std::string MillimetresHint(const mjModel* m, const RobotRecord& robot, const FingerPair& pair) {
   for (const Finger& finger : pair.fingers) {
     for (const int g : finger.geoms) {
       const mjtNum* half = m->geom_aabb + 6 * static_cast<ptrdiff_t>(g) + 3;
@@ -88,18 +94,19 @@ std::string MillimetresHint(const mjModel* m, const FingerPair& pair) {
       return fmt::format(
           "The mesh '{}' of '{}' is {:.3g} m large. Is it drawn in millimetres? Then give its "
           "<mesh> scale=\"0.001 0.001 0.001\"",
-          ElementName(m, mjOBJ_MESH, m->geom_dataid[g]),
-          ElementName(m, mjOBJ_BODY, m->geom_bodyid[g]), size);
+          NameInFile(m, robot, mjOBJ_MESH, m->geom_dataid[g]),
+          NameInFile(m, robot, mjOBJ_BODY, m->geom_bodyid[g]), size);
     }
   }
   return "";
 }
 
 // Returns "geom 'pad' of 'left_finger'".
-std::string GeomOfBody(const mjModel* m, int geom) {
-  const std::string text = Describe(m, mjOBJ_GEOM, geom);
-  if (ElementName(m, mjOBJ_GEOM, geom).empty()) return text;  // includes its body
-  return fmt::format("{} of '{}'", text, ElementName(m, mjOBJ_BODY, m->geom_bodyid[geom]));
+std::string GeomOfBody(const mjModel* m, const RobotRecord& robot, int geom) {
+  const std::string name = NameInFile(m, robot, mjOBJ_GEOM, geom);
+  if (name.empty()) return Describe(m, mjOBJ_GEOM, geom);  // includes its body
+  return fmt::format("geom '{}' of '{}'", name,
+                     NameInFile(m, robot, mjOBJ_BODY, m->geom_bodyid[geom]));
 }
 
 void Swap(GripperCtrl& ctrl) { std::swap(ctrl.open, ctrl.closed); }
@@ -158,26 +165,26 @@ void ActuatedGripper::ResolveFingers() const {
   const mjModel* m = core().model();
   const RobotRecord& robot = core().scene().compiled()->robot(core().names().robot);
   const std::vector<int>& joints = core().joint_ids();
-  ElementId ends[2];
-  std::array<int, 2> tips{};
-  if (config_.fingers.empty() && joints.size() == 2)
-    tips = FingertipBodies(m, m->jnt_bodyid[joints[0]], m->jnt_bodyid[joints[1]]);
-  for (int i = 0; i < 2; ++i) {
-    if (config_.fingers.size() == 2) {
-      ends[i] = FindElement(m, robot, config_.fingers[i], {mjOBJ_GEOM, mjOBJ_BODY, mjOBJ_SITE});
-    } else if (joints.size() == 2) {
-      ends[i] = {mjOBJ_BODY, tips[i]};
-    } else {
-      Fail("fingers",
-           fmt::format(
-               "which are its fingers? Name two geoms, bodies or sites in `fingers` (they "
-               "can be guessed only for a gripper with two joints; this one has {}). {}",
-               joints.empty() ? "none: list them in `joints`" : fmt::format("{}", joints.size()),
-               FingerHint(m, robot, joints)));
-    }
+  std::vector<ElementId> ends;
+  for (const ElementRef& finger : config_.fingers)
+    ends.push_back(FindElement(m, robot, finger, {mjOBJ_GEOM, mjOBJ_BODY, mjOBJ_SITE}));
+  if (ends.empty() && joints.size() == 2) {
+    for (const int tip : FingertipBodies(m, m->jnt_bodyid[joints[0]], m->jnt_bodyid[joints[1]]))
+      ends.push_back({mjOBJ_BODY, tip});
+  }
+  if (ends.size() < 2) {
+    Fail("fingers",
+         fmt::format(
+             "which are its fingers? Name two geoms, bodies or sites in `fingers` (they "
+             "can be guessed only for a gripper with two joints; this one has {}). {}",
+             joints.empty() ? "none: list them in `joints`" : fmt::format("{}", joints.size()),
+             FingerHint(m, robot, joints)));
   }
   parts_ = {RequireId(m, mjOBJ_BODY, robot.base_body, core().place()), core().ctrl_addresses(),
-            MakeFingers(m, ends[0], ends[1], core().place())};
+            MakeFingers(m, ends, core().place())};
+  pairs_.clear();
+  for (size_t i = 1; i < ends.size(); ++i)
+    pairs_.push_back(MakeFingers(m, ends[0], ends[i], core().place()));
   generation_ = core().scene().generation();
 }
 
@@ -205,9 +212,10 @@ std::vector<std::string> ActuatedGripper::Doubts(const GripperRange& range) cons
 }
 
 // The error of a model that diverges, or does not come to rest, names the gripper's owner.
-SettledFingers ActuatedGripper::Settled(const std::array<std::vector<double>, 2>& ctrl) const {
+SettledFingers ActuatedGripper::Settled(const FingerPair& pair,
+                                        const std::array<std::vector<double>, 2>& ctrl) const {
   try {
-    return SettleFingers(core().scene(), Parts(), ctrl);
+    return SettleFingers(core().scene(), {Parts().robot_body, Parts().ctrl_addresses, pair}, ctrl);
   } catch (const EngineError& error) {
     throw EngineError(core().place() + ": " + error.what() + "." + WhyUnstable(core().scene()));
   } catch (const ArgumentError& error) {
@@ -259,13 +267,17 @@ void ActuatedGripper::Orient(std::vector<GripperCtrl>& ends) const {
     std::array<std::vector<double>, 2> alone = {home, home};
     alone[0][i] = ends[i].open;
     alone[1][i] = ends[i].closed;
-    const auto [at_open, at_closed] = Settled(alone).distances;
-    if (std::abs(at_open - at_closed) < kLeastTravel) {
+    double opens = 0;  // m, by how much the first end is farther open
+    for (const FingerPair& pair : pairs_) {
+      const auto [at_open, at_closed] = Settled(pair, alone).distances;
+      if (std::abs(at_open - at_closed) > std::abs(opens)) opens = at_open - at_closed;
+    }
+    if (std::abs(opens) < kLeastTravel) {
       idle.push_back(i);
       continue;
     }
-    if (at_open < at_closed) Swap(ends[i]);
-    if (!first_swapped) first_swapped = at_open < at_closed;
+    if (opens < 0) Swap(ends[i]);
+    if (!first_swapped) first_swapped = opens < 0;
   }
   if (!first_swapped.value_or(false)) return;
   for (const size_t i : idle) Swap(ends[i]);
@@ -276,17 +288,16 @@ std::string ActuatedGripper::WhyTheyStay(const std::array<std::vector<double>, 2
                                          double distance) const {
   const mjModel* m = core().model();
   const FingerPair& pair = Parts().pair;
-  if (std::string hint = MillimetresHint(m, pair); !hint.empty()) return hint;
-  if (const auto jaw = FindJaw(m, pair)) {
-    const CompiledScene& compiled = *core().scene().compiled();
-    return HowToNameTips(compiled, compiled.robot(core().names().robot), pair, *jaw);
-  }
+  const CompiledScene& compiled = *core().scene().compiled();
+  const RobotRecord& robot = compiled.robot(core().names().robot);
+  if (std::string hint = MillimetresHint(m, robot, pair); !hint.empty()) return hint;
+  if (const auto jaw = FindJaw(m, pair)) return HowToNameTips(compiled, robot, pair, *jaw);
   const auto geoms = distance > 0 ? std::nullopt : OverlapOfFingers(core().scene(), Parts(), ctrl);
   if (!geoms) return WhyTheyJam(ctrl);
   return fmt::format(
       "{} and {} overlap open and closed: name as `fingers` one geom of each finger that does not, "
       "of those that grasp",
-      GeomOfBody(m, (*geoms)[0]), GeomOfBody(m, (*geoms)[1]));
+      GeomOfBody(m, robot, (*geoms)[0]), GeomOfBody(m, robot, (*geoms)[1]));
 }
 
 std::string ActuatedGripper::WhyTheyJam(const std::array<std::vector<double>, 2>& ctrl) const {

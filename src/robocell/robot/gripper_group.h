@@ -1,5 +1,6 @@
-// ActuatedGripper: a gripper with two fingers, moved by actuators whose raw controls run from one
-// value (open) to another (closed): parallel slides and linkages alike.
+// ActuatedGripper: a gripper with two fingers or more, moved by actuators whose raw controls run
+// from one value (open) to another (closed): parallel slides and linkages alike. The first of three
+// and more fingers closes against the others.
 //
 // Values missing from the configuration are determined on first use. Fingers: the bodies of the
 // group's joints, if these are two, or the gripping parts at the ends of their linkages. Control:
@@ -65,11 +66,16 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   void ResolveFingers() const;
   // Throws ArgumentError about a field of its configuration, with its place in the robot's file.
   [[noreturn]] void Fail(const char* field, const std::string& message) const;
-  SettledFingers Settled(const std::array<std::vector<double>, 2>& ctrl) const;
+  SettledFingers Settled(const std::array<std::vector<double>, 2>& ctrl) const {
+    return Settled(Parts().pair, ctrl);
+  }
+  SettledFingers Settled(const FingerPair& pair,
+                         const std::array<std::vector<double>, 2>& ctrl) const;
   // Returns the control ends of each actuator, before measuring shows whether all are swapped.
   std::vector<GripperCtrl> Ends() const;
   // Determines for several actuators which end of each opens the fingers farther, with the others
-  // at home. An actuator that moves neither finger follows the first that does.
+  // at home: those two of them whose distance it changes most. An actuator that moves no finger
+  // follows the first that does.
   void Orient(std::vector<GripperCtrl>& ends) const;
   double CheckedOpening(double opening) const;
   // Returns how far the controls are from closed (0) to open (1) at an opening.
@@ -91,6 +97,7 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   mutable std::optional<GripperRange> measured_;
   mutable uint64_t generation_ = ~uint64_t{0};
   mutable GripperParts parts_;
+  mutable std::vector<FingerPair> pairs_;  // the first finger and each other one
   BeyondLimits beyond_;
 };
 

@@ -18,6 +18,7 @@
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/measurement_cache.h"
 #include "robocell/robot/move_group.h"
+#include "robocell/robot/swing_cure.h"
 #include "robocell/scene/servo_stability.h"
 
 namespace robocell::internal {
@@ -76,11 +77,34 @@ bool HasFriction(const mjModel* m, int hand) {
   return false;
 }
 
+// Returns sentences that name a cure if joints of the hand oscillate; "" if they do not, if nothing
+// helps, or if gains are so high that they diverge, which others report.
+std::string WhyTheySwing(const mjModel* m, const mjData* d, const GripperParts& parts,
+                         std::string_view prefix) {
+  if (!UnstableServos(m, parts.robot_body, prefix).empty()) return "";
+  SwingTrial trial{.model = m, .start = d, .prefix = prefix};
+  const std::vector<bool> inside = SubtreeMask(m, parts.pair.hand);
+  for (int j = 0; j < m->njnt; ++j) {
+    const bool single = m->jnt_type[j] == mjJNT_HINGE || m->jnt_type[j] == mjJNT_SLIDE;
+    if (single && inside[m->jnt_bodyid[j]]) trial.joints.push_back(j);
+  }
+  const std::vector<int> swinging = SwingingJoints(trial);
+  if (swinging.empty()) return "";
+  const SwingCure cure = FindSwingCure(trial);
+  if (!cure.found()) return "";
+  std::string name = ElementName(m, mjOBJ_JOINT, swinging.front());
+  if (name.starts_with(prefix)) name.erase(0, prefix.size());
+  return fmt::format(
+      "Joint '{}' oscillates: what drives it is too stiff for the inertia that it moves at a "
+      "timestep of {:g} s. {}.",
+      name, m->opt.timestep, cure.Text());
+}
+
 // Fingers held by dry friction creep on steadily, because friction is soft in the engine. This
 // counts as rest, or the measurement would wait until they reach a position that friction keeps
 // them from.
 double SettledDistance(const mjModel* m, mjData* d, const GripperParts& parts,
-                       const std::vector<double>& ctrl) {
+                       const std::vector<double>& ctrl, std::string_view prefix) {
   const auto width = [](const Interval& passed) { return passed.upper - passed.lower; };
   const bool may_creep = HasFriction(m, parts.pair.hand);
   for (size_t i = 0; i < ctrl.size(); ++i) {
@@ -95,14 +119,26 @@ double SettledDistance(const mjModel* m, mjData* d, const GripperParts& parts,
     if (width(passed) <= kStill || creeps)
       return FingerDistance(m, d, parts.pair.fingers[0], parts.pair.fingers[1]);
     if (d->time >= end) {
+      std::string why = WhyTheySwing(m, d, parts, prefix);
+      if (why.empty()) {
+        why =
+            "Are the gripper's gains, damping and contacts right, or is its joint too slow for "
+            "its actuator?";
+      }
       throw ArgumentError(fmt::format(
           "the fingers do not come to rest: {} s after control {} they go between {:.4f} and "
-          "{:.4f} m in a quarter of a second. Are the gripper's gains, damping and contacts right, "
-          "or is its joint too slow for its actuator?",
-          kMostSeconds, CtrlText(ctrl), passed.lower, passed.upper));
+          "{:.4f} m in a quarter of a second. {}",
+          kMostSeconds, CtrlText(ctrl), passed.lower, passed.upper, why));
     }
     before = width(passed);
   }
+}
+
+RobotRecord RecordOf(const Scene& scene, const GripperParts& parts) {
+  for (const RobotRecord& robot : scene.compiled()->robots()) {
+    if (FindId(scene.model(), mjOBJ_BODY, robot.base_body) == parts.robot_body) return robot;
+  }
+  return {};
 }
 
 // Calls look(model, data, distance) when the fingers have settled at the first end and at the
@@ -112,8 +148,9 @@ void LookAtEnds(const Scene& scene, const GripperParts& parts,
                 const std::array<std::vector<double>, 2>& ctrl, const Look& look) {
   const ModelPtr model = AloneWithoutGravity(scene.model(), parts.robot_body);
   const DataPtr data = DataAtHome(model.get(), scene.compiled()->home_key());
+  const std::string prefix = RecordOf(scene, parts).prefix;
   for (const std::vector<double>& values : ctrl) {
-    const double distance = SettledDistance(model.get(), data.get(), parts, values);
+    const double distance = SettledDistance(model.get(), data.get(), parts, values, prefix);
     look(model.get(), data.get(), distance);
   }
 }
@@ -257,15 +294,13 @@ class PassedFingers {
   const DataPtr data_;
 };
 
-RobotRecord RecordOf(const Scene& scene, const GripperParts& parts) {
-  for (const RobotRecord& robot : scene.compiled()->robots()) {
-    if (FindId(scene.model(), mjOBJ_BODY, robot.base_body) == parts.robot_body) return robot;
-  }
-  return {};
-}
-
 // Adds the pairs of touching bodies, one of which the hand's fingers move.
-void AddTouching(const mjModel* m, const mjData* d, int hand, std::vector<std::string>& pairs) {
+void AddTouching(const mjModel* m, const mjData* d, int hand, const std::string& prefix,
+                 std::vector<std::string>& pairs) {
+  const auto own = [&](int body) {
+    const std::string name = ElementName(m, mjOBJ_BODY, body);
+    return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
+  };
   const std::vector<bool> inside = SubtreeMask(m, hand);
   const auto moves = [&](int body) { return body != hand && inside[body]; };
   for (int i = 0; i < d->ncon; ++i) {
@@ -273,8 +308,7 @@ void AddTouching(const mjModel* m, const mjData* d, int hand, std::vector<std::s
     if (contact.exclude != 0 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;
     const int a = m->geom_bodyid[contact.geom[0]], b = m->geom_bodyid[contact.geom[1]];
     if (!moves(a) && !moves(b)) continue;
-    const std::string pair =
-        fmt::format("'{}' and '{}'", ElementName(m, mjOBJ_BODY, a), ElementName(m, mjOBJ_BODY, b));
+    const std::string pair = fmt::format("'{}' and '{}'", own(a), own(b));
     if (std::find(pairs.begin(), pairs.end(), pair) == pairs.end()) pairs.push_back(pair);
   }
 }
@@ -312,7 +346,7 @@ SettledFingers Unpacked(const std::vector<double>& from) {
 }
 
 std::string FingerName(const Finger& finger) {
-  return fmt::format("site {} body {} geoms {}", finger.site, finger.body,
+  return fmt::format("sites {} body {} geoms {}", fmt::join(finger.sites, " "), finger.body,
                      fmt::join(finger.geoms, " "));
 }
 
@@ -331,8 +365,9 @@ std::vector<int> ActuatorsOf(const mjModel* m, const GripperParts& parts) {
 std::vector<std::string> TouchingFingers(const Scene& scene, const GripperParts& parts,
                                          const std::array<std::vector<double>, 2>& ctrl) {
   std::vector<std::string> pairs;
+  const std::string prefix = RecordOf(scene, parts).prefix;
   LookAtEnds(scene, parts, ctrl, [&](const mjModel* m, const mjData* d, double) {
-    AddTouching(m, d, parts.pair.hand, pairs);
+    AddTouching(m, d, parts.pair.hand, prefix, pairs);
   });
   return pairs;
 }

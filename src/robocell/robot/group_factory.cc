@@ -16,6 +16,7 @@
 #include "robocell/robot/base_pose_controller.h"
 #include "robocell/robot/gripper_group.h"
 #include "robocell/robot/joint_group.h"
+#include "robocell/robot/suction_gripper.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/drive_matrix.h"
 #include "robocell/scene/element_lookup.h"
@@ -111,7 +112,7 @@ class GroupMaker {
       case MoveGroupKind::kGripper:
         names_.leaf = LeafOr(ToolFrame());
         if (!config_.root) names_.root = TcpOfGripper();  // its fingers move about it
-        return {std::make_shared<ActuatedGripper>(scene_, names_, config_)};
+        return {MakeGripper()};
       case MoveGroupKind::kBase:
         return MakeBase();
       case MoveGroupKind::kGeneric:
@@ -141,6 +142,12 @@ class GroupMaker {
 
  private:
   const mjModel* model() const { return scene_.model(); }
+
+  std::shared_ptr<MoveGroup> MakeGripper() {
+    if (SuctionGripper::IsMadeOf(model(), names_.actuators))
+      return std::make_shared<SuctionGripper>(scene_, names_, config_);
+    return std::make_shared<ActuatedGripper>(scene_, names_, config_);
+  }
 
   MadeGroup MakeArm() {
     names_.leaf = LeafOr(ToolFrame());
@@ -183,12 +190,22 @@ class GroupMaker {
     return names_.leaf;
   }
 
-  // Returns true if the last joint of the gripper comes after that of the arm.
+  // Returns true if the last joint of the gripper, or what its actuator acts on, comes after the
+  // last joint of the arm.
   bool IsCarriedBy(const MoveGroupConfig& arm) const {
-    if (arm.joints.empty() || names_.joints.empty()) return false;
+    const int own = BodyOfGripper();
+    if (arm.joints.empty() || own < 0) return false;
     const int last = FindId(model(), mjOBJ_JOINT, robot_.prefix + arm.joints.names.back());
-    const int own = RequireId(model(), mjOBJ_JOINT, names_.joints.back(), place_);
-    return last >= 0 && IsInSubtree(model(), model()->jnt_bodyid[own], model()->jnt_bodyid[last]);
+    return last >= 0 && IsInSubtree(model(), own, model()->jnt_bodyid[last]);
+  }
+
+  // Returns -1 if nothing says where it is.
+  int BodyOfGripper() const {
+    if (!names_.joints.empty())
+      return model()->jnt_bodyid[RequireId(model(), mjOBJ_JOINT, names_.joints.back(), place_)];
+    if (names_.actuators.empty()) return -1;
+    return BodyOfActuator(model(),
+                          RequireId(model(), mjOBJ_ACTUATOR, names_.actuators.back(), place_));
   }
 
   FrameName LastBody() const {

@@ -12,6 +12,7 @@
 #include "robocell/base/function_name.h"
 #include "robocell/base/log.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/actuator_kind.h"
@@ -369,11 +370,19 @@ bool Robot::State::Carries(const internal::GroupSlot& arm,
                            const internal::GroupSlot& gripper) const {
   const int last = LastLink(arm);
   if (last < 0) return false;
-  const std::vector<std::string>& names = gripper.own->group->joint_names();
-  return std::any_of(names.begin(), names.end(), [&](const std::string& name) {
-    const int joint = FindId(scene.model(), mjOBJ_JOINT, name);
-    return joint >= 0 &&
-           internal::IsInSubtree(scene.model(), scene.model()->jnt_bodyid[joint], last);
+  const mjModel* m = scene.model();
+  const std::vector<std::string>& joints = gripper.own->group->joint_names();
+  const bool moves = std::any_of(joints.begin(), joints.end(), [&](const std::string& name) {
+    const int joint = FindId(m, mjOBJ_JOINT, name);
+    return joint >= 0 && internal::IsInSubtree(m, m->jnt_bodyid[joint], last);
+  });
+  if (moves || !joints.empty()) return moves;
+  // A suction cup has no joints.
+  const std::vector<std::string>& actuators = gripper.own->group->actuator_names();
+  return std::any_of(actuators.begin(), actuators.end(), [&](const std::string& name) {
+    const int actuator = FindId(m, mjOBJ_ACTUATOR, name);
+    const int body = actuator < 0 ? -1 : internal::BodyOfActuator(m, actuator);
+    return body >= 0 && internal::IsInSubtree(m, body, last);
   });
 }
 

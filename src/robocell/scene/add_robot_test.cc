@@ -22,6 +22,7 @@ using ::testing::Contains;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
+using ::testing::Not;
 
 class Robots : public ArmScenes {};
 
@@ -89,6 +90,29 @@ TEST_F(Robots, TakeOnlyTheirRootAndReportTheRest) {
   spec.robots[0].config->root_body = "bse";
   ExpectThrow<SpecError>([&] { Scene::Build(spec); },
                          "root_body: no body 'bse'. Its bodies: base, chair. Did you mean 'base'?");
+}
+
+// Two arms that stand beside each other in one file.
+TEST_F(Robots, ExplainMissingJointsOfASecondRoot) {
+  const std::string pair = folder.Write(
+      "pair", R"(<worldbody><body name="left"><joint name="l1"/><geom size="0.1"/></body>
+      <body name="right"><joint name="r1"/><geom size="0.1"/></body></worldbody>
+      <actuator><motor name="m1" joint="l1"/><motor name="m2" joint="r1"/></actuator>)");
+  SceneSpec spec = EmptyScene();
+  spec.robots.push_back({.config = RobotConfig{.name = "pair",
+                                               .model = pair,
+                                               .root_body = "left",
+                                               .move_groups = {{"left", {.joints = {"l1"}}},
+                                                               {"right", {.joints = {"r1"}}}}}});
+  ExpectThrow<SpecError>(
+      [&] { Scene::Build(spec); },
+      pair +
+          " has r1, but not below the root body: a robot has one, and right is left out. Put "
+          "all of them into one body in that file (`robocell init` makes such a file), or make "
+          "a robot of each, with its own robot file and root_body");
+  spec.robots[0].config->move_groups.at("right").joints = {"r2"};  // in no body
+  EXPECT_THAT(ExpectThrow<SpecError>([&] { Scene::Build(spec); }, "no joint 'r2'"),
+              Not(HasSubstr("left out. Put")));
 }
 
 TEST_F(Robots, RejectAConfigurationAsAModel) {

@@ -9,6 +9,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/compile.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/scene/add_camera.h"
 #include "robocell/scene/add_object.h"
 #include "robocell/scene/add_robot.h"
@@ -219,6 +220,36 @@ class SceneCompiler {
     }
   }
 
+  // Elements may be missing because only one of several root bodies of a model is attached.
+  void ExplainOtherRoots(const mjModel* model, const RobotRecord& robot, const Part& part) {
+    std::vector<std::string> left_out;
+    const auto look = [&](mjtObj kind, const NameList& names) {
+      for (const std::string& name : names) {
+        if (FindId(model, kind, robot.prefix + name) < 0 &&
+            FindSpecElement(part.spec.get(), kind, name))
+          left_out.push_back(name);
+      }
+    };
+    for (const auto& [name, group] : robot.config.move_groups.entries()) {
+      look(mjOBJ_JOINT, group->joints);
+      look(mjOBJ_ACTUATOR, group->actuators);
+    }
+    if (left_out.empty()) return;
+    std::vector<std::string> roots;
+    for (mjsElement* body : BodyElements(WorldBody(part.spec.get()), mjOBJ_BODY)) {
+      if (robot.prefix + SpecName(body) != robot.root_body) roots.push_back(SpecName(body));
+    }
+    log_.Problem(
+        RobotPlace(robot.name),
+        fmt::format(
+            "{} has {}, but not below the root body: a robot has one, and {} left out. Put "
+            "all of them into one body in that file (`robocell init` makes such a file), or "
+            "make a robot of each, with its own robot file and root_body",
+            part.file, ListNames(left_out),
+            ListNames(roots) + (roots.size() == 1 ? " is" : " are")),
+        "root_body");
+  }
+
   void AddRobotFrames(const RobotRecord& robot) {
     frames_[robot.name] = {robot.root_body, robot.attachment_site};
   }
@@ -342,7 +373,11 @@ class SceneCompiler {
     out_->engine_guards_ = GuardsSince(written, spec_.get());
     out_->jacobian_ = model->opt.jacobian;
     WarnWrongSolver(spec(), model, log_);
-    for (const RobotRecord& robot : out_->robots_) ValidateRobot(model, robot, log_);
+    for (size_t i = 0; i < robots_.size(); ++i) {
+      const size_t before = log_.problem_count();
+      ValidateRobot(model, out_->robots_[i], log_);
+      if (log_.problem_count() > before) ExplainOtherRoots(model, out_->robots_[i], PartOf(i));
+    }
     DropFollowers(model, out_->robots_, log_);
     const DataPtr reference = AtReference(model);
     ValidateGroups(model, reference.get(), out_->robots_, log_);

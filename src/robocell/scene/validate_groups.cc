@@ -248,22 +248,23 @@ class GroupValidator {
   }
 
   void ValidateGripper(const std::string& field, const MoveGroupConfig& group) {
-    const auto fingers = FingerBodies(m_, robot_, group);
-    if (!fingers) return;
+    const std::vector<int> fingers = FingerBodies(m_, robot_, group);
+    if (fingers.empty()) return;
     const std::string named = group.fingers.empty() ? ".joints" : ".fingers";
-    if ((*fingers)[0] == (*fingers)[1]) {
+    if (std::ranges::all_of(fingers, [&](int finger) { return finger == fingers[0]; })) {
       // For two parts of one body the gripper reports it.
       if (group.fingers.size() != 2 || group.fingers[0] != group.fingers[1]) return;
       return Problem(field + named, fmt::format("both fingers are {}; name one body of each finger",
                                                 Describe(group.fingers[0])));
     }
-    const int hand = CommonAncestor(m_, (*fingers)[0], (*fingers)[1]);
-    ValidateGripperActuators(field + ".actuators", group, hand);
+    ValidateGripperActuators(field + ".actuators", group, HandOf(m_, fingers));
   }
 
   void ValidateGripperActuators(const std::string& field, const MoveGroupConfig& group, int hand) {
     const std::vector<bool> carrying = Dofs([&](int body) { return IsInSubtree(m_, hand, body); });
-    const std::vector<bool> others = Dofs([&](int body) { return !IsInSubtree(m_, hand, body); });
+    std::vector<bool> others = Dofs([&](int body) { return !IsInSubtree(m_, hand, body); });
+    const std::vector<bool> driving = DofsThatDriveFingers(m_, hand);
+    for (size_t dof = 0; dof < others.size(); ++dof) others[dof] = others[dof] || driving[dof];
     for (size_t i = 0; i < group.actuators.size(); ++i) {
       const std::string& name = group.actuators.names[i];
       const int actuator = FindId(m_, mjOBJ_ACTUATOR, robot_.prefix + name);

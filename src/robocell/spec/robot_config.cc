@@ -72,9 +72,10 @@ void ValidateArm(const MoveGroupConfig& group, Problems& problems) {
 void ValidateGripper(const MoveGroupConfig& group, Problems& problems) {
   if (group.actuators.empty())
     problems.AddAt("actuators", "a gripper needs the actuator that moves it");
-  if (!group.fingers.empty() && group.fingers.size() != 2) {
-    problems.AddAt("fingers", fmt::format("a gripper has two fingers, this one names {}",
-                                          group.fingers.size()));
+  if (group.fingers.size() == 1) {
+    problems.AddAt("fingers",
+                   "a gripper has two fingers or more, this one names 1; of three and "
+                   "more the first closes against the others");
   }
   if (group.distance && group.distance->closed >= group.distance->open) {
     problems.AddAt("distance", fmt::format("closed ({} m) must be smaller than open ({} m)",

@@ -94,14 +94,16 @@ TEST(RobotConfig, AnArmHasOneActuatorPerJoint) {
 TEST(RobotConfig, AGripperNeedsTwoFingersAndADirection) {
   RobotConfig robot = ArmFile();
   MoveGroupConfig& hand = robot.move_groups["hand"];
-  hand.fingers.push_back({.name = "third"});
+  hand.fingers = {{.name = "only"}};
   hand.ctrl->closed = 0;
   hand.distance = GripperDistance{.closed = 0.08, .open = 0.08};
   hand.actuators = {};
   EXPECT_EQ(ValidationError(robot),
             "it is not valid, 4 problems:\n"
             "  move_groups.hand.actuators: a gripper needs the actuator that moves it\n"
-            "  move_groups.hand.fingers: a gripper has two fingers, this one names 3\n"
+            "  move_groups.hand.fingers: a gripper has two fingers or more, this one names 1; of "
+            "three and "
+            "more the first closes against the others\n"
             "  move_groups.hand.distance: closed (0.08 m) must be smaller than open (0.08 m)\n"
             "  move_groups.hand.ctrl: open and closed are both 0");
 }

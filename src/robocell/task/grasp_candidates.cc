@@ -12,9 +12,13 @@
 #include "robocell/base/units.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/task/suction_grasps.h"
+#include "robocell/task/top_down.h"
 
 namespace robocell {
 namespace {
+
+using internal::TopDown;
 
 constexpr int kYaws = 12;                        // over half a turn
 constexpr double kSideSteps[] = {0, -0.6, 0.6};  // shares of the half extent across
@@ -23,6 +27,7 @@ constexpr double kSupportClearance =
 constexpr double kLeastOverlap = 0.012;  // overlap of pad and object along the approach
 constexpr double kDeepGrip = 0.02;  // one of the heights tried: this far below a grip at the top
 constexpr double kOpenClearance = 0.006;  // beside the object when the gripper is open, per finger
+constexpr double kJawClearance = 0.004;   // beside a pad that does not move when the hand opens
 constexpr double kLeastWidth = 0.006;
 constexpr double kLeastAboveClosed = 0.005;  // wider than the closed gripper, to notice holding
 constexpr double kLeastRange = 5e-4;         // range of held widths; a smaller one counts as none
@@ -48,15 +53,6 @@ double BodyYaw(const mjData* d, int body) {
   const double* r = d->xmat + 9 * body;
   const int column = std::hypot(r[0], r[3]) > 0.5 ? 0 : 1;
   return std::atan2(r[3 + column], r[column]);
-}
-
-// Returns the axes of a grasp frame whose approach points straight down, with x at an angle to the
-// world's x.
-Eigen::Matrix3d TopDown(double yaw) {
-  const Eigen::Vector3d x(std::cos(yaw), std::sin(yaw), 0), z(0, 0, -1);
-  Eigen::Matrix3d axes;
-  axes << x, z.cross(x), z;
-  return axes;
 }
 
 // The contacts that the pads would make.
@@ -197,12 +193,23 @@ class CandidateSearch {
                         2 * std::max(0.0, std::abs(at.z() - com_.z()) - 0.01) +
                         0.3 * (1 - squeeze.square) + 0.05 * (1 - squeeze.cover) +
                         3 * std::max(0.0, 0.012 - width) + 0.3 * width;
+    const double aside = Aside(width);
+    const Eigen::Vector3d held = shape_.PadAt(width) + aside * Eigen::Vector3d::UnitY();
     for (const double flip : {0.0, internal::kPi}) {  // either finger may be left
       const Eigen::Matrix3d axes = TopDown(yaw + flip);
-      const Pose tcp =
-          Pose(middle - axes * shape_.PadAt(width), axes) * shape_.grasp_in_tcp().inverse();
-      found_.push_back({tcp, width, cost});
+      const Pose tcp = Pose(middle - axes * held, axes) * shape_.grasp_in_tcp().inverse();
+      found_.push_back(
+          {.tcp_in_world = tcp, .width = width, .aside = std::abs(aside), .cost = cost});
     }
+  }
+
+  // Returns how far the object is from the middle of the pads, along the closing direction, so that
+  // it is clear of both pads of the open hand: 0 if both open.
+  double Aside(double width) const {
+    const double half = (shape_.open_gap() - width) / 2;
+    const double moved = shape_.PadAt(shape_.open_gap()).y() - shape_.PadAt(width).y();
+    return std::max(kJawClearance - (half - moved), 0.0) -
+           std::max(kJawClearance - (half + moved), 0.0);
   }
 
   const mjModel* m_;
@@ -223,7 +230,9 @@ constexpr double kTurnCost = 0.02;  // per radian
 
 std::vector<GraspCandidate> FindGrasps(const mjModel* m, const mjData* d, int object_body,
                                        const GripperShape& shape, const Pose& tcp_now) {
-  std::vector<GraspCandidate> grasps = CandidateSearch(m, d, object_body, shape).Run();
+  std::vector<GraspCandidate> grasps = shape.is_suction()
+                                           ? internal::FindSuctionGrasps(m, d, object_body, shape)
+                                           : CandidateSearch(m, d, object_body, shape).Run();
   for (GraspCandidate& grasp : grasps) {
     grasp.cost += kTurnCost * AngleBetween(tcp_now.quaternion(), grasp.tcp_in_world.quaternion());
   }
@@ -251,6 +260,7 @@ std::string SizesForGrasp(const mjModel* model, const mjData* data, int object_b
                           const GripperShape& shape) {
   const std::vector<int> geoms = internal::CollisionGeomsOf(model, object_body);
   if (geoms.empty()) return "none of its geoms collides";
+  if (shape.is_suction()) return internal::WhyNothingSticks(shape);
   double narrowest = std::numeric_limits<double>::infinity();
   for (int k = 0; k < kYaws; ++k) {
     const double yaw = BodyYaw(data, object_body) + k * internal::kPi / kYaws;

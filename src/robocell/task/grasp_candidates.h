@@ -1,5 +1,6 @@
-// Grasp candidates: where a parallel gripper could grasp an object from above, found with rays on
-// the object's collision geometry. This is pure geometry: the arm, its reach and the other objects
+// Grasp candidates: where a gripper could grasp an object from above, found with rays on the
+// object's collision geometry. A suction gripper sticks to a flat place of its top
+// (suction_grasps.h); the rest is about parallel grippers. This is pure geometry: the arm, its reach and the other objects
 // play no part.
 //
 // A grasp is a place between the pads; the TCP follows from it by the gripper's shape at the
@@ -20,7 +21,9 @@ namespace robocell {
 struct GraspCandidate {
   Pose tcp_in_world;
   double width = 0;  // object width between the pads, metres
-  double cost = 0;   // lower is better
+  // Distance of the object from a pad that does not move, to which the other one pushes it, metres.
+  double aside = 0;
+  double cost = 0;  // lower is better
 };
 
 // Returns the candidates, best first; empty when the object is too large, too small or too flat for

@@ -8,6 +8,7 @@
 
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/pick_scene.h"
 #include "robocell/testing/random_values.h"
 
@@ -145,6 +146,53 @@ TEST(HeldWidths, AreNoRangeIfTheGripperHoldsNothing) {
   EXPECT_EQ(DescribeHeldWidths(0, 0.01799),
             "holds nothing: open, its fingers are 0.018 m apart, which leaves 0.00599 m between "
             "0.006 m of clearance on both sides, and 0.006 m are the least that it can hold");
+}
+
+// A vice: one jaw is part of the hand, the other slides. The object is beside the middle of the open
+// hand, clear of the jaw that cannot make room.
+TEST(FindGrasps, KeepsClearOfAJawThatDoesNotMove) {
+  ModelFolder folder;
+  const RobotConfig config{
+      .name = "vice",
+      .model = folder.Write("vice", R"(<worldbody><body name="mast" pos="0 0 1">
+  <body name="hand"><joint name="lift" type="slide" axis="0 0 1" range="-.1 .1"/>
+    <geom type="box" size=".05 .05 .01" mass=".2"/>
+    <geom name="fixed" type="box" size=".01 .005 .03" pos="0 -.035 -.05" mass=".05"/>
+    <site name="tip" pos="0 0 -.07" quat="0 1 0 0"/>
+    <body name="jaw" pos="0 .035 -.05"><joint name="slide" type="slide" axis="0 -1 0"
+        range="0 .06" damping="5" armature=".1"/>
+      <geom name="moving" type="box" size=".01 .005 .03" mass=".05"/></body></body></body></worldbody>
+  <actuator><position name="servo" joint="lift" kp="2000" kv="100"/>
+    <position name="grip" joint="slide" kp="800" kv="20" ctrlrange="0 .06"/></actuator>)"),
+      .move_groups = {{"arm",
+                       {.kind = MoveGroupKind::kArm,
+                        .joints = {"lift"},
+                        .actuators = {"servo"},
+                        .leaf = ElementRef{.name = "tip"}}},
+                      {"grip",
+                       {.kind = MoveGroupKind::kGripper,
+                        .joints = {"slide"},
+                        .actuators = {"grip"},
+                        .leaf = ElementRef{.name = "tip"},
+                        .fingers = {{.name = "fixed"}, {.name = "moving"}}}}}};
+  const auto shape = GripperShape::Of(config, {}, 0.002);
+  ASSERT_NEAR(shape->open_gap(), 0.06, 1e-3);
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back(BoxObject("box", {0.4, 0, 0.5}));
+  Scene scene = Scene::Build(spec);
+  scene.Forward();
+  const std::vector<GraspCandidate> grasps = FindGrasps(
+      scene.model(), scene.data(), FindId(scene.model(), mjOBJ_BODY, "box"), *shape, Pose());
+  ASSERT_FALSE(grasps.empty());
+  for (const GraspCandidate& grasp : grasps) {
+    // The middle of the object's faces, in the grasp frame of the open hand.
+    const Pose frame = grasp.tcp_in_world * shape->grasp_in_tcp();
+    const double object = (frame.inverse() * Vector3d(0.4, 0, 0.5)).y();
+    const double middle = shape->PadAt(shape->open_gap()).y(), half = shape->open_gap() / 2;
+    EXPECT_GE(object - grasp.width / 2 - (middle - half), 0.0039);
+    EXPECT_GE(middle + half - (object + grasp.width / 2), 0.0039);
+    EXPECT_NEAR(grasp.aside, 0.004, 2e-4);
+  }
 }
 
 }  // namespace

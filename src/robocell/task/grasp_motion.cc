@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "robocell/kinematics/ik_batch.h"
+#include "robocell/kinematics/ik_position_first.h"
 #include "robocell/motion/vertical_line.h"
 
 namespace robocell {
@@ -48,10 +49,15 @@ void GraspMotions::SolveMore() {
   options.ik.tolerance = internal::kLineIkTolerance;
   options.ik.prefer = IkPrefer::kSeed;
   options.ik.max_restarts = kRestarts;
-  const IkBatchResult result = IkBatch(planning_.robot().chain(), targets, home_, options);
+  const Chain& chain = planning_.robot().chain();
+  const IkBatchResult result = IkBatch(chain, targets, home_, options);
   for (int b = 0; b < result.size; ++b) {
     solved_.push_back(result.success[b] ? JointVector(result.row(b)) : JointVector());
     missed_by_.push_back(result.position_error[b]);
+    if (result.success[b] || !internal::HasFewJoints(chain)) continue;
+    const IkResult near = internal::IkPositionFirst(chain, targets[static_cast<size_t>(b)], home_);
+    missed_by_.back() = near.position_error;
+    if (near.success && near.rotation_error <= internal::kMostTilt) solved_.back() = near.q;
   }
 }
 
@@ -85,10 +91,17 @@ std::optional<GraspMotion> GraspMotions::TryCandidate(const GraspCandidate& gras
   const double open = shape.open_gap();
   // Nothing but the pads may arrive first. The named fingers need not be the innermost geoms, and
   // the gap of the closed gripper is measured between the named fingers.
-  const double before = std::min(open, grasp.width + shape.closed_gap() + kJustBefore);
-  if (!IsFree(q, {.gap = open}) || !IsFree(q, {.gap = before})) return std::nullopt;
-  const Pose tcp = world_in_base_ * grasp.tcp_in_world;
+  const double before =
+      std::min(open, grasp.width + grasp.aside + shape.closed_gap() + kJustBefore);
+  // A suction cup presses on the object.
+  const bool touches = shape.is_suction();
+  if (!IsFree(q, {.gap = open, .touch_target = touches}) ||
+      !IsFree(q, {.gap = before, .touch_target = touches}))
+    return std::nullopt;
   const Chain& chain = planning_.robot().chain();
+  // The rotation that few joints reach is a little off.
+  const Pose tcp =
+      internal::HasFewJoints(chain) ? chain.Fk(q) : world_in_base_ * grasp.tcp_in_world;
   JointPath down = internal::LineAbove(chain, tcp, q, up_in_base_, options_.above);
   JointPath up = internal::LineAbove(chain, tcp, q, up_in_base_, options_.lift);
   if (const double missing = internal::MissingShare(down); missing > 0)

@@ -4,7 +4,6 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -179,7 +178,7 @@ void CheckForces(const CompiledRobot& of, const std::string& field,
 // Reports fingers that nothing holds between open and closed, because the controls of all their
 // actuators are forces or speeds and no spring pushes back.
 void CheckOpenings(const CompiledRobot& of, const std::string& group,
-                   const std::vector<std::string>& actuators, const std::array<int, 2>& fingers,
+                   const std::vector<std::string>& actuators, const std::vector<int>& fingers,
                    Findings& findings) {
   const mjModel* m = of.model;
   std::optional<CtrlMode> kind;
@@ -190,7 +189,7 @@ void CheckOpenings(const CompiledRobot& of, const std::string& group,
     kind = next;
   }
   if (!kind) return;
-  const int hand = CommonAncestor(m, fingers[0], fingers[1]);
+  const int hand = HandOf(m, fingers);
   for (const int finger : fingers) {
     const FingerJoints joints = JointsBetween(m, hand, finger);
     for (const int joint : joints.ids) {
@@ -211,16 +210,16 @@ void CheckOpenings(const CompiledRobot& of, const std::string& group,
 }
 
 // Reports each finger that nothing moves, or that has nothing to touch with.
-void CheckMotion(const CompiledRobot& of, const std::string& field,
-                 const std::array<int, 2>& fingers, Findings& findings) {
+void CheckMotion(const CompiledRobot& of, const std::string& field, const std::vector<int>& fingers,
+                 Findings& findings) {
   const mjModel* m = of.model;
   const mjData* d = of.reference;
   const RobotRecord& robot = of.robot;
   const auto name = [&](mjtObj kind, int id) {
     return ElementName(m, kind, id).substr(robot.prefix.size());
   };
-  const int hand = CommonAncestor(m, fingers[0], fingers[1]);
-  for (int i = 0; i < 2; ++i) {
+  const int hand = HandOf(m, fingers);
+  for (size_t i = 0; i < fingers.size(); ++i) {
     const FingerJoints joints = JointsBetween(m, hand, fingers[i]);
     if (!CanTouch(m, hand, fingers[i], joints)) {
       findings.Warn(
@@ -230,7 +229,7 @@ void CheckMotion(const CompiledRobot& of, const std::string& field,
                              field, name(mjOBJ_BODY, fingers[i])));
     }
     if (joints.ids.empty() || IsMoved(m, d, joints)) continue;
-    const FingerJoints others = JointsBetween(m, hand, fingers[1 - i]);
+    const FingerJoints others = JointsBetween(m, hand, fingers[(i + 1) % fingers.size()]);
     const std::string other = others.ids.empty() ? "..." : name(mjOBJ_JOINT, others.ids[0]);
     const std::string joint = name(mjOBJ_JOINT, joints.ids[0]);
     findings.WarnAt(
@@ -247,13 +246,13 @@ void CheckMotion(const CompiledRobot& of, const std::string& field,
 void CheckFingers(const CompiledRobot& robot, Findings& findings) {
   for (const auto& [name, group] : robot.robot.config.move_groups.entries()) {
     if (group->kind != MoveGroupKind::kGripper) continue;
-    const auto fingers = FingerBodies(robot.model, robot.robot, *group);
-    if (!fingers || (*fingers)[0] == (*fingers)[1]) continue;
+    const std::vector<int> fingers = FingerBodies(robot.model, robot.robot, *group);
+    if (fingers.empty() || std::ranges::count(fingers, fingers[0]) > 1) continue;
     const std::string field = "move_groups." + name;
-    CheckMotion(robot, field + (group->fingers.empty() ? ".joints" : ".fingers"), *fingers,
+    CheckMotion(robot, field + (group->fingers.empty() ? ".joints" : ".fingers"), fingers,
                 findings);
     CheckForces(robot, field + ".actuators", group->actuators.names, findings);
-    CheckOpenings(robot, name, group->actuators.names, *fingers, findings);
+    CheckOpenings(robot, name, group->actuators.names, fingers, findings);
   }
 }
 
