@@ -95,12 +95,12 @@ TEST_F(EnvFewJoints, LeafPosesReachThePosition) {
 }
 
 TEST_F(EnvFewJoints, TheEnvironmentSaysWhatItsPosesMean) {
-  std::vector<std::string> said;
+  std::vector<std::string> warnings;
   const auto made = [&](ControlMode mode) {
-    said.clear();
-    const ScopedLogSink sink([&](LogLevel, std::string_view text) { said.emplace_back(text); });
+    warnings.clear();
+    const ScopedLogSink sink([&](LogLevel, std::string_view text) { warnings.emplace_back(text); });
     Env env(Config(mode));
-    return said;
+    return warnings;
   };
   const std::string few = "an arm of 5 degrees of freedom cannot take every pose";
   EXPECT_THAT(made(ControlMode::kCartesianTquat), Contains(HasSubstr(few)));

@@ -31,17 +31,17 @@ JointVector Inside(const Chain& chain, Rng& rng) {
 // Targets a few millimetres away, with the rotation of the start.
 TEST(IkPositionFirst, ReachesThePositionAndStaysNear) {
   Rng rng = Rng::Stream(5, "position first");
-  int reached = 0, asked = 0;
+  int reached = 0, tried = 0;
   for (int trial = 0; trial < 60; ++trial) {
     std::optional<TestModel> model;
     const Chain chain = RandomChain(rng, 4 + trial % 2, &model);
     const JointVector from = Inside(chain, rng);
     const Pose tip = chain.Fk(from);
-    const Eigen::Vector3d way(rng.Uniform(-4e-3, 4e-3), rng.Uniform(-4e-3, 4e-3),
+    const Eigen::Vector3d offset(rng.Uniform(-4e-3, 4e-3), rng.Uniform(-4e-3, 4e-3),
                               rng.Uniform(-4e-3, 4e-3));
-    const Pose target(tip.translation() + way, tip.quaternion());
+    const Pose target(tip.translation() + offset, tip.quaternion());
     const IkResult found = IkPositionFirst(chain, target, from);
-    ++asked;
+    ++tried;
     const Pose got = chain.Fk(found.q);
     EXPECT_NEAR(found.position_error, (got.translation() - target.translation()).norm(), 1e-12);
     EXPECT_NEAR(found.rotation_error, AngleBetween(got.quaternion(), target.quaternion()), 1e-9);
@@ -53,7 +53,7 @@ TEST(IkPositionFirst, ReachesThePositionAndStaysNear) {
       EXPECT_LE(found.q[i], chain.joints()[i].upper);
     }
   }
-  EXPECT_GE(reached, asked * 9 / 10);
+  EXPECT_GE(reached, tried * 9 / 10);
 }
 
 // No neighbour that reaches the position has a nearer rotation. The oracle moves one joint and

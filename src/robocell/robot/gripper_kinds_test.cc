@@ -175,19 +175,19 @@ TEST_F(GripperKinds, OscillatingFingersAreReportedWithACureThatWorks) {
   const MoveGroupConfig group{
       .joints = {"left"}, .actuators = {"grip"}, .fingers = {{.name = "left"}, {.name = "right"}}};
   Robot robot = Hand(hand("damping=\"0\""), group);
-  std::string said;
+  std::string message;
   try {
     robot.gripper().inter_finger_dist_range();
   } catch (const ArgumentError& error) {
-    said = error.what();
+    message = error.what();
   }
-  EXPECT_THAT(said, AllOf(HasSubstr("the fingers do not come to rest"),
+  EXPECT_THAT(message, AllOf(HasSubstr("the fingers do not come to rest"),
                           HasSubstr("Joint 'left' oscillates: what drives it is too stiff for the "
                                     "inertia that it moves at a timestep of 0.002 s. In a trial "
                                     "`edits: [{joint: 'left', armature: ")));
   const std::string before = "{joint: 'left', armature: ";
-  const size_t at = said.find(before) + before.size();
-  const std::string armature = said.substr(at, said.find('}', at) - at);
+  const size_t at = message.find(before) + before.size();
+  const std::string armature = message.substr(at, message.find('}', at) - at);
   Robot cured = Hand(hand("armature=\"" + armature + "\""), group);
   EXPECT_NEAR(cured.gripper().inter_finger_dist_range().upper, 0.13, 5e-3);
 }
