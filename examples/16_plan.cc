@@ -121,7 +121,7 @@ int main(int argc, char** argv) try {
   rc::MotionPlanner free_hand(robot, {.clearance = .005});
   rc::MotionResult result = free_hand.Plan({Above(kCube)}, {.seed = 1});
   rc::Trajectory motion = Drive(robot, result);
-  std::printf("above the cube: %zu way points, %.2f s\n", result.path.size(), motion.duration());
+  std::printf("above the cube: %zu waypoints, %.2f s\n", result.path.size(), motion.duration());
   DriveLine(robot, free_hand, Lowered(robot, kCube));
   robot.gripper().SetOpening(0);
   Wait(robot, .5);
@@ -137,7 +137,7 @@ int main(int argc, char** argv) try {
               .keep_axis = rc::AxisConstraint{.axis_in_tcp = {0, 0, -1}, .tolerance = .25}});
   result = carrying.Plan({Above(kPlace)}, {.seed = 1});
   motion = Drive(robot, result);
-  std::printf("around the wall: %zu way points, %.2f s\n", result.path.size(), motion.duration());
+  std::printf("around the wall: %zu waypoints, %.2f s\n", result.path.size(), motion.duration());
   Draw(scene, folder / "picture.png");
 
   DriveLine(robot, touching, Lowered(robot, kPlace));

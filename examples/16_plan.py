@@ -91,7 +91,7 @@ def main(folder: Path) -> None:
     free_hand = rc.motion.MotionPlanner(robot, clearance=0.005)
     result = free_hand.plan(above(CUBE), seed=1)
     motion = drive(robot, result)
-    print(f"above the cube: {len(result.path)} way points, {motion.duration:.2f} s")
+    print(f"above the cube: {len(result.path)} waypoints, {motion.duration:.2f} s")
     drive(robot, free_hand.plan_line(lowered(robot, CUBE)))
     robot.gripper.opening = 0
     wait(robot, 0.5)
@@ -107,7 +107,7 @@ def main(folder: Path) -> None:
     )
     result = carrying.plan(above(PLACE), seed=1)
     motion = drive(robot, result)
-    print(f"around the wall: {len(result.path)} way points, {motion.duration:.2f} s")
+    print(f"around the wall: {len(result.path)} waypoints, {motion.duration:.2f} s")
     renderer = rc.render.Renderer(scene, shadows=True, multisamples=4)
     view = rc.render.OrbitCamera(lookat=(0.35, 0, 0.35), distance=1.5, azimuth=200, elevation=-30)
     rc.render.write_png(folder / "picture.png", renderer.render(view, 640, 480)["rgb"])

@@ -240,7 +240,7 @@ void BindResult(nb::module_& m) {
       .def_ro("distances", &MotionResult::distances, "Number of distances computed by the engine.")
       .def("__bool__", [](const MotionResult& r) { return r.success; })
       .def("__repr__", [](const MotionResult& r) {
-        return r.success ? fmt::format("<MotionResult: {} way points>", r.path.size())
+        return r.success ? fmt::format("<MotionResult: {} waypoints>", r.path.size())
                          : fmt::format("<MotionResult: {}>", ToString(r.failure));
       });
 }
@@ -394,7 +394,7 @@ MotionLimits ToLimits(nb::handle velocity, nb::handle acceleration, nb::handle j
 
 void BindTrajectory(nb::module_& m) {
   nb::class_<Trajectory>(m, "Trajectory",
-                         "A path over time; straight lines from way point to way point, at rest in "
+                         "A path over time; straight lines from waypoint to waypoint, at rest in "
                          "each of them.")
       .def_prop_ro("duration", &Trajectory::duration, "Seconds.")
       .def_prop_ro("n_joints", &Trajectory::n_joints, "Number of joints.")

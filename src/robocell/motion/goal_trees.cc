@@ -134,7 +134,7 @@ void GoalTrees::Step(Rng& rng) {
 }
 
 void Shorten(Rows* path, const JointSpace& space, EdgeJudge* judge, Rng& rng, int tries) {
-  // Skips to the farthest way point that a straight motion reaches.
+  // Skips to the farthest waypoint that a straight motion reaches.
   for (size_t i = 0; i + 2 < path->size(); ++i) {
     for (size_t j = path->size() - 1; j > i + 1; --j) {
       if (!judge->IsFree((*path)[i], (*path)[j])) continue;
@@ -143,7 +143,7 @@ void Shorten(Rows* path, const JointSpace& space, EdgeJudge* judge, Rng& rng, in
       break;
     }
   }
-  std::vector<double> ends;  // length of the path up to each way point
+  std::vector<double> ends;  // length of the path up to each waypoint
   std::vector<double> from, to;
   for (int t = 0; t < tries && path->size() > 2; ++t) {
     ends.assign(1, 0.0);

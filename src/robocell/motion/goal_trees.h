@@ -17,7 +17,7 @@
 
 namespace robocell::internal {
 
-// One row for each way point.
+// One row for each waypoint.
 using Rows = std::vector<std::vector<double>>;
 
 class EdgeJudge {
@@ -91,7 +91,7 @@ class GoalTrees {
   std::vector<double> drawn_, next_;
 };
 
-// Shortens a path: leaves out way points, then replaces stretches between two random points of it
+// Shortens a path: leaves out waypoints, then replaces stretches between two random points of it
 // by straight motions, `tries` times.
 void Shorten(Rows* path, const JointSpace& space, EdgeJudge* judge, Rng& rng, int tries);
 

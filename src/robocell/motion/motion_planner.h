@@ -3,7 +3,7 @@
 //   MotionPlanner planner(robot, {.clearance = 0.005});
 //   MotionResult result = planner.Plan({MotionGoal::Tcp(grasp), MotionGoal::Tcp(other_grasp)});
 //   if (!result.success) throw Error(result.message);
-//   for (const std::vector<double>& q : result.path) ...          // way points, straight between
+//   for (const std::vector<double>& q : result.path) ...          // waypoints, straight between
 //   MotionResult once = Plan(robot, {MotionGoal::Joints(q)});     // without a planner to keep
 //
 // The planned joints are those of MotionOptions::groups: one arm, several arms at once, a planar
@@ -115,7 +115,7 @@ class MotionPlanner {
   MotionResult PlanFrom(std::span<const double> start, std::span<const MotionGoal> goals,
                         const MotionBudget& budget = {});
   // Moves the TCP from the start on a straight line to a pose in the world. The rotation follows the
-  // shortest arc. The path has a way point about every millimetre or half degree. Fails with
+  // shortest arc. The path has a waypoint about every millimetre or half degree. Fails with
   // kGoalUnreachable where the arm cannot follow, and with kNoPath where something is in the way;
   // `path` is then the part before.
   MotionResult PlanLine(std::span<const double> start, const Pose& tcp_in_world,

@@ -51,7 +51,7 @@ class MotionPlannerOfRc7 : public ::testing::Test {
           q.push_back(result.path[k - 1][j] +
                       i / 100.0 * (result.path[k][j] - result.path[k - 1][j]));
         }
-        EXPECT_TRUE(filter.IsFree(q)) << "way point " << k << ", " << i << " %";
+        EXPECT_TRUE(filter.IsFree(q)) << "waypoint " << k << ", " << i << " %";
       }
     }
   }

@@ -1,5 +1,5 @@
 // TimedPath: joint targets over time, one per policy tick. Legs start and end at rest (fifth-order
-// time scaling) and pass their way points without stopping. It also computes how slow a leg must be
+// time scaling) and pass their waypoints without stopping. It also computes how slow a leg must be
 // for the servos that follow it.
 #pragma once
 

@@ -31,14 +31,14 @@ void RequireLimits(const char* name, const std::vector<double>& values, size_t j
 }
 
 void RequirePath(std::span<const std::vector<double>> path, const MotionLimits& limits) {
-  if (path.empty()) throw ArgumentError("timing a path: it has no way points");
+  if (path.empty()) throw ArgumentError("timing a path: it has no waypoints");
   const size_t joints = path[0].size();
   for (size_t k = 0; k < path.size(); ++k) {
     const bool is_finite =
         std::ranges::all_of(path[k], [](double value) { return std::isfinite(value); });
     if (path[k].size() != joints || !is_finite) {
       throw ArgumentError(
-          fmt::format("timing a path: way point {} has {} values, expected {} that are finite", k,
+          fmt::format("timing a path: waypoint {} has {} values, expected {} that are finite", k,
                       path[k].size(), joints));
     }
   }
@@ -47,24 +47,24 @@ void RequirePath(std::span<const std::vector<double>> path, const MotionLimits& 
   RequireLimits("jerk", limits.jerk, joints);
 }
 
-// Limits of the way along a straight line, from 0 to 1.
-struct WayLimits {
+// Limits of the share of a straight line, from 0 to 1.
+struct SegmentLimits {
   double velocity = std::numeric_limits<double>::infinity();
   double acceleration = std::numeric_limits<double>::infinity();
   double jerk = std::numeric_limits<double>::infinity();
 };
 
-WayLimits LimitsOfWay(std::span<const double> from, std::span<const double> to,
-                      const MotionLimits& limits) {
-  WayLimits way;
+SegmentLimits LimitsOfSegment(std::span<const double> from, std::span<const double> to,
+                              const MotionLimits& limits) {
+  SegmentLimits segment;
   for (size_t i = 0; i < from.size(); ++i) {
     const double length = std::abs(to[i] - from[i]);
     if (length < kNoMotion) continue;
-    way.velocity = std::min(way.velocity, Limit(limits.velocity, i) / length);
-    way.acceleration = std::min(way.acceleration, Limit(limits.acceleration, i) / length);
-    way.jerk = std::min(way.jerk, Limit(limits.jerk, i) / length);
+    segment.velocity = std::min(segment.velocity, Limit(limits.velocity, i) / length);
+    segment.acceleration = std::min(segment.acceleration, Limit(limits.acceleration, i) / length);
+    segment.jerk = std::min(segment.jerk, Limit(limits.jerk, i) / length);
   }
-  return way;
+  return segment;
 }
 
 }  // namespace
@@ -80,20 +80,20 @@ Trajectory TimePath(std::span<const std::vector<double>> path, const MotionLimit
   motion.starts_.push_back(0);
   ruckig::Ruckig<1> generator;
   for (size_t k = 1; k < path.size(); ++k) {
-    const WayLimits way = LimitsOfWay(path[k - 1], path[k], limits);
-    if (!std::isfinite(way.velocity)) continue;  // the same configuration again
+    const SegmentLimits segment = LimitsOfSegment(path[k - 1], path[k], limits);
+    if (!std::isfinite(segment.velocity)) continue;  // the same configuration again
     // In the line's own unit of time, in which its largest speed is 1: numbers near 1 solve best.
-    const double second = way.velocity;
+    const double second = segment.velocity;
     ruckig::InputParameter<1> input;
     input.current_position = {0};
     input.target_position = {1};
     input.max_velocity = {1};
-    input.max_acceleration = {way.acceleration / (second * second)};
-    input.max_jerk = {way.jerk / (second * second * second)};
+    input.max_acceleration = {segment.acceleration / (second * second)};
+    input.max_jerk = {segment.jerk / (second * second * second)};
     ruckig::Trajectory<1> solved;
     if (generator.calculate(input, solved) != ruckig::Result::Working) {
       throw Error(
-          fmt::format("timing a path: no motion to way point {} within the limits; they may "
+          fmt::format("timing a path: no motion to waypoint {} within the limits; they may "
                       "be many powers of ten apart",
                       k));
     }
@@ -126,13 +126,13 @@ TrajectoryPoint Trajectory::At(double time) const {
   const auto after = std::ranges::upper_bound(phases, within, {}, &Phase::start);
   const Phase& p = after == phases.begin() ? phases.front() : *(after - 1);
   const double t = within - p.start;
-  const double way = p.way + t * (p.speed + t * (p.acceleration / 2 + t * p.jerk / 6));
+  const double share = p.share + t * (p.speed + t * (p.acceleration / 2 + t * p.jerk / 6));
   const double speed = p.speed + t * (p.acceleration + t * p.jerk / 2);
   const double acceleration = p.acceleration + t * p.jerk;
   point.position.resize(n);
   for (size_t i = 0; i < n; ++i) {
     const double length = points_[line + 1][i] - points_[line][i];
-    point.position[i] = points_[line][i] + std::clamp(way, 0.0, 1.0) * length;
+    point.position[i] = points_[line][i] + std::clamp(share, 0.0, 1.0) * length;
     point.velocity[i] = speed * length;
     point.acceleration[i] = acceleration * length;
   }

@@ -1,9 +1,9 @@
-// Trajectory: a path of way points over time, within limits of velocity, acceleration and jerk.
+// Trajectory: a path of waypoints over time, within limits of velocity, acceleration and jerk.
 //
 //   Trajectory motion = TimePath(result.path, {.velocity = {1.5}, .acceleration = {4}});
 //   for (const std::vector<double>& q : motion.Sample(0.002)) ...
 //
-// Each stretch between two way points is a straight line in joint space, from rest to rest, in the
+// Each stretch between two waypoints is a straight line in joint space, from rest to rest, in the
 // least time that the limits of all joints allow (L. Berscheid and T. Kroeger, "Jerk-limited
 // Real-time Trajectory Generation with Arbitrary Target States", 2021; the library ruckig). The
 // configurations are exactly those of the path, so that what was checked is what moves.
@@ -41,9 +41,9 @@ class Trajectory {
 
  private:
   friend Trajectory TimePath(std::span<const std::vector<double>> path, const MotionLimits& limits);
-  // A stretch of constant jerk of the way along a straight line, which goes from 0 to 1.
+  // A stretch of constant jerk of the share of a straight line, which goes from 0 to 1.
   struct Phase {
-    double start, way, speed, acceleration, jerk;  // time within the line, and values there
+    double start, share, speed, acceleration, jerk;  // time within the line, and values there
   };
   struct Line {
     std::vector<Phase> phases;
@@ -54,7 +54,7 @@ class Trajectory {
 };
 
 // Throws ArgumentError for limits that are not above 0 and finite or whose number does not fit, and
-// for way points of different sizes.
+// for waypoints of different sizes.
 Trajectory TimePath(std::span<const std::vector<double>> path, const MotionLimits& limits = {});
 
 // Returns why a path takes longer than `seconds` within the limits, naming the joint whose limits

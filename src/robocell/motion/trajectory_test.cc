@@ -50,7 +50,7 @@ TEST(Trajectory, KeepsAllLimitsAndItsOwnDerivatives) {
   }
 }
 
-TEST(Trajectory, StaysOnThePathAndRestsAtItsWayPoints) {
+TEST(Trajectory, StaysOnThePathAndRestsAtItsWaypoints) {
   Rng rng = Rng::Stream(2, "paths");
   const Path path = RandomPath(rng, 5, 3);
   const Trajectory motion = TimePath(path);
@@ -106,8 +106,8 @@ TEST(Trajectory, RejectsLimitsAndPathsThatMakeNoSense) {
   ExpectThrow<ArgumentError>([&] { TimePath(path, {.acceleration = {0}}); }, "above 0");
   ExpectThrow<ArgumentError>(
       [&] { TimePath(path, {.jerk = {std::numeric_limits<double>::quiet_NaN()}}); }, "jerk");
-  ExpectThrow<ArgumentError>([&] { TimePath(Path{}); }, "no way points");
-  ExpectThrow<ArgumentError>([&] { TimePath(Path{{0, 0}, {1}}); }, "way point 1 has 1 values");
+  ExpectThrow<ArgumentError>([&] { TimePath(Path{}); }, "no waypoints");
+  ExpectThrow<ArgumentError>([&] { TimePath(Path{{0, 0}, {1}}); }, "waypoint 1 has 1 values");
   ExpectThrow<ArgumentError>([&] { TimePath(path).Sample(0); }, "tick");
 }
 
