@@ -186,7 +186,7 @@ EPISODES = (
     Floor("P14", "dataset writer, beside LeRobot 0.4.4", floor=8, aim=18),
     Floor("P14", "dataset writer, beside LeRobot's streaming", floor=2, aim=4.5),
 )
-# They join FLOORS with the first record of their section.
+# These three join FLOORS with the first record of their sections.
 POLICIES = tuple(
     Floor(
         "P18",
@@ -201,6 +201,37 @@ POLICIES = tuple(
         ("state only", 0.3, 0.1),
         ("state and two 224x224 images", 2.0, 0.7),
     )
+)
+EXPORTS = (
+    Floor(
+        "P17",
+        "frames exported as LeRobot v3.0 per second, two cameras 640x480",
+        "export_lerobot",
+        "frames exported as LeRobot v3.0, two cameras 640x480, {robot}",
+        measure=RATE,
+        floor=3000,
+        aim=10_000,
+    ),
+    Floor(
+        "P17",
+        "frames exported, beside LeRobot's own writer",
+        "export_lerobot",
+        "frames exported as LeRobot v3.0, two cameras 640x480, {robot}",
+        "lerobot==0.4.4",
+        floor=10,
+        aim=30,
+    ),
+)
+EVALUATIONS = (
+    Floor(
+        "P18",
+        "actions of a policy that costs nothing, beside the environment alone",
+        "evaluation_rate",
+        "actions of a policy that costs nothing, {robot}",
+        "the environment alone",
+        floor=0.9,
+        aim=0.97,
+    ),
 )
 # The same rows with the kernels of processors without AVX-512.
 NARROWED = tuple(

@@ -21,6 +21,8 @@ import dataset_writer
 import dynamics
 import env_step
 import episodes
+import evaluation_rate
+import export_lerobot
 import ik
 import overlap
 import policy_round_trip
@@ -51,6 +53,8 @@ BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "overlap": overlap.rows,
     "episodes": episodes.rows,
     "policy_round_trip": policy_round_trip.rows,
+    "evaluation_rate": evaluation_rate.rows,
+    "export_lerobot": export_lerobot.rows,
 }
 
 
