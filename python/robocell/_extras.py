@@ -26,6 +26,12 @@ EXTRAS = {
         "google": "protobuf",
         "yaml": "PyYAML",
     },
+    "umi": {
+        "imagecodecs": "imagecodecs",
+        "numcodecs": "numcodecs",
+        "zarr": "zarr",
+        "yaml": "PyYAML",
+    },
     "plots": {"matplotlib": "matplotlib", "plotly": "plotly"},
     "report": {"PIL": "pillow", "jinja2": "Jinja2", "plotly": "plotly", "yaml": "PyYAML"},
     "policy": {"msgpack": "msgpack", "websockets": "websockets", "yaml": "PyYAML"},
