@@ -32,6 +32,7 @@ EXTRAS = {
         "zarr": "zarr",
         "yaml": "PyYAML",
     },
+    "rerun": {"rerun": "rerun-sdk", "yaml": "PyYAML"},
     "plots": {"matplotlib": "matplotlib", "plotly": "plotly"},
     "report": {"PIL": "pillow", "jinja2": "Jinja2", "plotly": "plotly", "yaml": "PyYAML"},
     "policy": {"msgpack": "msgpack", "websockets": "websockets", "yaml": "PyYAML"},

@@ -21,12 +21,12 @@ from numpy.typing import NDArray
 
 import robocell
 from command_line import refused, robocell_command
-from exported import hashes, psnr, three_episodes
+from exported import INSTALLED, hashes, psnr, three_episodes
 from read_back import decoded
-from robocell.export import FORMATS, export_dataset
 from robocell.export import _lerobot_rows as lerobot_rows
 from robocell.export import _lerobot_v3 as lerobot_v3
 from robocell.export import _lerobot_v21 as lerobot_v21
+from robocell.export import export_dataset
 from robocell.export._mp4 import Mp4
 from robocell.export._source import choose
 from robocell.export._statistics import Images, Vectors
@@ -580,7 +580,7 @@ def test_numbers_that_are_none_are_named(
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("format", list(FORMATS))
+@pytest.mark.parametrize("format", INSTALLED)
 def test_a_refusal_before_the_first_episode_leaves_nothing(
     dataset: robocell.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, format: str
 ):

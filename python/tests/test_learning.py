@@ -29,7 +29,11 @@ EXAMPLES = ROOT / "examples" / "learning"
     ],
 )
 def test_a_cloned_policy_picks_cylinders_at_unseen_places(
-    episodes: int, trials: int, least: float, longest_s: float
+    episodes: int,
+    trials: int,
+    least: float,
+    longest_s: float,
+    capsys: pytest.CaptureFixture[str],
 ):
     spec = importlib.util.spec_from_file_location("clone", EXAMPLES / "clone.py")
     assert spec is not None
@@ -37,7 +41,10 @@ def test_a_cloned_policy_picks_cylinders_at_unseen_places(
     clone = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(clone)
     began = time.process_time()
-    assert clone.main(episodes, trials) >= least
+    assert clone.main(episodes, trials, served=3) >= least
+    said = capsys.readouterr().out
+    assert re.search(r"in the environment: picked up \d+ of \d+, 95 % interval \d+% \.\.\.", said)
+    assert re.search(r"through a server: picked up \d of 3, 95 % interval \d+% \.\.\. ", said)
     assert time.process_time() - began < longest_s, "seconds of the processor, as the page promises"
     assert indices_of((EXAMPLES / "clone.py").read_text()) == []
 

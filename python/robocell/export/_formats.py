@@ -120,6 +120,9 @@ FORMATS = {
         stores_times=True,
         reserved=("joint_states", "tf", "events", "poses"),
     ),
+    "rerun": Format(
+        "Rerun", "rerun_log", "rerun.yaml", stores_times=True, reserved=("world", "events")
+    ),
 }
 
 
