@@ -17,7 +17,7 @@ import pytest
 import robocell as rc
 from groot_peer import groot_server, modalities, packed
 from raw_server import raw_server
-from robocell.policy_server import GrootClient, LostServerError, PolicyServerError
+from robocell.policy_server import GrootClient, LostServerError, PolicyServerError, RemotePolicy
 from robocell.policy_server import _groot_client as client_module
 from robocell.policy_server._client import KEY, MOST_BYTES
 from robocell.policy_server._groot_names import groot_preset
@@ -291,6 +291,34 @@ def test_the_parts_of_an_export_are_columns_of_the_cell():
         "robots/rc7/action/hand",
     ]
     assert bound.cameras == {"video>wrist": "wrist"}
+
+
+def test_a_policy_of_groot_is_asked_by_the_names_of_an_export():
+    seen: list[Any] = []
+
+    def act(observation: dict[str, Any]) -> Any:
+        seen.append(observation)
+        return [{"arm": ARM, "hand": GRIPPER}, {}]
+
+    config = modalities(["wrist"], ["arm", "gripper"], ["arm", "hand"])
+    image = np.zeros((4, 6, 3), np.uint8)
+    cameras = SimpleNamespace(draw=True, streams=[SimpleNamespace(name="wrist")])
+    context: Any = SimpleNamespace(
+        instruction="lift", seed=5, features=features(), run=SimpleNamespace(cameras=cameras)
+    )
+    with groot_server(act, config) as url:
+        remote = RemotePolicy(url)
+        remote.reset(context)
+        joints, opening = np.arange(7.0), np.array(0.25)
+        row = {"robots/rc7/arm/qpos": joints, "robots/rc7/opening": opening, "wrist": image}
+        action = remote.act(row)
+        remote.client.close()
+    assert np.array_equal(action["robots/rc7/action/arm"], ARM[0])
+    assert np.array_equal(action["robots/rc7/action/hand"], GRIPPER[0])
+    assert np.array_equal(seen[0]["state"]["arm"][0, 0], joints)
+    assert np.array_equal(seen[0]["state"]["gripper"][0, 0], [0.25])
+    assert seen[0]["video"]["wrist"].shape == (1, 1, 4, 6, 3)
+    assert seen[0]["language"] == {"annotation.human.task_description": [["lift"]]}
 
 
 def test_a_part_that_no_column_has_is_named():

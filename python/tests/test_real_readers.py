@@ -19,7 +19,7 @@ from command_line import REPOSITORY, robocell_command, write_run
 from exported import INSTALLED
 from made_once import made_once
 from reader_venvs import reader_python, run_reader
-from robocell.data import merge
+from robocell.data.derive import merge
 from robocell.export import export_dataset
 from robocell.importer import import_dataset
 

@@ -34,9 +34,9 @@ IMPORT = "robocell.importer.import_dataset({source!r}, {out!r}, rate={rate!r})"
 JOBS = {
     **{f"export {name}": EXPORT for name in INSTALLED},
     "export lerobot-v3, packed": EXPORT,
-    "merge": "robocell.data.merge([{dataset!r}, {other!r}], {out!r})",
-    "split": "robocell.data.split({dataset!r}, {{'train': 0.5, 'valid': 0.5}}, {out!r})",
-    "filter": "robocell.data.keep({dataset!r}, 'length > 1', {out!r})",
+    "merge": "derive.merge([{dataset!r}, {other!r}], {out!r})",
+    "split": "derive.split({dataset!r}, {{'train': 0.5, 'valid': 0.5}}, {out!r})",
+    "filter": "derive.keep({dataset!r}, 'length > 1', {out!r})",
     **{
         f"import {name}": IMPORT
         for name in ("lerobot-v3", "lerobot-v2.1", "robomimic", "aloha", "zarr")
@@ -69,8 +69,8 @@ class Datasets:
             source=str(self.exported(format)) if kind == "import" else "",
             rate=5 if format in ("aloha", "zarr") else None,
         )
-        modules = "robocell, robocell.data, robocell.export, robocell.importer"
-        return f"import {modules}\n{call}\n"
+        modules = "robocell.export, robocell.importer"
+        return f"import {modules}\nfrom robocell.data import derive\n{call}\n"
 
     def exported(self, format: str) -> Path:
         """An export, made when it is first needed."""
