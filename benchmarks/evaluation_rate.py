@@ -36,7 +36,7 @@ class Holds(Policy):
 
     action: dict[str, Any]
 
-    def __init__(self, run: rc.RunConfig) -> None:
+    def __init__(self, run: Any) -> None:
         self.action = {ARM: np.array(run.robot.home["arm"]), GRIPPER: np.ones(1)}
 
     def act(self, observation: Any) -> Any:

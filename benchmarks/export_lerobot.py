@@ -13,7 +13,9 @@ import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import yaml
 
 from table import Row
@@ -28,6 +30,7 @@ REPETITIONS = 5
 EPISODES = 100
 PEER_EPISODES = 4  # of the same; the rate per frame counts
 PEER = "lerobot==0.4.4"
+ACTION = ("action/arm", "action/gripper")
 RUN = ROOT / "examples" / "demo.yaml"
 
 
@@ -85,18 +88,12 @@ def peer_per_s(dataset: robocell.Dataset, folder: Path, repetitions: int) -> lis
     given = folder / "peer_episodes"
     shutil.rmtree(given, ignore_errors=True)
     given.mkdir()
-    import numpy as np
-
     for index, episode in enumerate(list(dataset)[:PEER_EPISODES]):
         robot = "robots/rc7"
-        np.savez(
-            given / f"{index}.npz",
-            state=np.column_stack([episode[f"{robot}/arm/qpos"], episode[f"{robot}/opening"]]),
-            action=np.column_stack(
-                [episode[f"{robot}/action/arm"], episode[f"{robot}/action/gripper"]]
-            ),
-            **{name: episode.frames(name) for name in episode.cameras},
-        )
+        arrays: dict[str, Any] = {name: episode.frames(name) for name in episode.cameras}
+        for name, columns in (("state", ("arm/qpos", "opening")), ("action", ACTION)):
+            arrays[name] = np.column_stack([episode[f"{robot}/{column}"] for column in columns])
+        np.savez(given / f"{index}.npz", **arrays)
     found = []
     for _ in range(repetitions):
         out = folder / "peer_out"

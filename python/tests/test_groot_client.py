@@ -20,7 +20,7 @@ from raw_server import raw_server
 from robocell.policy_server import GrootClient, LostServerError, PolicyServerError, RemotePolicy
 from robocell.policy_server import _groot_client as client_module
 from robocell.policy_server._client import KEY, MOST_BYTES
-from robocell.policy_server._groot_names import groot_preset
+from robocell.policy_server._groot_preset import groot_preset
 
 CONFIG = modalities(["wrist"], ["arm", "gripper"], ["arm", "gripper"])
 OBSERVATION = {

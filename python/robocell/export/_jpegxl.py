@@ -35,10 +35,7 @@ class JpegXl(Codec):
     def encode(self, buf: Any) -> bytes:
         """Returns the file of an image (1, height, width, 3)."""
         image = np.asarray(buf)
-        encoded: bytes = imagecodecs.jpegxl_encode(
-            image.reshape(image.shape[-3:]), **self._settings
-        )
-        return encoded
+        return bytes(imagecodecs.jpegxl_encode(image.reshape(image.shape[-3:]), **self._settings))
 
     def decode(self, buf: Any, out: Any = None) -> Any:
         """Returns the image in a file."""

@@ -14,7 +14,7 @@ from robocell._suggestions import counted
 from robocell.policy import Action, Context, Observation, Policy
 from robocell.policy_server._client import TIMEOUT_S, PolicyClient, PolicyServerError, parse_url
 from robocell.policy_server._groot_client import SCHEME, GrootClient, parse_groot_url
-from robocell.policy_server._groot_names import groot_preset
+from robocell.policy_server._groot_preset import groot_preset
 
 PROMPT = "prompt"
 ROLLOUT, RUN_SEED = "rollout", "run_seed"  # the start of a rollout, for servers of robocell
