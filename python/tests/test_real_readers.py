@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 import robocell
 from command_line import REPOSITORY, robocell_command, write_run
 from exported import INSTALLED
+from lerobot_venv import lerobot_python
 from made_once import made_once
 from reader_venvs import reader_python, run_reader
 from robocell.data.derive import merge
@@ -25,7 +26,7 @@ from robocell.importer import import_dataset
 
 pytestmark = pytest.mark.soak
 
-LEROBOT = {"lerobot-v3": "lerobot==0.4.4", "lerobot-v2.1": "lerobot==0.3.3"}
+LEROBOT = ("lerobot-v3", "lerobot-v2.1")  # read by lerobot 0.4.4 and 0.3.3
 ROBOTS = ("rc7", "panda")
 CAMERAS = ("wrist", "exo")
 LEAST_PSNR = 30.0  # dB, of frame i and the image of row i
@@ -133,7 +134,8 @@ print(json.dumps({"rows": row, "psnr": worst}))
 @pytest.mark.parametrize("format", LEROBOT)
 def test_lerobot_reads_every_row(mixed: robocell.Dataset, tmp_path: Path, format: str, robot: str):
     export_dataset(mixed, tmp_path / "out", format, episodes=of_robot(mixed, robot))
-    python = reader_python(format, [LEROBOT[format]])
+    is_v3 = format == "lerobot-v3"
+    python = lerobot_python() if is_v3 else reader_python("lerobot_033", ["lerobot==0.3.3"])
     found = last_line(
         run_reader(python, READ_LEROBOT, tmp_path / "out", expected(mixed, robot, tmp_path))
     )
