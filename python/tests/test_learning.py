@@ -103,3 +103,20 @@ def test_ppo_learns_to_approach_the_cube():
     before, after, steps = map(float, rewards.groups())
     assert steps >= 40_000
     assert after > 2 * before > 0
+
+
+# torch and what it brings are downloaded when it is run for the first time.
+@pytest.mark.soak
+def test_a_network_learns_from_images_and_is_evaluated_through_a_server():
+    python = environment_with("torch==2.10.0")
+    paths = [str(ROOT / "python"), sysconfig.get_path("platlib")]
+    run = subprocess.run(
+        [python, EXAMPLES / "image_clone.py"],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(paths), "CUDA_VISIBLE_DEVICES": ""},
+        capture_output=True, text=True, check=False, timeout=3600,
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    said = r"picked up (\d+) of 30 cylinders .*: \d+%, 95 % interval \d+% \.\.\. \d+%"
+    found = re.search(said, run.stdout)
+    assert found is not None, run.stdout
+    assert int(found[1]) >= 6
