@@ -187,6 +187,19 @@ def test_exported_actions_give_the_exported_states_in_plain_mujoco(
         assert data.qpos[target + 2] - episode["objects/target/pose"][0, 2] > 0.5 * lifted
 
 
+@pytest.mark.parametrize("name", ["zarr", "mcap"])
+def test_every_card_says_yield_and_licence(dataset: robocell.Dataset, tmp_path: Path, name: str):
+    export_dataset(dataset, tmp_path / "out", name, cameras=[])
+    card = (tmp_path / "out" / "README.md").read_text()
+    earlier = [each for episode in dataset for each in episode.metadata["earlier_attempts"]]
+    refused = sum("refused" in each for each in earlier)
+    said = re.search(r"Before these episodes: (\d+) failed rollouts?, (\d+) rejected starts?", card)
+    assert said is not None
+    assert (int(said[1]), int(said[2])) == (len(earlier) - refused, refused)
+    assert "**Licence.**" in card
+    assert "robocell export" in card
+
+
 def test_data_files_have_the_types_of_the_features(exported: Path):
     features = info_of(exported)["features"]
     for file in (exported / "data").rglob("*.parquet"):
