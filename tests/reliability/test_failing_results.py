@@ -43,10 +43,10 @@ JOBS = {
     },
 }
 QUICK = [  # what no other test of `make test` strikes
-    ("split", KILL, 9),
+    pytest.param("split", KILL, 9, marks=pytest.mark.proof),
     ("filter", FULL, 12),
     ("import aloha", KILL, 15),
-    ("export umi", FULL, 30),
+    pytest.param("export umi", FULL, 30, marks=pytest.mark.proof),
 ]
 
 
