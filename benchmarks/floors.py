@@ -226,7 +226,7 @@ UNRECORDED = (
     ),
 )
 NOT_YET = tuple(replace(floor, section="", name="") for floor in UNRECORDED)
-# They join FLOORS with the first record of their section.
+# These join FLOORS with the first record of their sections.
 POLICIES = tuple(
     Floor(
         "P18",
@@ -257,6 +257,37 @@ MOTIONS = tuple(
         *("tabletop", "shelf", "box", "clutter"),
         *("hard tabletop", "hard shelf", "hard box", "hard clutter"),
     )
+)
+EXPORTS = (
+    Floor(
+        "P17",
+        "frames exported as LeRobot v3.0 per second, two cameras 640x480",
+        "export_lerobot",
+        "frames exported as LeRobot v3.0, two cameras 640x480, {robot}",
+        measure=RATE,
+        floor=3000,
+        aim=10_000,
+    ),
+    Floor(
+        "P17",
+        "frames exported, beside LeRobot's own writer",
+        "export_lerobot",
+        "frames exported as LeRobot v3.0, two cameras 640x480, {robot}",
+        "lerobot==0.4.4",
+        floor=10,
+        aim=30,
+    ),
+)
+EVALUATIONS = (
+    Floor(
+        "P18",
+        "actions of a policy that costs nothing, beside the environment alone",
+        "evaluation_rate",
+        "actions of a policy that costs nothing, {robot}",
+        "the environment alone",
+        floor=0.9,
+        aim=0.97,
+    ),
 )
 # The same rows with the kernels of processors without AVX-512.
 NARROWED = tuple(

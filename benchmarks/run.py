@@ -21,6 +21,8 @@ import dataset_writer
 import dynamics
 import env_step
 import episodes
+import evaluation_rate
+import export_lerobot
 import graphics_card
 import ik
 import motion
@@ -55,6 +57,8 @@ BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "graphics_card": graphics_card.rows,
     "policy_round_trip": policy_round_trip.rows,
     "motion": motion.rows,
+    "evaluation_rate": evaluation_rate.rows,
+    "export_lerobot": export_lerobot.rows,
 }
 
 

@@ -1,19 +1,28 @@
 """Behaviour cloning from a dataset, with scikit-learn (`pip install ".[learning]"`).
 
 The built-in arm picks up cylinders 200 times. Trees learn which eight actions it takes from each
-state on, and act in the environment of the dataset, from starts that it has not.
+state on, and act in the environment of the dataset, from starts that it has not; then once more
+as `robocell evaluate` sees them, behind a policy server.
 Run: python examples/learning/clone.py
 """
 
 from __future__ import annotations
 
+import os
+import pickle
 import tempfile
+import threading
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 from sklearn.ensemble import ExtraTreesRegressor
 
 import robocell as rc
 from robocell.envs import from_dataset
+from robocell.evaluate import wilson_interval
+from robocell.policy import Policy
+from robocell.policy_server import policy_server
 
 DEMO = Path(__file__).resolve().parent.parent / "demo.yaml"
 SEEN = [
@@ -25,6 +34,7 @@ SEEN = [
 ]
 DONE = ["robots/rc7/action/tcp_displacement", "robots/rc7/action/gripper"]
 CHUNK = 8  # actions that are taken before the policy looks again
+TREES = "CLONE_TREES"  # environment variable with the file that the served policy loads
 UNSEEN = 1000  # the first start that is evaluated; the dataset has those before 200
 
 
@@ -65,12 +75,49 @@ def evaluate(dataset: rc.Dataset, policy: ExtraTreesRegressor, trials: int) -> i
     return picked
 
 
-def main(episodes: int = 200, trials: int = 50) -> float:
-    """The share of trials that succeed."""
+class Cloned(Policy):
+    """The trees, as a policy by the names of columns."""
+
+    def __init__(self) -> None:
+        self.trees = pickle.loads(Path(os.environ[TREES]).read_bytes())
+
+    def act(self, observation: Any) -> Any:
+        """A chunk of eight actions."""
+        seen = np.concatenate([np.ravel(observation[name]) for name in SEEN])
+        chunk = self.trees.predict([seen]).reshape(CHUNK, -1)
+        displacements, openings = np.hsplit(chunk, [6])
+        return dict(zip(DONE, (displacements, openings), strict=True))
+
+
+def evaluate_served(dataset: rc.Dataset, policy: ExtraTreesRegressor, trials: int) -> int:
+    """The same behind a server, from other unseen starts, with one rollout for each."""
+    with tempfile.TemporaryDirectory() as folder:
+        place = Path(folder)
+        (place / "trees.pkl").write_bytes(pickle.dumps(policy))
+        os.environ[TREES] = str(place / "trees.pkl")
+        server = policy_server(f"{Path(__file__).resolve()}:Cloned", port=0)
+        threading.Thread(target=server.serve, daemon=True).start()
+        result = rc.evaluate.evaluate(
+            dataset.folder, server.url, episodes=trials, output=place / "rollouts", cameras=False
+        )
+        server.close()
+    return result.successes
+
+
+def told(way: str, picked: int, trials: int) -> str:
+    """A success rate with its interval, in words."""
+    low, high = wilson_interval(picked, trials)
+    return f"{way}: picked up {picked} of {trials}, 95 % interval {low:.0%} ... {high:.0%}"
+
+
+def main(episodes: int = 200, trials: int = 50, served: int = 10) -> float:
+    """The share of trials that succeed, of those without a server."""
     with tempfile.TemporaryDirectory() as folder:
         dataset = demonstrate(f"{folder}/picks", episodes)
-        picked = evaluate(dataset, clone(dataset), trials)
-    print(f"picked up {picked} of {trials} cylinders after {episodes} demonstrations")
+        trees = clone(dataset)
+        picked = evaluate(dataset, trees, trials)
+        print(f"{episodes} demonstrations; {told('in the environment', picked, trials)}")
+        print(told("through a server", evaluate_served(dataset, trees, served), served))
     return picked / trials
 
 

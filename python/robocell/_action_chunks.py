@@ -7,6 +7,9 @@
 
 With `ensemble`, a chunk stays in use to its end while newer ones are added: the action of a moment
 is the weighted mean of all predictions for it (temporal ensembling, Zhao et al. 2023, ACT).
+
+With `delay`, the answer to an observation arrives that many steps later. The next call begins early
+enough, so that actions of the last chunk fill the time; without any the robot waits.
 """
 
 from __future__ import annotations
@@ -42,11 +45,16 @@ class Chunks:
         horizon: Actions between two calls of the policy. Default: whole chunks, and one with
             `ensemble`. A shorter chunk is used up earlier.
         ensemble: Average the predictions of all chunks for the same moment.
+        delay: Steps from an observation to the first action that can follow from it. The actions of
+            a chunk for the steps before are skipped; a chunk without others begins with its last.
     """
 
-    def __init__(self, horizon: int | None = None, ensemble: bool = False) -> None:
+    def __init__(self, horizon: int | None = None, ensemble: bool = False, delay: int = 0) -> None:
         if horizon is not None and horizon < 1:
             raise ArgumentError(f"horizon must be at least 1, got {horizon}")
+        if delay < 0:
+            raise ArgumentError(f"delay must be at least 0, got {delay}")
+        self._delay = delay
         self._horizon = 1 if ensemble and horizon is None else horizon
         self._ensemble = ensemble
         self.clear()
@@ -66,24 +74,30 @@ class Chunks:
         if not self._chunks:
             return True
         newest = self._chunks[-1]
-        used = self._step - newest.begin
+        if newest.begin > self._step:
+            return False  # its answer is on the way
+        used = self._step + self._delay - newest.begin
         return used >= len(newest.actions) or (self._horizon is not None and used >= self._horizon)
 
     def add(self, actions: Sequence[Actions]) -> None:
-        """Adds a chunk that begins at the present step."""
-        in_use = [chunk for chunk in self._chunks if self._ensemble and chunk.end > self._step]
-        self._chunks = [*in_use, _Chunk(self._step, actions)]
+        """Adds the chunk for the observation of the present step."""
+        kept = self._ensemble or self._delay > 0
+        in_use = [chunk for chunk in self._chunks if kept and chunk.end > self._step]
+        skipped = min(self._delay, len(actions) - 1)
+        self._chunks = [*in_use, _Chunk(self._step + self._delay, actions[skipped:])]
 
     def next(self) -> dict[str, NDArray[np.float64]]:
-        """Returns the action of the present step, and goes on."""
+        """Returns the action of the present step, and goes on; {} if there is none to take yet."""
         planned = [
             chunk.actions[self._step - chunk.begin]
             for chunk in self._chunks
-            if self._step < chunk.end
+            if chunk.begin <= self._step < chunk.end
         ]
         self._step += 1
+        if not planned:
+            return {}
         newest = planned[-1]
-        if len(planned) == 1:
+        if len(planned) == 1 or not self._ensemble:
             return dict(newest)
         return {
             name: _mean(name, [each[name] for each in planned if name in each]) for name in newest

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import contextlib
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from robocell._core import Episode
 from robocell._dataset_run import manifest_of_dataset
@@ -16,12 +17,21 @@ from robocell._spec_fields import fields_of, file_hashes
 from robocell._suggestions import shortened
 from robocell.policy import POLICY_ERROR
 
+if TYPE_CHECKING:
+    from robocell._report.facts import EpisodeFacts
+
 # Fields of a run that belong to the policy, to the number of rollouts or to where they are kept.
 OF_THE_POLICY = (
     *("run", "expert", "keep", "episodes", "episodes_per_scene", "seed", "cameras.draw"),
     *("workers", "output", "render", "imports", "scenes.houses"),
 )
 CODE = "code/"  # begins the names of files of code in a dataset's manifest
+# What a rollout is counted by, beside what is randomised.
+BREAKDOWN: dict[str, Callable[[EpisodeFacts], str]] = {
+    "object": lambda facts: facts.object_kind,
+    "task": lambda facts: facts.task,
+    "robot": lambda facts: ", ".join(facts.robots),
+}
 POLICY_ERROR_RESULT = "policy_error"  # src/robocell/rollout/rollout.cc
 
 
@@ -51,6 +61,30 @@ def rollout_end(dataset: Path, rollout: str) -> RolloutEnd | None:
     results: Mapping[str, Any] = episode.results
     is_error = bool(error) or bool(results.get(POLICY_ERROR_RESULT))
     return RolloutEnd(bool(episode.success), str(episode.end_reason), len(episode), is_error)
+
+
+def breakdown_of(dataset: Path, rollouts: Iterable[str]) -> dict[str, dict[str, list[int]]]:
+    """Returns the successes and the number of rollouts by each value that differs between starts.
+
+    Rollouts that ended before their first action have no start on the disk, and do not count.
+    """
+    from robocell._report import variation
+    from robocell._report.facts import EpisodeFacts
+    from robocell._report.rollouts import rates
+
+    there = [dataset / name for name in rollouts if (dataset / name / "episode.json").is_file()]
+    facts = [EpisodeFacts.of(Episode(folder)) for folder in there]
+    groups = {
+        part: rates((value_of(each), each.success) for each in facts)
+        for part, value_of in BREAKDOWN.items()
+    }
+    with contextlib.suppress(ModuleNotFoundError):  # without PyYAML scenes are not read
+        groups |= {each.name: list(each.groups) for each in variation.find(facts, {})}
+    return {
+        part: {rate.name: [rate.successes, rate.rollouts] for rate in found}
+        for part, found in groups.items()
+        if len(found) > 1
+    }
 
 
 def cell_of(job: Job | EnvJob) -> dict[str, str]:

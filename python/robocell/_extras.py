@@ -25,6 +25,13 @@ EXTRAS = {
         "google": "protobuf",
         "yaml": "PyYAML",
     },
+    "umi": {
+        "imagecodecs": "imagecodecs",
+        "numcodecs": "numcodecs",
+        "zarr": "zarr",
+        "yaml": "PyYAML",
+    },
+    "rerun": {"rerun": "rerun-sdk", "yaml": "PyYAML"},
     "plots": {"matplotlib": "matplotlib", "plotly": "plotly"},
     "report": {"PIL": "pillow", "jinja2": "Jinja2", "plotly": "plotly", "yaml": "PyYAML"},
     "policy": {"msgpack": "msgpack", "websockets": "websockets", "yaml": "PyYAML"},

@@ -36,6 +36,7 @@ from robocell._core import (
 )
 from robocell._dataset_run import manifest_of_dataset
 from robocell._generation.run_source import RunSource
+from robocell._molmospaces_benchmark import from_molmospaces, to_molmospaces
 from robocell._named_modules import (
     hash_of,
     imports_of,
@@ -50,6 +51,8 @@ from robocell.evaluate import evaluate as evaluate_run
 __all__ = ["Benchmark", "create", "evaluate", "load"]
 
 FORMAT, VERSION = "robocell-benchmark", 1
+MOLMOSPACES = "molmospaces"
+SCHEMAS = (FORMAT, MOLMOSPACES)
 CONTENT: dict[str, type] = {
     "source": str,
     "imports": dict,
@@ -98,6 +101,7 @@ def create(
     episodes: int = 100,
     seed: int = SEED,
     imports: Sequence[str] = (),
+    schema: str = FORMAT,
     on_start: Callable[[int, int], None] | None = None,
 ) -> Benchmark:
     """Draws starts, and writes them to a file.
@@ -108,15 +112,19 @@ def create(
         episodes: Number of starts.
         seed: Seed of the starts. The default is that of `robocell.evaluate`.
         imports: Modules to import first, which register the task or features.
+        schema: "robocell-benchmark", or "molmospaces" for a list of MolmoSpaces' episodes, which
+            robocell reads as well.
         on_start: Is called with the number of starts that are drawn, and of all.
 
     Raises:
-        ArgumentError: `out` exists, or there are less than one start.
+        ArgumentError: `out` exists, there are less than one start, or there is no such schema.
         SpecError: The run is not one.
         IoError: The file cannot be written.
     """
     if episodes < 1:
         raise ArgumentError(f"episodes is {episodes}; at least 1")
+    if schema not in SCHEMAS:
+        raise ArgumentError(f"no schema '{schema}' of benchmarks. Schemas: {', '.join(SCHEMAS)}")
     path = Path(out)
     if path.exists():
         raise ArgumentError(f"'{path}' exists already. Choose another name; nothing is replaced")
@@ -127,7 +135,14 @@ def create(
     with modules_of_one_run():
         run = _run_of(source, named, seed, episodes)
         starts = []
-        for done, start in enumerate(_drawn(run, make_plan(run)[:episodes]), 1):
+        plan = make_plan(run)[:episodes]
+        details = {
+            "scene_dataset": run.scenes.source,
+            "robot_name": run.robot.name,
+            "img_resolution": [int(side) for side in run.cameras.resolution],
+            "task_type": run.task.kind,
+        }
+        for done, start in enumerate(_drawn(run, plan), 1):
             starts.append(start)
             if on_start is not None:
                 on_start(done, episodes)
@@ -151,15 +166,20 @@ def create(
         "starts": starts,
         "json_sha256": "0" * 64,
     }
+    if schema == MOLMOSPACES:
+        text = to_molmospaces(content, [item.scene for item in plan], details)
+    else:
+        text = sign_json(json.dumps(content, indent=1) + "\n")
     path.parent.mkdir(parents=True, exist_ok=True)
-    atomic_write(path, sign_json(json.dumps(content, indent=1) + "\n").encode())
+    atomic_write(path, text.encode())
     return load(path)
 
 
 def load(file: str | os.PathLike[str]) -> Benchmark:
-    """Reads a benchmark.
+    """Reads a benchmark, in either schema.
 
     Raises:
+        ArgumentError: The episodes are those of MolmoSpaces itself.
         IoError: The file cannot be read, is damaged, or is no benchmark of this version.
     """
     path = Path(file)
@@ -168,6 +188,9 @@ def load(file: str | os.PathLike[str]) -> Benchmark:
         content = json.loads(text)
     except (OSError, ValueError) as error:
         raise IoError(f"cannot read benchmark '{path}': {error}") from error
+    is_molmospaces = isinstance(content, list)
+    if is_molmospaces:
+        content = from_molmospaces(content, path)
     if not isinstance(content, dict) or content.get("format") != FORMAT:
         raise IoError(f"'{path}' is no benchmark; `robocell benchmark` writes one")
     if content.get("format_version") != VERSION:
@@ -175,7 +198,7 @@ def load(file: str | os.PathLike[str]) -> Benchmark:
             f"benchmark '{path}' has the format version {content.get('format_version')}; this "
             f"robocell reads {VERSION}"
         )
-    if (damage := json_damage(text)) is not None:
+    if not is_molmospaces and (damage := json_damage(text)) is not None:
         raise IoError(f"benchmark '{path}' is damaged or was edited: {damage}")
     for name, kind in CONTENT.items():
         if not isinstance(content.get(name), kind) or (name == "starts" and not content[name]):

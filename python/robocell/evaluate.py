@@ -39,7 +39,7 @@ from robocell._dataset_run import (
     require_cell,
 )
 from robocell._env_job import EnvJob
-from robocell._evaluated import cell_of, difference_of, rollout_end
+from robocell._evaluated import breakdown_of, cell_of, difference_of, rollout_end
 from robocell._generation.items import ItemRecord
 from robocell._generation.job import Job
 from robocell._generation.observer import Observer
@@ -49,7 +49,7 @@ from robocell._generation.supervisor import Limits
 from robocell._generation.totals import Totals, Unmade
 from robocell._own_code import modules_of_one_run
 from robocell._policy_calls import latency
-from robocell._policy_options import PolicyOptions, is_url
+from robocell._policy_options import PolicyOptions, delay_of, is_url
 from robocell._raised import without_names
 from robocell._suggestions import did_you_mean
 from robocell.policy import EXPERT, RANDOM, REPLAY, replayed_seed
@@ -113,6 +113,8 @@ class Evaluation:
         server: First message of a policy server; {} for other policies.
         cell: Field of the run or environment -> its value, and file of a model -> hash, without
             what belongs to the policy. `compare` takes only evaluations in the same cell.
+        breakdown: What differs between the starts -> each of its values or ranges -> [successes,
+            rollouts]: object, task, robot, and what is randomised.
     """
 
     policy: str
@@ -130,6 +132,7 @@ class Evaluation:
     latency: dict[str, float] = field(default_factory=dict)
     server: dict[str, Any] = field(default_factory=dict)
     cell: dict[str, str] = field(default_factory=dict)
+    breakdown: dict[str, dict[str, list[int]]] = field(default_factory=dict)
 
     @property
     def rate(self) -> float:
@@ -307,6 +310,7 @@ def evaluate(
     horizon: int | None = None,
     ensemble: bool = False,
     policy_timeout_s: float | None = None,
+    latency_ms: float = 0.0,
     max_steps: int | None = None,
 ) -> Evaluation:
     """Evaluates a policy with one rollout from each of `episodes` starts.
@@ -316,7 +320,7 @@ def evaluate(
             of a RunConfig.
         policy: `module:Class` or `file.py:Class` of a `robocell.policy.Policy`; `expert` for the
             task's own expert; `random`; `replay`, the recorded actions of the dataset; or the URL
-            of a policy server, such as `ws://127.0.0.1:8000`.
+            of a policy server, such as `ws://127.0.0.1:8000`, or `zmq://127.0.0.1:5555` of GR00T.
         episodes: Number of rollouts, each from its own start: 100 unless given, or as many as the
             dataset has for `replay`.
         workers: Number of processes.
@@ -334,6 +338,8 @@ def evaluate(
         ensemble: Take the mean of what all chunks say about a moment (temporal ensembling); the
             policy is then called before every action, or after `horizon` ones.
         policy_timeout_s: Longest time of a call of a policy server. Default: 120.
+        latency_ms: Simulated time from an observation to the actions that follow from it, in a run:
+            actions of the last chunk are taken meanwhile. 0 lets the simulation wait.
         max_steps: Actions after which a rollout fails. Default: those of the run; in a recorded
             environment the number of rows of the longest episode.
 
@@ -350,6 +356,11 @@ def evaluate(
         own_seed = 0 if recorded else replayed_seed(source)
         seed = own_seed if seed is None else seed
     seed = SEED if seed is None else seed
+    if latency_ms and recorded:
+        raise ArgumentError(
+            "a latency is for the cells of runs and generated datasets: there a robot waits "
+            "without an action, and recorded environments take whole actions only"
+        )
     if episodes is not None and episodes < 1:
         raise ArgumentError(f"episodes must be at least 1, got {episodes}")
     if workers < 1:
@@ -370,7 +381,7 @@ def evaluate(
     ]
     modules = (imports,) if isinstance(imports, str) else tuple(imports)
     # Workers may run in another folder, and the name is part of the evaluation's identity.
-    acting = PolicyOptions(str(preset), horizon, ensemble, policy_timeout_s).absolute()
+    acting = PolicyOptions(str(preset), horizon, ensemble, policy_timeout_s, latency_ms).absolute()
     chosen = RunSource(str(source), modules, policy, acting)
     with modules_of_one_run():
         job: Job | EnvJob
@@ -387,6 +398,8 @@ def evaluate(
         else:
             with _naming_options(overrides):
                 job = Job(chosen, overrides, choose=starts.choose)
+        if isinstance(job, Job):
+            delay_of(latency_ms, job.run.rates.policy_ms)
         server = _greeting(policy) if is_url(policy) else {}
         _warn_of_rate(acting, _rate_of(job))
         with _naming_options(overrides):
@@ -473,10 +486,10 @@ def _warn_of_rate(acting: PolicyOptions, own: float | None) -> None:
 
 def _greeting(url: str) -> dict[str, Any]:
     """Returns the first message of a policy server. Raises IoError if there is no server."""
-    from robocell.policy_server._client import PolicyClient
+    from robocell.policy_server._remote_policy import client_of
     from robocell.policy_server._wire import as_json
 
-    with PolicyClient(url) as client:
+    with client_of(url) as client:
         greeting = as_json(client.metadata)
     text = json.dumps(greeting)
     return greeting if len(text) <= LONGEST_GREETING else {"cut": text[:LONGEST_GREETING]}
@@ -511,6 +524,7 @@ def _evaluation_of(job: Job | EnvJob, policy: str, seed: int, totals: Totals) ->
         errors={unmade.id: unmade.reason for unmade in totals.unmade},
         latency=latency(job.dataset, list(ends)),
         cell=cell_of(job),
+        breakdown=breakdown_of(job.dataset, ends),
     )
 
 

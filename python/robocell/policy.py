@@ -48,7 +48,7 @@ from robocell._dataset_run import (
     seed_of_dataset,
 )
 from robocell._own_code import RAISED, calling_module, paths_of, raise_interrupt
-from robocell._policy_options import PolicyOptions, is_url
+from robocell._policy_options import PolicyOptions, delay_of, is_url
 from robocell._raised import LostPolicyError, UnmadePolicyError, text_of_hook
 from robocell._registering import (
     arguments_of,
@@ -207,6 +207,7 @@ def register_policy(
     *,
     horizon: int | None = None,
     ensemble: bool = False,
+    latency_ms: float = 0.0,
 ) -> None:
     """Registers a policy as a kind of expert, for the `expert` of a run.
 
@@ -221,6 +222,8 @@ def register_policy(
         horizon: Actions of a chunk that are taken before the policy is called again. Default: all.
         ensemble: Call the policy after every `horizon` actions, by default after each one, and take
             the mean of what all chunks say about the moment (temporal ensembling).
+        latency_ms: Simulated time from an observation to the actions that follow from it; actions
+            of the last chunk are taken meanwhile. 0 lets the simulation wait for the policy.
     """
     registering = calling_module()
     require_name("register_policy", name, "name")
@@ -248,7 +251,8 @@ def register_policy(
         if errors:
             text = f"policy '{name}' cannot be made: {text_of_hook(errors[0])}"
             raise UnmadePolicyError(text) from errors[0]
-        return PolicyExpert(run, start, made[0], Chunks(horizon, ensemble))
+        delay = delay_of(latency_ms, run.rates.policy_ms)
+        return PolicyExpert(run, start, made[0], Chunks(horizon, ensemble, delay))
 
     module = getattr(make, "__module__", None)
     expert.__module__ = module or __name__
@@ -265,6 +269,7 @@ class NamedPolicy:
         files: Files that it uses beside its code.
         horizon: Actions of a chunk that are taken before the policy is called again.
         ensemble: Average the predictions of several chunks for the same moment.
+        latency_ms: Simulated time from an observation to its actions.
     """
 
     kind: str
@@ -272,11 +277,17 @@ class NamedPolicy:
     files: Sequence[Path] = ()
     horizon: int | None = None
     ensemble: bool = False
+    latency_ms: float = 0.0
 
     def register(self) -> str:
         """Registers it as a kind of expert, and returns the kind."""
         register_policy(
-            self.kind, self.make, self.files, horizon=self.horizon, ensemble=self.ensemble
+            self.kind,
+            self.make,
+            self.files,
+            horizon=self.horizon,
+            ensemble=self.ensemble,
+            latency_ms=self.latency_ms,
         )
         return self.kind
 
@@ -288,7 +299,14 @@ def register_named_policy(name: str, folder: Path, acting: PolicyOptions = _AS_I
 
 def _policy_of_module(name: str, folder: Path, acting: PolicyOptions) -> NamedPolicy:
     make, files = maker_of_policy(name, folder)
-    return NamedPolicy(f"{name}{acting.suffix}", make, files, acting.horizon, acting.ensemble)
+    return NamedPolicy(
+        f"{name}{acting.suffix}",
+        make,
+        files,
+        acting.horizon,
+        acting.ensemble,
+        acting.latency_ms,
+    )
 
 
 def maker_of_policy(name: str, folder: Path) -> tuple[MakePolicy, list[Path]]:
@@ -392,7 +410,8 @@ def expert_of_policy(policy: str, source: str | Path, acting: PolicyOptions = _A
         _refuse_server_options(policy, acting)
         if acting != _AS_IT_IS:
             raise ArgumentError(
-                "policy 'expert': --horizon and --ensemble are for policies that return chunks"
+                "policy 'expert': --horizon, --ensemble and --latency are for policies that return "
+                "chunks"
             )
         return ""
     return named_policy(policy, source, acting).register()
@@ -406,7 +425,11 @@ def named_policy(policy: str, source: str | Path, acting: PolicyOptions = _AS_IT
     if is_url(policy):
         return _remote_policy(policy, acting)
     _refuse_server_options(policy, acting)
-    chunks: dict[str, Any] = {"horizon": acting.horizon, "ensemble": acting.ensemble}
+    chunks: dict[str, Any] = {
+        "horizon": acting.horizon,
+        "ensemble": acting.ensemble,
+        "latency_ms": acting.latency_ms,
+    }
     if policy == RANDOM:
         return NamedPolicy(RANDOM + acting.suffix, RandomPolicy, **chunks)
     if policy == REPLAY:
@@ -419,7 +442,7 @@ def named_policy(policy: str, source: str | Path, acting: PolicyOptions = _AS_IT
         raise ArgumentError(f"policy '{policy}': {_classes_to_name(policy)}")
     raise ArgumentError(
         f"policy '{policy}': expected module:Class, file.py:Class, the URL of a policy server "
-        f"(ws://...), '{EXPERT}', '{RANDOM}' or '{REPLAY}'."
+        f"(ws://... or zmq://...), '{EXPERT}', '{RANDOM}' or '{REPLAY}'."
         f"{did_you_mean(policy, (EXPERT, RANDOM, REPLAY))}"
     )
 
@@ -434,10 +457,10 @@ def _refuse_server_options(policy: str, acting: PolicyOptions) -> None:
 
 def _remote_policy(url: str, acting: PolicyOptions) -> NamedPolicy:
     """Returns the policy of a server."""
-    from robocell.policy_server._client import TIMEOUT_S, parse_url
-    from robocell.policy_server._remote_policy import RemotePolicy
+    from robocell.policy_server._client import TIMEOUT_S
+    from robocell.policy_server._remote_policy import RemotePolicy, require_url
 
-    parse_url(url)
+    require_url(url)
     preset = acting.load_preset()
     horizon = acting.horizon
     if horizon is None and preset is not None and not acting.ensemble:
@@ -449,6 +472,7 @@ def _remote_policy(url: str, acting: PolicyOptions) -> NamedPolicy:
         preset.files if preset else (),
         horizon,
         acting.ensemble,
+        acting.latency_ms,
     )
 
 

@@ -13,6 +13,10 @@ from numpy.typing import NDArray
 import robocell
 from command_line import robocell_command, write_run
 from made_once import made_once
+from robocell.export import FORMATS
+
+# Rerun's package is half a gigabyte: test_export_rerun.py has it, in an environment of its own.
+INSTALLED = [name for name in FORMATS if name != "rerun"]
 
 
 def three_episodes(tmp_path_factory: pytest.TempPathFactory) -> robocell.Dataset:

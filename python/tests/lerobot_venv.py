@@ -2,23 +2,13 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from pathlib import Path
 
-import pytest
-
-from made_once import made_once
+from reader_venvs import reader_python
 
 PACKAGES = ["lerobot==0.4.4", "mujoco==4.0.0", "mujoco-menagerie"]
 
 
-def lerobot_python(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def lerobot_python() -> Path:
     """The interpreter of the environment."""
-
-    def make(folder: Path) -> None:
-        subprocess.run([sys.executable, "-m", "venv", folder / "venv"], check=True)
-        install = [folder / "venv/bin/python", "-m", "pip", "install", "-q", *PACKAGES]
-        subprocess.run(install, check=True)
-
-    return made_once(tmp_path_factory, "lerobot", make) / "venv" / "bin" / "python"
+    return reader_python("lerobot", PACKAGES)

@@ -14,14 +14,14 @@ POSE = "robots/a/action/tcp_pose"
 
 
 def taken(chunks: Chunks, length: int, steps: int) -> tuple[list[float], list[int]]:
-    """Values of the actions and the steps of the calls; action i of call c is 100 c + i."""
+    """Values of actions and steps of calls; action i of call c is 100 c + i, and -1 none."""
     values, calls = [], []
     for step in range(steps):
         if chunks.need_call():
             call = len(calls)
             calls.append(step)
             chunks.add([{"x": np.array([100.0 * call + i])} for i in range(length)])
-        values.append(float(chunks.next()["x"][0]))
+        values.append(float(chunks.next().get("x", [-1.0])[0]))
     return values, calls
 
 
@@ -33,6 +33,30 @@ def test_a_horizon_leaves_the_rest_of_a_chunk():
     assert taken(Chunks(2), 5, 6) == ([0, 1, 100, 101, 200, 201], [0, 2, 4])
     assert taken(Chunks(9), 2, 4) == ([0, 1, 100, 101], [0, 2]), "a chunk is shorter"
     assert taken(Chunks(1), 1, 3) == ([0, 100, 200], [0, 1, 2])
+
+
+@pytest.mark.parametrize(
+    ("horizon", "delay", "length", "values", "calls"),
+    [
+        (None, 2, 5, [-1, -1, 2, 3, 4, 102, 103, 104, 202], [0, 3, 6]),
+        (2, 1, 9, [-1, 1, 2, 101, 102, 201, 202], [0, 2, 4, 6]),
+        (1, 1, 5, [-1, 1, 101, 201], [0, 1, 2, 3]),
+        (None, 2, 1, [-1, -1, 0, -1, 100, -1], [0, 2, 4]),
+        (None, 3, 3, [-1, -1, -1, 2, -1, -1, 102], [0, 3, 6]),
+    ],
+)
+def test_late_answers_skip_the_actions_whose_time_is_over(
+    horizon: int | None, delay: int, length: int, values: list[int], calls: list[int]
+):
+    assert taken(Chunks(horizon, delay=delay), length, len(values)) == (values, calls)
+
+
+def test_a_late_ensemble_is_the_mean_of_the_answers_that_have_arrived():
+    values, calls = taken(Chunks(ensemble=True, delay=1), 3, 4)
+    assert calls == [0, 1, 2, 3]
+    weights = np.exp([0, -DECAY])
+    assert values[:2] == [-1, 1]
+    assert values[2] == pytest.approx(np.average([2, 101], weights=weights))
 
 
 @pytest.mark.parametrize(("horizon", "length"), [(None, 4), (2, 5), (3, 3), (5, 2), (1, 1)])

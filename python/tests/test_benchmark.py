@@ -58,6 +58,19 @@ def test_rollouts_begin_at_the_frozen_starts(folder: Path, result: Any):
             assert np.array_equal(np.ravel(episode[name][0]), values), name
 
 
+def test_successes_are_counted_by_what_differs_between_the_starts(folder: Path, result: Any):
+    starts = benchmark.load(folder / "picks.json").starts
+    kinds = {start["object_kinds"][0] for start in starts}
+    assert result.breakdown["object"].keys() == kinds
+    for groups in result.breakdown.values():
+        assert sum(good for good, _ in groups.values()) <= result.successes
+    of_object = result.breakdown["object"].values()
+    assert sum(of for _, of in of_object) == result.rollouts
+    assert sum(good for good, _ in of_object) == result.successes
+    assert any(" x, m" in name for name in result.breakdown), "where objects stand"
+    assert result.breakdown.keys().isdisjoint({"task", "robot"}), "there is one of each"
+
+
 def test_the_command_evaluates_a_benchmark(folder: Path, result: Any):
     said = robocell_command(
         "evaluate", folder / "picks.json", "--policy", "expert", "-o", folder / "expert", "--json"

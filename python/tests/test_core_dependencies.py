@@ -19,6 +19,7 @@ MODULES = {
     "mcap-protobuf-support": "mcap_protobuf",
     "mujoco-menagerie": "mujoco_menagerie",
     "pillow": "PIL",
+    "rerun-sdk": "rerun",
     "protobuf": "google",
     "pyyaml": "yaml",
     "stable-baselines3": "stable_baselines3",

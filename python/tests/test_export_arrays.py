@@ -348,3 +348,33 @@ def test_arrays_of_the_format_itself_cannot_be_replaced(
     with pytest.raises(robocell.SpecError, match=told):
         export_dataset(dataset, tmp_path / "out", format, mapping=file)
     assert [each.name for each in tmp_path.iterdir()] == ["mapping.yaml"]
+
+
+def test_umi_reads_the_zip(dataset: robocell.Dataset, tmp_path: Path):
+    out = tmp_path / "umi"
+    result = export_dataset(dataset, out, "umi")
+    assert (result.episodes, result.cameras) == (3, 2)
+    store = zarr.storage.ZipStore(out / "dataset.zarr.zip", mode="r")
+    root = zarr.open_group(store, mode="r")
+    ends = root["meta/episode_ends"][:]
+    data = dict(root["data"].arrays())
+    own = ("eef_pos", "eef_rot_axis_angle", "gripper_width", "demo_start_pose", "demo_end_pose")
+    assert set(data) == {"camera0_rgb", "camera1_rgb", *(f"robot0_{name}" for name in own)}
+    assert {array.metadata.zarr_format for array in data.values()} == {2}
+    codec = {"id": "imagecodecs_jpegxl", "effort": 3, "lossless": True, "numthreads": 1}
+    assert data["camera0_rgb"].metadata.to_dict()["compressor"] == codec
+    for end, episode in zip(ends, dataset, strict=True):
+        rows = slice(end - len(episode), end)
+        pose = episode[f"{ROBOT}/tcp_pose"]
+        assert np.allclose(data["robot0_eef_pos"][rows], pose[:, :3], atol=1e-6)
+        vectors = np.array([robocell.Pose(quaternion=each[3:]).rotvec for each in pose])
+        assert np.allclose(data["robot0_eef_rot_axis_angle"][rows], vectors, atol=1e-6)
+        assert np.allclose(data["robot0_gripper_width"][rows, 0], episode[f"{ROBOT}/opening"])
+        for name, row in (("start", 0), ("end", -1)):
+            poses = data[f"robot0_demo_{name}_pose"][rows]
+            assert np.allclose(poses, [*pose[row, :3], *vectors[row]], atol=1e-6)
+        for camera, feature in (("wrist", "camera0_rgb"), ("exo", "camera1_rgb")):
+            assert np.array_equal(data[feature][rows], episode.frames(camera))
+    again = tmp_path / "again" / "umi"
+    export_dataset(dataset, again, "umi")
+    assert hashes(out)["dataset.zarr.zip"] == hashes(again)["dataset.zarr.zip"]

@@ -12,6 +12,8 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import h5py
+import mujoco
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -21,12 +23,12 @@ from numpy.typing import NDArray
 
 import robocell
 from command_line import refused, robocell_command
-from exported import hashes, psnr, three_episodes
+from exported import INSTALLED, hashes, psnr, three_episodes
 from read_back import decoded
-from robocell.export import FORMATS, export_dataset
 from robocell.export import _lerobot_rows as lerobot_rows
 from robocell.export import _lerobot_v3 as lerobot_v3
 from robocell.export import _lerobot_v21 as lerobot_v21
+from robocell.export import export_dataset
 from robocell.export._mp4 import Mp4
 from robocell.export._source import choose
 from robocell.export._statistics import Images, Vectors
@@ -158,6 +160,44 @@ def test_rows_are_the_columns_of_the_episodes(dataset: robocell.Dataset, exporte
         assert described["tasks"] == [episode.metadata["instruction"]]
         at += count
     assert at == info["total_frames"]
+
+
+def test_exported_actions_give_the_exported_states_in_plain_mujoco(
+    dataset: robocell.Dataset, exported: Path, tmp_path: Path
+):
+    """From the recorded start on, nothing but the actions of the export acts, through mj_step."""
+    for described, episode in zip(episodes_of(exported), dataset, strict=True):
+        rows = rows_of(exported, described)
+        binary = tmp_path / f"{episode.id}.mjb"
+        robocell.Scene.build(robocell.data.recorded_scene(episode)).save_binary(binary)
+        model = mujoco.MjModel.from_binary_path(str(binary))
+        data = mujoco.MjData(model)
+        with h5py.File(episode.folder / "steps.h5") as steps:
+            start, period = steps["initial_state"][:], steps["time"][1] - steps["time"][0]
+        mujoco.mj_setState(model, data, start, mujoco.mjtState.mjSTATE_INTEGRATION)
+        servos = [model.actuator(f"robot_0/servo{i}").id for i in range(1, 8)]
+        hand = model.actuator("robot_0/gripper").id
+        joints = [model.joint(f"robot_0/{name}").qposadr[0] for name in ARM]
+        for action, state in zip(rows["action"], rows["observation.state"], strict=True):
+            assert np.allclose(data.qpos[joints], state[:7], atol=1e-4)
+            data.ctrl[servos], data.ctrl[hand] = action[:7], 100 * action[7]
+            mujoco.mj_step(model, data, round(period / model.opt.timestep))
+        target = model.joint("target_joint").qposadr[0]
+        lifted = episode["objects/target/pose"][-1, 2] - episode["objects/target/pose"][0, 2]
+        assert data.qpos[target + 2] - episode["objects/target/pose"][0, 2] > 0.5 * lifted
+
+
+@pytest.mark.parametrize("name", ["zarr", "mcap"])
+def test_every_card_says_yield_and_licence(dataset: robocell.Dataset, tmp_path: Path, name: str):
+    export_dataset(dataset, tmp_path / "out", name, cameras=[])
+    card = (tmp_path / "out" / "README.md").read_text()
+    earlier = [each for episode in dataset for each in episode.metadata["earlier_attempts"]]
+    refused = sum("refused" in each for each in earlier)
+    said = re.search(r"Before these episodes: (\d+) failed rollouts?, (\d+) rejected starts?", card)
+    assert said is not None
+    assert (int(said[1]), int(said[2])) == (len(earlier) - refused, refused)
+    assert "**Licence.**" in card
+    assert "robocell export" in card
 
 
 def test_data_files_have_the_types_of_the_features(exported: Path):
@@ -580,7 +620,7 @@ def test_numbers_that_are_none_are_named(
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("format", list(FORMATS))
+@pytest.mark.parametrize("format", INSTALLED)
 def test_a_refusal_before_the_first_episode_leaves_nothing(
     dataset: robocell.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, format: str
 ):

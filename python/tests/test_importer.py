@@ -18,6 +18,7 @@ import yaml
 import zarr
 from PIL import Image
 
+import foreign_datasets
 import robocell
 from command_line import refused, robocell_command
 from exported import hashes, psnr, three_episodes
@@ -377,6 +378,34 @@ def test_an_interrupted_import_continues_with_the_same_bytes(
     assert {name: first[name] for name in data} == {name: second[name] for name in data}
 
 
+def av1_dataset(folder: Path) -> Path:
+    """A LeRobot dataset whose video is AV1, and the path of that video."""
+    foreign_datasets.lerobot_v3(folder)
+    [video] = folder.rglob("*.mp4")
+    encoder = ["-c:v", "libaom-av1", "-cpu-used", "8", "-crf", "30", "-g", "2"]
+    noise = f"testsrc2=size=64x48:rate=10:duration={sum(foreign_datasets.ROWS) / 10}"
+    source = ["ffmpeg", "-v", "error", "-y", "-f", "lavfi", "-i", noise, "-pix_fmt", "yuv420p"]
+    subprocess.run([*source, *encoder, video], check=True)
+    return video
+
+
+def test_av1_videos_are_decoded_strictly(tmp_path: Path):
+    video = av1_dataset(tmp_path / "there")
+    assert import_dataset(tmp_path / "there", tmp_path / "back").rows == sum(foreign_datasets.ROWS)
+    opened(tmp_path / "back")
+    whole = video.read_bytes()
+    begin = whole.index(b"mdat") + 4
+    size = int.from_bytes(whole[begin - 8 : begin - 4], "big") - 8
+    for number, at in enumerate(range(begin + size // 4, begin + size - 40, size // 4)):
+        damaged = bytearray(whole)
+        for place in range(at, at + 30):
+            damaged[place] ^= 0x5A
+        video.write_bytes(damaged)
+        with pytest.raises(robocell.IoError, match="cannot cut"):
+            import_dataset(tmp_path / "there", tmp_path / f"damaged{number}")
+        assert not (tmp_path / f"damaged{number}").exists()
+
+
 WRITE = """
 import sys
 
@@ -404,11 +433,9 @@ dataset.finalize()
 
 
 @pytest.mark.soak
-def test_a_dataset_that_lerobot_wrote_is_imported(
-    tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
-):
+def test_a_dataset_that_lerobot_wrote_is_imported(tmp_path: Path):
     """One AV1 video of all episodes, and PNG files in the tables."""
-    command = [lerobot_python(tmp_path_factory), "-c", WRITE, tmp_path / "there"]
+    command = [lerobot_python(), "-c", WRITE, tmp_path / "there"]
     subprocess.run(command, check=True)
     import_dataset(tmp_path / "there", tmp_path / "back")
     for index, episode in enumerate(opened(tmp_path / "back")):

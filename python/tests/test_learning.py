@@ -29,7 +29,11 @@ EXAMPLES = ROOT / "examples" / "learning"
     ],
 )
 def test_a_cloned_policy_picks_cylinders_at_unseen_places(
-    episodes: int, trials: int, least: float, longest_s: float
+    episodes: int,
+    trials: int,
+    least: float,
+    longest_s: float,
+    capsys: pytest.CaptureFixture[str],
 ):
     spec = importlib.util.spec_from_file_location("clone", EXAMPLES / "clone.py")
     assert spec is not None
@@ -37,7 +41,10 @@ def test_a_cloned_policy_picks_cylinders_at_unseen_places(
     clone = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(clone)
     began = time.process_time()
-    assert clone.main(episodes, trials) >= least
+    assert clone.main(episodes, trials, served=3) >= least
+    said = capsys.readouterr().out
+    assert re.search(r"in the environment: picked up \d+ of \d+, 95 % interval \d+% \.\.\.", said)
+    assert re.search(r"through a server: picked up \d of 3, 95 % interval \d+% \.\.\. ", said)
     assert time.process_time() - began < longest_s, "seconds of the processor, as the page promises"
     assert indices_of((EXAMPLES / "clone.py").read_text()) == []
 
@@ -96,3 +103,20 @@ def test_ppo_learns_to_approach_the_cube():
     before, after, steps = map(float, rewards.groups())
     assert steps >= 40_000
     assert after > 2 * before > 0
+
+
+# torch and what it brings are downloaded when it is run for the first time.
+@pytest.mark.soak
+def test_a_network_learns_from_images_and_is_evaluated_through_a_server():
+    python = environment_with("torch==2.10.0")
+    paths = [str(ROOT / "python"), sysconfig.get_path("platlib")]
+    run = subprocess.run(
+        [python, EXAMPLES / "image_clone.py"],
+        env=os.environ | {"PYTHONPATH": os.pathsep.join(paths), "CUDA_VISIBLE_DEVICES": ""},
+        capture_output=True, text=True, check=False, timeout=3600,
+    )  # fmt: skip
+    assert run.returncode == 0, run.stderr
+    said = r"picked up (\d+) of 30 cylinders .*: \d+%, 95 % interval \d+% \.\.\. \d+%"
+    found = re.search(said, run.stdout)
+    assert found is not None, run.stdout
+    assert int(found[1]) >= 3, "one of six after 40 demonstrations and 12 epochs"

@@ -219,10 +219,8 @@ def test_its_environments_are_vectors_and_entries_of_gymnasium(
 
 
 @pytest.mark.soak
-def test_lerobot_trains_and_evaluates_with_it(
-    dataset: robocell.Dataset, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
-):
-    python = lerobot_python(tmp_path_factory)
+def test_lerobot_trains_and_evaluates_with_it(dataset: robocell.Dataset, tmp_path: Path):
+    python = lerobot_python()
     package = shutil.copytree(PACKAGE, tmp_path / PACKAGE.name)  # building writes into it
     install = [python, "-m", "pip", "install", "-q", "--no-deps", package]
     subprocess.run(install, check=True)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import contextlib
 import json
 import socket
 import struct
 import threading
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
@@ -18,6 +17,7 @@ from websockets.server import ServerProtocol
 import openpi_peer
 import robocell as rc
 from openpi_peer import openpi_server
+from raw_server import raw_server
 from robocell.evaluate import _greeting
 from robocell.policy_server import LostServerError, PolicyClient, PolicyServerError
 from robocell.policy_server import _client as client_module
@@ -147,33 +147,6 @@ def test_a_wrong_reply_is_an_error_with_its_reason(reply: Any, said: str):
 
 
 # ---- servers that misbehave ----------------------------------------------------------------------
-
-
-@contextlib.contextmanager
-def raw_server(talk: Callable[[socket.socket, int], None]) -> Iterator[str]:
-    """A server that gives each connection, and its number, to `talk`."""
-    listening = socket.create_server(("127.0.0.1", 0))
-    ended = threading.Event()
-    kept = []
-
-    def accept() -> None:
-        with contextlib.suppress(OSError):
-            for number in range(100):
-                connection, _ = listening.accept()
-                kept.append(connection)
-
-                def one(connection: socket.socket = connection, number: int = number) -> None:
-                    with contextlib.suppress(OSError):
-                        talk(connection, number)
-
-                threading.Thread(target=one, daemon=True).start()
-
-    threading.Thread(target=accept, daemon=True).start()
-    yield f"ws://127.0.0.1:{listening.getsockname()[1]}"
-    ended.set()
-    listening.close()
-    for connection in kept:
-        connection.close()
 
 
 def greeted(connection: socket.socket, metadata: bytes = b"\x80") -> ServerProtocol:

@@ -481,3 +481,43 @@ def test_metadata_can_be_read_without_robocell():
             "endpoints": ["infer", "reset"],
             "policy": "x",
         }
+
+
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({"observation/joint_position": np.full(7, np.nan, np.float32)}, "not finite"),
+        ({"observation/joint_position": np.zeros(5, np.float32)}, "has 7 numbers, got 5"),
+        ({"observation/joint_position": "left"}, "is no array of numbers"),
+        ({"observation/joint_position": None}, "has 7 numbers, got 1"),
+        ({"observation/wrist_image_left": np.zeros((4, 4), np.uint8)}, "height, width, 3"),
+        ({"observation/wrist_image_left": np.zeros((4, 4, 3))}, "of uint8"),
+    ],
+)
+def test_a_wrong_observation_is_explained_and_others_are_served(changes: dict[str, Any], said: str):
+    bound = Preset.load("droid").bind(features(), CAMERAS)
+
+    class Still(Policy):
+        def act(self, observation: Any) -> Any:
+            return {each.column: np.zeros((1, each.size)) for each in bound.actions}
+
+    row = {
+        "robots/a/arm/qpos": ROW,
+        "robots/a/opening": np.array(0.75),
+        **{key: np.zeros((48, 64, 3), np.uint8) for key in CAMERAS},
+    }
+    with serving(lambda: PolicySession(Still(), cell(), bound)) as made:
+        good, bad = OpenpiClient(made.url), OpenpiClient(made.url)
+        message = bound.message(row, "lift")
+        with pytest.raises(RuntimeError, match=said):
+            bad.infer(message | changes)
+        assert good.infer(message)["actions"].shape == (1, 8)
+
+
+def test_an_array_of_objects_is_never_unpickled():
+    pickled = {b"__ndarray__": True, b"data": b"\x80\x04.", b"dtype": "|O", b"shape": [1]}
+    with serving() as made:
+        client = OpenpiClient(made.url)
+        with pytest.raises(RuntimeError, match=r"dtype '\|O'"):
+            client.infer({"observation/state": pickled})
+        assert OpenpiClient(made.url).infer({})["actions"][0, 0] == 1

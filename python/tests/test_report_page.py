@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
+import time
 from collections import Counter
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -20,6 +22,7 @@ from robocell._generation.items import ItemRecord
 from robocell._report import facts, motion, pictures, rollouts, variation
 from robocell._report.facts import EarlierAttempt, EpisodeFacts
 from robocell._report.page import Contents, thousands, write
+from robocell.data import derive
 from robocell.evaluate import wilson_interval
 
 HOSTILE = "</script><script>document.title = 'taken'</script><img src=x onerror=alert(1)>"
@@ -363,3 +366,26 @@ def test_sampling_force_and_speed_limits(dataset: Path, tmp_path: Path):
 
 def test_large_numbers_are_grouped():
     assert thousands(12345678) == "12\u202f345\u202f678"
+
+
+EPISODES = 10_000
+
+
+@pytest.mark.soak
+def test_ten_thousand_episodes_have_a_page_within_a_minute(dataset: Path, tmp_path: Path):
+    there = robocell.Dataset(dataset)
+    for number in range(EPISODES):
+        source = there[number % len(there)]
+        place = tmp_path / "many" / f"e{number:05d}"
+        place.mkdir(parents=True)
+        for file in source.folder.iterdir():
+            if file.name != "episode.json":
+                os.link(file, place / file.name)
+        (place / "episode.json").write_text(derive._renamed(source, place.name))
+    out = tmp_path / "many.html"
+    began = time.monotonic()
+    said = robocell_command("report", tmp_path / "many", "-o", out)
+    elapsed = time.monotonic() - began
+    assert said.returncode == 0, said.stderr
+    assert said.stdout.startswith(f"{out}: {EPISODES} episodes, ")
+    assert elapsed < 60

@@ -65,6 +65,40 @@ def test_a_policy_sees_the_rows_that_a_dataset_records(dataset: Path, tmp_path: 
         np.testing.assert_allclose(seen, played[name], rtol=0, atol=1e-12, err_msg=name)
 
 
+class Ramp(Policy):
+    """Chunks of six targets of the first joint, 0.01 rad apart."""
+
+    def __init__(self, run: rc.RunConfig) -> None:
+        self.home = np.array(run.robot.home["arm"])
+
+    def act(self, observation):
+        targets = np.tile(self.home, (6, 1))
+        targets[:, 0] += 0.1 + 0.01 * np.arange(6)
+        return {"robots/rc7/action/arm": targets, "robots/rc7/action/gripper": np.ones((6, 1))}
+
+
+def test_late_actions_repeat_exactly_and_the_robot_waits_for_the_first(
+    dataset: Path, tmp_path: Path
+):
+    rc.policy.register_policy("late ramp", Ramp, latency_ms=100)
+    played = []
+    for name in ("one", "other"):
+        run = run_of_dataset(dataset)
+        run.output, run.expert, run.keep = str(tmp_path / name), "late ramp", "first"
+        run.cameras.draw = False
+        run.rates.policy_ms, run.rates.max_steps, run.episodes = 66, 12, 1
+        rc.generate.prepare_dataset(run)
+        rc.generate.Runner(run).run(rc.generate.make_plan(run)[0])
+        played.append(rc.Dataset(run.output)[0])
+    one, other = played
+    assert all(np.array_equal(one[name], other[name], equal_nan=True) for name in one.columns)
+    taken = one["robots/rc7/action/arm"][:, 0] - run.robot.home["arm"][0]
+    held = one["robots/rc7/arm/target"][0, 0] - run.robot.home["arm"][0]
+    # 100 ms are two actions of 66 ms: the first two of each chunk come too late.
+    chunk = [0.12, 0.13, 0.14, 0.15]
+    assert np.allclose(taken, [held, held, *chunk, *chunk, *chunk[:2]])
+
+
 def test_errors_explain_an_invalid_policy(dataset: Path, tmp_path: Path):
     (tmp_path / "mine.py").write_text(REPLAYER)
     out = tmp_path / "out"

@@ -245,6 +245,9 @@ def test_options_of_policies_that_do_not_fit_are_explained(run: Path, tmp_path: 
 def test_options_are_part_of_what_an_evaluation_is():
     acting = PolicyOptions(horizon=3, ensemble=True)
     assert expert_of_policy("random", "", acting) == "random horizon=3 ensemble"
+    late = PolicyOptions(latency_ms=80)
+    assert expert_of_policy("random", "", late) == "random latency=80"
+    assert late.arguments() == ["--latency=80"]
     url = "ws://127.0.0.1:9"
     assert expert_of_policy(url, "", PolicyOptions("droid")) == f"{url} preset=droid"
     assert expert_of_policy(url, "", PolicyOptions(timeout_s=3)) == url

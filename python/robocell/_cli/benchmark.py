@@ -22,6 +22,14 @@ def benchmark(
         int | None,
         typer.Option(min=0, help="Seed of the starts. Default: that of `robocell evaluate`."),
     ] = None,
+    schema: Annotated[
+        str,
+        typer.Option(
+            "--format",
+            metavar="NAME",
+            help="robocell-benchmark, or molmospaces: a list of MolmoSpaces' episodes.",
+        ),
+    ] = "robocell-benchmark",
     imports: Annotated[
         list[str] | None,
         typer.Option("--import", metavar="MODULE", help="A module that registers tasks."),
@@ -47,6 +55,7 @@ def benchmark(
             episodes=episodes,
             seed=SEED if seed is None else seed,
             imports=imports or [],
+            schema=schema,
             on_start=count,
         )
     print(f"{counted(len(made.starts), 'start')} of {made.source}: {out}")

@@ -37,8 +37,8 @@ def evaluate(
         str,
         typer.Option(
             metavar="MODULE:CLASS|URL",
-            help="module:Class or file.py:Class of a policy, ws://HOST:PORT of a policy server, or "
-            "expert, random, replay.",
+            help="module:Class or file.py:Class of a policy, ws://HOST:PORT of a policy server, "
+            "zmq://HOST:PORT of GR00T's, or expert, random, replay.",
         ),
     ],
     output: Annotated[
@@ -107,6 +107,15 @@ def evaluate(
             help="Longest time of a call of a policy server, seconds. Default: 120.",
         ),
     ] = None,
+    latency: Annotated[
+        float,
+        typer.Option(
+            metavar="MS",
+            min=0.0,
+            help="Simulated time from an observation to its actions; actions of the last chunk are "
+            "taken meanwhile. Default: 0, the simulation waits.",
+        ),
+    ] = 0.0,
     max_steps: Annotated[
         int | None,
         typer.Option(
@@ -157,6 +166,7 @@ def evaluate(
         horizon=horizon,
         ensemble=ensemble,
         policy_timeout_s=policy_timeout,
+        latency_ms=latency,
         max_steps=max_steps,
     )
     atomic_write(Path(result.dataset) / "evaluation.json", (result.to_json() + "\n").encode())
@@ -164,6 +174,9 @@ def evaluate(
         print(result.to_json())
     else:
         print_wide(_table(result))
+        if kinds := result.breakdown.get("object"):
+            listed = ", ".join(f"{kind} {good}/{of}" for kind, (good, of) in kinds.items())
+            print(f"success by object: {listed}")
         if result.failures:
             failures = result.failures.items()
             counts = ", ".join(f"{without_names(reason)} {count}" for reason, count in failures)

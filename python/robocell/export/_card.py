@@ -9,6 +9,7 @@ from typing import Any
 
 from robocell import __version__
 from robocell._placeholders import OPENING
+from robocell._report.facts import ATTEMPT
 from robocell._suggestions import counted
 from robocell.export._formats import Format, Written
 from robocell.export._source import Source
@@ -21,6 +22,10 @@ tags:
 {tags}
 ---
 """
+LICENCE = (
+    "**Licence.** The recording states none. Models of robots and objects keep their own. Whoever "
+    "publishes the dataset names one."
+)
 LEROBOT_TAGS = """\
 - LeRobot
 - robocell
@@ -47,6 +52,7 @@ def card(source: Source, form: Format, written: Written, *, title: str, command:
         f"{counted(len(source.items), 'episode')}, {source.rows} frames {_rate(source, form)}. "
         f"Simulated with robocell; {kind}.",
         _success(source),
+        _yield(source),
         _time(source, form),
         "## Features\n\nRow i holds the observation before action i.",
         *(_feature_table(feature) for feature in source.resolved.features),
@@ -57,6 +63,7 @@ def card(source: Source, form: Format, written: Written, *, title: str, command:
         _table(("part", "version"), _versions(described)),
         f"```sh\n{command}\n```",
         "`meta/robocell/episodes.json` has the id, seed and result of every episode.",
+        LICENCE,
     ]
     return "\n\n".join(part for part in parts if part) + "\n"
 
@@ -91,6 +98,24 @@ def _success(source: Source) -> str:
         share = f"{good} of {len(own)} ({100 * good / len(own):.0f} %)"
         rows.append((task, robots or "–", share, ends))
     return "## Episodes\n\n" + _table(("task", "robot", "success", "ends"), rows)
+
+
+def _yield(source: Source) -> str:
+    """Returns how many attempts there were before the episodes; "" if they do not say it."""
+    attempts: dict[str, list[Any]] = {}
+    for item in source.items:
+        metadata: Any = source.episode(item).metadata or {}
+        listed = metadata.get("earlier_attempts")
+        if not isinstance(listed, list):
+            return ""
+        # With `keep: all`, each episode of an item lists all attempts before it.
+        name = ATTEMPT.sub("", item.id) if "attempt" in metadata else item.id
+        if len(listed) >= len(attempts.get(name, ())):
+            attempts[name] = listed
+    every = [each for listed in attempts.values() for each in listed]
+    refused = sum(isinstance(each, dict) and "refused" in each for each in every)
+    failed = counted(len(every) - refused, "failed rollout")
+    return f"Before these episodes: {failed}, {counted(refused, 'rejected start')}."
 
 
 def _rate(source: Source, form: Format) -> str:

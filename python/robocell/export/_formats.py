@@ -105,6 +105,7 @@ FORMATS = {
         reserved=("actions_abs", "states", "next_obs"),
     ),
     "zarr": Format("Diffusion Policy zarr", "replay_buffer", "zarr.yaml"),
+    "umi": Format("UMI zarr", "umi", "umi.yaml"),
     "aloha": Format("ALOHA HDF5", "aloha", "aloha.yaml"),
     "molmospaces": Format(
         "MolmoSpaces HDF5",
@@ -118,6 +119,9 @@ FORMATS = {
         "mcap.yaml",
         stores_times=True,
         reserved=("joint_states", "tf", "events", "poses"),
+    ),
+    "rerun": Format(
+        "Rerun", "rerun_log", "rerun.yaml", stores_times=True, reserved=("world", "events")
     ),
 }
 

@@ -8,9 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from robocell._core import Episode, Pose
+from robocell._core import Episode
 from robocell._extras import needed_by
-from robocell.export._mcap_columns import STEPS, times_of
+from robocell.export._events import events_of
+from robocell.export._frames import frames_of, step_columns
+from robocell.export._mcap_columns import times_of
 from robocell.export._source import Camera, Item
 
 with needed_by("robocell.export", "mcap"):
@@ -38,7 +40,7 @@ def joint_states(episode: Episode) -> Iterator[Message]:
     """Yields the positions and velocities of all joints of all robots."""
     names: list[str] = []
     positions, velocities = [], []
-    for column in _columns(episode):
+    for column in step_columns(episode):
         parts = column.split("/")
         if len(parts) != 4 or parts[0] != "robots" or parts[3] != "qpos":
             continue
@@ -74,16 +76,7 @@ def joint_states(episode: Episode) -> Iterator[Message]:
 
 def transforms(episode: Episode) -> Iterator[Message]:
     """Yields the frames of robots, TCPs, objects and cameras in the world."""
-    frames: dict[str, NDArray[np.float64]] = {}
-    for name in _columns(episode):
-        parts = name.split("/")
-        if len(parts) == 3 and parts[0] == "robots" and parts[2] in ("base_pose", "tcp_pose"):
-            what = "base" if parts[2] == "base_pose" else "TCP"
-            frames[f"{what} of {parts[1]}"] = episode[name]
-        elif parts[0] == "objects" and parts[-1] == "pose":
-            frames[name.removesuffix("/pose")] = episode[name]
-        elif parts[0] == "cameras" and parts[-1] == "extrinsics":
-            frames[name.removesuffix("/extrinsics")] = _camera_poses(episode[name])
+    frames = frames_of(episode)
     for row, time in enumerate(times_of(episode)):
         there = [
             FrameTransform_pb2.FrameTransform(
@@ -104,7 +97,7 @@ def poses(episode: Episode) -> Iterator[Message]:
     """Yields every pose of the episode, in its frame, as `/poses/<column>`."""
     columns = [
         (f"/poses/{name}", episode.column(name).frame, episode[name])
-        for name in _columns(episode)
+        for name in step_columns(episode)
         if _is_pose(episode, name)
     ]
     for row, time in enumerate(times_of(episode)):
@@ -122,28 +115,11 @@ def poses(episode: Episode) -> Iterator[Message]:
 
 def events(episode: Episode, item: Item) -> Iterator[Message]:
     """Yields the instruction, each change of a phase or sub-task, and the end, as a log."""
-
-    def event(time: int, text: str, name: str, failed: bool = False) -> Message:
-        level = Log_pb2.Log.WARNING if failed else Log_pb2.Log.INFO
-        log = Log_pb2.Log(timestamp=_stamp(time), level=level, message=text, name=name)
-        return time, "/events", log
-
-    times = times_of(episode)
-    yield event(times[0], item.task, "instruction")
-    changes = []
-    for name in ("phase", "subtask"):
-        if name in episode and (values := list(episode.column(name).values)):
-            indices = episode[name]
-            starts = [0, *(np.flatnonzero(np.diff(indices)) + 1).tolist()]
-            changes += [
-                (row, f"{name}: {values[indices[row]]}", name)
-                for row in starts
-                if 0 <= indices[row] < len(values)
-            ]
-    for row, text, name in sorted(changes):
-        yield event(times[row], text, name)
-    result = "succeeded" if item.success else "failed"
-    yield event(times[-1], f"{result}: {item.end_reason}", "end", failed=not item.success)
+    for event in events_of(episode, item):
+        level = Log_pb2.Log.WARNING if event.failed else Log_pb2.Log.INFO
+        stamp = _stamp(event.time)
+        log = Log_pb2.Log(timestamp=stamp, level=level, message=event.text, name=event.kind)
+        yield event.time, "/events", log
 
 
 def calibration(episode: Episode, camera: Camera, size: tuple[int, int]) -> Iterator[Message]:
@@ -174,22 +150,9 @@ def video(episode: Episode, camera: Camera, frames: Iterator[bytes]) -> Iterator
         yield time, f"/{camera.feature}/video", content
 
 
-def _columns(episode: Episode) -> list[str]:
-    return [name for name in episode.columns if episode.column(name).table == STEPS]
-
-
 def _is_pose(episode: Episode, name: str) -> bool:
     column = episode.column(name)
     return tuple(column.names) == ("x", "y", "z", "qx", "qy", "qz", "qw") and bool(column.frame)
-
-
-def _camera_poses(extrinsics: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Returns poses of cameras in the world of matrices from the world to the camera."""
-    poses_of = np.empty((len(extrinsics), 7))
-    for row, matrix in enumerate(extrinsics):
-        pose = Pose(matrix).inverse()
-        poses_of[row] = [*pose.translation, *pose.quaternion]
-    return poses_of
 
 
 def _stamp(time: int) -> Timestamp:

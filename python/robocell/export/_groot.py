@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from robocell._groot_names import short_name
 from robocell.export._features import Feature
 from robocell.export._lerobot_rows import numbers_of
 from robocell.export._source import Source
@@ -116,7 +117,7 @@ def _ranges(feature: Feature | None, several_robots: bool) -> Ranges:
     if feature is None:
         return ranges
     for index, source in enumerate(feature.sources):
-        name = _short(source, several_robots)
+        name = short_name(source, several_robots)
         if name in ranges and feature.sources[index - 1] != source:
             name = source.replace("/", "_")  # two columns with the same short name
         if name in ranges:
@@ -124,14 +125,3 @@ def _ranges(feature: Feature | None, several_robots: bool) -> Ranges:
         else:
             ranges[name] = {"start": index, "end": index + 1}
     return ranges
-
-
-def _short(column: str, several_robots: bool) -> str:
-    """Returns "arm" for robots/rc7/arm/qpos and robots/rc7/action/arm, "gripper" for an opening."""
-    parts = column.split("/")
-    name = parts[-1]
-    if name == "opening":
-        name = "gripper"
-    elif name == "qpos" and len(parts) > 2:
-        name = parts[-2]
-    return f"{parts[1]}_{name}" if several_robots and parts[0] == "robots" else name

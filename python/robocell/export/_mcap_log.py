@@ -18,10 +18,10 @@ from robocell._core import Episode
 from robocell._extras import needed_by
 from robocell._staging import Staging
 from robocell.export._formats import Options, Written
+from robocell.export._h264 import h264
 from robocell.export._mcap_columns import Topic, json_topics
-from robocell.export._mp4 import Mp4, packets
-from robocell.export._source import Camera, Item, Source
-from robocell.export._videos import join, reason_to_encode, require_frames
+from robocell.export._mp4 import packets
+from robocell.export._source import Item, Source
 
 with needed_by("robocell.export", "mcap"):
     from mcap.writer import Writer
@@ -83,7 +83,7 @@ def _write_episode(source: Source, item: Item, path: Path, scratch: Path) -> dic
     videos = []
     for number, camera in enumerate(source.cameras):
         own = scratch.with_name(f"{number}-{scratch.name}")
-        file, reason = _h264(source, item, camera, own)
+        file, reason = h264(source, item, camera, own)
         if reason:
             reasons[camera.feature] = reason
         streams.append(calibration(episode, camera, source.shape_of(camera)))
@@ -103,22 +103,6 @@ def _write_episode(source: Source, item: Item, path: Path, scratch: Path) -> dic
     for own in videos:
         own.unlink(missing_ok=True)
     return reasons
-
-
-def _h264(source: Source, item: Item, camera: Camera, scratch: Path) -> tuple[Path, str]:
-    """Returns a video whose frames can be copied, and why it is not that of the episode, or ""."""
-    own = source.video(item, camera)
-    facts = Mp4.read(own)
-    size = source.resized(camera)
-    reason = reason_to_encode([facts], size=size)
-    if not reason and facts.codec != "h264":
-        reason = f"codec {facts.codec}"
-    if not reason:
-        require_frames(own, facts, item.rows)
-        return own, ""
-    made = join([own], scratch, source.fps, True, size=size)
-    require_frames(scratch, made, item.rows)
-    return scratch, reason
 
 
 def _metadata(episode: Episode, item: Item) -> dict[str, str]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,16 +34,44 @@ def write(
 
     A killed export keeps the images of complete episodes; numbers are written again.
     """
+    done = write_buffer(source, staging, on_episode, staging.path(NAME))
+    notes = (
+        f"`{NAME}` is a replay buffer: `data/<feature>` has the rows of all episodes, "
+        "`meta/episode_ends` the row after each.",
+        "The task of an episode is in `meta/robocell/episodes.json`.",
+    )
+    return Written(done, {}, {}, notes)
+
+
+def write_buffer(
+    source: Source,
+    staging: Staging,
+    on_episode: Callable[[int], None],
+    place: Path,
+    codec: Any = None,
+    write_more: Callable[[Source, Any], None] | None = None,
+) -> int:
+    """Writes a replay buffer, and returns how many episodes a killed export has left of it.
+
+    Args:
+        source: What is written.
+        staging: Keeps how far the images are.
+        on_episode: Called with the number of episodes that are written.
+        place: The folder of the buffer.
+        codec: Compresses images; default: Blosc.
+        write_more: Writes more arrays of numbers into the group `data`.
+    """
     ends = np.cumsum([item.rows for item in source.items])
-    place = staging.path(NAME)
-    done = staging.state("images")
+    done: int | None = staging.state("images")
     if done is None:
         shutil.rmtree(place, ignore_errors=True)
         done = 0
     root = zarr.open_group(str(place), mode="a", zarr_format=2)
     data, meta = root.require_group("data"), root.require_group("meta")
     _write_numbers(source, data)  # first: numbers that are refused cost no images
-    images = [_image_array(data, source, camera) for camera in source.cameras]
+    if write_more is not None:
+        write_more(source, data)
+    images = [_image_array(data, source, camera, codec) for camera in source.cameras]
     for index, item in enumerate(source.items):
         if index < done:
             on_episode(index + 1)
@@ -53,27 +82,23 @@ def write(
                 array[first + row : first + row + len(block)] = block
         staging.keep("images", index + 1)
         on_episode(index + 1)
-    _array(meta, "episode_ends", (len(ends),), np.dtype(np.int64))[:] = ends
-    notes = (
-        f"`{NAME}` is a replay buffer: `data/<feature>` has the rows of all episodes, "
-        "`meta/episode_ends` the row after each.",
-        "The task of an episode is in `meta/robocell/episodes.json`.",
-    )
-    return Written(done, {}, {}, notes)
+    write_array(meta, "episode_ends", (len(ends),), np.dtype(np.int64))[:] = ends
+    return done
 
 
-def _image_array(data: Any, source: Source, camera: Any) -> Any:
+def _image_array(data: Any, source: Source, camera: Any, codec: Any) -> Any:
     """Returns the array of a camera's images, which a killed export may have begun."""
     if camera.feature in data:
         return data[camera.feature]
     shape = (*source.shape_of(camera), 3)
-    return _array(data, camera.feature, (source.rows, *shape), np.dtype(np.uint8), (1, *shape))
+    whole = (source.rows, *shape)
+    return write_array(data, camera.feature, whole, np.dtype(np.uint8), (1, *shape), codec)
 
 
 def _write_numbers(source: Source, data: Any) -> None:
     """Writes the features, one episode at a time."""
     arrays = {
-        feature.name: _array(
+        feature.name: write_array(
             data, feature.name, (source.rows, feature.size), np.dtype(feature.dtype)
         )
         for feature in source.resolved.features
@@ -86,9 +111,15 @@ def _write_numbers(source: Source, data: Any) -> None:
         row += item.rows
 
 
-def _array(
-    group: Any, name: str, shape: tuple[int, ...], dtype: Any, chunks: tuple[int, ...] | None = None
+def write_array(
+    group: Any,
+    name: str,
+    shape: tuple[int, ...],
+    dtype: Any,
+    chunks: tuple[int, ...] | None = None,
+    codec: Any = None,
 ) -> Any:
+    """Makes an array of a buffer, without its rows; Blosc compresses it unless `codec` is given."""
     row_bytes = int(np.prod(shape[1:])) * dtype.itemsize
     rows = max(1, min(shape[0], CHUNK_BYTES // row_bytes))
     return group.create_array(
@@ -96,7 +127,7 @@ def _array(
         shape=shape,
         dtype=dtype,
         chunks=chunks or (rows, *shape[1:]),
-        compressors=numcodecs.Blosc("zstd", clevel=5, shuffle=numcodecs.Blosc.SHUFFLE),
+        compressors=codec or numcodecs.Blosc("zstd", clevel=5, shuffle=numcodecs.Blosc.SHUFFLE),
         fill_value=0,
         overwrite=True,
     )

@@ -6,6 +6,7 @@ frames are copied where the sources allow it; else they are encoded again.
 
 from __future__ import annotations
 
+import functools
 import os
 import shutil
 import subprocess
@@ -38,6 +39,7 @@ ENCODED = (
 )
 # Damaged frames, and those larger than any camera's, are errors.
 STRICT = ("-xerror", "-err_detect", "explode", "-max_pixels", str(8192**2))
+STRICT_AV1 = "libaom-av1"
 LONGEST_MESSAGE = 500  # bytes of what ffmpeg says
 LARGEST_SIDE = 150  # pixels of the images that statistics look at
 # Robocell's own reader scales in this way, so statistics are those of its frames.
@@ -147,7 +149,7 @@ def cut(
     # A copy begins at the key frame at this time or before, an encoding at the next frame after.
     start = (first + (Fraction(1, 4) if is_copy else -Fraction(1, 4))) / fps
     arguments = ["-y", *STRICT, *(["-ss", f"{float(start):.6f}"] if first else [])]
-    arguments += ["-f", "mov", "-i", f"file:{source}"]
+    arguments += [*_strict_decoder(facts.codec), "-f", "mov", "-i", f"file:{source}"]
     if is_copy:
         arguments += ["-an", "-frames:v", str(frames), "-f", "null", "-"]
     arguments += ["-an", "-frames:v", str(frames)]
@@ -160,6 +162,23 @@ def cut(
     with _ffmpeg([*arguments, *_written(rate, out)], task, subprocess.DEVNULL):
         pass
     return Mp4.read(out)
+
+
+def _strict_decoder(codec: str) -> list[str]:
+    """Returns arguments for the decoder that notices damage; AV1 has several.
+
+    libdav1d, which ffmpeg prefers, shows half of all damaged frames as if they were in order;
+    libaom notices what it cannot decode.
+    """
+    return ["-c:v", STRICT_AV1] if codec == "av1" and _has_decoder(STRICT_AV1) else []
+
+
+@functools.cache
+def _has_decoder(name: str) -> bool:
+    """Returns whether ffmpeg has a decoder."""
+    with _ffmpeg(["-decoders"], "list its decoders", subprocess.PIPE) as output:
+        assert output is not None
+        return f" {name} ".encode() in output.read()
 
 
 def encode(

@@ -12,10 +12,26 @@ from robocell._policy_calls import present
 from robocell._policy_presets import Bound, Preset
 from robocell._suggestions import counted
 from robocell.policy import Action, Context, Observation, Policy
-from robocell.policy_server._client import TIMEOUT_S, PolicyClient, PolicyServerError
+from robocell.policy_server._client import TIMEOUT_S, PolicyClient, PolicyServerError, parse_url
+from robocell.policy_server._groot_client import SCHEME, GrootClient, parse_groot_url
+from robocell.policy_server._groot_preset import groot_preset
 
 PROMPT = "prompt"
 ROLLOUT, RUN_SEED = "rollout", "run_seed"  # the start of a rollout, for servers of robocell
+
+
+def require_url(url: str) -> None:
+    """Raises ArgumentError for a text that is not the URL of a policy server."""
+    if url.startswith(f"{SCHEME}://"):
+        parse_groot_url(url)
+    else:
+        parse_url(url)
+
+
+def client_of(url: str, timeout_s: float = TIMEOUT_S) -> PolicyClient | GrootClient:
+    """Returns a client of the server at a URL, which is not connected yet."""
+    kind = GrootClient if url.startswith(f"{SCHEME}://") else PolicyClient
+    return kind(url, timeout_s)
 
 
 class RemotePolicy(Policy):
@@ -23,9 +39,10 @@ class RemotePolicy(Policy):
 
     Without a preset the server is sent the row of the dataset by the names of its columns, with
     the instruction as `prompt`, and names the columns of its actions: `robocell serve-policy` does.
+    A server of GR00T is sent the parts that it lists, by the names of `robocell export`.
 
     Args:
-        url: `ws://host:port`.
+        url: `ws://host:port`, or `zmq://host:port` of GR00T.
         preset: Names and units that the server expects.
         timeout_s: Longest time of a call.
     """
@@ -33,7 +50,7 @@ class RemotePolicy(Policy):
     def __init__(
         self, url: str, preset: Preset | None = None, timeout_s: float = TIMEOUT_S
     ) -> None:
-        self.client = PolicyClient(url, timeout_s)
+        self.client = client_of(url, timeout_s)
         self.timing: dict[str, float] = {}  # of the last call
         self._preset = preset
         self._bound: Bound | None = None
@@ -48,11 +65,14 @@ class RemotePolicy(Policy):
         # An expert must know the start; others get what every server of RoboArena understands.
         start = {ROLLOUT: present.rollout, RUN_SEED: present.seed}
         self.client.reset(info, start)
-        if self._preset is None:
-            return
+        preset = self._preset
         cameras = context.run.cameras
         streams = [stream.name for stream in cameras.streams] if cameras.draw else []
-        self._bound = self._preset.bind(context.features, streams)
+        if preset is None and isinstance(self.client, GrootClient):
+            preset = groot_preset(self.client.modalities, context.features, self.client.url)
+        if preset is None:
+            return
+        self._bound = preset.bind(context.features, streams)
         self._adapt(self._bound)
 
     def act(self, observation: Observation) -> Action:

@@ -11,6 +11,7 @@ Not for: sockets (channel.py).
 from __future__ import annotations
 
 import functools
+import io
 import math
 import re
 from typing import Any
@@ -32,20 +33,31 @@ LONGEST_SIDE = 1 << 28  # of an array
 DTYPE = re.compile(r"[<>|=]?(b1|[iu][1248]|f[248])")
 ARRAY, SCALAR = b"__ndarray__", b"__npgeneric__"
 ARRAY_TEXT, SCALAR_TEXT = ARRAY.decode(), SCALAR.decode()
+NPY = "__ndarray_class__"  # of GR00T's servers
+NPY_LONGEST = 1024  # bytes of a header
+NPY_HEADER = re.compile(
+    rb"\x93NUMPY[\x01-\x03]\x00(?:..){1,2}\{'descr': '(?P<descr>[^']*)', 'fortran_order': "
+    rb"(?P<order>True|False), 'shape': \((?P<shape>(?:\d{1,19}, ?)*(?:\d{1,19})?)\), *\} *\n",
+    re.DOTALL,
+)
 
 
 class WireError(Error):
     """A message does not follow the protocol."""
 
 
-def pack(message: object) -> bytes:
+def pack(message: object, *, npy: bool = False) -> bytes:
     """Returns a message as bytes.
+
+    Args:
+        message: Numbers, texts, bytes, lists, maps and arrays.
+        npy: Write arrays as GR00T's servers read them: files of numpy in bytes.
 
     Raises:
         WireError: It holds something else than numbers, texts, bytes, lists, maps and arrays.
     """
     try:
-        packed: bytes = msgpack.packb(message, default=_packed)
+        packed: bytes = msgpack.packb(message, default=_packed_npy if npy else _packed)
     except (TypeError, ValueError, OverflowError) as error:
         raise WireError(f"the message cannot be sent: {error}") from error
     return packed
@@ -79,6 +91,8 @@ def unpack(data: bytes) -> Any:
             return _array(values.get("data"), values.get("dtype"), values.get("shape"))
         if SCALAR_TEXT in values:
             return _scalar(values.get("data"), values.get("dtype"))
+        if NPY in values:
+            return _npy(values.get("as_npy"))
         return values
 
     def no_extension(code: int, _data: bytes) -> None:
@@ -142,6 +156,18 @@ def _packed(value: object) -> object:
     raise TypeError(f"{type(value).__name__} is no number, text, list, map or array")
 
 
+def _packed_npy(value: object) -> object:
+    if isinstance(value, np.ndarray):
+        _require_plain(value.dtype)
+        file = io.BytesIO()
+        np.save(file, value, allow_pickle=False)
+        return {NPY: True, "as_npy": file.getvalue()}
+    if isinstance(value, np.generic):
+        _require_plain(value.dtype)
+        return value.item()
+    raise TypeError(f"{type(value).__name__} is no number, text, list, map or array")
+
+
 @functools.lru_cache(64)
 def _require_plain(dtype: np.dtype[Any]) -> None:
     if not DTYPE.fullmatch(dtype.str):
@@ -184,6 +210,18 @@ def _array(data: object, dtype_name: object, shape: object) -> NDArray[Any]:
             f"{math.prod(shape) * dtype.itemsize} bytes, and has {len(data)}"
         )
     return np.frombuffer(data, dtype).reshape(shape) if data else np.zeros(shape, dtype)
+
+
+def _npy(data: object) -> NDArray[Any]:
+    """Returns the array in a file of numpy, without numpy's own reader, which reserves first."""
+    if not isinstance(data, bytes):
+        raise WireError("an array has no data")
+    header = NPY_HEADER.match(data[:NPY_LONGEST])
+    if header is None:
+        raise WireError(f"an array is no file of numpy: {data[:40]!r}")
+    shape = [int(size) for size in header["shape"].split(b",") if size.strip()]
+    whole = _array(data[header.end() :], header["descr"], shape)
+    return whole.reshape(shape[::-1]).T if header["order"] == b"True" else whole
 
 
 def _scalar(value: object, dtype_name: object) -> Any:
