@@ -20,6 +20,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import robocell
+import robocell.gym
 
 ROUNDS = 4
 DEMO = Path(__file__).parents[2] / "examples" / "demo.yaml"
@@ -108,7 +109,17 @@ def errors(folder: Path) -> Work:
     return work
 
 
-KINDS = {work.__name__: work for work in (scenes, resets, contexts, children, errors)}
+def batches(_folder: Path) -> Work:
+    """Copies of an environment, whose model is frozen and measured once."""
+    config = robocell.gym.pick_cube_config()
+
+    def work() -> None:
+        robocell.gym.VectorGymEnv(config, num_envs=2, threads=2).close()
+
+    return work
+
+
+KINDS = {work.__name__: work for work in (scenes, resets, contexts, children, errors, batches)}
 
 
 class MallInfo(ctypes.Structure):

@@ -14,7 +14,7 @@ from processes import bare_environment
 
 # How many of each are made, and how many bytes of each may stay. A forgotten scene is 200 kB, a
 # context several MB; of few objects, what the pools hold counts for more.
-FEW = {"scenes": 80, "resets": 200, "contexts": 8, "children": 8, "errors": 40}
+FEW = {"scenes": 80, "resets": 200, "contexts": 8, "children": 8, "errors": 40, "batches": 12}
 SHORT = {"heap_each": 10_000, "resident_each": 60_000}
 LONG = {"heap_each": 1_000, "resident_each": 5_000}
 

@@ -119,7 +119,7 @@ class Reader {
     ReportUnreadableMeshes();
     for (UrdfJoint& joint : urdf_.joints)
       joint.has_transmission = transmitted_.contains(joint.name);
-    CheckUrdf(urdf_, problems_);
+    ValidateUrdf(urdf_, problems_);
     problems_.Throw();
     urdf_.manifests = packages_.manifests();
     return std::move(urdf_);

@@ -250,7 +250,7 @@ void UrdfProblems::Throw() const {
   throw SpecError(all);
 }
 
-void CheckUrdf(Urdf& urdf, UrdfProblems& problems) {
+void ValidateUrdf(Urdf& urdf, UrdfProblems& problems) {
   CheckRepeated(urdf.links, "link", problems);
   CheckRepeated(urdf.joints, "joint", problems);
   CheckLinksExist(urdf, problems);

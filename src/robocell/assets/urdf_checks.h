@@ -26,6 +26,6 @@ class UrdfProblems {
 // Sets the root, and adds a problem for every fault: repeated names, links that do not exist,
 // several or no roots, circles, floating joints below others, mimic joints without an independent
 // leader, moving links without mass or with an impossible inertia.
-void CheckUrdf(Urdf& urdf, UrdfProblems& problems);
+void ValidateUrdf(Urdf& urdf, UrdfProblems& problems);
 
 }  // namespace robocell::internal

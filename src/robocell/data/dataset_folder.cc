@@ -58,8 +58,8 @@ std::string NearestDataset(const fs::path& folder, const std::vector<std::string
 
 }  // namespace
 
-std::vector<ForeignThing> NotOwn(const fs::path& dataset) {
-  std::vector<ForeignThing> found;
+std::vector<ForeignEntry> NotOwn(const fs::path& dataset) {
+  std::vector<ForeignEntry> found;
   const auto add = [&](const fs::path& path) {
     found.push_back({path.lexically_relative(dataset).generic_string(), internal::WhatIsAt(path)});
   };
@@ -79,11 +79,11 @@ std::vector<ForeignThing> NotOwn(const fs::path& dataset) {
 }
 
 void RequireOwnFolders(const fs::path& dataset) {
-  for (const ForeignThing& thing : NotOwn(dataset)) {
+  for (const ForeignEntry& entry : NotOwn(dataset)) {
     throw IoError(
         fmt::format("cannot use '{}': it is {}, so writes would leave the dataset. Remove it, or "
                     "replace it with its target",
-                    (dataset / thing.name).string(), thing.what));
+                    (dataset / entry.name).string(), entry.what));
   }
 }
 

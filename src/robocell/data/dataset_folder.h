@@ -11,14 +11,14 @@
 
 namespace robocell {
 
-struct ForeignThing {
+struct ForeignEntry {
   std::string name;  // within the dataset: "models", ".logs/worker-0.log"
   std::string what;  // "a link to '/etc'"
 };
 
 // Lists entries that have the name of one of robocell's own folders, or of a log in it, but are
 // something else.
-std::vector<ForeignThing> NotOwn(const std::filesystem::path& dataset);
+std::vector<ForeignEntry> NotOwn(const std::filesystem::path& dataset);
 
 // Throws IoError that names the first of them, what it is and the next step.
 void RequireOwnFolders(const std::filesystem::path& dataset);

@@ -16,9 +16,9 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-std::vector<std::string> NamesOf(const std::vector<ForeignThing>& things) {
+std::vector<std::string> NamesOf(const std::vector<ForeignEntry>& entries) {
   std::vector<std::string> names;
-  for (const ForeignThing& thing : things) names.push_back(thing.name);
+  for (const ForeignEntry& entry : entries) names.push_back(entry.name);
   return names;
 }
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -164,6 +165,12 @@ void FeatureSchema::Add(Feature feature) {
   const std::string& name = feature.column.name;
   if (name.empty()) throw ArgumentError("a feature needs a name");
   if (Has(name)) throw ArgumentError(fmt::format("feature '{}' is declared twice", name));
+  for (const int64_t axis : feature.column.shape) {
+    if (axis < 1) {
+      throw ArgumentError(fmt::format("feature '{}': its shape [{}] has a size of {}; at least 1",
+                                      name, fmt::join(feature.column.shape, ", "), axis));
+    }
+  }
   const auto fits = [&](const std::vector<double>& bounds) {
     return bounds.empty() || static_cast<int64_t>(bounds.size()) == feature.size();
   };
@@ -174,7 +181,13 @@ void FeatureSchema::Add(Feature feature) {
                                     Counted(std::ssize(feature.upper), "upper bound"),
                                     Counted(feature.size(), "number")));
   }
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < feature.lower.size(); ++i) {
+    if (feature.lower[i] == kInfinity || feature.upper[i] == -kInfinity) {
+      throw ArgumentError(
+          fmt::format("feature '{}': the range of number {}, {} to {}, has no number", name, i,
+                      feature.lower[i], feature.upper[i]));
+    }
     if (feature.lower[i] <= feature.upper[i]) continue;
     throw ArgumentError(fmt::format("feature '{}': the lower bound of number {} is {}, above {}",
                                     name, i, feature.lower[i], feature.upper[i]));

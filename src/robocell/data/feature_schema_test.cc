@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <limits>
+#include <string>
 
 #include "robocell/base/error.h"
 #include "robocell/testing/expect_throw.h"
@@ -77,6 +79,19 @@ TEST(FeatureSchema, RejectsImpossibleFeatures) {
   ExpectThrow<ArgumentError>(
       [&] { schema.Add({.column = {.name = "b"}, .lower = {1}, .upper = {0}}); },
       "feature 'b': the lower bound of number 0 is 1, above 0");
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double bound : {kInfinity, -kInfinity}) {
+    ExpectThrow<ArgumentError>(
+        [&] { schema.Add({.column = {.name = "b"}, .lower = {bound}, .upper = {bound}}); },
+        "feature 'b': the range of number 0");
+  }
+  for (const int64_t size : {0, -1}) {
+    ExpectThrow<ArgumentError>(
+        [&] {
+          schema.Add({.column = {.name = "b", .shape = {3, size}}});
+        },
+        "feature 'b': its shape [3, " + std::to_string(size) + "] has a size of");
+  }
 }
 
 TEST(FeatureSchema, DescribesTheFirstDifference) {

@@ -111,11 +111,11 @@ void VerifyModelsOf(const fs::path& folder, const std::map<std::string, std::str
 }
 
 void VerifyOwnFolders(const fs::path& dataset, VerifyResult& result) {
-  for (const ForeignThing& thing : NotOwn(dataset)) {
+  for (const ForeignEntry& entry : NotOwn(dataset)) {
     result.problems.push_back(
-        {"", thing.name,
+        {"", entry.name,
          fmt::format("it is {} that leads out of the dataset: remove it, repair leaves it alone",
-                     thing.what)});
+                     entry.what)});
   }
 }
 

@@ -152,7 +152,7 @@ class ArmTrial {
       std::erase_if(misses, [](const Miss& miss) { return miss.cause.in_warnings; });
     std::stable_sort(misses.begin(), misses.end(),
                      [](const Miss& a, const Miss& b) { return a.amount > b.amount; });
-    Report(
+    NoteMisses(
         misses,
         fmt::format(" in {:g} s while it should hold home (up to {:g} rad{} is tolerated)",
                     kHoldSeconds, std::max(config().arrival_tolerance, kHeldRad),
@@ -176,8 +176,8 @@ class ArmTrial {
       if (!diverged_.empty()) return void(Diverged("takes a small step"));
       if (miss) misses.push_back(*miss);
     }
-    Report(misses,
-           fmt::format(" when it is sent there from home and given {:g} s", kFollowSeconds));
+    NoteMisses(misses,
+               fmt::format(" when it is sent there from home and given {:g} s", kFollowSeconds));
   }
 
   // Unset if the joint follows in one direction: the other may be blocked.
@@ -370,7 +370,7 @@ class ArmTrial {
   }
 
   // Adds one text for all joints with the same remedy.
-  void Report(std::vector<Miss> misses, const std::string& when) {
+  void NoteMisses(std::vector<Miss> misses, const std::string& when) {
     while (!misses.empty()) {
       const Miss worst = misses.front();
       std::string others;

@@ -300,7 +300,16 @@ void Env::State::RequireAction(std::span<const double> action) const {
 
 Action Env::State::RequireCommands(const std::map<std::string, std::vector<double>>& commands) {
   RequireReady();
-  return features().ToAction(commands);
+  const auto placed = [&](const Error& error) {
+    return fmt::format("environment '{}': {}", config_.name, error.what());
+  };
+  try {
+    return features().ToAction(commands);
+  } catch (const ArgumentError& error) {
+    throw ArgumentError(placed(error));
+  } catch (const NotFoundError& error) {
+    throw NotFoundError(placed(error));
+  }
 }
 
 CellFeatures& Env::State::features() {
@@ -418,7 +427,10 @@ EnvStep Env::State::Make(const SendCommands& send, const Poll& poll) {
   phase_ = Phase::kBroken;  // until the state is complete
   collisions_.Begin();
   internal::CellCommand command;
-  command.send = [&] { return out.ik_failed = send(), StepOutcome(); };
+  command.send = [&] {
+    out.ik_failed = send();
+    return StepOutcome();
+  };
   command.most_ticks = TicksOfStep();
   command.done = [&] {
     if (poll) poll();

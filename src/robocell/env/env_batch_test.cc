@@ -377,7 +377,11 @@ TEST(EnvBatch, InvalidCommandsByNameMoveNoCopy) {
       "both move group 'arm'");
   std::vector<double> bad = q;
   bad[2 * n + 1] = NAN;
-  ExpectThrow<ArgumentError>([&] { batch.Act({{kArmAction, bad}}); }, "is not finite");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        batch.Act({{kArmAction, bad}});
+      },
+      "environment 'env[2]': action 'robots/robot/action/arm' is not finite");
   for (int i = 0; i < 3; ++i) EXPECT_EQ(batch.env(i).scene().time(), 0) << i;
   batch.Act({});
   EXPECT_GT(batch.env(2).scene().time(), 0) << "all keep their targets";

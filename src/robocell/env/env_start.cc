@@ -161,7 +161,10 @@ std::string Env::State::NoStart(const Refusal& most_often) const {
   const std::string found = fmt::format("{}: {}found no start in {} tries: most often {}", place(),
                                         config_.task ? "task '" + config_.task->kind() + "' " : "",
                                         kMostStarts, TextOf(most_often));
-  if (IsOfTask(most_often)) return found + ". Change the fields of `task`, or its objects";
+  if (IsOfTask(most_often))
+    return found +
+           ". Change the fields of `task`, its objects, or where these and the robots are "
+           "(root_frame_to_world, robot_to_shared_base_frame)";
   return found + ". Move its objects to a free place (root_frame_objects), or change task.spread";
 }
 

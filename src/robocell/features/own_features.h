@@ -4,7 +4,7 @@
 //   RegisterFeature("tcp_height", {.column = {.units = "m", .frame = "world"}},
 //                   [](const Scene& scene, std::span<double> out) { out[0] = ...; });
 //
-// Errors: ArgumentError for a name that is taken or not a path, or a type other than float64;
+// Errors: ArgumentError for a name that is taken or no file name, or a type other than float64;
 // NotFoundError lists the names; HookError for a function that fails or writes numbers that are not
 // finite.
 #pragma once

@@ -91,6 +91,14 @@ Feature TargetFeature(const Robot& robot, MoveGroup& group, const std::string& n
   return feature;
 }
 
+Quaternion UnitQuaternionOf(std::string_view action, const Quaternion& q) {
+  try {
+    return UnitQuaternion(q);
+  } catch (const ArgumentError& error) {
+    throw ArgumentError(fmt::format("action '{}': {}", action, error.what()));
+  }
+}
+
 }  // namespace
 
 std::string UnitsOfJoints(const mjModel* m, const std::vector<std::string>& joints, bool rate) {
@@ -313,9 +321,8 @@ std::pair<std::string, GroupCommand> RobotActions::Command(std::string_view name
       return {part.group, GroupCommand::Opening(std::clamp(now + numbers.at(0), 0.0, 1.0))};
     }
     case Kind::kPose: {
-      const Quaternion q{numbers[3], numbers[4], numbers[5], numbers[6]};
-      return {part.group, GroupCommand::LeafPose(
-                              Pose({numbers[0], numbers[1], numbers[2]}, UnitQuaternion(q)))};
+      const Quaternion q = UnitQuaternionOf(name, {numbers[3], numbers[4], numbers[5], numbers[6]});
+      return {part.group, GroupCommand::LeafPose(Pose({numbers[0], numbers[1], numbers[2]}, q))};
     }
     case Kind::kDisplacement:
       break;

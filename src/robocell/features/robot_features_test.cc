@@ -189,7 +189,8 @@ TEST(RobotActions, RejectInvalidActions) {
   ExpectThrow<ArgumentError>([&] { actions.Command("robots/rc7/action/gripper", bad); },
                              "is not finite");
   const std::vector<double> no_turn(7, 0);
-  ExpectThrow<ArgumentError>([&] { actions.Command("robots/rc7/action/tcp_pose", no_turn); }, "");
+  ExpectThrow<ArgumentError>([&] { actions.Command("robots/rc7/action/tcp_pose", no_turn); },
+                             "action 'robots/rc7/action/tcp_pose': quaternion");
 }
 
 }  // namespace

@@ -15,10 +15,10 @@ namespace {
 
 IkResult ChooseOne(const Chain& chain, const Transform& target, const IkOptions& options,
                    const std::function<void()>& poll) {
-  const internal::LaneQuestion question{.target = target, .seed = options.seed};
+  const internal::LaneQuery query{.target = target, .seed = options.seed};
   std::array<internal::IkChoice::Search, internal::IkChoice::kSearches> searches;
   IkResult answer;
-  internal::IkChoice choice(chain, options, {&question, 1}, searches, {&answer, 1});
+  internal::IkChoice choice(chain, options, {&query, 1}, searches, {&answer, 1});
   const std::atomic<bool> ended = false;
   do {
     choice.Run(0, 1, ended, poll);

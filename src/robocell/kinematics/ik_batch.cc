@@ -31,16 +31,16 @@ const std::function<void()> kNoPoll;
 // The layout of the seeds for B queries about n joints.
 enum class Seeds { kNone, kOne, kEach };
 
-Seeds LayoutOf(const Chain& chain, std::size_t questions, std::size_t values) {
+Seeds LayoutOf(const Chain& chain, std::size_t queries, std::size_t values) {
   const std::size_t n = chain.n_joints();
   if (values == 0) return Seeds::kNone;
   if (values == n) return Seeds::kOne;
-  if (values == n * questions) return Seeds::kEach;
+  if (values == n * queries) return Seeds::kEach;
   throw ArgumentError(
       fmt::format("batched inverse kinematics of {}: expected {} (one seed) or {} ({} of "
                   "{}), got {}",
-                  chain.description(), Counted(static_cast<int64_t>(n), "seed value"),
-                  n * questions, Counted(static_cast<int64_t>(questions), "seed"),
+                  chain.description(), Counted(static_cast<int64_t>(n), "seed value"), n * queries,
+                  Counted(static_cast<int64_t>(queries), "seed"),
                   Counted(static_cast<int64_t>(n), "joint"), values));
 }
 
@@ -125,11 +125,11 @@ class Batch {
    public:
     Share(Batch* batch, const std::function<void()>& poll) : batch_(*batch), poll_(poll) {}
 
-    bool Next(internal::LaneQuestion* question) override {
+    bool Next(internal::LaneQuery* query) override {
       PollNowAndThen();
       if (next_ == end_) TakeMore();
       if (next_ == end_ || batch_.ended_) return false;
-      *question = {next_, batch_.targets_[next_], batch_.SeedOf(next_)};
+      *query = {next_, batch_.targets_[next_], batch_.SeedOf(next_)};
       ++next_;
       return true;
     }
@@ -163,17 +163,17 @@ class Batch {
   }
 
   void ChooseAll(int threads) {
-    std::vector<internal::LaneQuestion> questions;
+    std::vector<internal::LaneQuery> queries;
     std::vector<internal::IkChoice::Search> searches(std::size_t{kChosenTogether} *
                                                      internal::IkChoice::kSearches);
     std::vector<IkResult> answers(kChosenTogether);
     for (int first = 0; first < out_.size; first += kChosenTogether) {
       const int count = std::min(kChosenTogether, out_.size - first);
-      questions.clear();
+      queries.clear();
       for (int b = first; b < first + count; ++b)
-        questions.push_back({.target = targets_[b], .seed = SeedOf(b)});
+        queries.push_back({.target = targets_[b], .seed = SeedOf(b)});
       internal::IkChoice choice(
-          chain_, options_.ik, questions,
+          chain_, options_.ik, queries,
           std::span(searches).first(std::size_t(count) * internal::IkChoice::kSearches), answers);
       do {
         if (options_.poll) options_.poll();

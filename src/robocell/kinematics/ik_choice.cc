@@ -28,9 +28,9 @@ bool MayFindAnother(const IkOptions& options, int newest, int begun, int quiet) 
 
 bool AreApart(const ChainModel& chain, const JointVector& a, const JointVector& b, double least) {
   for (int i = 0; i < chain.n; ++i) {
-    const double index = a[i] - b[i];
+    const double displacement = a[i] - b[i];
     const double apart =
-        chain.joints[i].slide ? index / chain.length : std::remainder(index, kTurn);
+        chain.joints[i].slide ? displacement / chain.length : std::remainder(displacement, kTurn);
     if (std::abs(apart) > least) return true;
   }
   return false;
@@ -45,21 +45,21 @@ class IkChoice::Queue : public LaneQueue {
  public:
   Queue(IkChoice* choice, int first, int stride, const std::atomic<bool>& ended,
         const std::function<void()>& poll)
-      : choice_(*choice), question_(first), stride_(stride), ended_(ended), poll_(poll) {}
+      : choice_(*choice), query_(first), stride_(stride), ended_(ended), poll_(poll) {}
 
-  bool Next(LaneQuestion* question) override {
-    const int count = static_cast<int>(choice_.questions_.size());
-    for (; question_ < count && !ended_; question_ += stride_, index_ = 0) {
+  bool Next(LaneQuery* query) override {
+    const int count = static_cast<int>(choice_.queries_.size());
+    for (; query_ < count && !ended_; query_ += stride_, index_ = 0) {
       for (; index_ < kSearches; ++index_) {
-        const int number = question_ * kSearches + index_;
+        const int number = query_ * kSearches + index_;
         const Search& search = choice_.searches_[number];
         if (!search.open) continue;
-        *question = choice_.questions_[question_];
-        question->number = number;
-        question->first = search.next_start;
-        question->stride = kSearches;
-        question->most = search.starts_left;
-        question->patient = search.patient;
+        *query = choice_.queries_[query_];
+        query->number = number;
+        query->first = search.next_start;
+        query->stride = kSearches;
+        query->most = search.starts_left;
+        query->patient = search.patient;
         ++index_;
         return true;
       }
@@ -86,24 +86,23 @@ class IkChoice::Queue : public LaneQueue {
 
  private:
   IkChoice& choice_;
-  int question_, stride_, index_ = 0;
+  int query_, stride_, index_ = 0;
   const std::atomic<bool>& ended_;
   const std::function<void()>& poll_;
   unsigned starts_ = 0;
 };
 
-IkChoice::IkChoice(const Chain& chain, const IkOptions& options,
-                   std::span<const LaneQuestion> questions, std::span<Search> searches,
-                   std::span<IkResult> answers)
+IkChoice::IkChoice(const Chain& chain, const IkOptions& options, std::span<const LaneQuery> queries,
+                   std::span<Search> searches, std::span<IkResult> answers)
     : chain_(chain),
       options_(options),
       task_(options),
       preference_(chain.model(), options),
       compares_all_(preference_.any() && LooksForAll(chain, task_, options)),
-      questions_(questions),
+      queries_(queries),
       searches_(searches),
       answers_(answers) {
-  for (std::size_t k = 0; k < questions.size(); ++k) {
+  for (std::size_t k = 0; k < queries.size(); ++k) {
     Begin(static_cast<int>(k), /*patient=*/false);
     answers_[k] = {.position_error = std::numeric_limits<double>::infinity()};
     // A query with a filter but without a preference is usually solved at once.
@@ -111,41 +110,40 @@ IkChoice::IkChoice(const Chain& chain, const IkOptions& options,
   }
 }
 
-int IkChoice::StartsFor(const LaneQuestion& question) const {
-  const int restarts = RestartsFor(chain_.model(), task_, options_, question.target);
+int IkChoice::StartsFor(const LaneQuery& query) const {
+  const int restarts = RestartsFor(chain_.model(), task_, options_, query.target);
   return std::min(restarts, std::numeric_limits<int>::max() - kSearches) + 1;
 }
 
-int IkChoice::MoreStartsFor(int question) const {
-  const IkResult& best = answers_[question];
+int IkChoice::MoreStartsFor(int query) const {
+  const IkResult& best = answers_[query];
   const bool is_refused = best.position_error <= options_.tolerance &&
                           (task_.position_only || best.rotation_error <= options_.tolerance);
   if (is_refused) return 0;  // rejected by the filter
-  return MoreRestartsFor(chain_.model(), task_, options_, questions_[question].target, Miss(best));
+  return MoreRestartsFor(chain_.model(), task_, options_, queries_[query].target, Miss(best));
 }
 
-void IkChoice::Begin(int question, bool patient) {
-  const int64_t starts =
-      int64_t{StartsFor(questions_[question])} + (patient ? MoreStartsFor(question) : 0);
+void IkChoice::Begin(int query, bool patient) {
+  const int64_t starts = int64_t{StartsFor(queries_[query])} + (patient ? MoreStartsFor(query) : 0);
   for (int index = 0; index < kSearches; ++index) {
-    searches_[question * kSearches + index] = {
+    searches_[query * kSearches + index] = {
         .next_start = index,
         .starts_left = static_cast<int>((starts - index + kSearches - 1) / kSearches),
         .patient = patient};
   }
 }
 
-bool IkChoice::MayBeginAgain(int question) const {
+bool IkChoice::MayBeginAgain(int query) const {
   const std::span<const Search> searches =
-      searches_.subspan(std::size_t(question) * kSearches, kSearches);
+      searches_.subspan(std::size_t(query) * kSearches, kSearches);
   const auto is_used_up = [](const Search& search) { return search.starts_left <= 0; };
   return !searches.front().patient && std::all_of(searches.begin(), searches.end(), is_used_up) &&
-         StartsFor(questions_[question]) >= kFewStarts;
+         StartsFor(queries_[query]) >= kFewStarts;
 }
 
-void IkChoice::Open(int question, int searches) {
+void IkChoice::Open(int query, int searches) {
   for (int index = 0; index < searches; ++index) {
-    Search& search = searches_[question * kSearches + index];
+    Search& search = searches_[query * kSearches + index];
     search.open = search.starts_left > 0;
     search.unmoved_too = false;
   }
@@ -157,25 +155,25 @@ void IkChoice::Run(int first, int stride, const std::atomic<bool>& ended,
   SolveLanes(chain_, options_, &queue);
 }
 
-bool IkChoice::GoesOn(int question) const {
-  const Search& first = searches_[std::size_t(question) * kSearches];
+bool IkChoice::GoesOn(int query) const {
+  const Search& first = searches_[std::size_t(query) * kSearches];
   return compares_all_ &&
-         MayFindAnother(options_, answers_[question].restarts, first.next_start, kNothingBetter);
+         MayFindAnother(options_, answers_[query].restarts, first.next_start, kNothingBetter);
 }
 
-void IkChoice::LookFurther(int question) {
-  for (Search& search : searches_.subspan(std::size_t(question) * kSearches, kSearches))
+void IkChoice::LookFurther(int query) {
+  for (Search& search : searches_.subspan(std::size_t(query) * kSearches, kSearches))
     search.starts_left = 1;
 }
 
-JointVector IkChoice::GoalOf(int question) const {
-  return preference_.GoalFor(SeedOf(chain_.model(), questions_[question].seed, options_.locked));
+JointVector IkChoice::GoalOf(int query) const {
+  return preference_.GoalFor(SeedOf(chain_.model(), queries_[query].seed, options_.locked));
 }
 
-double IkChoice::CostOf(int question) const {
-  const IkResult& answer = answers_[question];
+double IkChoice::CostOf(int query) const {
+  const IkResult& answer = answers_[query];
   if (!answer.success) return std::numeric_limits<double>::infinity();
-  return preference_.Cost(answer.q, GoalOf(question));
+  return preference_.Cost(answer.q, GoalOf(query));
 }
 
 template <class Use>
@@ -192,7 +190,7 @@ void IkChoice::ForBetter(Search& search, const JointVector& goal, double least, 
 
 std::span<const uint8_t> IkChoice::Filter() {
   if (!options_.filter) return {};
-  for (int k = 0; k < static_cast<int>(questions_.size()); ++k) {
+  for (int k = 0; k < static_cast<int>(queries_.size()); ++k) {
     const JointVector goal = GoalOf(k);
     const double least = CostOf(k);
     for (Search& search : searches_.subspan(std::size_t(k) * kSearches, kSearches)) {
@@ -210,15 +208,14 @@ double IkChoice::Miss(const IkResult& result) const {
   return lengths * lengths + turn * turn;
 }
 
-void IkChoice::ChooseFor(int question, std::span<const uint8_t> keep, std::size_t* row) {
-  IkResult& answer = answers_[question];
-  const JointVector goal = GoalOf(question);
-  const double before = CostOf(question);
+void IkChoice::ChooseFor(int query, std::span<const uint8_t> keep, std::size_t* row) {
+  IkResult& answer = answers_[query];
+  const JointVector goal = GoalOf(query);
+  const double before = CostOf(query);
   double least = before;
   IkResult best = answer;
   int steps = answer.iterations;
-  const std::span<Search> searches =
-      searches_.subspan(std::size_t(question) * kSearches, kSearches);
+  const std::span<Search> searches = searches_.subspan(std::size_t(query) * kSearches, kSearches);
   for (Search& search : searches) {
     if (!search.open) continue;
     steps += search.found.iterations;
@@ -253,7 +250,7 @@ bool IkChoice::Choose() {
   const std::span<const uint8_t> keep = Filter();
   bool open = false;
   std::size_t row = 0;
-  for (int k = 0; k < static_cast<int>(questions_.size()); ++k) {
+  for (int k = 0; k < static_cast<int>(queries_.size()); ++k) {
     const std::span<Search> searches = searches_.subspan(std::size_t(k) * kSearches, kSearches);
     const auto is_open = [](const Search& search) { return search.open; };
     if (std::none_of(searches.begin(), searches.end(), is_open)) continue;

@@ -53,14 +53,14 @@ class IkChoice {
 
   struct Search {
     int next_start = 0, starts_left = 0, began = 0;
-    bool patient = false;  // LaneQuestion::patient
+    bool patient = false;  // LaneQuery::patient
     bool open = false;     // has to run
     bool unmoved_too = false;
     IkResult found, unmoved;
   };
 
   // `searches`: memory for kSearches of each query. All arguments must outlive this object.
-  IkChoice(const Chain& chain, const IkOptions& options, std::span<const LaneQuestion> questions,
+  IkChoice(const Chain& chain, const IkOptions& options, std::span<const LaneQuery> queries,
            std::span<Search> searches, std::span<IkResult> answers);
 
   // Runs the open searches of every `stride`-th query from `first` on, until `ended`; several
@@ -73,34 +73,34 @@ class IkChoice {
  private:
   class Queue;
 
-  void Begin(int question, bool patient);
-  void Open(int question, int searches);
-  bool MayBeginAgain(int question) const;
+  void Begin(int query, bool patient);
+  void Open(int query, int searches);
+  bool MayBeginAgain(int query) const;
   // Returns true if a better solution may still be found.
-  bool GoesOn(int question) const;
+  bool GoesOn(int query) const;
   // Adds one start to each search.
-  void LookFurther(int question);
+  void LookFurther(int query);
   // Returns the cost of the present solution; infinite without one.
-  double CostOf(int question) const;
-  JointVector GoalOf(int question) const;
+  double CostOf(int query) const;
+  JointVector GoalOf(int query) const;
   // Calls use(result, cost) for each solution of a search that is better than `least`.
   template <class Use>
   void ForBetter(Search& search, const JointVector& goal, double least, const Use& use);
-  void ChooseFor(int question, std::span<const uint8_t> keep, std::size_t* row);
+  void ChooseFor(int query, std::span<const uint8_t> keep, std::size_t* row);
   // Returns which solutions, in the order of finding, the filter keeps; empty without a filter.
   std::span<const uint8_t> Filter();
   double Miss(const IkResult& result) const;
-  int StartsFor(const LaneQuestion& question) const;
+  int StartsFor(const LaneQuery& query) const;
   // Returns additional starts if there is no solution but a start came near, as for queries without
   // a preference.
-  int MoreStartsFor(int question) const;
+  int MoreStartsFor(int query) const;
 
   const Chain& chain_;
   const IkOptions& options_;
   IkTask task_;
   IkPreference preference_;
   bool compares_all_ = false;  // true without redundant joints
-  std::span<const LaneQuestion> questions_;
+  std::span<const LaneQuery> queries_;
   std::span<Search> searches_;
   std::span<IkResult> answers_;
   FilterCall filtered_;

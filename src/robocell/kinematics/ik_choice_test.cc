@@ -25,12 +25,12 @@ class IkChoiceOfPuma : public ::testing::Test {
   // Solves all targets in `shares` interleaved shares, one after another.
   std::vector<IkResult> Solve(const std::vector<Pose>& targets, const IkOptions& options,
                               int shares = 1) {
-    std::vector<LaneQuestion> questions;
+    std::vector<LaneQuery> queries;
     for (const Pose& target : targets)
-      questions.push_back({.target = ToTransform(target), .seed = options.seed});
+      queries.push_back({.target = ToTransform(target), .seed = options.seed});
     std::vector<IkChoice::Search> searches(targets.size() * IkChoice::kSearches);
     std::vector<IkResult> answers(targets.size());
-    IkChoice choice(chain_, options, questions, searches, answers);
+    IkChoice choice(chain_, options, queries, searches, answers);
     const std::atomic<bool> ended = false;
     do {
       for (int share = 0; share < shares; ++share) choice.Run(share, shares, ended, {});
@@ -106,24 +106,24 @@ TEST_F(IkChoiceOfPuma, TheResultDependsOnTheQueryAlone) {
 
 TEST_F(IkChoiceOfPuma, EndsWithTheExceptionOfItsPoll) {
   const size_t count = 100;
-  const std::vector<LaneQuestion> questions(count, {.target = ToTransform(Reached())});
+  const std::vector<LaneQuery> queries(count, {.target = ToTransform(Reached())});
   std::vector<IkChoice::Search> searches(count * IkChoice::kSearches);
   std::vector<IkResult> answers(count);
   // Solutions are never near enough, so that every search restarts.
   const IkOptions options{
       .tolerance = 1e-30, .prefer = IkPrefer::kAwayFromLimits, .max_restarts = 999};
-  IkChoice choice(chain_, options, questions, searches, answers);
+  IkChoice choice(chain_, options, queries, searches, answers);
   const std::atomic<bool> ended = false;
   ExpectThrow<Error>([&] { choice.Run(0, 1, ended, [] { throw Error("interrupted"); }); },
                      "interrupted");
 }
 
 TEST_F(IkChoiceOfPuma, NothingRunsOnceItHasEnded) {
-  const LaneQuestion question{.target = ToTransform(Reached())};
+  const LaneQuery query{.target = ToTransform(Reached())};
   std::vector<IkChoice::Search> searches(IkChoice::kSearches);
   IkResult answer;
   const IkOptions options{.prefer = IkPrefer::kAwayFromLimits};
-  IkChoice choice(chain_, options, {&question, 1}, searches, {&answer, 1});
+  IkChoice choice(chain_, options, {&query, 1}, searches, {&answer, 1});
   const std::atomic<bool> ended = true;
   choice.Run(0, 1, ended, {});
   for (const IkChoice::Search& search : searches) EXPECT_FALSE(search.found.success);

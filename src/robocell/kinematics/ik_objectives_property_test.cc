@@ -81,7 +81,7 @@ class IkObjectives : public testing::TestWithParam<std::tuple<int, Joints>> {
   }
 
   // Makes targets that each objective can reach, with seeds and the required locked joints.
-  void MakeQuestions(int count) {
+  void MakeQueries(int count) {
     targets_.clear();
     seeds_.clear();
     while (static_cast<int>(targets_.size()) < count) {
@@ -123,7 +123,7 @@ class IkObjectives : public testing::TestWithParam<std::tuple<int, Joints>> {
 
   // Checks everything that a result claims.
   void Check(const Objective& objective, int b, std::span<const double> q, bool success) {
-    const std::string what = fmt::format("{}, question {}", objective.name, b);
+    const std::string what = fmt::format("{}, query {}", objective.name, b);
     for (int i = 0; i < chain_.n_joints(); ++i) {
       const ChainJoint& joint = chain_.joints()[i];
       if (locked_[i]) {
@@ -156,7 +156,7 @@ INSTANTIATE_TEST_SUITE_P(Joints, IkObjectives,
 TEST_P(IkObjectives, AreMetAloneAndInBatches) {
   constexpr int kCount = 12;
   for (const Objective& objective : Objectives()) {
-    MakeQuestions(kCount);
+    MakeQueries(kCount);
     const IkBatchResult batch = IkBatch(chain_, targets_, seeds_, {.ik = objective.options});
     const IkBatchResult threaded =
         IkBatch(chain_, targets_, seeds_, {.ik = objective.options, .threads = 2});
@@ -180,7 +180,7 @@ TEST_P(IkObjectives, AreMetAloneAndInBatches) {
 
 TEST_P(IkObjectives, AreMetByAllSolutions) {
   for (const Objective& objective : Objectives()) {
-    MakeQuestions(2);
+    MakeQueries(2);
     for (int b = 0; b < 2; ++b) {
       IkOptions options = objective.options;
       options.seed = JointVector(Seed(b));
@@ -195,7 +195,7 @@ TEST_P(IkObjectives, ReportTargetsOutOfReach) {
   for (const Objective& objective : Objectives()) {
     const auto& w = objective.options.position_weights;
     if (*std::min_element(w.begin(), w.end()) == 0) continue;  // may be reachable
-    MakeQuestions(3);
+    MakeQueries(3);
     for (Pose& target : targets_) {
       const double far = 5 * chain_.model().reach_bound + 50;
       target = Pose(target.translation() + far * RandomDirection(), target.quaternion());

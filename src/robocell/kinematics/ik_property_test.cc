@@ -16,7 +16,7 @@ namespace {
 constexpr double kTolerance = 1e-5;
 constexpr int kMostRestarts = 40, kMostIterations = 30;
 
-struct ManyQuestions {
+struct ManyQueries {
   std::vector<Pose> targets;
   std::vector<double> seeds;  // row by row
   std::vector<bool> reachable;
@@ -51,14 +51,14 @@ class IkProperties : public testing::TestWithParam<std::tuple<int, Sort>> {
   }
 
   void Add(const Pose& target, const JointVector& truth, const std::string& kind, bool reachable) {
-    questions_.targets.push_back(target);
-    questions_.reachable.push_back(reachable);
-    questions_.kinds.push_back(kind);
+    queries_.targets.push_back(target);
+    queries_.reachable.push_back(reachable);
+    queries_.kinds.push_back(kind);
     // Starts near the solution, anywhere in the limits, far beyond them.
-    const double away = questions_.size() % 3 == 0 ? 0.05 : questions_.size() % 3 == 1 ? 1 : 20;
+    const double away = queries_.size() % 3 == 0 ? 0.05 : queries_.size() % 3 == 1 ? 1 : 20;
     for (int i = 0; i < truth.size(); ++i) {
       const double off = options_.locked[i] ? 0 : rng_.Uniform(-away, away);
-      questions_.seeds.push_back(truth[i] + off);
+      queries_.seeds.push_back(truth[i] + off);
     }
   }
   JointVector AtLimits() {
@@ -79,7 +79,7 @@ class IkProperties : public testing::TestWithParam<std::tuple<int, Sort>> {
     }
     return worst;
   }
-  void MakeQuestions() {
+  void MakeQueries() {
     for (int k = 0; k < 8; ++k) {
       for (const auto& [kind, q] :
            {std::pair{"anywhere", RandomJoints(chain_, &rng_)}, std::pair{"at limits", AtLimits()},
@@ -95,16 +95,16 @@ class IkProperties : public testing::TestWithParam<std::tuple<int, Sort>> {
   // Checks everything that a result claims.
   void Check(int b, std::span<const double> q, bool success, double position_error,
              double rotation_error, int iterations) {
-    const std::string what = fmt::format("question {}, {}", b, questions_.kinds[b]);
+    const std::string what = fmt::format("query {}, {}", b, queries_.kinds[b]);
     for (int i = 0; i < chain_.n_joints(); ++i) {
       const ChainJoint& joint = chain_.joints()[i];
       if (options_.locked[i]) {
-        EXPECT_EQ(q[i], questions_.seed(b)[i]) << what << ", locked joint " << i;
+        EXPECT_EQ(q[i], queries_.seed(b)[i]) << what << ", locked joint " << i;
       } else {
         EXPECT_TRUE(q[i] >= joint.lower && q[i] <= joint.upper) << what << ", joint " << i;
       }
     }
-    const Pose& target = questions_.targets[b];
+    const Pose& target = queries_.targets[b];
     EXPECT_EQ(success, position_error <= kTolerance && rotation_error <= kTolerance) << what;
     if (success) {
       EXPECT_TRUE(EngineAgrees(model_, chain_, target, q, 1.0001 * kTolerance)) << what;
@@ -121,7 +121,7 @@ class IkProperties : public testing::TestWithParam<std::tuple<int, Sort>> {
   Chain chain_;
   IkOptions options_{
       .tolerance = kTolerance, .max_restarts = kMostRestarts, .max_iterations = kMostIterations};
-  ManyQuestions questions_;
+  ManyQueries queries_;
 };
 INSTANTIATE_TEST_SUITE_P(Joints, IkProperties,
                          testing::Combine(testing::Range(1, 13),
@@ -130,18 +130,17 @@ INSTANTIATE_TEST_SUITE_P(Joints, IkProperties,
                                                           Sort::kWholeTurns)));
 
 TEST_P(IkProperties, HoldForAllKindsOfQueries) {
-  MakeQuestions();
-  const IkBatchResult batch =
-      IkBatch(chain_, questions_.targets, questions_.seeds, {.ik = options_});
+  MakeQueries();
+  const IkBatchResult batch = IkBatch(chain_, queries_.targets, queries_.seeds, {.ik = options_});
   int reachable = 0, solved = 0, singles = 0;
   for (int b = 0; b < batch.size; ++b) {
     Check(b, batch.row(b), batch.success[b], batch.position_error[b], batch.rotation_error[b],
           batch.iterations[b]);
     IkOptions single = options_;
-    single.seed = JointVector(questions_.seed(b));
-    const IkResult one = Ik(chain_, questions_.targets[b], single);
+    single.seed = JointVector(queries_.seed(b));
+    const IkResult one = Ik(chain_, queries_.targets[b], single);
     Check(b, one.q, one.success, one.position_error, one.rotation_error, one.iterations);
-    if (!questions_.reachable[b]) continue;
+    if (!queries_.reachable[b]) continue;
     ++reachable;
     solved += batch.success[b];
     singles += one.success;
@@ -152,14 +151,14 @@ TEST_P(IkProperties, HoldForAllKindsOfQueries) {
 
 // To the bit: alone, among any others, in any order, on any number of threads.
 TEST_P(IkProperties, SolutionsDependOnlyOnTheirQueries) {
-  MakeQuestions();
-  const int size = questions_.size();
+  MakeQueries();
+  const int size = queries_.size();
   const auto ask = [&](const std::vector<int>& which, int threads) {
     std::vector<Pose> targets;
     std::vector<double> seeds;
     for (const int b : which) {
-      targets.push_back(questions_.targets[b]);
-      const std::span<const double> seed = questions_.seed(b);
+      targets.push_back(queries_.targets[b]);
+      const std::span<const double> seed = queries_.seed(b);
       seeds.insert(seeds.end(), seed.begin(), seed.end());
     }
     return IkBatch(chain_, targets, seeds, {.ik = options_, .threads = threads});
@@ -171,7 +170,7 @@ TEST_P(IkProperties, SolutionsDependOnlyOnTheirQueries) {
     const IkBatchResult some = ask(which, threads);
     for (int k = 0; k < some.size; ++k) {
       const int b = which[k];
-      EXPECT_TRUE(std::ranges::equal(some.row(k), all.row(b))) << questions_.kinds[b];
+      EXPECT_TRUE(std::ranges::equal(some.row(k), all.row(b))) << queries_.kinds[b];
       EXPECT_EQ(some.success[k], all.success[b]);
       EXPECT_EQ(some.position_error[k], all.position_error[b]);
       EXPECT_EQ(some.rotation_error[k], all.rotation_error[b]);

@@ -34,15 +34,15 @@ class EveryStart : public internal::LaneQueue {
     internal::SolveLanes(chain, options_, this);
   }
 
-  bool Next(internal::LaneQuestion* question) override {
+  bool Next(internal::LaneQuery* query) override {
     if (poll_ && next_ % kStartsBetweenPolls == 0) poll_();
     if (next_ >= static_cast<int>(answers_.size())) return false;
-    *question = {.number = next_,
-                 .target = target_,
-                 .seed = options_.seed,
-                 .first = next_,
-                 .stride = 1,
-                 .most = 1};
+    *query = {.number = next_,
+              .target = target_,
+              .seed = options_.seed,
+              .first = next_,
+              .stride = 1,
+              .most = 1};
     ++next_;
     return true;
   }

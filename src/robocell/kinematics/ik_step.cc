@@ -124,10 +124,10 @@ class DampedSearch {
 }  // namespace
 
 double LengthPerRadian(const Chain& chain, const Pose& from, const Pose& to) {
-  const Twist distance = TwistBetween(from, to);
-  const double turn = distance.angular.norm(), length = chain.model().length;
+  const Twist displacement = TwistBetween(from, to);
+  const double turn = displacement.angular.norm(), length = chain.model().length;
   if (turn == 0) return length;
-  return std::clamp(distance.linear.norm() / turn, kLeastLengthShare * length, length);
+  return std::clamp(displacement.linear.norm() / turn, kLeastLengthShare * length, length);
 }
 
 double LargestJointStep(const Chain& chain, const Pose& from, const Pose& to) {

@@ -23,7 +23,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 // While one group waits for its divisions, the processor works on the next.
 constexpr int kGroups = 2;
 // Lanes for one query. More lanes hardly find a solution sooner.
-constexpr int kMostOfOneQuestion = 4;
+constexpr int kMostOfOneQuery = 4;
 
 // Damping = kDamping * |error|^2 + kLeastDamping: little damping far away would overshoot, much
 // damping near the target would crawl (T. Sugihara, "Solvability-Unconcerned Inverse Kinematics by
@@ -546,11 +546,11 @@ struct LaneStep {
 using Wide = LaneStep<hn::CappedTag<double, kMaxLanes / kGroups>>;
 // Kernel for fewer lanes: shorter registers wait less for their divisions, and on many processors
 // the longest ones process half of their width at a time.
-using Few = LaneStep<hn::CappedTag<double, kMostOfOneQuestion>>;
+using Few = LaneStep<hn::CappedTag<double, kMostOfOneQuery>>;
 using One = LaneStep<hn::CappedTag<double, 1>>;
 
 int Count() { return kGroups * hn::Lanes(Wide::d); }
-int CountOfOneQuestion() { return hn::Lanes(Few::d); }
+int CountOfOneQuery() { return hn::Lanes(Few::d); }
 
 template <int N, bool kTask, bool kRoams, bool kCoupled = false>
 uint32_t Step(const FoldedChain& chain, const LaneOptions& options, uint32_t busy, LaneState* state,
@@ -605,10 +605,10 @@ namespace robocell::internal {
 
 HWY_EXPORT(StepAny);
 HWY_EXPORT(Count);
-HWY_EXPORT(CountOfOneQuestion);
+HWY_EXPORT(CountOfOneQuery);
 
 int LaneCount() { return HWY_DYNAMIC_DISPATCH(Count)(); }
-int LanesOfOneQuestion() { return HWY_DYNAMIC_DISPATCH(CountOfOneQuestion)(); }
+int LanesOfOneQuery() { return HWY_DYNAMIC_DISPATCH(CountOfOneQuery)(); }
 
 uint32_t StepLanes(const FoldedChain& chain, const LaneOptions& options, uint32_t busy,
                    LaneState* state, const LaneTask* task) {

@@ -71,7 +71,7 @@ struct LaneTask {
 int LaneCount();
 // The lanes below this number are for one query: stepping some of them costs as much as all, and
 // less than a group of all lanes. Lane 0 alone, without a task, costs even less.
-int LanesOfOneQuestion();
+int LanesOfOneQuery();
 
 // Measures the busy lanes (bits), and moves those that have not arrived one step. Returns the lanes
 // that have arrived; bits of others have no meaning. Without a task the query is a pose.

@@ -131,7 +131,7 @@ TEST(LaneKernel, LanesAreIndependent) {
 TEST(LaneKernel, TakesTheSameStepsInFewLanes) {
   OnEveryInstructionSet([](const std::string& name) {
     for (const int joints : {6, 7, 9}) {
-      for (const int lanes : {1, LanesOfOneQuestion()}) {
+      for (const int lanes : {1, LanesOfOneQuery()}) {
         Scene all(joints), few(joints);
         for (int k = 0; k < 6; ++k) {
           all.Step();

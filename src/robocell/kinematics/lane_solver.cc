@@ -23,7 +23,7 @@ constexpr int kStepsAGoal = 8;
 constexpr double kRest = 2e-4;
 
 struct Lane {
-  LaneQuestion question;
+  LaneQuery query;
   LaneStarts starts;
   int restarts_left = 0;
   bool goes_on = false;    // true with more restarts than first allowed
@@ -68,15 +68,14 @@ class LaneSolver {
   bool Ask(int k) {
     Lane& lane = lanes_[k];
     lane = {};
-    if (!queue_.Next(&lane.question)) {
+    if (!queue_.Next(&lane.query)) {
       busy_ &= ~(1U << k);
       return false;
     }
     busy_ |= 1U << k;
-    const Transform& target = lane.question.target;
-    lane.starts =
-        LaneStarts(work_, target, lane.question.seed, lane.question.first, lane.question.stride);
-    const int most = lane.question.most;
+    const Transform& target = lane.query.target;
+    lane.starts = LaneStarts(work_, target, lane.query.seed, lane.query.first, lane.query.stride);
+    const int most = lane.query.most;
     lane.restarts_left = most < 0 ? work_.RestartsFor(target) : most - 1;
     work_.Aim(k, target);
     lane.starts.Begin(k, &work_);
@@ -86,7 +85,7 @@ class LaneSolver {
   void GrowOlder(int k) {
     Lane& lane = lanes_[k];
     ++lane.steps;
-    const int failed = lane.question.patient ? lane.starts.number() : lane.starts.begun() - 1;
+    const int failed = lane.query.patient ? lane.starts.number() : lane.starts.begun() - 1;
     if (work_.IsHopeless(k, failed, ++lane.age)) StartAgain(k);
   }
 
@@ -95,7 +94,7 @@ class LaneSolver {
     if (lane.restarts_left == 0) GoOnWhereNear(k);
     if (lane.restarts_left-- == 0 || !queue_.GoesOn()) {
       const JointVector best = work_.Best(k, lane.starts.seed());
-      return Answer(k, work_.Judge(lane.question.target, best));
+      return Answer(k, work_.Judge(lane.query.target, best));
     }
     lane.age = 0;
     lane.starts.Begin(k, &work_);
@@ -103,15 +102,15 @@ class LaneSolver {
 
   void GoOnWhereNear(int k) {
     Lane& lane = lanes_[k];
-    if (lane.goes_on || lane.question.most >= 0) return;
+    if (lane.goes_on || lane.query.most >= 0) return;
     lane.goes_on = true;
-    lane.restarts_left = work_.MoreRestartsFor(lane.question.target, work_.best_cost(k));
+    lane.restarts_left = work_.MoreRestartsFor(lane.query.target, work_.best_cost(k));
   }
 
   void Arrive(int k) {
     const Lane& lane = lanes_[k];
     const JointVector q = work_.Now(k, lane.starts.seed());
-    const IkResult found = work_.Judge(lane.question.target, q);
+    const IkResult found = work_.Judge(lane.query.target, q);
     if (!found.success) return StartAgain(k);
     work_.settles() ? BeginToSettle(k, found) : Answer(k, found);
   }
@@ -146,11 +145,11 @@ class LaneSolver {
     }
     if (lane.age == kStepsToGoal) return work_.LetGo(k);
     if (!there && lane.age < kStepsToGoal + kStepsBack) return;
-    const IkResult moved = work_.Judge(lane.question.target, q);
+    const IkResult moved = work_.Judge(lane.query.target, q);
     IkResult before = unmoved_[k];
     before.iterations = lane.steps;
     before.restarts = lane.starts.begun() - 1;
-    queue_.TakeUnmoved(lane.question.number, before);
+    queue_.TakeUnmoved(lane.query.number, before);
     Answer(k, moved.success ? moved : unmoved_[k]);
   }
 
@@ -158,7 +157,7 @@ class LaneSolver {
     const Lane& lane = lanes_[k];
     answer.iterations = lane.steps;
     answer.restarts = lane.starts.begun() - 1;
-    queue_.Take(lane.question.number, answer);
+    queue_.Take(lane.query.number, answer);
     Ask(k);
   }
 
@@ -209,7 +208,7 @@ class LaneSearch {
   // Called when all starts have failed.
   void GoOnWhereNear() {
     starts_left_ = work_.MoreRestartsFor(target_, work_.best_cost(BestLane()));
-    for (int lane = 0; lane < LanesOfOneQuestion(); ++lane) Begin(lane);
+    for (int lane = 0; lane < LanesOfOneQuery(); ++lane) Begin(lane);
     Search();
   }
 
@@ -217,7 +216,7 @@ class LaneSearch {
   void Join() {
     joined_ = true;
     starts_left_ += work_.RestartsFor(target_);
-    const int count = LanesOfOneQuestion();
+    const int count = LanesOfOneQuery();
     work_.Clear(1, count);
     if (starts_left_ > 0) starts_.Foresee(count, work_);
     for (int lane = 0; lane < count; ++lane) {

@@ -12,7 +12,7 @@
 
 namespace robocell::internal {
 
-struct LaneQuestion {
+struct LaneQuery {
   int number = 0;  // the caller's
   Transform target;
   std::span<const double> seed;  // tried first; empty: none
@@ -29,7 +29,7 @@ class LaneQueue {
  public:
   virtual ~LaneQueue() = default;
   // Returns false if there are no more.
-  virtual bool Next(LaneQuestion* question) = 0;
+  virtual bool Next(LaneQuery* query) = 0;
   virtual void Take(int number, const IkResult& answer) = 0;
   // Called before a search restarts; returns false if no more results are needed.
   virtual bool GoesOn() { return true; }

@@ -15,12 +15,12 @@
 namespace robocell::internal {
 namespace {
 
-struct Questions {
+struct Queries {
   TestModel model;
   Chain chain;
   std::vector<Pose> targets;
 
-  Questions(Rng* rng, int joints, int count)
+  Queries(Rng* rng, int joints, int count)
       : model(TestModel::FromXml(
             RandomChainXml(rng, {.joints = joints, .slide_share = 0.1, .awkward = false}).Write())),
         chain(model.model(), "base", ChainTip::Site("tip")) {
@@ -45,20 +45,19 @@ struct Questions {
 TEST(LaneTargets, SolveTheSameQueries) {
   for (const int joints : {6, 7, 9}) {
     Rng rng = Rng::Stream(joints, "lane targets");
-    const Questions questions(&rng, joints, 60);
+    const Queries queries(&rng, joints, 60);
     OnEveryInstructionSet([&](const std::string&) {
-      const IkBatchResult batch = IkBatch(questions.chain, questions.targets, {}, {});
+      const IkBatchResult batch = IkBatch(queries.chain, queries.targets, {}, {});
       int solved = 0;
       for (int k = 0; k < batch.size; ++k) {
         if (!batch.success[k]) continue;
         ++solved;
-        questions.ExpectIsAnswer(questions.targets[k],
-                                 std::span(batch.q).subspan(k * joints, joints));
+        queries.ExpectIsAnswer(queries.targets[k], std::span(batch.q).subspan(k * joints, joints));
       }
       EXPECT_GE(solved, 59) << joints << " joints";
       for (int k = 0; k < 5; ++k) {
-        const IkResult one = Ik(questions.chain, questions.targets[k], {});
-        if (one.success) questions.ExpectIsAnswer(questions.targets[k], one.q);
+        const IkResult one = Ik(queries.chain, queries.targets[k], {});
+        if (one.success) queries.ExpectIsAnswer(queries.targets[k], one.q);
       }
     });
   }
@@ -69,10 +68,10 @@ TEST(LaneTargets, FindTheSameSolutionsUpToRounding) {
   constexpr int kCount = 200;
   for (const int joints : {6, 7, 9}) {
     Rng rng = Rng::Stream(joints, "lane targets agree");
-    const Questions questions(&rng, joints, kCount);
+    const Queries queries(&rng, joints, kCount);
     std::vector<double> near;  // from which no joint moves far
-    for (const Pose& target : questions.targets) {
-      const IkResult found = Ik(questions.chain, target, {});
+    for (const Pose& target : queries.targets) {
+      const IkResult found = Ik(queries.chain, target, {});
       for (const double q : found.q) near.push_back(q + rng.Uniform(-0.02, 0.02));
     }
     std::optional<IkBatchResult> first, first_near;
@@ -87,8 +86,8 @@ TEST(LaneTargets, FindTheSameSolutionsUpToRounding) {
         }
         return same;
       };
-      const IkBatchResult cold = IkBatch(questions.chain, questions.targets, {}, {});
-      const IkBatchResult warm = IkBatch(questions.chain, questions.targets, near, {});
+      const IkBatchResult cold = IkBatch(queries.chain, queries.targets, {}, {});
+      const IkBatchResult warm = IkBatch(queries.chain, queries.targets, near, {});
       if (!first) first = cold, first_near = warm;
       EXPECT_GE(count_same(*first, cold), 0.95 * kCount) << name << ", " << joints << " joints";
       EXPECT_GE(count_same(*first_near, warm), 0.98 * kCount) << name << ", " << joints;
@@ -99,7 +98,7 @@ TEST(LaneTargets, FindTheSameSolutionsUpToRounding) {
 TEST(LaneTargets, MeetObjectivesBeyondAPose) {
   for (const int joints : {6, 8}) {
     Rng rng = Rng::Stream(joints, "lane objectives");
-    const Questions questions(&rng, joints, 40);
+    const Queries queries(&rng, joints, 40);
     const IkFilter half = [](std::span<const double> q, int count, std::span<uint8_t> keep) {
       for (int k = 0; k < count; ++k) keep[k] = std::cos(q[k * (q.size() / count)]) > -0.9;
     };
@@ -107,19 +106,18 @@ TEST(LaneTargets, MeetObjectivesBeyondAPose) {
       for (const IkOptions& options :
            {IkOptions{.prefer = IkPrefer::kAwayFromLimits},
             IkOptions{.prefer = IkPrefer::kManipulability}, IkOptions{.filter = half}}) {
-        const IkBatchResult batch =
-            IkBatch(questions.chain, questions.targets, {}, {.ik = options});
+        const IkBatchResult batch = IkBatch(queries.chain, queries.targets, {}, {.ik = options});
         for (int k = 0; k < batch.size; ++k) {
-          if (batch.success[k]) questions.ExpectIsAnswer(questions.targets[k], batch.row(k));
+          if (batch.success[k]) queries.ExpectIsAnswer(queries.targets[k], batch.row(k));
         }
         EXPECT_GE(batch.solved(), options.filter ? 30 : 39) << name;
       }
       const IkOptions cone{.axis = Eigen::Vector3d::UnitX(), .cone = 0.3};
-      const IkBatchResult batch = IkBatch(questions.chain, questions.targets, {}, {.ik = cone});
+      const IkBatchResult batch = IkBatch(queries.chain, queries.targets, {}, {.ik = cone});
       EXPECT_GE(batch.solved(), 39) << name;
       for (int k = 0; k < batch.size; ++k) {
         if (!batch.success[k]) continue;
-        const Pose off = questions.targets[k].inverse() * questions.chain.Fk(batch.row(k));
+        const Pose off = queries.targets[k].inverse() * queries.chain.Fk(batch.row(k));
         EXPECT_LE(off.translation().norm(), 1.001e-5) << name;
         EXPECT_GE(off.rotation()(0, 0), std::cos(0.3 + 1.001e-5)) << name;
       }
@@ -132,7 +130,7 @@ TEST(LaneTargets, UseTheLaneCountOfTheInstructionSet) {
   OnEveryInstructionSet([&](const std::string&) {
     lanes.push_back(LaneCount());
     EXPECT_LE(LaneCount(), kMaxLanes);
-    EXPECT_EQ(LaneCount() % LanesOfOneQuestion(), 0);
+    EXPECT_EQ(LaneCount() % LanesOfOneQuery(), 0);
   });
   ASSERT_FALSE(lanes.empty());
   EXPECT_TRUE(std::ranges::is_sorted(lanes, std::greater<>()));

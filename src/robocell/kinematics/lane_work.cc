@@ -51,7 +51,7 @@ LaneWork::LaneWork(const Chain& chain, const IkOptions& options)
   for (int i = 0; i < chain_.n; ++i) any_narrow |= ShareOf(i) < 1;
   settles_ = preference_.any() && task_.leaves_joints(chain_.n, options.locked);
   if (task_.plain && !settles() && !any_narrow) return;
-  Clear(0, LanesOfOneQuestion());  // lanes with a task are always stepped with others
+  Clear(0, LanesOfOneQuery());  // lanes with a task are always stepped with others
   lane_task_.emplace();
   lane_task_->swing = task_.swing;
   const Eigen::Vector3d axis = chain_.last_to_tip.rotation * task_.axis;

@@ -11,7 +11,7 @@
 namespace robocell {
 namespace {
 
-constexpr int kQuestionsOfASize = 300;
+constexpr int kQueriesOfASize = 300;
 
 // The same random chain with slides, and the same queries, at a size.
 struct Sized {
@@ -52,7 +52,7 @@ Solved SolvedAt(int seed, double size) {
   Sized s(seed, 6 + seed % 3, size);
   std::vector<Pose> targets;
   std::vector<double> seeds;
-  for (int k = 0; k < kQuestionsOfASize; ++k) {
+  for (int k = 0; k < kQueriesOfASize; ++k) {
     const JointVector q = RandomJoints(s.chain, &s.rng), near = s.Near(q, 1e-3);
     targets.push_back(s.chain.Fk(q));
     seeds.insert(seeds.end(), near.begin(), near.end());
@@ -64,7 +64,7 @@ Solved SolvedAt(int seed, double size) {
   solved.cold = cold.solved();
   solved.near = near.solved();
   const std::size_t n = s.chain.n_joints();
-  for (int k = 0; k < kQuestionsOfASize; ++k) {
+  for (int k = 0; k < kQueriesOfASize; ++k) {
     IkOptions one = options;
     solved.one_by_one += Ik(s.chain, targets[k], one).success;
     one.seed = JointVector(std::span(seeds).subspan(k * n, n));

@@ -37,8 +37,8 @@ bool Contains(std::span<const int> joints, int joint) {
   return std::find(joints.begin(), joints.end(), joint) != joints.end();
 }
 
-// Returns whether a constraint between joints has one of these. Without one no joint follows them,
-// which is known without composing the constraints of the others; resets ask for it.
+}  // namespace
+
 bool AreCoupled(const mjModel* m, std::span<const int> joints) {
   for (int e = 0; e < m->neq; ++e) {
     if (m->eq_type[e] == mjEQ_JOINT &&
@@ -47,8 +47,6 @@ bool AreCoupled(const mjModel* m, std::span<const int> joints) {
   }
   return false;
 }
-
-}  // namespace
 
 std::vector<JointFollower> FollowersOf(const mjModel* m, std::span<const int> joints) {
   std::vector<JointFollower> out;

@@ -14,6 +14,10 @@ struct JointRange {
   double lower = 0, upper = 0;
 };
 
+// Returns whether a constraint between joints has one of these: without one no joint follows them,
+// which is known without composing the constraints of the others.
+bool AreCoupled(const mjModel* model, std::span<const int> joints);
+
 // A joint that follows one of a list; it may be in any part of the model.
 struct JointFollower {
   int joint = -1;

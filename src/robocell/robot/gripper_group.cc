@@ -191,8 +191,8 @@ void ActuatedGripper::ResolveFingers() const {
 const GripperRange& ActuatedGripper::Measured() const {
   if (measured_) return *measured_;
   measured_ = Measure();
-  const CompiledScene& compiled = *core().scene().compiled();
-  CachedMeasurement(compiled, "warnings of " + core().place(), [&] {  // once for a model
+  const std::string what = "warnings of " + core().place();
+  CachedMeasurement(core().scene().compiled(), what, [&] {  // once for a model
     for (const std::string& doubt : Doubts(*measured_)) LogWarn(core().place() + ": " + doubt);
     return std::vector<double>{};
   });

@@ -399,7 +399,7 @@ SettledFingers SettleFingers(const Scene& scene, const GripperParts& parts,
       "fingers of body {}: {}, {}; controls {}: {}, {}", parts.robot_body,
       FingerName(parts.pair.fingers[0]), FingerName(parts.pair.fingers[1]),
       fmt::join(parts.ctrl_addresses, " "), fmt::join(ctrl[0], " "), fmt::join(ctrl[1], " "));
-  return Unpacked(CachedMeasurement(*scene.compiled(), what, [&] {
+  return Unpacked(CachedMeasurement(scene.compiled(), what, [&] {
     SettledFingers settled;
     std::vector<mjtNum> before;
     LookAtEnds(scene, parts, ctrl, [&](const mjModel* m, const mjData* d, double distance) {

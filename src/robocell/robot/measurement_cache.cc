@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <utility>
@@ -13,9 +14,14 @@ namespace {
 using MeasurementName = std::pair<uint64_t, std::string>;
 constexpr size_t kMostMeasurements = 1024;
 
+struct Measurement {
+  std::weak_ptr<const CompiledScene> model;
+  std::vector<double> values;
+};
+
 struct Measurements {
   std::mutex mutex;
-  std::map<MeasurementName, std::vector<double>> kept;
+  std::map<MeasurementName, Measurement> kept;
 };
 
 Measurements& AllMeasurements() {
@@ -28,22 +34,31 @@ std::optional<std::vector<double>> KeptMeasurement(const MeasurementName& name) 
   const std::lock_guard lock(all.mutex);
   const auto found = all.kept.find(name);
   if (found == all.kept.end()) return std::nullopt;
-  return found->second;
+  return found->second.values;
 }
 
 }  // namespace
 
-std::vector<double> CachedMeasurement(const CompiledScene& compiled, const std::string& what,
+std::vector<double> CachedMeasurement(const std::shared_ptr<const CompiledScene>& compiled,
+                                      const std::string& what,
                                       const std::function<std::vector<double>()>& measure) {
-  if (!compiled.frozen()) return measure();
-  const MeasurementName name(compiled.generation(), what);
+  if (!compiled->frozen()) return measure();
+  const MeasurementName name(compiled->generation(), what);
   if (std::optional<std::vector<double>> kept = KeptMeasurement(name)) return *std::move(kept);
   std::vector<double> measured = measure();
   Measurements& all = AllMeasurements();
   const std::lock_guard lock(all.mutex);
-  all.kept[name] = measured;
+  // Small blocks that are never used again would keep the memory of models around them.
+  std::erase_if(all.kept, [](const auto& entry) { return entry.second.model.expired(); });
+  all.kept[name] = {compiled, measured};
   if (all.kept.size() > kMostMeasurements) all.kept.erase(all.kept.begin());
   return measured;
+}
+
+size_t MeasurementCount() {
+  Measurements& all = AllMeasurements();
+  const std::lock_guard lock(all.mutex);
+  return all.kept.size();
 }
 
 }  // namespace robocell::internal

@@ -1,12 +1,14 @@
 // Measurements of a model, made once for all scenes that share it: copies of an environment have
 // one model. Private to robot.
 //
-//   const double reach = CachedMeasurement(*scene.compiled(), "reach from link0 to hand", [&] {
+//   const double reach = CachedMeasurement(scene.compiled(), "reach from link0 to hand", [&] {
 //     return std::vector<double>{ApproximateReach(chain)};
 //   })[0];
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,7 +18,11 @@ namespace robocell::internal {
 
 // Returns the earlier result of `measure` for this model and this name, or calls it. A model that
 // is not frozen may have been written to since, so it is measured each time. Thread-safe.
-std::vector<double> CachedMeasurement(const CompiledScene& compiled, const std::string& what,
+std::vector<double> CachedMeasurement(const std::shared_ptr<const CompiledScene>& compiled,
+                                      const std::string& what,
                                       const std::function<std::vector<double>()>& measure);
+
+// Returns the number of results that are kept. Each new one removes those of models that are gone.
+std::size_t MeasurementCount();
 
 }  // namespace robocell::internal

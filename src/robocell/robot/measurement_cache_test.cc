@@ -12,8 +12,7 @@ TEST(CachedMeasurement, AFrozenModelIsMeasuredOnceForAllItsScenes) {
   const auto compiled = CompileScene(SceneWith({.name = "rc7", .config = Rc7()}));
   int count = 0;
   const auto measure = [&](const std::string& what) {
-    return CachedMeasurement(*compiled, what,
-                             [&] { return std::vector<double>{1.0 * ++count}; })[0];
+    return CachedMeasurement(compiled, what, [&] { return std::vector<double>{1.0 * ++count}; })[0];
   };
   EXPECT_EQ(measure("a"), 1);
   EXPECT_EQ(measure("a"), 2) << "it may have been written to";
@@ -23,7 +22,20 @@ TEST(CachedMeasurement, AFrozenModelIsMeasuredOnceForAllItsScenes) {
   EXPECT_EQ(measure("b"), 4);
   const auto other = CompileScene(SceneWith({.name = "rc7", .config = Rc7()}));
   other->Freeze();
-  EXPECT_EQ(CachedMeasurement(*other, "a", [] { return std::vector<double>{9}; })[0], 9);
+  EXPECT_EQ(CachedMeasurement(other, "a", [] { return std::vector<double>{9}; })[0], 9);
+}
+
+TEST(CachedMeasurement, GoesWithItsModel) {
+  const auto measure_new_model = [] {
+    const auto compiled = CompileScene(SceneWith({.name = "rc7", .config = Rc7()}));
+    compiled->Freeze();
+    for (const char* what : {"a", "b"})
+      CachedMeasurement(compiled, what, [] { return std::vector<double>{1}; });
+  };
+  measure_new_model();
+  const size_t kept = MeasurementCount();
+  for (int i = 0; i < 3; ++i) measure_new_model();
+  EXPECT_EQ(MeasurementCount(), kept);
 }
 
 TEST(CachedMeasurement, RobotsOnOneModelAreMeasuredLikeSingleRobots) {

@@ -388,9 +388,8 @@ double Robot::reach() const {
   if (!reach) reach = config().reach;
   if (!reach) {
     const std::string what = "reach from " + chain().base_body() + " to " + chain().tip().name;
-    reach = internal::CachedMeasurement(*scene_.compiled(), what, [&] {
-      return std::vector<double>{ApproximateReach(chain())};
-    })[0];
+    reach = internal::CachedMeasurement(
+        scene_.compiled(), what, [&] { return std::vector<double>{ApproximateReach(chain())}; })[0];
   }
   return *reach;
 }

@@ -32,12 +32,12 @@ class FeatureColumns {
 };
 
 // The labels of a row: the task's verdict on its action, and what it did to the episode.
-struct RowFlags {
+struct RowLabels {
   bool terminated = false, truncated = false;
   bool ik_failed = false;  // a pose command had no solution: its group kept its target
   int warnings = 0;        // engine warnings since the start of the episode
 };
-struct RowOutcome : TaskVerdict, RowFlags {};
+struct RowOutcome : TaskVerdict, RowLabels {};
 
 // Writes the labels of rows, and the control table.
 class OutcomeColumns {

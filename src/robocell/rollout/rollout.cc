@@ -23,12 +23,12 @@ struct Failure {
 
 // Commands that could not be followed explain more than the timeout that they cause.
 Failure FailureOf(const RolloutResult& result, Task& task, const std::string& gave_up,
-                  const RowFlags& flags) {
-  if (!gave_up.empty() && !flags.truncated) return {FailureKind::kGaveUp, gave_up};
+                  const RowLabels& labels) {
+  if (!gave_up.empty() && !labels.truncated) return {FailureKind::kGaveUp, gave_up};
   if (!result.ik_failures.empty()) {
     return {FailureKind::kNoIkSolution, "no IK solution for " + result.ik_failures.begin()->first};
   }
-  if (flags.truncated) return {FailureKind::kTimeout, "timeout"};
+  if (labels.truncated) return {FailureKind::kTimeout, "timeout"};
   return {FailureKind::kNotDone, TaskCalls(task).WhyNotDone()};
 }
 
@@ -71,6 +71,12 @@ void NoteNoIkSolution(const StepOutcome& step, double time, const std::string& p
                            step.ik.position_error, step.ik.rotation_error);
 }
 
+// Returns the result of a rollout that ends before it is done.
+RolloutResult Stopped(RolloutResult result) {
+  result.stopped = true;
+  return result;
+}
+
 }  // namespace
 
 RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expert, Rng& rng,
@@ -92,9 +98,9 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     return calls.failed() ? in.cell.Send({}) : sent;
   };
   constexpr bool kOnceFailed = true;  // an expert that raised an error is done
-  RowFlags flags;
-  while (!flags.terminated && !flags.truncated) {
-    if (ShouldStop(options.stop)) return result.stopped = true, result;
+  RowLabels labels;
+  while (!labels.terminated && !labels.truncated) {
+    if (ShouldStop(options.stop)) return Stopped(result);
     recording.PutState([&] {
       return phase = calls("phase", phase, [&] {
                const int phase_now = expert.phase();
@@ -104,41 +110,41 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     });
     const StageClock::Stage stage(recording.clock(), result.times.acting);
     if (!recording.LetLook([&] { calls.Do("see", [&] { expert.See(in.Row()); }); }))
-      return result.stopped = true, result;
+      return Stopped(result);
     const double time = start.scene.time();
     CellStep step;
-    if (!recording.LetLook([&] { step = in.cell.Step({.send = send}); }))
-      return result.stopped = true, result;
+    if (!recording.LetLook([&] { step = in.cell.Step({.send = send}); })) return Stopped(result);
     TaskVerdict& verdict = step.verdict;
     ++result.rows;
-    flags.terminated = calls("done", kOnceFailed, [&] { return expert.done(); }) || !step.ok() ||
-                       (verdict.success && calls("ends_at_success", kOnceFailed,
-                                                 [&] { return expert.ends_at_success(); }));
+    labels.terminated = calls("done", kOnceFailed, [&] { return expert.done(); }) || !step.ok() ||
+                        (verdict.success && calls("ends_at_success", kOnceFailed,
+                                                  [&] { return expert.ends_at_success(); }));
     // An expert's failure is not a demonstration, whatever the task's verdict.
-    const bool gave_up = flags.terminated && !calls.failure().empty();
+    const bool gave_up = labels.terminated && !calls.failure().empty();
     result.success = verdict.success = verdict.success && !gave_up;
-    flags.truncated = !flags.terminated && result.rows >= run.rates.max_steps;
+    labels.truncated = !labels.terminated && result.rows >= run.rates.max_steps;
     if (!step.ok()) NoteDivergence(step.step, options.episode_id, result);
-    flags.ik_failed = !step.failed_robot.empty();
-    if (flags.ik_failed) {
+    labels.ik_failed = !step.failed_robot.empty();
+    if (labels.ik_failed) {
       const auto index = static_cast<size_t>(phase);
       NoteNoIkSolution(step, time, index < phases.size() ? phases[index] : "", result);
     }
-    flags.warnings = recording.warnings().total();
-    const bool is_put = recording.PutOutcome({verdict, flags});
-    if (!is_put) return result.stopped = true, result;
+    labels.warnings = recording.warnings().total();
+    const bool is_put = recording.PutOutcome({verdict, labels});
+    if (!is_put) return Stopped(result);
   }
   if (!result.success && result.failure.empty())
-    NoteFailure(FailureOf(result, *start.task, calls.failure(), flags), options.episode_id, result);
+    NoteFailure(FailureOf(result, *start.task, calls.failure(), labels), options.episode_id,
+                result);
   if (!result.success && !options.keep_failures) {
     recording.RequireWritten();
     return result;
   }
-  if (!recording.Finish()) return result.stopped = true, result;
+  if (!recording.Finish()) return Stopped(result);
   if (options.before_commit) options.before_commit();
   result.committed = recording.Commit({.success = result.success,
-                                       .terminated = flags.terminated,
-                                       .truncated = flags.truncated,
+                                       .terminated = labels.terminated,
+                                       .truncated = labels.truncated,
                                        .end_reason = result.success ? "success" : result.failure,
                                        .warnings = Warnings(recording.warnings(), result),
                                        .results_json = ResultsOf(calls, result)});

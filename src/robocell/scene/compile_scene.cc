@@ -437,9 +437,10 @@ class SceneCompiler {
                  "name");
   }
 
-  // The engine reports what its decoders make of a pointer of Git LFS, if anything.
-  void WarnOfPointers(const Part* base) {
-    const auto check = [&](const Part& part) {
+  // Adds a problem for each file that is a pointer of Git LFS, and throws them: the engine reports
+  // what its decoders make of it, if anything.
+  void ValidateFiles(const Part* base) {
+    const auto validate = [&](const Part& part) {
       std::vector<std::string> files;
       if (!part.file.empty()) files.push_back(part.file);
       for (const Part::Tool& tool : part.tools) files.push_back(tool.file);
@@ -448,11 +449,11 @@ class SceneCompiler {
         if (!pointers.empty()) log_.Problem(part.place, pointers, part.field);
       }
     };
-    if (base) check(*base);
+    if (base) validate(*base);
     for (const auto& robot : robots_) {
-      if (robot->part.spec) check(robot->part);
+      if (robot->part.spec) validate(robot->part);
     }
-    for (const auto& object : objects_) check(object->part);
+    for (const auto& object : objects_) validate(object->part);
     log_.Throw(spec().name);
   }
 
@@ -464,7 +465,7 @@ class SceneCompiler {
       CompileLog loading;  // log of loading it
       base = LoadBase(loading);
     }
-    WarnOfPointers(base ? &*base : nullptr);
+    ValidateFiles(base ? &*base : nullptr);
     ExplainRepeatedName(text, base ? &*base : nullptr);
     const auto attribute = [&](const Part& part, const std::string& prefix) {
       if (const auto problem = CompileProblem(text, part, prefix))

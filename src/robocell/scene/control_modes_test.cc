@@ -233,7 +233,7 @@ TEST_F(ControlModes, OfAPairPushLikeSingleMotors) {
   pair.SetActuatorCtrl("a_shoulder_torque", 3);
   motors.SetActuatorCtrl("a_servo1", 3);
   for (Scene* scene : {&pair, &motors}) {
-    for (int i = 0; i < 100; ++i) scene->Step();
+    for (int i = 0; i < 100; ++i) EXPECT_TRUE(scene->Step().ok());
   }
   EXPECT_DOUBLE_EQ(pair.joint_pos("a_shoulder"), motors.joint_pos("a_shoulder"));
   EXPECT_GT(std::abs(pair.data()->qvel[0]), 0.5);

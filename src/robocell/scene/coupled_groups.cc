@@ -15,10 +15,10 @@ namespace {
 
 constexpr double kHomeSlack = 1e-3;  // rad or m
 
-// Drops the followers of one arm.
-class ArmReducer {
+// The joints of one group that follow others of it.
+class FollowersOfGroup {
  public:
-  ArmReducer(const mjModel* m, RobotRecord& robot, std::string name, CompileLog& log)
+  FollowersOfGroup(const mjModel* m, RobotRecord& robot, std::string name, CompileLog& log)
       : robot_(robot),
         name_(std::move(name)),
         joints_(robot.config.move_groups.at(name_).joints.names),
@@ -27,19 +27,29 @@ class ArmReducer {
     if (std::find(ids.begin(), ids.end(), -1) == ids.end()) followers_ = FollowersAmong(m, ids);
   }
 
-  void Run() {
+  // Warns of a home that contradicts them.
+  void ValidateHome() {
+    const std::vector<double>* home = Find(robot_.config.home);
+    if (!home) return;
+    for (const ListedFollower& f : followers_) {
+      const double follows = f.of_leader.at(home->at(f.leader));
+      if (std::abs(home->at(f.index) - follows) <= kHomeSlack) continue;
+      log_.Warn(place(),
+                fmt::format("home.{}: '{}' is {:g}, but it follows '{}' and begins at {:g}", name_,
+                            joints_[f.index], home->at(f.index), joints_[f.leader], follows),
+                "home." + name_);
+    }
+  }
+
+  // Leaves them out of an arm.
+  void Drop() {
     if (followers_.empty()) return;
-    std::vector<std::string> texts;
-    for (const ListedFollower& f : followers_)
-      texts.push_back(fmt::format("'{}' follows '{}'", joints_[f.index], joints_[f.leader]));
+    const std::vector<std::string> texts = DescribeFollowers(followers_, joints_);
     log_.Note(place(),
               fmt::format("arm '{}': {} by equality constraints, so that {} no joint of "
                           "its own in configurations and commands",
                           name_, ListNames(texts), texts.size() == 1 ? "it is" : "they are"));
-    if (auto* home = Find(robot_.config.home)) {
-      WarnOfContradictions(*home);
-      Drop(*home);
-    }
+    if (auto* home = Find(robot_.config.home)) Drop(*home);
     if (auto* noise = Find(robot_.config.home_noise); noise && noise->size() > 1) Drop(*noise);
     Drop(robot_.config.move_groups.at(name_).joints.names);
   }
@@ -60,17 +70,6 @@ class ArmReducer {
       values.erase(values.begin() + static_cast<std::ptrdiff_t>(f->index));
   }
 
-  void WarnOfContradictions(const std::vector<double>& home) {
-    for (const ListedFollower& f : followers_) {
-      const double follows = f.of_leader.at(home[f.leader]);
-      if (std::abs(home[f.index] - follows) <= kHomeSlack) continue;
-      log_.Warn(place(),
-                fmt::format("home.{}: '{}' is {:g}, but it follows '{}' and begins at {:g}", name_,
-                            joints_[f.index], home[f.index], joints_[f.leader], follows),
-                "home." + name_);
-    }
-  }
-
   RobotRecord& robot_;
   std::string name_;
   std::vector<std::string> joints_;  // before
@@ -83,11 +82,13 @@ class ArmReducer {
 void DropFollowers(const mjModel* m, std::vector<RobotRecord>& robots, CompileLog& log) {
   if (m->neq == 0) return;
   for (RobotRecord& robot : robots) {
-    std::vector<std::string> arms;
-    for (const auto& [name, group] : robot.config.move_groups.entries()) {
-      if (group->kind == MoveGroupKind::kArm) arms.push_back(name);
+    std::vector<std::string> names;
+    for (const auto& [name, group] : robot.config.move_groups.entries()) names.push_back(name);
+    for (const std::string& name : names) {
+      FollowersOfGroup followers(m, robot, name, log);
+      followers.ValidateHome();
+      if (robot.config.move_groups.at(name).kind == MoveGroupKind::kArm) followers.Drop();
     }
-    for (const std::string& arm : arms) ArmReducer(m, robot, arm, log).Run();
   }
 }
 
@@ -99,12 +100,12 @@ std::vector<int> JointIds(const mjModel* m, const RobotRecord& robot, const Name
   return ids;
 }
 
-void PlaceFollowers(const mjModel* m, const MoveGroupConfig& group, std::span<const int> joints,
-                    double* qpos) {
-  if (m->neq == 0 || group.kind != MoveGroupKind::kArm) return;
-  if (std::find(joints.begin(), joints.end(), -1) != joints.end()) return;
-  for (const JointFollower& f : FollowersOf(m, joints))
-    qpos[m->jnt_qposadr[f.joint]] = f.of_leader.at(qpos[m->jnt_qposadr[joints[f.leader]]]);
+std::vector<std::string> DescribeFollowers(const std::vector<ListedFollower>& followers,
+                                           const NameList& joints) {
+  std::vector<std::string> texts;
+  for (const ListedFollower& f : followers)
+    texts.push_back(fmt::format("'{}' follows '{}'", joints[f.index], joints[f.leader]));
+  return texts;
 }
 
 }  // namespace robocell::internal

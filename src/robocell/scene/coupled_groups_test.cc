@@ -61,12 +61,12 @@ TEST_F(CoupledGroups, KeepWhatFollowsNothing) {
   EXPECT_THAT(log.notes(), IsEmpty());
 }
 
-TEST_F(CoupledGroups, PlaceTheirFollowers) {
-  arm().joints.names = {"a", "c"};
-  double qpos[3] = {0.4, 0, 0.2};
-  PlaceFollowers(model.get(), arm(), JointIds(model.get(), robots[0], arm().joints), qpos);
-  EXPECT_DOUBLE_EQ(qpos[1], -0.4);
-  EXPECT_DOUBLE_EQ(qpos[2], 0.2);
+TEST_F(CoupledGroups, OfAnyKindWarnOfAHomeThatContradictsThem) {
+  arm().kind = MoveGroupKind::kGripper;
+  robots[0].config.home["arm"] = {0.3, 0.2, 0.1};
+  DropFollowers(model.get(), robots, log);
+  EXPECT_THAT(log.warnings(), ElementsAre(HasSubstr("'b' is 0.2, but it follows 'a'")));
+  EXPECT_THAT(robots[0].config.home.at("arm"), ElementsAre(0.3, 0.2, 0.1));
 }
 
 }  // namespace

@@ -55,8 +55,9 @@ class Editor {
     if (!tool) return "";
     return fmt::format(
         " Names with '{}' belong to the attached tool, and edits change the robot's own model: "
-        "change {} instead",
-        tool->prefix, tool->mjcf_path);
+        "change {} instead{}",
+        tool->prefix, tool->mjcf_path,
+        edit_.add_site ? ". A TCP needs no site: set attachment_site and tcp_offset" : "");
   }
 
   // Returns " 9 geoms have no name; write for example {geom: {body: palm, index: 0}}"; "" if all

@@ -114,14 +114,12 @@ void Hold(const mjModel* model, mjData* data, int actuator) {
   if (inputs->act) data->act[model->actuator_actadr[actuator]] = *inputs->act;
 }
 
-void MarkDofs(const mjModel* model, const MoveGroupConfig& group, std::span<const int> joints,
-              std::vector<bool>& dofs) {
+void MarkDofs(const mjModel* model, std::span<const int> joints, std::vector<bool>& dofs) {
   for (const int joint : joints) {
     if (joint < 0) continue;
     const int end = joint + 1 < model->njnt ? model->jnt_dofadr[joint + 1] : int(model->nv);
     for (int dof = model->jnt_dofadr[joint]; dof < end; ++dof) dofs[dof] = true;
   }
-  if (model->neq == 0 || group.kind != MoveGroupKind::kArm) return;
   for (const JointFollower& follower : FollowersOf(model, joints))
     dofs[model->jnt_dofadr[follower.joint]] = true;
 }

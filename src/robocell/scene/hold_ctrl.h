@@ -55,10 +55,9 @@ double RestingLength(const mjModel* model, int actuator, const HoldingInputs& in
 // Sets the inputs. Leaves other actuators alone.
 void Hold(const mjModel* model, mjData* data, int actuator);
 
-// Marks the degrees of freedom (nv) of a group's joints, and of the joints that follow those of an
-// arm. `joints` are the group's; a joint of -1 is left out.
-void MarkDofs(const mjModel* model, const MoveGroupConfig& group, std::span<const int> joints,
-              std::vector<bool>& dofs);
+// Marks the degrees of freedom (nv) of a group's joints, and of the joints that follow them. A
+// joint of -1 is left out.
+void MarkDofs(const mjModel* model, std::span<const int> joints, std::vector<bool>& dofs);
 
 // Returns true if an actuator pulls at one of the marked degrees of freedom: directly, through a
 // tendon or at a site. Moments must be up to date (position stage).

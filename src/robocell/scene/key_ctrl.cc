@@ -154,7 +154,7 @@ void KeyCtrl::NoteOutOfReach(int actuator, const HoldingInputs& holding) {
   texts.push_back(fmt::format("'{}' {:.4g}", from.name, holding.act.value_or(holding.ctrl)));
 }
 
-void KeyCtrl::Report(CompileLog& log) const {
+void KeyCtrl::Warn(CompileLog& log) const {
   for (const auto& [file, entry] : replaced_) {
     log.WarnAt(entry.first.file, entry.first.place,
                fmt::format("keyframe '{}': controls do not hold its positions: {}. Without "

@@ -3,7 +3,7 @@
 //
 //   KeyCtrl ctrl(model, data, part_key, "home", robots);
 //   ctrl.Set(actuator, true, key_ctrl, key_act);
-//   ctrl.Report(log);
+//   ctrl.Warn(log);
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -35,8 +35,8 @@ class KeyCtrl {
   // Writes the actuator's numbers into the key's controls (nu) and activations (na). With `own` the
   // part's keyframe decides; numbers that it leaves out are 0, as for the engine.
   void Set(int actuator, bool own, mjtNum* ctrl, mjtNum* act);
-  // Reports a warning for each file whose controls were replaced or cannot reach the positions.
-  void Report(CompileLog& log) const;
+  // Adds a warning for each file whose controls were replaced or cannot reach the positions.
+  void Warn(CompileLog& log) const;
 
  private:
   std::optional<HoldingInputs> OwnInputs(int actuator) const;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <map>
 
+#include "robocell/mujoco/coupled_positions.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
@@ -142,7 +143,7 @@ class KeyFiller {
       : m_(model), robots_(robots), log_(log), data_(MakeData(model)) {
     configured_.resize(static_cast<size_t>(m_->nv));
     ForEachHome(robots_, [&](const auto& robot, const auto& group, const auto&) {
-      MarkDofs(m_, group, JointIds(m_, robot, group.joints), configured_);
+      MarkDofs(m_, JointIds(m_, robot, group.joints), configured_);
     });
   }
 
@@ -153,7 +154,7 @@ class KeyFiller {
     KeyRow(m_, 0).TakePositions(part);
     ForEachHome(robots_, [&](const auto& robot, const auto& group, const auto& values) {
       SetGroup(m_, row.qpos(), robot, group, values);
-      PlaceFollowers(m_, group, JointIds(m_, robot, group.joints), row.qpos());
+      PlaceFollowers(m_, JointIds(m_, robot, group.joints), row.qpos());
     });
     for (int dof = 0; dof < m_->nv; ++dof) {
       if (configured_[static_cast<size_t>(dof)]) row.qvel()[dof] = 0;
@@ -164,7 +165,7 @@ class KeyFiller {
       const bool own = !ActsOn(m_, data_.get(), id, configured_);
       ctrl.Set(id, own, row.ctrl(), row.act());
     }
-    ctrl.Report(log_);
+    ctrl.Warn(log_);
     for (const RobotRecord& robot : robots_) OpenUndecidedGrippers(part, robot, row);
   }
 
@@ -186,7 +187,7 @@ class KeyFiller {
       if (ctrl.IsOfPart(id) || ActsOn(m_, data_.get(), id, moved))
         ctrl.Set(id, true, row.ctrl(), row.act());
     }
-    ctrl.Report(log_);
+    ctrl.Warn(log_);
   }
 
  private:

@@ -14,6 +14,7 @@
 #include "robocell/base/log.h"
 #include "robocell/base/rng.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/mujoco/coupled_positions.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/step.h"
@@ -178,23 +179,15 @@ void RestoreKeys(const mjModel* model, mjData* data, const StartKeys& keys,
   }
 }
 
-void AddNoise(const mjModel* model, mjData* data, int joint, double noise, Rng& rng) {
-  const double offset =
-      rng.Uniform(-noise, noise);  // always drawn: the stream follows the list's order
-  if (model->jnt_type[joint] != mjJNT_HINGE && model->jnt_type[joint] != mjJNT_SLIDE) return;
-  mjtNum& q = data->qpos[model->jnt_qposadr[joint]];
-  q += offset;
-  const mjtNum* range = model->jnt_range + 2 * joint;
-  if (model->jnt_limited[joint]) q = std::clamp(q, range[0], range[1]);
-}
-
-// Adds uniform noise to the positions of a group, one stream per robot and group.
-void AddGroupNoise(const mjModel* model, mjData* data, const std::vector<int>& joints,
-                   const std::vector<double>& noise, Rng rng) {
+// Draws the noise of a group, one stream per robot and group. A joint of -1 has none.
+std::vector<double> DrawNoise(const std::vector<int>& joints, const std::vector<double>& noise,
+                              Rng rng) {
+  std::vector<double> offsets(joints.size());
   for (size_t i = 0; i < joints.size(); ++i) {
     const double amount = noise.size() == 1 ? noise[0] : i < noise.size() ? noise[i] : 0;
-    if (joints[i] >= 0) AddNoise(model, data, joints[i], amount, rng);
+    if (joints[i] >= 0) offsets[i] = rng.Uniform(-amount, amount);
   }
+  return offsets;
 }
 
 bool IsZero(const std::vector<double>& values) {
@@ -209,9 +202,10 @@ void ApplyHomeNoise(const CompiledScene& compiled, mjData* data, uint64_t seed,
     for (const auto& [name, noise] : robot.config.home_noise.entries()) {
       const MoveGroupConfig& group = robot.config.move_groups.at(name);
       const std::vector<int> joints = internal::JointIds(model, robot, group.joints);
-      AddGroupNoise(model, data, joints, *noise, Rng::Stream(seed, "home_noise", robot.name, name));
-      internal::PlaceFollowers(model, group, joints, data->qpos);
-      if (!IsZero(*noise)) internal::MarkDofs(model, group, joints, moved);
+      const std::vector<double> offsets =
+          DrawNoise(joints, *noise, Rng::Stream(seed, "home_noise", robot.name, name));
+      internal::MoveCoupled(model, joints, offsets, data->qpos);
+      if (!IsZero(*noise)) internal::MarkDofs(model, joints, moved);
     }
   }
 }

@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <cmath>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
@@ -17,6 +21,7 @@ namespace {
 
 using ::testing::Each;
 using ::testing::ElementsAre;
+using ::testing::IsEmpty;
 
 SceneSpec Busy() {
   SceneSpec spec = EmptyScene();
@@ -168,6 +173,52 @@ TEST(Reset, KeepsNoiseInsideTheLimits) {
     at_limit = at_limit || scene.data()->qpos[0] == 2.0;
   }
   EXPECT_TRUE(at_limit);
+}
+
+// Returns the largest error of the active constraints between joints.
+double ErrorOfCouplings(const mjModel* m, const mjData* data) {
+  double worst = 0;
+  for (int e = 0; e < m->neq; ++e) {
+    if (m->eq_type[e] != mjEQ_JOINT || !data->eq_active[e]) continue;
+    const int leader = m->eq_obj2id[e];
+    const int a = m->jnt_qposadr[m->eq_obj1id[e]], b = leader < 0 ? -1 : m->jnt_qposadr[leader];
+    const double x = b < 0 ? 0 : data->qpos[b] - m->qpos0[b];
+    const mjtNum* c = m->eq_data + mjNEQDATA * e;
+    const double y = c[0] + x * (c[1] + x * (c[2] + x * (c[3] + x * c[4])));
+    worst = std::max(worst, std::abs(data->qpos[a] - m->qpos0[a] - y));
+  }
+  return worst;
+}
+
+// Returns the names of joints that are outside of their limits.
+std::vector<std::string> OutsideLimits(const mjModel* m, const mjData* data) {
+  std::vector<std::string> out;
+  for (int j = 0; j < m->njnt; ++j) {
+    const double q = data->qpos[m->jnt_qposadr[j]];
+    if (m->jnt_limited[j] && (q < m->jnt_range[2 * j] || q > m->jnt_range[2 * j + 1]))
+      out.push_back(ElementName(m, mjOBJ_JOINT, j));
+  }
+  return out;
+}
+
+TEST(Reset, NoiseKeepsCouplingsAndLimitsOfAllRobots) {
+  int coupled = 0;
+  for (const std::string& name : assets::BuiltinRobots()) {
+    SCOPED_TRACE(name);
+    RobotConfig config = RobotConfig::Load(assets::BuiltinRobotFile(name));
+    for (const auto& [group, joints] : config.move_groups.entries())
+      config.home_noise[group] = {0.2};
+    SceneSpec spec = EmptyScene();
+    spec.robots.push_back({.config = config});
+    Scene scene = Scene::Build(spec);
+    for (uint64_t seed = 0; seed < 5; ++seed) {
+      scene.Reset({.seed = seed});
+      EXPECT_LE(ErrorOfCouplings(scene.model(), scene.data()), 1e-9);
+      EXPECT_THAT(OutsideLimits(scene.model(), scene.data()), IsEmpty());
+    }
+    coupled += scene.model()->neq > 0;
+  }
+  EXPECT_GT(coupled, 0);
 }
 
 TEST(Reset, NoiseOfARobotIsIndependentOfOtherRobots) {

@@ -54,7 +54,7 @@ TEST_F(ToolElements, AreNotFoundByEdits) {
       [&] { Scene::Build(ArmWith({{.body = ElementRef{.name = "g_left"}, .add_site = "tip"}})); },
       "no body 'g_left'. Its bodies: world, base, upper, fore. Names with 'g_' belong to the "
       "attached tool, and edits change the robot's own model: change " +
-          gripper_ + " instead");
+          gripper_ + " instead. A TCP needs no site: set attachment_site and tcp_offset");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "robocell/mujoco/joint_followers.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/scene/coupled_groups.h"
 #include "robocell/scene/element_lookup.h"
 #include "robocell/scene/finger_bodies.h"
 #include "robocell/scene/hold_ctrl.h"
@@ -137,14 +138,10 @@ class GroupValidator {
 
   // Leaves out the joints that follow others of the list, and returns a sentence about them.
   std::string DropFollowers(std::vector<std::string>* joints) const {
-    std::vector<int> ids;
-    for (const std::string& joint : *joints)
-      ids.push_back(FindId(m_, mjOBJ_JOINT, robot_.prefix + joint));
+    const std::vector<int> ids = JointIds(m_, robot_, *joints);
     if (std::find(ids.begin(), ids.end(), -1) != ids.end()) return "";
-    std::vector<std::string> texts;
     const std::vector<ListedFollower> followers = FollowersAmong(m_, ids);
-    for (const ListedFollower& f : followers)
-      texts.push_back(fmt::format("'{}' follows '{}'", (*joints)[f.index], (*joints)[f.leader]));
+    const std::vector<std::string> texts = DescribeFollowers(followers, *joints);
     for (auto f = followers.rbegin(); f != followers.rend(); ++f)
       joints->erase(joints->begin() + static_cast<std::ptrdiff_t>(f->index));
     if (texts.empty()) return "";

@@ -7,6 +7,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -43,13 +44,21 @@ void RequireNamed(const char* field, bool is_default, bool is_named, const char*
                                     names));
 }
 
+// Explains how to draw an object of a kind where the object itself is to be named; "" for others.
+std::string HowToDraw(const std::string& kind) {
+  const std::vector<std::string> kinds = ObjectKinds();
+  if (std::ranges::find(kinds, kind) == kinds.end()) return "";
+  return fmt::format(" '{0}' is a kind of object: `objects: [{0}]` in its place draws one", kind);
+}
+
 // Requires an object that moves with the rig, as a task does.
 void RequireRigObject(const EnvConfig& env, const char* field, const std::string& object,
                       Problems& problems) {
   if (env.root_frame_objects.contains(object)) return;
   if (!env.world_frame_objects.contains(object)) {
     return problems.AddAt(
-        field, NoSuchName("root_frame_objects", "object", object, env.root_frame_objects.keys()));
+        field, NoSuchName("root_frame_objects", "object", object, env.root_frame_objects.keys()) +
+                   (field == std::string_view("object") ? HowToDraw(object) : ""));
   }
   problems.AddAt(field, fmt::format("'{}' is in world_frame_objects, which stay in the room; a "
                                     "task goes with the rig, and so do its objects: move it to "
@@ -96,8 +105,10 @@ void RequireObjectOfScenes(const RunConfig& run, const Scene& scene, const char*
     for (const SceneObject& each : MakeBaseScene(run, *source, index).objects)
       known.push_back(each.name);
     if (std::ranges::find(known, object) != known.end()) continue;
+    const std::string how_to_draw = field == std::string_view("object") ? HowToDraw(object) : "";
     const std::string place = fmt::format("scene {} of source '{}'", index, run.scenes.kind());
-    if (!known.empty()) return problems.AddAt(field, NoSuchName(place, "object", object, known));
+    if (!known.empty())
+      return problems.AddAt(field, NoSuchName(place, "object", object, known) + how_to_draw);
     const bool is_body = FindId(scene.model(), mjOBJ_BODY, object) >= 0;
     return problems.AddAt(
         field,
@@ -105,10 +116,10 @@ void RequireObjectOfScenes(const RunConfig& run, const Scene& scene, const char*
             "no object '{}': {} has no objects, which a source puts into "
             "SceneSpec.objects{}. Leave `{}` out, so that the task draws objects of the "
             "catalogue, or register a source of your own that adds the object, as "
-            "docs/tasks.md shows",
+            "docs/tasks.md shows{}",
             object, place,
             is_body ? ", and a body of its model file is none: give it a file of its own" : "",
-            field));
+            field, how_to_draw.empty() ? "" : "." + how_to_draw));
   }
 }
 

@@ -43,6 +43,8 @@ TEST(PickKind, ATaskIsAboutAnObjectOfTheRig) {
   EXPECT_EQ(Message(env),
             "it is not valid: task.object: root_frame_objects: no object 'cub'. Its objects: cube. "
             "Did you mean 'cube'?");
+  env.task->As<PickTaskConfig>().object = "box";
+  EXPECT_THAT(Message(env), HasSubstr("'box' is a kind of object: `objects: [box]` in its place"));
   env.task->As<PickTaskConfig>().object = "cube";
   EXPECT_EQ(Message(env), "");
   env.world_frame_objects["ball"] = Thing();
