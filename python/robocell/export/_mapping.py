@@ -404,7 +404,7 @@ def _is_named(column: str, terms: Sequence[str]) -> bool:
 
 
 def _require_clear(place: str, openings: Openings, terms: Sequence[str]) -> None:
-    """Raises ArgumentError for a measured opening of a gripper without a command that is its own."""
+    """Raises ArgumentError for a robot of whose commands several may be the gripper's."""
     for robot, commands in openings.unclear.items():
         if not any(_is_named(name, terms) for name in commands):
             names = ", ".join(f"'{name}'" for name in commands)
