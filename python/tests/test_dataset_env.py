@@ -427,6 +427,23 @@ def test_the_replay_policy_repeats_both_forms_of_actions(tmp_path: Path, by_name
     env.close()
 
 
+def test_errors_of_policies_in_a_recorded_environment_have_class_and_place(tmp_path: Path):
+    recorded_cube(tmp_path / "cube")
+    source = tmp_path / "halves.py"
+    source.write_text(
+        "from robocell.policy import Policy\n"
+        "class Half(Policy):\n"
+        "    def act(self, row):\n"
+        "        if row['robots/robot/opening'] < 2:\n"
+        "            return {'action/robot/tquat': [0, 0, 0, 0, 0, 0, 1]}\n"
+    )
+    result = evaluate(tmp_path / "cube", f"{source}:Half", episodes=1)
+    assert result.failures == {
+        "policy error: Half.act(): the action lacks 'action/robot/gripper': an environment takes "
+        f"whole actions ({source}:3, in act)": 1
+    }
+
+
 def test_a_dataset_that_was_written_row_by_row_has_no_cell(tmp_path: Path):
     with rc.data.EpisodeWriter(tmp_path, "a", {"time": rc.data.ColumnSpec()}) as episode:
         episode.add_row({"time": 0.0})
