@@ -145,8 +145,11 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
                 f"options={{'{RESET_OPTION}': ...}} before the next step"
             )
         again = self._ended & (self.autoreset_mode == AutoresetMode.NEXT_STEP)
+        by_name = _has_names(actions)
+        if by_name:
+            self._require_one_form(actions)
         flat, rewards, terminated, truncated, times, reasons = self.core.step(
-            actions if _has_names(actions) else self._flat(actions), again.tolist()
+            actions if by_name else self._flat(actions), again.tolist()
         )
         ends = terminated.astype(bool), truncated.astype(bool)
         self._ended = ends[0] | ends[1]
@@ -214,6 +217,17 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         for path, keys in self._action_keys:
             self._check_keys(_at(actions, path), path, keys)
         return np.concatenate([self._rows(actions, part) for part in self._action_parts], axis=1)
+
+    def _require_one_form(self, actions: Mapping[Any, Any]) -> None:
+        """Raises ArgumentError for names of columns beside keys of the action space."""
+        known = [str(key) for path, keys in self._action_keys if not path for key in keys]
+        if others := [key for key in actions if key in known]:
+            names = [key for key in actions if key not in known]
+            raise ArgumentError(
+                f"environment '{self._name}': an action has one form, and this one has two: "
+                f"'{names[0]}' is the name of a column, '{others[0]}' a key of the action space. "
+                "Give all commands by name, or none"
+            )
 
     def _check_keys(self, given: Any, path: tuple[str, ...], keys: list[str]) -> None:
         name = ".".join(("action", *path))
