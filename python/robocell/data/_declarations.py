@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 import numbers
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from robocell._arguments import show
 from robocell._core import ArgumentError, NotFoundError, _EpisodeSchema
+from robocell._quantities import require_units
 from robocell._suggestions import did_you_mean, shortened
 
 if TYPE_CHECKING:
@@ -19,6 +21,8 @@ if TYPE_CHECKING:
 STEPS = "steps"
 TYPES = ("float64", "float32", "int64", "int32", "uint8", "bool")
 LARGEST_DENOMINATOR = 1001  # of a rate that is given as a float: 30000/1001
+MOST_AXES = 16
+MOST_NUMBERS = 2**18  # of a row
 LARGEST = 2**31 - 1  # of a size and of both numbers of a rate
 
 
@@ -74,11 +78,13 @@ class DeclaredColumn:
         index: Its index there.
         dtype: Type of its numbers.
         shape: Shape of one row.
+        values: Number of values that have a name; 0 without names.
     """
 
     index: int
     dtype: str
     shape: tuple[int, ...]
+    values: int
 
 
 @dataclass(frozen=True)
@@ -131,7 +137,19 @@ class Declarations:
             self._declare(name, column)
         self._cameras: dict[str, DeclaredCamera] = {}
         for name, camera in _named(cameras, CameraStream, f"{place}: cameras").items():
+            if f"cameras/{name}" in self._columns[STEPS]:
+                raise ArgumentError(
+                    f"{place}: column 'cameras/{name}' has the name of the group of camera '{name}'"
+                )
             self._cameras[name] = self._declare_camera(name, camera)
+        for name, own in self._columns.items():
+            has_camera = any(camera.table == name for camera in self._cameras.values())
+            if name != STEPS and not own and not has_camera:
+                prefixes = [each.partition("/")[0] for each in self._columns[STEPS]]
+                raise ArgumentError(
+                    f"{place}: table '{name}' has no column; its columns are called '{name}/...'."
+                    f"{did_you_mean(name, prefixes)}"
+                )
 
     def table(self, name: str) -> int:
         """Returns the index of a table."""
@@ -155,7 +173,7 @@ class Declarations:
         if missing := [name for name in columns if name not in values]:
             raise ArgumentError(
                 f"{self._place}: a row of table '{table}' has no value for {shortened(missing)}; "
-                "each row has one for each column, NaN where there is none"
+                "each row has one for each column; a float without one is NaN"
             )
 
     def _known(self, what: str, name: Any, known: Iterable[str]) -> str:
@@ -180,18 +198,20 @@ class Declarations:
         if slash and first in self._tables:
             table, short = first, rest
         dtype, shape = _type(place, column.dtype), _shape(place, column.shape)
+        values = texts(column.values, f"{place}: values")
+        require_units(place, _text(column.units, f"{place}: units"))
         index = self.schema.add_column(
             self._tables[table],
             short,
             dtype,
             shape,
-            _text(column.units, f"{place}: units"),
+            column.units,
             _text(column.frame, f"{place}: frame"),
             texts(column.names, f"{place}: names"),
-            texts(column.values, f"{place}: values"),
+            values,
             _text(column.description, f"{place}: description"),
         )
-        self._columns[table][name] = DeclaredColumn(index, dtype, shape)
+        self._columns[table][name] = DeclaredColumn(index, dtype, shape, len(values))
 
     def _declare_camera(self, name: str, camera: CameraStream) -> DeclaredCamera:
         place = f"{self._place}: camera '{name}'"
@@ -260,21 +280,25 @@ def _type(place: str, given: Any) -> str:
     """Returns the name of a column's type, which may be one of NumPy's."""
     import numpy as np
 
-    name = given
-    if not isinstance(given, str):
-        try:
+    name = str(given)
+    if given is not None and not isinstance(given, str):
+        with suppress(TypeError):
             name = np.dtype(given).name
-        except TypeError:
-            name = show(given)
-    if given is None or name not in TYPES:
+    if name not in TYPES:
         raise ArgumentError(f"{place}: '{name}' is not a type of columns: {', '.join(TYPES)}")
-    return str(name)
+    return name
 
 
 def _shape(place: str, given: Any) -> tuple[int, ...]:
     if isinstance(given, str) or not isinstance(given, Iterable):
         given = (given,)
-    return tuple(whole(each, f"{place}: each number of the shape") for each in given)
+    shape = tuple(whole(each, f"{place}: each number of the shape") for each in given)
+    if len(shape) > MOST_AXES or math.prod(shape) > MOST_NUMBERS:
+        raise ArgumentError(
+            f"{place}: shape {shape} is too large: a row has at most {MOST_AXES} axes and "
+            f"{MOST_NUMBERS} numbers. Images belong into cameras"
+        )
+    return shape
 
 
 def _rate(place: str, fps: Any) -> Fraction:

@@ -55,7 +55,8 @@ class EpisodeWriter:
         IoError: The episode exists already, or the disk fails.
 
     A wrong value is an ArgumentError that names the column; nothing was written, and the next call
-    may correct it. An IoError ends the episode. Threads may share a writer: one call follows the
+    may correct it. An IoError ends the episode. A camera whose images come with the rows needs one
+    for every row. Threads may share a writer: one call follows the
     other, and a row stays together with its images.
 
     Segmentation, stored models, ranges of columns and settings of the encoder are declared in C++
@@ -107,6 +108,7 @@ class EpisodeWriter:
         self._writer = _EpisodeWriter(folder, id, self._declared.schema, *json_texts)
         self._lock = threading.Lock()  # a row and its images are one step
         self._videos: set[str] = set()  # cameras with a finished video
+        self._with_rows: set[str] = set()  # cameras whose images come with their rows
         self._is_over = False
 
     def add_row(
@@ -134,7 +136,8 @@ class EpisodeWriter:
         images = self._images({} if frames is None else frames, table)
         index = self._declared.table(table)
         with self._lock:
-            self._require_next_images(images, index)
+            self._require_next_images(images, table)
+            self._with_rows.update(images)
             try:
                 self._writer.put_rows(index, arrays, 1)
                 for name, image in images.items():
@@ -152,7 +155,15 @@ class EpisodeWriter:
         """
         self._declared.require_columns(table, values)
         given = {name: self._array(name, value) for name, value in values.items()}
-        count = max((len(array) for array in given.values() if array.ndim), default=0)
+        rows = {name: len(array) for name, array in given.items() if array.ndim}
+        count = max(rows.values(), default=0)
+        if len(set(rows.values())) > 1:
+            short = min(rows, key=lambda name: rows[name])
+            long = max(rows, key=lambda name: rows[name])
+            raise ArgumentError(
+                f"{self._place}: column '{short}' has {rows[short]} rows, column '{long}' has "
+                f"{rows[long]}; each row needs a value of each"
+            )
         arrays = self._arrays(given, table, count)
         with self._lock:
             self._writer.put_rows(self._declared.table(table), arrays, count)
@@ -264,6 +275,11 @@ class EpisodeWriter:
     def __enter__(self) -> Self:
         return self
 
+    def __del__(self) -> None:
+        """Warns of an episode that nobody ended; its files are removed."""
+        if not getattr(self, "_is_over", True) and self.is_open:
+            python_warnings.warn(self._gone(), RuntimeWarning, stacklevel=2)
+
     def __exit__(
         self,
         kind: type[BaseException] | None,
@@ -271,16 +287,17 @@ class EpisodeWriter:
         trace: TracebackType | None,
     ) -> None:
         if kind is None and not self._is_over and self.is_open:
-            python_warnings.warn(
-                f"{self._place} was not committed and is gone. Call commit(success=...) before the "
-                "end of the block to keep it, or abort() to drop it",
-                RuntimeWarning,
-                stacklevel=2,
-            )
+            python_warnings.warn(self._gone(), RuntimeWarning, stacklevel=2)
         self.abort()
 
     def __repr__(self) -> str:
         return f"<EpisodeWriter {self._id}: {'open' if self.is_open else 'closed'}>"
+
+    def _gone(self) -> str:
+        return (
+            f"{self._place} was not committed and is gone. Call commit(success=...) before the end "
+            "of the block to keep it, or abort() to drop it"
+        )
 
     def _arrays(
         self, values: Mapping[str, Any], table: str, count: int | None
@@ -308,6 +325,11 @@ class EpisodeWriter:
             raise ArgumentError(
                 f"{place} was declared as {column.dtype}, which cannot store {_shown(given)}"
             )
+        if column.values and stored.size and stored.max() >= column.values:
+            raise ArgumentError(
+                f"{place} has names for {column.values} values, 0 to {column.values - 1}, got "
+                f"{stored.max()}"
+            )
         return np.ascontiguousarray(stored, column.dtype)
 
     def _array(self, name: str, value: Any) -> NDArray[Any]:
@@ -326,20 +348,25 @@ class EpisodeWriter:
                 )
         return {name: self._image(name, image) for name, image in frames.items()}
 
-    def _require_next_images(self, images: Iterable[str], table: int) -> None:
-        """Raises ArgumentError unless the next image of each camera is that of the next row."""
-        rows = self._writer.rows(table)
+    def _require_next_images(self, images: Iterable[str], table: str) -> None:
+        """Raises ArgumentError if an image would be that of another row, now or later."""
+        rows = self._writer.rows(self._declared.table(table))
         for name in images:
             if name in self._videos:
                 raise ArgumentError(
                     f"{self._place}: camera '{name}' has a video already, so its rows come without "
                     "images"
                 )
-            if (frames := self._frames(name)) != rows:
+        for name in {*images, *self._with_rows}:
+            frames = self._frames(name)
+            if self._declared.camera(name).table != table or not self.is_open:
+                continue
+            if frames < rows or (frames > rows and name in images):
+                lacks = f"row {frames} of '{table}' has no image of camera '{name}'"
+                has = f"row {rows} of '{table}' has an image of camera '{name}' already"
                 raise ArgumentError(
-                    f"{self._place}: camera '{name}' has {frames} images for {rows} rows, so this "
-                    "image would be that of another row. Add the images of earlier rows first, "
-                    "with add_frame"
+                    f"{self._place}: "
+                    + (f"{lacks}; add it with add_frame first" if frames < rows else has)
                 )
 
     def _frames(self, camera: str) -> int:

@@ -63,6 +63,8 @@ class Mp4:
         try:
             state = path.stat()
             return _read(cls, path, (state.st_ino, state.st_size, state.st_mtime_ns))
+        except IoError:
+            raise
         except OSError as error:
             raise IoError(f"cannot read '{path}': {error.strerror}") from error
 
@@ -103,7 +105,7 @@ def _read(kind: type[Mp4], path: Path, version: tuple[int, ...]) -> Mp4:
     with path.open("rb") as file:
         try:
             return kind._of(_video_tracks(_index(file)), file)
-        except (KeyError, IndexError, StopIteration, struct.error) as error:
+        except (KeyError, IndexError, StopIteration, OverflowError, struct.error) as error:
             raise IoError(
                 f"'{path}' is no MP4 file with a video, or its index is damaged"
             ) from error
