@@ -25,6 +25,7 @@ import robocell
 from command_line import refused, robocell_command
 from exported import INSTALLED, hashes, psnr, three_episodes
 from read_back import decoded
+from robocell.data import CameraStream, ColumnSpec, EpisodeWriter
 from robocell.export import _lerobot_rows as lerobot_rows
 from robocell.export import _lerobot_v3 as lerobot_v3
 from robocell.export import _lerobot_v21 as lerobot_v21
@@ -322,7 +323,7 @@ def test_i_frames_that_are_no_key_frames_are_exported(tmp_path: Path, kind: str)
                     episode.add_frame("w", image(i))
             episode.commit(success=True)
     done = export_dataset(tmp_path / "d", tmp_path / "out", "lerobot-v3")
-    assert set(done.encoded) == ({"w"} if kind == "marked" else set())
+    assert set(done.encoded) == ({"observation.images.w"} if kind == "marked" else set())
     facts = Mp4.read(next((tmp_path / "out/videos").rglob("*.mp4")))
     assert (facts.frames, facts.has_false_keys) == (80, False)
     assert {0, 30, 40, 70} <= set(facts.key_frames)
