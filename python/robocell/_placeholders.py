@@ -7,6 +7,7 @@ is sent: the same robots in the same order, with grippers of the same polarity.
 from __future__ import annotations
 
 import itertools
+import math
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -15,7 +16,7 @@ from typing import Any, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from robocell._core import NotFoundError, SpecError
+from robocell._core import Episode, NotFoundError, SpecError
 from robocell._suggestions import did_you_mean, fitting, is_pattern
 from robocell._yaml import Place
 
@@ -76,6 +77,24 @@ E = TypeVar("E", bound=_Entry)
 def is_opening(column: str, names: Sequence[str]) -> bool:
     """Returns True for a column of openings of grippers, or of their differences."""
     return column.rpartition("/")[2] == OPENING or list(names) == [OPENING]
+
+
+def is_opening_of(episode: Episode, name: str) -> bool:
+    """Returns True for a column of an episode with openings of grippers, or their differences.
+
+    An action of one number whose component has no name counts too, if its group is called
+    "gripper", or if the robot has a column `opening` and the group no joints: so people record it.
+    """
+    column = episode.column(name)
+    parts = name.split("/")
+    if is_opening(name, column.names) or column.names or math.prod(column.shape[1:]) != 1:
+        return is_opening(name, column.names)
+    if len(parts) != 4 or parts[0] != "robots" or parts[2] != "action":
+        return False
+    robot, group = parts[1], parts[3].removesuffix(RELATIVE)
+    columns = set(episode.columns)
+    has_joints = f"robots/{robot}/{group}/qpos" in columns
+    return group == "gripper" or (f"robots/{robot}/{OPENING}" in columns and not has_joints)
 
 
 def is_difference(column: str) -> bool:

@@ -506,7 +506,23 @@ def _chosen_actions(context: Context) -> list[Feature]:
     """Returns the actions that command a whole cell: absolute targets, or an environment's own."""
     actions = {f.name: f for f in context.features if f.role == "action"}
     of_env = [f for name, f in actions.items() if name.startswith(ENV_ACTION)]
-    return of_env or [f for name, f in actions.items() if f"{name}_relative" in actions]
+    return of_env or _cell_actions(context)
+
+
+def _cell_actions(context: Context) -> list[Feature]:
+    """Returns the absolute targets of all groups of a cell."""
+    actions = {f.name: f for f in context.features if f.role == "action"}
+    return [f for name, f in actions.items() if f"{name}_relative" in actions]
+
+
+def _recorded(choices: Sequence[Sequence[Feature]], episode: Episode) -> list[str]:
+    """Returns the names of the first choice that an episode has whole.
+
+    An environment that was stepped by names has actions of its cell only.
+    """
+    columns = set(episode.columns)
+    named = [[feature.name for feature in choice] for choice in choices]
+    return next((names for names in named if names and columns.issuperset(names)), named[0])
 
 
 class ReplayPolicy(Policy):
@@ -516,17 +532,19 @@ class ReplayPolicy(Policy):
         self._dataset = Dataset(Path(source))
         self._episode: Episode | None = None
         self._row = 0
+        self._choices: list[list[Feature]] = []
         self._names: list[str] = []
 
     def reset(self, context: Context) -> None:
         """Looks up the episode again."""
         self._episode, self._row = None, 0
-        self._names = [feature.name for feature in _chosen_actions(context)]
+        self._choices = [_chosen_actions(context), _cell_actions(context)]
 
     def act(self, observation: Observation) -> Action:
         """The next recorded action; the last one again after the end."""
         if self._episode is None:
             self._episode = self._starting_at(observation)
+            self._names = _recorded(self._choices, self._episode)
         row = min(self._row, len(self._episode) - 1)
         self._row += 1
         return {name: self._episode[name][row] for name in self._names}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import multiprocessing
 import os
@@ -125,6 +126,47 @@ def test_a_finished_video_is_copied(tmp_path: Path):
         second.add_video("wrist", video)
         copied = second.commit(success=True) / "wrist.mp4"
     assert copied.read_bytes() == video.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("more", "size"),
+    [
+        ({"opening": (), "action/gripper": 1}, 7),
+        ({"opening": (), "action/hand": ()}, 7),
+        ({"opening": (), "action/gripper": 1, "gripper/qpos": 2, "gripper/target": 1}, 7),
+        ({"action/gripper": 1, "gripper/target": 1}, 7),
+        ({"action/rail": 1, "rail/qpos": 1, "rail/target": 1, "opening": ()}, 7),
+        ({}, 6),
+    ],
+)
+def test_an_export_finds_the_gripper_too(tmp_path: Path, more: dict[str, Any], size: int):
+    names = {"time": ()} | {
+        f"robots/a/{name}": shape
+        for name, shape in ({"arm/qpos": 6, "arm/target": 6, "action/arm": 6} | more).items()
+    }
+    columns = {name: ColumnSpec(shape=shape) for name, shape in names.items()}
+    with EpisodeWriter(tmp_path / "d", "a", columns, metadata={"instruction": "x"}) as episode:
+        for i in range(3):
+            zeros = {name: np.zeros(column.shape) for name, column in columns.items()}
+            episode.add_row(zeros | {"time": i / 30})
+        episode.commit(success=True)
+    export_dataset(tmp_path / "d", tmp_path / "out", "lerobot-v3")
+    action = json.loads((tmp_path / "out/meta/info.json").read_text())["features"]["action"]
+    state = json.loads((tmp_path / "out/meta/info.json").read_text())["features"]
+    assert action["shape"] == [size]
+    of_state = 6 + ("opening" in more) + ("rail/qpos" in more)
+    assert state["observation.state"]["shape"] == [of_state]
+
+
+def test_an_export_refuses_an_action_of_an_unknown_group(tmp_path: Path):
+    names = ("arm/qpos", "arm/target", "action/arm", "action/base")
+    columns = {"time": ColumnSpec()} | {f"robots/a/{n}": ColumnSpec(shape=3) for n in names}
+    with EpisodeWriter(tmp_path / "d", "a", columns, metadata={"instruction": "x"}) as episode:
+        for i in range(3):
+            episode.add_row({name: i / 30 if name == "time" else np.zeros(3) for name in columns})
+        episode.commit(success=True)
+    with pytest.raises(rc.ArgumentError, match=r"'robots/a/action/base' commands .* --mapping"):
+        export_dataset(tmp_path / "d", tmp_path / "out", "lerobot-v3")
 
 
 def test_a_row_that_is_rejected_leaves_nothing(tmp_path: Path):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, Episode
-from robocell._placeholders import AS_RECORDED, Gripper, is_difference, is_opening
+from robocell._placeholders import AS_RECORDED, Gripper, is_difference, is_opening_of
 from robocell._suggestions import shortened
 
 DONE = "done"  # a column that is not stored: terminated or truncated
@@ -248,7 +248,7 @@ def _part_names(part: str, names: list[str], units: list[str]) -> tuple[list[str
 
 
 def _is_opening(episode: Episode, name: str) -> bool:
-    return name != DONE and is_opening(name, episode.column(name).names)
+    return name != DONE and is_opening_of(episode, name)
 
 
 def _column(episode: Episode, name: str) -> NDArray[Any]:

@@ -15,13 +15,15 @@ from typing import Any
 from robocell._core import ArgumentError, Episode, NotFoundError, SpecError
 from robocell._placeholders import (
     AS_RECORDED,
+    OF_THE_TCP,
     Gripper,
     Groups,
     camera_of,
     expanded,
     first_of,
     groups_of,
-    is_opening,
+    is_difference,
+    is_opening_of,
     require_column,
     require_placeholders,
 )
@@ -363,13 +365,28 @@ def _groups(episode: Episode) -> dict[str, Groups]:
     """Returns the robots of an episode with their arms and grippers, in the order of the run."""
     columns = set(episode.columns)
     in_order = dict.fromkeys([*(feature.name for feature in episode.features), *episode.columns])
+    actions = [name for name in in_order if name in columns and _is_action_of_group(name)]
+    openings = [name for name in actions if is_opening_of(episode, name)]
     commands = [
         name
-        for name in in_order
-        if name in columns and name.replace("/action/", "/", 1) + "/target" in columns
+        for name in actions
+        if name in openings or name.replace("/action/", "/", 1) + "/target" in columns
     ]
-    openings = [name for name in commands if is_opening(name, episode.column(name).names)]
+    for name in actions:
+        if name not in commands and not episode.features:  # recorded row by row
+            raise ArgumentError(
+                f"episode '{episode.folder}': '{name}' commands a group without the column "
+                f"'{name.replace('/action/', '/', 1)}/target'. Record it, or name the columns in a "
+                "file: --mapping FILE"
+            )
     return groups_of(commands, openings)
+
+
+def _is_action_of_group(name: str) -> bool:
+    """Returns True for "robots/rc7/action/arm": of a group, and no difference."""
+    parts = name.split("/")
+    is_action = len(parts) == 4 and parts[0] == "robots" and parts[2] == "action"
+    return is_action and parts[3] not in OF_THE_TCP and not is_difference(name)
 
 
 def _step_columns(episode: Episode) -> list[str]:

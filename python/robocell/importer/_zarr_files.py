@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import itertools
 import math
 import os
 import warnings
@@ -108,9 +107,13 @@ class ReplayBuffer:
         stored = self._files(array.path)
         sizes = getattr(array, "shards", None) or array.chunks
         counts = [math.ceil(size / each) for size, each in zip(array.shape, sizes, strict=True)]
-        # At most one more than the stored ones are looked at: a damaged shape may be huge.
-        for index in itertools.product(*map(range, counts)):
-            key = array.metadata.encode_chunk_key(index)
+        # A damaged shape may be huge, so no more are looked at than are stored, and one.
+        for number in range(min(math.prod(counts), len(stored) + 1)):
+            index: list[int] = []
+            for count in reversed(counts):
+                number, at = divmod(number, count)
+                index.insert(0, at)
+            key = array.metadata.encode_chunk_key(tuple(index))
             if key not in stored:
                 raise IoError(
                     f"{place}: chunk {key} is missing, of {math.prod(counts)}: {ADVICE}. A writer "
