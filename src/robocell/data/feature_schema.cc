@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include <nlohmann/json.hpp>
@@ -165,10 +164,6 @@ void FeatureSchema::Add(Feature feature) {
   const std::string& name = feature.column.name;
   if (name.empty()) throw ArgumentError("a feature needs a name");
   if (Has(name)) throw ArgumentError(fmt::format("feature '{}' is declared twice", name));
-  if (std::ranges::any_of(feature.column.shape, [](int64_t size) { return size < 1; })) {
-    throw ArgumentError(fmt::format("feature '{}': shape {} has an axis shorter than 1", name,
-                                    ShapeText(feature.column.shape)));
-  }
   const auto fits = [&](const std::vector<double>& bounds) {
     return bounds.empty() || static_cast<int64_t>(bounds.size()) == feature.size();
   };
@@ -179,14 +174,7 @@ void FeatureSchema::Add(Feature feature) {
                                     Counted(std::ssize(feature.upper), "upper bound"),
                                     Counted(feature.size(), "number")));
   }
-  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   for (size_t i = 0; i < feature.lower.size(); ++i) {
-    if (feature.lower[i] == kInfinity || feature.upper[i] == -kInfinity) {
-      throw ArgumentError(
-          fmt::format("feature '{}': the range of number {} is {} to {}; for none "
-                      "write -inf to inf",
-                      name, i, feature.lower[i], feature.upper[i]));
-    }
     if (feature.lower[i] <= feature.upper[i]) continue;
     throw ArgumentError(fmt::format("feature '{}': the lower bound of number {} is {}, above {}",
                                     name, i, feature.lower[i], feature.upper[i]));
