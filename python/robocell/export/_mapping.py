@@ -14,6 +14,7 @@ from typing import Any
 
 from robocell._core import ArgumentError, Episode, NotFoundError, SpecError
 from robocell._placeholders import (
+    ARM,
     AS_RECORDED,
     OF_THE_TCP,
     Gripper,
@@ -222,6 +223,8 @@ class Mapping:
                 f"{place}: episode '{episode.folder}' has no robots with actions, as "
                 f"'{repeated[0]}' needs. Name its columns in a file: --mapping FILE"
             )
+        if any(ARM in column for column in repeated):
+            _require_targets(episode, groups, self.place.at("features", feature))
         for entry, name in expanded(entries, groups):
             for column in self._find(episode, feature, name, known):
                 terms[replace(entry, column=column)] = None
@@ -367,19 +370,21 @@ def _groups(episode: Episode) -> dict[str, Groups]:
     in_order = dict.fromkeys([*(feature.name for feature in episode.features), *episode.columns])
     actions = [name for name in in_order if name in columns and _is_action_of_group(name)]
     openings = [name for name in actions if is_opening_of(episode, name)]
-    commands = [
-        name
-        for name in actions
-        if name in openings or name.replace("/action/", "/", 1) + "/target" in columns
-    ]
-    for name in actions:
-        if name not in commands and not episode.features:  # recorded row by row
+    targets = [name for name in actions if name.replace("/action/", "/", 1) + "/target" in columns]
+    return groups_of([name for name in actions if name in (*openings, *targets)], openings)
+
+
+def _require_targets(episode: Episode, groups: dict[str, Groups], place: Place) -> None:
+    """Raises ArgumentError for an action recorded row by row that no placeholder stands for."""
+    for name in () if episode.features else episode.columns:
+        _, robot, _, group = name.split("/") if _is_action_of_group(name) else ("", "", "", "")
+        known = groups.get(robot, Groups())
+        if group and group not in (*known.arms, *known.grippers):
             raise ArgumentError(
-                f"episode '{episode.folder}': '{name}' commands a group without the column "
-                f"'{name.replace('/action/', '/', 1)}/target'. Record it, or name the columns in a "
+                f"{place}: episode '{episode.folder}': '{name}' commands a group without the "
+                f"column 'robots/{robot}/{group}/target'. Record it, or name the columns in a "
                 "file: --mapping FILE"
             )
-    return groups_of(commands, openings)
 
 
 def _is_action_of_group(name: str) -> bool:
