@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from robocell._action_chunks import Chunks
-from robocell._core import ArgumentError, NotFoundError
+from robocell._core import ArgumentError, CameraSystemConfig, NotFoundError
 from robocell._policy_calls import present
 from robocell._row import Row
 from robocell._suggestions import counted, did_you_mean
@@ -45,11 +45,15 @@ class ActingPolicy:
         present.begin()
         self.policy.reset(context)
 
-    def name_in(self, row: Observation, draws_images: bool) -> Observation:
+    def name_in(self, row: Observation, cameras: CameraSystemConfig) -> Observation:
         """Lets messages about names that a row lacks say whose observation it is."""
         if isinstance(row, Row):
             row.title = f"{type(self.policy).__name__}.act(): the observation"
-            if not draws_images:
+            if not cameras.streams:
+                row.without_images = (
+                    " The cell has no image stream; `cameras.streams` of a run declares them."
+                )
+            elif not cameras.draw:
                 row.without_images = (
                     " The rollouts draw no images: leave out --no-cameras for those of a stream."
                 )

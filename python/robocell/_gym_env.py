@@ -127,6 +127,10 @@ class GymEnv(gymnasium.Env[Any, Any]):
             self._window.show()
         return result
 
+    def row(self) -> dict[str, Any]:
+        """Returns the present state by the names of columns in datasets; see ``Env.row``."""
+        return self.core.row()
+
     def render(self) -> Any:
         """Returns a picture (H, W, 3) uint8 of the present state; None in other modes."""
         if self.render_mode != "rgb_array":

@@ -170,8 +170,7 @@ class PolicyExpert(Expert):
 
     def see(self, row: Observation) -> None:
         """Stores the row that a dataset records of this state, with its images."""
-        cameras = self._run.cameras
-        self._row = self._acting.name_in(row, cameras.draw and bool(cameras.streams))
+        self._row = self._acting.name_in(row, self._run.cameras)
 
     def act(self, scene: Scene, rng: Rng) -> dict[str, dict[str, GroupCommand]]:
         """Returns the next action of the policy's chunk, or of a new chunk."""

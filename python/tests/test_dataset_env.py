@@ -544,3 +544,30 @@ def test_an_environment_of_ones_own_whose_arms_stay_is_rejected(tmp_path: Path):
     with pytest.raises(rc.ArgumentError, match="its starts depend on the episodes before"):
         from_dataset(dataset, env=env)
     env.close()
+
+
+def test_actions_of_one_group_are_refused_together(dataset: rc.Dataset):
+    with pytest.raises(rc.ArgumentError, match=r"'.*action/arm' and '.*arm_relative' command the"):
+        from_dataset(dataset, actions=[ARM, f"{ARM}_relative"])
+
+
+def test_a_dataset_written_row_by_row_is_called_so(tmp_path: Path):
+    with rc.data.EpisodeWriter(tmp_path, "a", {"time": rc.data.ColumnSpec()}) as episode:
+        episode.add_row({"time": 0})
+        episode.commit(success=True)
+    with pytest.raises(rc.ArgumentError, match=r"were written row by row .* env.row\(\)"):
+        from_dataset(tmp_path)
+
+
+def test_replay_acts_as_an_environment_was_stepped_by_names(tmp_path: Path):
+    env = rc.Env(pick_cube_config())
+    with rc.data.EnvRecorder(env, tmp_path / "named") as recorder:
+        env.reset(seed=3)
+        (name,) = (each for each in env.row() if each.endswith("/arm/qpos"))
+        robot, arm = name.removesuffix("/arm/qpos"), env.row()[name]
+        for _ in range(3):
+            env.step({f"{robot}/action/arm": arm, f"{robot}/action/gripper": 0.5})
+        recorder.save(success=True)
+    env.close()
+    result = evaluate(tmp_path / "named", "replay", output=tmp_path / "out")
+    assert (result.rollouts, result.errors) == (1, {})

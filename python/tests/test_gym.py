@@ -64,6 +64,15 @@ def test_spaces_hold_everything_and_equal_seeds_give_equal_episodes(mode, relati
     assert np.ptp(episodes[0], axis=0)[:7].min() > 0, "nothing stands still"
 
 
+def test_rows_have_the_names_of_datasets():
+    env = GymEnv(config())
+    env.reset(seed=3)
+    assert np.array_equal(
+        env.row()["robots/robot/arm/qpos"], env.core.row()["robots/robot/arm/qpos"]
+    )
+    env.close()
+
+
 def test_render_returns_images_of_the_requested_size():
     env = GymEnv(config(), render_mode="rgb_array", render_size=(64, 48))
     assert env.metadata["render_fps"] == 30

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -118,6 +119,12 @@ def from_dataset(
         actions = _default_actions(own, shared)
     seen = _names_of("observation", observations, opened, shared, streams)
     done = _names_of("action", actions, opened, shared, streams)
+    for name in done:
+        if f"{name}_relative" in done:
+            raise ArgumentError(
+                f"dataset '{opened.folder}': actions '{name}' and '{name}_relative' command the "
+                "same group; choose one of them"
+            )
     return DatasetEnv(core, shared, seen, done, flat)
 
 
@@ -176,10 +183,15 @@ def _core_of_own(dataset: Dataset, env: Env) -> RecordedEnv:
         warnings.warn(
             f"environment '{env.config.name}': its steps last {took}, and a row of "
             f"'{dataset.folder}' {row_ms:.4g} ms; set `sim: {{async_control: true, frequency: "
-            f"{1000 / row_ms:.6g}}}`",
+            f"{_hertz(row_ms)}}}`",
             stacklevel=3,
         )
     return RecordedEnv(dataset, True, env)
+
+
+def _hertz(row_ms: float) -> str:
+    """Returns the rate of rows as it is written in YAML: "500/33", which is exact."""
+    return str(Fraction(1000 / row_ms).limit_denominator(1001))
 
 
 def _default_observations(
@@ -407,8 +419,10 @@ def _shared_features(dataset: Dataset) -> dict[str, Feature]:
         shared = features if shared is None else {n: f for n, f in shared.items() if n in features}
     if not shared:
         raise ArgumentError(
-            f"'{dataset.folder}' has no schema of its features: it was made by an older robocell; "
-            "make a new dataset"
+            f"'{dataset.folder}' has no schema of its features, so no environment is made of it: "
+            "its episodes were written row by row (EpisodeWriter, `robocell import`), or by an "
+            "older robocell. robocell.data.rows and torch_dataset read its columns; a policy of "
+            "them acts in an environment of your own with env.row() and env.step()"
         )
     return shared
 

@@ -62,7 +62,7 @@ class Mp4:
         """
         try:
             state = path.stat()
-            return _read(cls, path, (state.st_ino, state.st_size, state.st_mtime_ns))
+            return _read(path, (state.st_ino, state.st_size, state.st_mtime_ns))
         except IoError:
             raise
         except OSError as error:
@@ -100,11 +100,11 @@ class Mp4:
 
 
 @functools.lru_cache(maxsize=16)
-def _read(kind: type[Mp4], path: Path, version: tuple[int, ...]) -> Mp4:
+def _read(path: Path, version: tuple[int, ...]) -> Mp4:
     """Returns the facts of a file; those of a file that did not change are read once."""
     with path.open("rb") as file:
         try:
-            return kind._of(_video_tracks(_index(file)), file)
+            return Mp4._of(_video_tracks(_index(file)), file)
         except (KeyError, IndexError, StopIteration, OverflowError, struct.error) as error:
             raise IoError(
                 f"'{path}' is no MP4 file with a video, or its index is damaged"
