@@ -11,7 +11,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from robocell._core import ArgumentError, EnvBatch, EnvConfig, OrbitCamera
+from robocell._core import ArgumentError, EnvBatch, EnvConfig, OrbitCamera, _is_by_name
 from robocell._gym_env import KEYFRAME, options_of
 from robocell._spaces import Part, frame_space, space_of
 from robocell._suggestions import counted
@@ -145,11 +145,8 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
                 f"options={{'{RESET_OPTION}': ...}} before the next step"
             )
         again = self._ended & (self.autoreset_mode == AutoresetMode.NEXT_STEP)
-        by_name = _has_names(actions)
-        if by_name:
-            self._require_one_form(actions)
         flat, rewards, terminated, truncated, times, reasons = self.core.step(
-            actions if by_name else self._flat(actions), again.tolist()
+            actions if _is_by_name(actions) else self._flat(actions), again.tolist()
         )
         ends = terminated.astype(bool), truncated.astype(bool)
         self._ended = ends[0] | ends[1]
@@ -217,17 +214,6 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
         for path, keys in self._action_keys:
             self._check_keys(_at(actions, path), path, keys)
         return np.concatenate([self._rows(actions, part) for part in self._action_parts], axis=1)
-
-    def _require_one_form(self, actions: Mapping[Any, Any]) -> None:
-        """Raises ArgumentError for names of columns beside keys of the action space."""
-        known = [str(key) for path, keys in self._action_keys if not path for key in keys]
-        if others := [key for key in actions if key in known]:
-            names = [key for key in actions if key not in known]
-            raise ArgumentError(
-                f"environment '{self._name}': an action has one form, and this one has two: "
-                f"'{names[0]}' is the name of a column, '{others[0]}' a key of the action space. "
-                "Give all commands by name, or none"
-            )
 
     def _check_keys(self, given: Any, path: tuple[str, ...], keys: list[str]) -> None:
         name = ".".join(("action", *path))
@@ -302,13 +288,6 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
             "instruction": _texts(self.core.instructions, which),
             "_instruction": which.copy(),
         }
-
-
-def _has_names(actions: Any) -> bool:
-    """Returns True for ``{"robots/left/action/arm": rows}``, the names of action columns."""
-    return isinstance(actions, Mapping) and any(
-        isinstance(key, str) and key.startswith("robots/") for key in actions
-    )
 
 
 def _masked(infos: dict[str, Any], which: NDArray[np.bool_]) -> dict[str, Any]:

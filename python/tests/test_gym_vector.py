@@ -362,7 +362,7 @@ def test_an_action_has_one_form():
     both = vector.action_space.sample() | {"robots/robot/action/arm": target}
     text = (
         "one form, and this one has two: 'robots/robot/action/arm' is the name of a column, "
-        "'robot' a key of the action space"
+        "'robot' is not"
     )
     with pytest.raises(rc.ArgumentError, match=text):
         vector.step(both)
