@@ -321,18 +321,9 @@ nb::tuple ResetEnv(Env& env, std::optional<uint64_t> seed, std::optional<Keyfram
   return nb::make_tuple(Observation(env), info);
 }
 
-// Returns true for {"robots/left/action/arm": numbers}, the names of action columns in datasets.
-bool HasNames(const nb::dict& action) {
-  std::string name;
-  for (const auto& [key, value] : action) {
-    if (nb::try_cast(key, name) && name.starts_with("robots/")) return true;
-  }
-  return false;
-}
-
 nb::tuple StepEnv(Env& env, nb::handle action) {
   const nb::dict given = ToDict(action, FieldPath("action"), "a dict of robots");
-  const bool by_name = HasNames(given);
+  const bool by_name = IsByName(given);
   std::vector<double> numbers;
   std::map<std::string, std::vector<double>> commands;
   if (by_name)
@@ -447,7 +438,7 @@ void BindEnv(nb::module_& m) {
             }
             nb::dict row = ToArrays(features.observed(), features.state());
             for (const CellImage& frame : e.frames()) PutImage(row, frame);
-            return row;
+            return NamedRow(row);
           },
           nb::sig("def row(self) -> dict[str, numpy.typing.NDArray[typing.Any]]"),
           "Returns the present state by the names of columns in datasets: {name: numbers or "

@@ -1,6 +1,8 @@
 // Copies of one environment as flat arrays. robocell.gym turns them into a vector environment.
 #include "robocell/env/env_batch.h"
 
+#include <fmt/format.h>
+
 #include "arrays.h"
 #include "bindings.h"
 #include "cameras.h"
@@ -91,7 +93,7 @@ void PutImages(EnvBatch& batch, size_t stream, std::vector<T> CellImage::*image,
 }
 
 // Returns {name: (count, ...) numbers or images} in the order of the features.
-nb::dict BatchRow(EnvBatch& batch) {
+nb::object BatchRow(EnvBatch& batch) {
   const InUse use(batch, &Place, "read");
   EnvBatch::RowsByName rows;
   {
@@ -112,7 +114,7 @@ nb::dict BatchRow(EnvBatch& batch) {
     PutImages(batch, i, &CellImage::depth_mm, frames[i].name + ".depth", {h, w}, out);
     PutImages(batch, i, &CellImage::bodies, frames[i].name + ".segmentation", {h, w}, out);
   }
-  return out;
+  return NamedRow(out);
 }
 
 nb::dict BatchFrames(EnvBatch& batch) {
@@ -152,11 +154,24 @@ EnvBatch::RowsByName ToCommands(EnvBatch& batch, const nb::dict& values) {
   return commands;
 }
 
+// Throws ArgumentError for {"left": {"joints": ...}}, the actions of an environment.
+void RequireNoRobots(EnvBatch& batch, const nb::dict& actions) {
+  for (const RobotLayout& robot : batch.layout().robots) {
+    if (!actions.contains(robot.robot.c_str())) continue;
+    throw ArgumentError(fmt::format(
+        "{}: actions are (count, n) numbers, or have the names of columns, such as '{}'; "
+        "robocell.gym.VectorGymEnv takes '{}' and other robots",
+        Place(batch), batch.env(0).features().commanded().features().front().column.name,
+        robot.robot));
+  }
+}
+
 const BatchStep& MakeStep(EnvBatch& batch, nb::handle actions,
                           const std::vector<bool>& reset_instead) {
   if (nb::hasattr(actions, "keys")) {
     nb::dict by_name;
     by_name.update(actions);
+    if (!IsByName(by_name)) RequireNoRobots(batch, by_name);
     const EnvBatch::RowsByName commands = ToCommands(batch, by_name);
     const nb::gil_scoped_release release;
     return batch.Act(commands, reset_instead, SparsePoll());

@@ -155,12 +155,38 @@ nb::object Ravel(nb::handle value) {
   }
 }
 
+bool IsByName(nb::handle action) {
+  if (!nb::hasattr(action, "keys")) return false;
+  std::string column, robot, name;
+  for (const nb::handle key : action) {
+    if (!nb::try_cast(key, name)) continue;
+    if (name.starts_with("robots/"))
+      column = name;
+    else if (name.find('/') == std::string::npos)
+      robot = name;
+  }
+  if (!column.empty() && !robot.empty()) {
+    throw ArgumentError(fmt::format(
+        "an action has one form, and this one has two: '{}' is the name of a column, '{}' is not. "
+        "Give all commands by the names of columns, or none",
+        column, robot));
+  }
+  return !column.empty();
+}
+
+nb::object NamedRow(const nb::dict& row) {
+  return nb::module_::import_("robocell._row").attr("NamedColumns")(row);
+}
+
 std::map<std::string, std::vector<double>> ToNumbersByName(const nb::dict& values) {
   std::map<std::string, std::vector<double>> numbers;
   const FieldPath path("action");
   for (const auto& [key, value] : values) {
     const std::string name = ToText(key, path);
-    const Numbers read(Ravel(value), FieldPath(path, name));
+    const bool is_single =
+        nb::hasattr(value, "ndim") ? nb::cast<int>(value.attr("ndim")) == 0 : IsNumber(value);
+    const nb::object flat = is_single ? Ravel(value) : nb::borrow(value);
+    const Numbers read(flat, FieldPath(path, name));
     numbers[name] = {read.span().begin(), read.span().end()};
   }
   return numbers;
@@ -443,6 +469,9 @@ void BindFeatures(nb::module_& m) {
       },
       "env"_a, nb::sig("def _recorded_features(env: Env) -> CellFeatures"),
       "Returns the features of an environment's cell that its episodes record.");
+  m.def("_is_by_name", &IsByName, "action"_a,
+        "Returns True for an action by the names of columns in datasets. Raises ArgumentError if "
+        "names of robots are among them.");
   m.def(
       "_register_feature",
       [](const std::string& name, nb::object function, std::vector<int64_t> shape,

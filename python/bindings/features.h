@@ -15,6 +15,11 @@
 
 namespace robocell::python {
 
+// Returns true for {"robots/left/action/arm": numbers}, an action by the names of columns in
+// datasets. Throws ArgumentError if a robot's name is beside such names: an action has one form.
+bool IsByName(nanobind::handle action);
+// Returns {name: numbers or image} as a dict whose error for another name has the nearest one.
+nanobind::object NamedRow(const nanobind::dict& row);
 // Converts {name: numbers}, the form of actions.
 std::map<std::string, std::vector<double>> ToNumbersByName(const nanobind::dict& values);
 // Flattens numbers of any shape, including a single one. Returns other values unchanged.

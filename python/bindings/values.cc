@@ -60,6 +60,10 @@ double ToDouble(nb::handle value, const FieldPath& path) {
   if (PyBool_Check(p) || PyUnicode_Check(p) || !PyNumber_Check(p)) {
     ThrowType(path, "a number", value);
   }
+  // NumPy's would lose their imaginary part.
+  const bool is_complex =
+      PyComplex_Check(p) || std::string_view(Py_TYPE(p)->tp_name).starts_with("numpy.c");
+  if (is_complex) ThrowType(path, "a number", value);
   const double out = PyFloat_AsDouble(p);
   if (out == -1 && PyErr_Occurred()) {
     PyErr_Clear();

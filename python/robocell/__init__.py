@@ -31,6 +31,7 @@ from robocell import _startup as _startup  # first: Ctrl-C and the path of the c
 # isort: split
 from robocell import _build_tree as _build_tree  # the extension of a checkout
 from robocell import _notebook as _notebook  # how objects show themselves in notebooks
+from robocell import _pickling as _pickling  # pickles of any protocol
 from robocell import (
     control,
     data,

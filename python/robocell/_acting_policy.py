@@ -45,11 +45,15 @@ class ActingPolicy:
         present.begin()
         self.policy.reset(context)
 
-    def name_in(self, row: Observation, draws_images: bool) -> Observation:
+    def name_in(self, row: Observation, has_streams: bool, draws: bool) -> Observation:
         """Lets messages about names that a row lacks say whose observation it is."""
         if isinstance(row, Row):
             row.title = f"{type(self.policy).__name__}.act(): the observation"
-            if not draws_images:
+            if not has_streams:
+                row.without_images = (
+                    " The rollouts draw no images: the cell has no `cameras.streams`."
+                )
+            elif not draws:
                 row.without_images = (
                     " The rollouts draw no images: leave out --no-cameras for those of a stream."
                 )

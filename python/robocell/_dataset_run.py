@@ -80,7 +80,10 @@ def is_recorded_folder(source: str | Path) -> bool:
 
 
 def require_cell(source: str | Path) -> None:
-    """Raises ArgumentError for an imported dataset: nothing says in which cell it was made."""
+    """Raises ArgumentError for a dataset that neither a run nor an environment made.
+
+    Nothing says in which cell an imported one, or one of `EpisodeWriter`, was made.
+    """
     folder = Path(source)
     if not folder.is_dir():
         return
@@ -94,6 +97,12 @@ def require_cell(source: str | Path) -> None:
         raise ArgumentError(
             f"'{folder}' was imported from {origin.get('format', 'another format')}, so it has no "
             "cell to act in: train on it, export it, or merge it with others like it"
+        )
+    if len(dataset) and not {"identity", "environment"} & set(metadata or {}):
+        raise ArgumentError(
+            f"'{folder}' was written row by row, so it has no cell to act in. In a cell of your "
+            "own, env.row() returns the columns by their names, env.step takes the names of "
+            "actions, and robocell.data.rows reads both from the dataset"
         )
 
 

@@ -23,7 +23,8 @@ from robocell._generation.worker import MakeEpisode
 from robocell._generation.worker_entry import run_worker, worker_command
 from robocell._own_code import RAISED, own_sources, raise_interrupt
 from robocell._policy_calls import present
-from robocell._raised import LostPolicyError, UnmadePolicyError, text_of_hook
+from robocell._raised import LostPolicyError, UnmadePolicyError, text_of_hook, text_of_method
+from robocell._row import Row
 from robocell._spec_fields import fields_of, file_hashes, hashes_in
 from robocell.policy import (
     POLICY_ERROR,
@@ -151,6 +152,7 @@ class EnvRollouts:
         }
         self.identity = identity_of(starts, self.named, modules, json.dumps(cell))
         self.cell_fields = cell | {"max_steps": str(starts.max_steps)}
+        self._has_streams = bool(Dataset(starts.dataset)[0].streams)
         self._policy: ActingPolicy | None = None
 
     def run(self, item: Item, stop: StopFlag) -> ItemRecord:
@@ -217,13 +219,14 @@ class EnvRollouts:
             try:
                 if step == 0:
                     acting.begin(context)
-                action = acting.next(self.cell.row())
+                row = Row(self.cell.row(), (), lambda: None)
+                action = acting.next(acting.name_in(row, self._has_streams, self.starts.cameras))
                 self._require_actions(action)
             except RAISED as error:
                 raise_interrupt(error)
                 if isinstance(error, LostPolicyError):
                     raise
-                present.error = text_of_hook(error)
+                present.error = text_of_method(error, acting.policy.act)
                 return f"{POLICY_ERROR}{present.error}"
             _, terminated, truncated, info = self.cell.act(action)
             if info["is_success"]:
@@ -247,7 +250,11 @@ class EnvRollouts:
         known = [feature.name for feature in self.cell.commanded]
         own = [name for name in known if name.startswith("action/")]
         if any(name in own for name in action) and (lacks := [n for n in own if n not in action]):
-            raise ArgumentError(f"the action lacks {', '.join(map(repr, lacks))}")
+            who = type(self._acting().policy).__name__
+            raise ArgumentError(
+                f"{who}.act(): the action lacks {', '.join(map(repr, lacks))}: an environment "
+                "takes whole actions"
+            )
 
 
 def longest_episode(dataset: Path) -> int:

@@ -8,6 +8,7 @@ from typing import Any
 import gymnasium
 import numpy as np
 from gymnasium.utils import seeding
+from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, Env, EnvConfig, OrbitCamera, Renderer
 from robocell._spaces import frame_space, space_of
@@ -126,6 +127,13 @@ class GymEnv(gymnasium.Env[Any, Any]):
         if self._window:
             self._window.show()
         return result
+
+    def row(self) -> dict[str, NDArray[Any]]:
+        """Returns the present state by the names of columns in datasets, as ``Env.row``.
+
+        ``step`` takes the names of action columns too.
+        """
+        return self.core.row()
 
     def render(self) -> Any:
         """Returns a picture (H, W, 3) uint8 of the present state; None in other modes."""

@@ -11,7 +11,7 @@ from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 from numpy.typing import NDArray
 
-from robocell._core import ArgumentError, EnvBatch, EnvConfig, OrbitCamera
+from robocell._core import ArgumentError, EnvBatch, EnvConfig, OrbitCamera, _is_by_name
 from robocell._gym_env import KEYFRAME, options_of
 from robocell._spaces import Part, frame_space, space_of
 from robocell._suggestions import counted
@@ -146,7 +146,7 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
             )
         again = self._ended & (self.autoreset_mode == AutoresetMode.NEXT_STEP)
         flat, rewards, terminated, truncated, times, reasons = self.core.step(
-            actions if _has_names(actions) else self._flat(actions), again.tolist()
+            actions if _is_by_name(actions) else self._flat(actions), again.tolist()
         )
         ends = terminated.astype(bool), truncated.astype(bool)
         self._ended = ends[0] | ends[1]
@@ -288,13 +288,6 @@ class VectorGymEnv(VectorEnv[Any, Any, Any]):
             "instruction": _texts(self.core.instructions, which),
             "_instruction": which.copy(),
         }
-
-
-def _has_names(actions: Any) -> bool:
-    """Returns True for ``{"robots/left/action/arm": rows}``, the names of action columns."""
-    return isinstance(actions, Mapping) and any(
-        isinstance(key, str) and key.startswith("robots/") for key in actions
-    )
 
 
 def _masked(infos: dict[str, Any], which: NDArray[np.bool_]) -> dict[str, Any]:

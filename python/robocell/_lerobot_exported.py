@@ -17,7 +17,7 @@ with needed_by("robocell.lerobot", "envs"):
     from gymnasium import spaces
 
 from robocell._core import ArgumentError, Dataset
-from robocell._placeholders import Gripper, is_difference, is_opening
+from robocell._placeholders import Gripper, is_difference
 
 Observation = dict[str, Any]
 STATE, ACTION, IMAGES = "observation.state", "action", "observation.images."
@@ -196,7 +196,7 @@ def _columns(feature: Any, episode: Any) -> list[_Column]:
             )
         described = episode.column(term.column)
         size = int(np.prod(described.row_shape))
-        is_gripper = is_opening(term.column, described.names)
+        is_gripper = term.column in feature.openings
         columns.append(
             _Column(term.column, size, term.times, feature.gripper if is_gripper else None)
         )

@@ -151,7 +151,9 @@ def is_own(file: Path) -> bool:
 
 @functools.cache
 def _installed_folders() -> list[Path]:
-    folders = [Path(sys.base_prefix) / "lib", Path(sys.prefix) / "lib", Path(__file__).parent]
+    # The extension of a checkout is in its build folder.
+    package = [Path(folder) for folder in sys.modules["robocell"].__path__]
+    folders = [Path(sys.base_prefix) / "lib", Path(sys.prefix) / "lib", *package]
     return [folder.resolve() for folder in folders]
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -20,6 +20,7 @@ from robocell._suggestions import did_you_mean, fitting, is_pattern
 from robocell._yaml import Place
 
 OPENING = "opening"  # the component of every gripper column
+GRIPPER_GROUP = "gripper"  # the usual name of a gripper's group
 RELATIVE = "_relative"  # the end of the name of a column of differences
 OF_THE_TCP = ("tcp_pose", "tcp_displacement")  # actions that are of no group
 ROBOT, ARM, GRIPPER = "{robot}", "{arm}", "{gripper}"
@@ -78,6 +79,81 @@ def is_opening(column: str, names: Sequence[str]) -> bool:
     return column.rpartition("/")[2] == OPENING or list(names) == [OPENING]
 
 
+@dataclass(frozen=True)
+class Column:
+    """What tells whether a column has openings: its size, names of components, and unit."""
+
+    size: int
+    names: tuple[str, ...] = ()
+    units: str = ""
+
+
+@dataclass(frozen=True)
+class Openings:
+    """The columns of openings.
+
+    Attributes:
+        columns: Openings, commands of openings, and their differences.
+        unclear: Robot -> its commands of which one may be the gripper's, where nothing says which.
+    """
+
+    columns: frozenset[str]
+    unclear: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+def openings_of(columns: Mapping[str, Column]) -> Openings:
+    """Finds the openings of grippers among the columns of an episode.
+
+    robocell names the components of its openings. In a recording without such names, a command is
+    one of an opening if it is a single number without a unit, and
+
+    - its group is called "gripper", or
+    - its robot has a measured opening, `robots/<robot>/opening`, and no other command can be it.
+    """
+    found = {name for name, column in columns.items() if is_opening(name, column.names)}
+    unclear: dict[str, tuple[str, ...]] = {}
+    for robot, groups in _commanded(columns).items():
+        command = f"robots/{robot}/action/{{}}".format
+        if any(command(group) in found for group in groups):
+            continue
+        free = [group for group in groups if _may_be_opening(columns[command(group)])]
+        own = [group for group in free if group == GRIPPER_GROUP]
+        if not own and f"robots/{robot}/opening" in columns:
+            # A single joint has its own position beside the command.
+            own = [group for group in free if not _is_joint(columns, robot, group)]
+            if len(own) != 1:
+                unclear |= {robot: tuple(map(command, free))} if free else {}
+                continue
+        for group in own:
+            names = (
+                command(group),
+                f"{command(group)}{RELATIVE}",
+                f"robots/{robot}/{group}/target",
+            )
+            found |= {name for name in names if name in columns}
+    return Openings(frozenset(found), unclear)
+
+
+def _commanded(columns: Iterable[str]) -> dict[str, list[str]]:
+    """Returns the groups that each robot has commands of."""
+    groups: dict[str, list[str]] = {}
+    for name in columns:
+        parts = name.split("/")
+        is_command = len(parts) == 4 and parts[0] == "robots" and parts[2] == "action"
+        if is_command and parts[3] not in OF_THE_TCP and not is_difference(parts[3]):
+            groups.setdefault(parts[1], []).append(parts[3])
+    return groups
+
+
+def _may_be_opening(column: Column) -> bool:
+    return column.size == 1 and column.units in ("", "1")
+
+
+def _is_joint(columns: Mapping[str, Column], robot: str, group: str) -> bool:
+    qpos = columns.get(f"robots/{robot}/{group}/qpos")
+    return qpos is not None and qpos.size == 1
+
+
 def is_difference(column: str) -> bool:
     """Returns True for a column of differences."""
     return column.endswith(RELATIVE)
@@ -90,20 +166,13 @@ def groups_of(columns: Iterable[str], openings: Collection[str]) -> dict[str, Gr
         columns: Columns of actions; others are passed over.
         openings: Those that are openings of grippers.
     """
-    found: dict[str, Groups] = {}
-    for name in columns:
-        parts = name.split("/")
-        if len(parts) != 4 or parts[0] != "robots" or parts[2] != "action":
-            continue
-        robot, group = parts[1], parts[3]
-        if group in OF_THE_TCP or is_difference(group):
-            continue
-        known = found.get(robot, Groups())
-        if name in openings:
-            found[robot] = replace(known, grippers=(*known.grippers, group))
-        else:
-            found[robot] = replace(known, arms=(*known.arms, group))
-    return found
+    return {
+        robot: Groups(
+            arms=tuple(g for g in groups if f"robots/{robot}/action/{g}" not in openings),
+            grippers=tuple(g for g in groups if f"robots/{robot}/action/{g}" in openings),
+        )
+        for robot, groups in _commanded(columns).items()
+    }
 
 
 def require_placeholders(text: str, place: Place, allowed: Sequence[str]) -> None:

@@ -6,9 +6,11 @@ except Exception as error:
 
 from __future__ import annotations
 
+import inspect
 import re
 import sysconfig
 import traceback
+from collections.abc import Callable
 from pathlib import Path
 from typing import TypeGuard
 
@@ -97,6 +99,18 @@ def text_of_hook(error: BaseException) -> str:
     """Returns 'ValueError: text (tasks.py:12, in judge)', as the error of a hook says it."""
     message, place = message_and_place(error)
     return f"{message} ({place})" if place else message
+
+
+def text_of_method(error: BaseException, method: Callable[..., object]) -> str:
+    """Returns the text of an error of a hook; one about its return value has the hook's place."""
+    text = text_of_hook(error)
+    if ends_with_place(text):
+        return text
+    own = inspect.unwrap(method)
+    code = getattr(getattr(own, "__func__", own), "__code__", None)
+    if code is None or not is_own(Path(code.co_filename)):
+        return text
+    return f"{text} ({code.co_filename}:{code.co_firstlineno}, in {code.co_name})"
 
 
 def trace_of(error: BaseException) -> str:

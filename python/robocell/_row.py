@@ -104,3 +104,16 @@ _READING = ("values", "items", "copy", "__eq__", "__ne__", "__or__", "__ror__", 
 _CHANGING = ("__delitem__", "__ior__", "clear", "pop", "popitem", "setdefault", "update")
 for _name in (*_READING, *_CHANGING):
     setattr(Row, _name, _fetching(_name))
+
+
+class NamedColumns(dict[str, Array]):
+    """The state of an environment by the names of columns; `Env.row` returns it."""
+
+    def __missing__(self, name: str) -> Array:
+        raise MissingNameError(
+            f"the row has no '{name}'.{did_you_mean(str(name), self)} It has: "
+            f"{shortened(sorted(self))}"
+        )
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return dict, (dict(self),)

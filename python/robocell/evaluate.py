@@ -26,6 +26,7 @@ from typing import Any
 from robocell._core import (
     ArgumentError,
     Dataset,
+    EnvConfig,
     Error,
     IoError,
     NotFoundError,
@@ -396,7 +397,7 @@ def evaluate(
                 cameras=cameras,
             )
         else:
-            with _naming_options(overrides):
+            with _naming_options(overrides), _naming_files_of_environments(source):
                 job = Job(chosen, overrides, choose=starts.choose)
         if isinstance(job, Job):
             delay_of(latency_ms, job.run.rates.policy_ms)
@@ -430,6 +431,31 @@ def _require_there(source: str | Path) -> None:
         f"no dataset or run file '{source}'.{near} Name the folder of a dataset, a run file, or "
         "module:name of a RunConfig"
     )
+
+
+@contextlib.contextmanager
+def _naming_files_of_environments(source: str | Path) -> Iterator[None]:
+    """Context manager: an error about an environment's file says how to evaluate in it."""
+    try:
+        yield
+    except SpecError as error:
+        if not _is_of_environment(Path(source)):
+            raise
+        raise ArgumentError(
+            f"'{source}' is the file of an environment, and policies are evaluated in a run, or in "
+            "a dataset. Record episodes in the environment with robocell.data.EnvRecorder, then "
+            "evaluate the folder of their dataset"
+        ) from error
+
+
+def _is_of_environment(file: Path) -> bool:
+    if not file.is_file() or file.suffix not in (".yaml", ".yml"):
+        return False
+    try:
+        EnvConfig.load(file)
+    except Error:
+        return False
+    return True
 
 
 # Options of `evaluate` by the field of the run that they set.

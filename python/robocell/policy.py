@@ -13,7 +13,7 @@ streams; an action is one or more of the columns `robots/<robot>/action/...`.
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -171,7 +171,7 @@ class PolicyExpert(Expert):
     def see(self, row: Observation) -> None:
         """Stores the row that a dataset records of this state, with its images."""
         cameras = self._run.cameras
-        self._row = self._acting.name_in(row, cameras.draw and bool(cameras.streams))
+        self._row = self._acting.name_in(row, bool(cameras.streams), cameras.draw)
 
     def act(self, scene: Scene, rng: Rng) -> dict[str, dict[str, GroupCommand]]:
         """Returns the next action of the policy's chunk, or of a new chunk."""
@@ -502,9 +502,9 @@ def replayed_seed(source: str | Path) -> int:
         return seed_of_dataset(source)
 
 
-def _chosen_actions(context: Context) -> list[Feature]:
+def _chosen_actions(features: Iterable[Feature]) -> list[Feature]:
     """Returns the actions that command a whole cell: absolute targets, or an environment's own."""
-    actions = {f.name: f for f in context.features if f.role == "action"}
+    actions = {f.name: f for f in features if f.role == "action"}
     of_env = [f for name, f in actions.items() if name.startswith(ENV_ACTION)]
     return of_env or [f for name, f in actions.items() if f"{name}_relative" in actions]
 
@@ -516,17 +516,22 @@ class ReplayPolicy(Policy):
         self._dataset = Dataset(Path(source))
         self._episode: Episode | None = None
         self._row = 0
+        self._features: list[Feature] = []
         self._names: list[str] = []
 
     def reset(self, context: Context) -> None:
         """Looks up the episode again."""
         self._episode, self._row = None, 0
-        self._names = [feature.name for feature in _chosen_actions(context)]
+        self._features = list(context.features)
 
     def act(self, observation: Observation) -> Action:
         """The next recorded action; the last one again after the end."""
         if self._episode is None:
             self._episode = self._starting_at(observation)
+            # An environment may have been stepped by names: it then has no actions of its own.
+            recorded = set(self._episode.columns)
+            there = [feature for feature in self._features if feature.name in recorded]
+            self._names = [feature.name for feature in _chosen_actions(there)]
         row = min(self._row, len(self._episode) - 1)
         self._row += 1
         return {name: self._episode[name][row] for name in self._names}
@@ -563,7 +568,7 @@ class RandomPolicy(Policy):
     def reset(self, context: Context) -> None:
         """Restarts the random stream."""
         self._rng = np.random.default_rng(context.seed)
-        self._targets = _chosen_actions(context)
+        self._targets = _chosen_actions(context.features)
 
     def act(self, observation: Observation) -> Action:
         """A step of up to 0.1 rad or m for each joint, and any opening, within their ranges."""

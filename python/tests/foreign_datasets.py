@@ -171,7 +171,7 @@ def replay_buffer(root: Path) -> Path:
         "meta/episode_ends": np.cumsum(ROWS),
     }
     for name, values in arrays.items():
-        group.create_array(name, data=values)
+        group.create_array(name, data=values, config={"write_empty_chunks": True})
     return root
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 import shutil
 from pathlib import Path
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
@@ -15,7 +16,7 @@ import robocell as rc
 from robocell.envs import from_dataset
 from robocell.evaluate import evaluate
 from robocell.gym import pick_cube_config
-from robocell.policy import Policy
+from robocell.policy import Context, Policy, ReplayPolicy
 from test_task import Idle
 
 ROOT = Path(__file__).parents[2]
@@ -299,17 +300,32 @@ def test_an_action_must_have_exactly_the_chosen_columns(dataset: rc.Dataset):
     alone = from_dataset(dataset, actions=[GRIPPER], cameras=False)  # the arm stays
     alone.reset(seed=0)
     alone.step({GRIPPER: 0.5})
-    both = from_dataset(dataset, actions=[ARM, twist], cameras=False)
-    both.reset(seed=0)
-    with pytest.raises(rc.ArgumentError, match="both move group 'arm'"):
-        both.step({ARM: [0] * 7, twist: [0] * 6})
+
+
+@pytest.mark.parametrize(
+    ("actions", "first", "second", "group"),
+    [
+        (["robots/*/action/*"], "arm", "arm_relative", "arm"),
+        ([f"{ARM}_relative", ARM], "arm", "arm_relative", "arm"),
+        ([ARM, "robots/rc7/action/tcp_displacement"], "arm", "tcp_displacement", "arm"),
+        (["robots/rc7/action/tcp_*"], "tcp_pose", "tcp_displacement", "arm"),
+        ([f"{GRIPPER}*", ARM], "gripper", "gripper_relative", "gripper"),
+    ],
+)
+def test_actions_of_one_group_cannot_be_chosen_together(
+    dataset: rc.Dataset, actions: list[str], first: str, second: str, group: str
+):
+    names = " and ".join(f"'robots/rc7/action/{name}'" for name in (first, second))
+    text = f"{names} both move group '{group}' of robot 'rc7'; choose one of them"
+    with pytest.raises(rc.ArgumentError, match=text):
+        from_dataset(dataset, actions=actions, cameras=False)
 
 
 def test_a_star_matches_any_part_of_a_name(dataset: rc.Dataset):
     names = ["robots/*/qpos", "exo"]
-    env = from_dataset(dataset, names, ["robots/rc7/action/tcp_*"])
+    env = from_dataset(dataset, names, ["robots/*/arm", "robots/*/gripper"])
     assert env.observations == ["robots/rc7/arm/qpos", "robots/rc7/gripper/qpos", "exo"]
-    assert env.actions == ["robots/rc7/action/tcp_pose", "robots/rc7/action/tcp_displacement"]
+    assert env.actions == [ARM, GRIPPER]
     flat = from_dataset(dataset, names[:1], flat=True)
     vector, _ = flat.reset(seed=0)
     assert np.array_equal(vector, rc.data.rows(dataset, names[:1])[0])
@@ -384,14 +400,74 @@ def test_a_recorded_environment_replays_its_canonical_actions_bitwise(tmp_path: 
     assert np.array_equal(vector, row["robots/robot/arm/qpos"])
 
 
+@pytest.mark.parametrize("by_name", [True, False])
+def test_the_replay_policy_repeats_both_forms_of_actions(tmp_path: Path, by_name: bool):
+    env = rc.Env(pick_cube_config())
+    with rc.data.EnvRecorder(env, tmp_path):
+        env.reset(seed=1)
+        for i in range(4):
+            arm = env.row()["robots/robot/arm/target"] + 0.02
+            own = {"robot": {"tquat": [0, 0, -0.01, 0, 0, 0, 1], "gripper": i % 2}}
+            named = {"robots/robot/action/arm": arm, "robots/robot/action/gripper": i % 2}
+            env.step(named if by_name else own)
+    (episode,) = rc.Dataset(tmp_path)
+    core = cast(Any, from_dataset(tmp_path, privileged=True).core)
+    core.begin_at(rc.envs.EnvState(episode["env_state"]))
+    replay = ReplayPolicy(tmp_path)
+    features = [*core.observed, *core.commanded]
+    replay.reset(Context(instruction="", run=core.env.config, seed=0, features=features))
+    for row in range(4):
+        assert np.array_equal(
+            core.row()["robots/robot/arm/qpos"], episode["robots/robot/arm/qpos"][row]
+        )
+        action = replay.act(core.row())
+        assert all(name.startswith("robots/") == by_name for name in action)
+        _, _, _, info = core.act(action)
+        assert info["is_success"] == episode["success"][row]
+    env.close()
+
+
+def test_errors_of_policies_in_a_recorded_environment_have_class_and_place(tmp_path: Path):
+    recorded_cube(tmp_path / "cube")
+    source = tmp_path / "halves.py"
+    source.write_text(
+        "from robocell.policy import Policy\n"
+        "class Half(Policy):\n"
+        "    def act(self, row):\n"
+        "        if row['robots/robot/opening'] < 2:\n"
+        "            return {'action/robot/tquat': [0, 0, 0, 0, 0, 0, 1]}\n"
+    )
+    result = evaluate(tmp_path / "cube", f"{source}:Half", episodes=1)
+    assert result.failures == {
+        "policy error: Half.act(): the action lacks 'action/robot/gripper': an environment takes "
+        f"whole actions ({source}:3, in act)": 1
+    }
+
+
+def test_a_dataset_that_was_written_row_by_row_has_no_cell(tmp_path: Path):
+    with rc.data.EpisodeWriter(tmp_path, "a", {"time": rc.data.ColumnSpec()}) as episode:
+        episode.add_row({"time": 0.0})
+        episode.commit(success=True)
+    told = r"was written row by row, .*env\.row\(\) .*env\.step .*robocell\.data\.rows"
+    with pytest.raises(rc.ArgumentError, match=told):
+        from_dataset(tmp_path)
+    with pytest.raises(rc.ArgumentError, match=told):
+        evaluate(tmp_path, "random")
+
+
 def test_a_recorded_environment_takes_actions_of_one_kind(tmp_path: Path):
     dataset = recorded_cube(tmp_path)
     own = "action/robot/tquat"
     assert from_dataset(dataset).actions == [own, "action/robot/gripper"]
-    mixed = from_dataset(dataset, actions=[own, "robots/robot/action/gripper"])
-    mixed.reset(seed=0)
-    with pytest.raises(rc.ArgumentError, match=f"'{own}' and 'robots/robot/action/gripper' are of"):
-        mixed.step({own: [0, 0, 0, 0, 0, 0, 1], "robots/robot/action/gripper": 1})
+    gripper = "robots/robot/action/gripper"
+    with pytest.raises(rc.ArgumentError, match=f"'{own}' and '{gripper}' are of two kinds"):
+        from_dataset(dataset, actions=[own, gripper])
+    with pytest.raises(rc.ArgumentError, match="these lack 'action/robot/gripper'"):
+        from_dataset(dataset, actions=[own])
+    core = from_dataset(dataset).core
+    core.reset(0)
+    with pytest.raises(rc.ArgumentError, match=f"'{own}' and '{gripper}' are of two kinds"):
+        core.act({own: [0, 0, 0, 0, 0, 0, 1], gripper: 1})
 
 
 def own_cell(name: str = "target", **fields: object) -> rc.Env:
@@ -436,7 +512,7 @@ def test_an_environment_of_ones_own_has_the_schema_of_a_dataset(dataset: rc.Data
 
 def test_an_environment_of_ones_own_is_compared_with_the_dataset(dataset: rc.Dataset):
     other = rc.Env(rc.EnvConfig(robots={"arm": rc.models.robot_file("rc7")}))
-    with pytest.warns(UserWarning, match=r"until the arms have arrived, and a row .* 66 ms"):
+    with pytest.warns(UserWarning, match=r"until the arms .* a row .* 66 ms; set .* 500/33}"):
         env = from_dataset(dataset, ["robots/rc7/arm/qpos"], cameras=False, env=other)
     text = (
         r"'robots/rc7/arm/qpos' is in the dataset and not in the cell here, whose robots are: "

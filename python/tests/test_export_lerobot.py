@@ -25,6 +25,7 @@ import robocell
 from command_line import refused, robocell_command
 from exported import INSTALLED, hashes, psnr, three_episodes
 from read_back import decoded
+from robocell.data import CameraStream, ColumnSpec, EpisodeWriter
 from robocell.export import _lerobot_rows as lerobot_rows
 from robocell.export import _lerobot_v3 as lerobot_v3
 from robocell.export import _lerobot_v21 as lerobot_v21
@@ -291,6 +292,41 @@ def test_statistics_of_images_are_those_of_key_frames(dataset: robocell.Dataset,
         assert np.shape(found[name]) == (3, 1, 1)
         assert np.allclose(np.ravel(found[name]), value, atol=1e-9), name
     assert np.allclose(np.ravel(found["q50"]), np.quantile(pixels, 0.5, axis=0), atol=1 / 255)
+
+
+@pytest.mark.parametrize("kind", ["flash", "black", "noise", "marked"])
+def test_i_frames_that_are_no_key_frames_are_exported(tmp_path: Path, kind: str):
+    random = np.random.default_rng(0)
+    scene = random.integers(0, 255, (48, 64, 3), np.uint8)
+
+    def image(i: int) -> np.ndarray[Any, Any]:
+        if kind == "noise":
+            return random.integers(0, 255, (48, 64, 3), np.uint8)
+        is_white, is_black = kind != "black" and i == 31, kind == "black" and i < 2
+        return np.full_like(scene, 255 * is_white) if is_white or is_black else np.roll(scene, i, 1)
+
+    names = ("robots/ur5e/arm/qpos", "robots/ur5e/arm/target", "robots/ur5e/action/arm")
+    columns = {"time": ColumnSpec()} | {name: ColumnSpec(shape=6) for name in names}
+    metadata, cameras = {"instruction": "x"}, {"w": CameraStream(64, 48)}
+    for id in ("a", "b"):
+        with EpisodeWriter(tmp_path / "d", id, columns, cameras, metadata=metadata) as episode:
+            rows = {name: np.zeros((40, 6)) for name in names}
+            episode.add_rows({"time": np.arange(40) / 30} | rows)
+            if kind == "marked" and id == "b":  # as `ffmpeg -c copy` marks every I frame
+                marked = tmp_path / "marked.mp4"
+                copied = ("-i", tmp_path / "d/a/w.mp4", "-c", "copy", marked)
+                subprocess.run(["ffmpeg", "-loglevel", "error", *copied], check=True)
+                episode.add_video("w", marked)
+                assert Mp4.read(marked).has_false_keys
+            else:
+                for i in range(40):
+                    episode.add_frame("w", image(i))
+            episode.commit(success=True)
+    done = export_dataset(tmp_path / "d", tmp_path / "out", "lerobot-v3")
+    assert set(done.encoded) == ({"observation.images.w"} if kind == "marked" else set())
+    facts = Mp4.read(next((tmp_path / "out/videos").rglob("*.mp4")))
+    assert (facts.frames, facts.has_false_keys) == (80, False)
+    assert {0, 30, 40, 70} <= set(facts.key_frames)
 
 
 def test_statistics_need_no_more_memory_for_more_rows(monkeypatch: pytest.MonkeyPatch):

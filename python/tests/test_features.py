@@ -66,7 +66,18 @@ def test_features_can_be_pickled():
     built_in = [*env.observed, *env.commanded]
     env.close()
     fields = ("name", "role", "dtype", "shape", "units", "frame", "names", "values")
-    for feature in (made, *built_in):
-        again = pickle.loads(pickle.dumps(feature))
+    protocols = range(pickle.HIGHEST_PROTOCOL + 1)
+    for feature, protocol in [(made, p) for p in protocols] + [(each, 4) for each in built_in]:
+        again = pickle.loads(pickle.dumps(feature, protocol))
         for field in (*fields, "description", "lower", "upper", "source"):
             assert getattr(again, field) == getattr(feature, field), (feature, field)
+
+
+@pytest.mark.parametrize("protocol", range(pickle.HIGHEST_PROTOCOL + 1))
+def test_values_can_be_pickled_by_every_protocol(protocol: int):
+    verdict = rc.tasks.TaskVerdict(0.5, True, 0.25, 3)
+    pose = rc.Pose(translation=[1, 2, 3])
+    config = rc.EnvConfig.load(rc.models.cell_file("rc7"))
+    for value in (verdict, pose, config):
+        again = pickle.loads(pickle.dumps(value, protocol))
+        assert (type(again), repr(again)) == (type(value), repr(value))

@@ -102,6 +102,16 @@ for seed in (7, None, 8):
 """
 
 
+@pytest.mark.parametrize("flat", [False, True])
+def test_a_row_has_the_names_of_columns(flat):
+    env = gym.make("robocell/PickCube-v0", flat=flat).unwrapped
+    env.reset(seed=0)
+    row, core = env.row(), env.core.row()
+    assert list(row) == list(core)
+    assert all(np.array_equal(row[name], core[name]) for name in core)
+    env.close()
+
+
 def test_the_generator_is_that_of_the_seed():
     env = GymEnv(pick_cube_config())
     env.reset(seed=5)

@@ -352,3 +352,20 @@ def test_wrong_commands_by_name_move_no_copy():
     with pytest.raises(rc.ArgumentError, match="choices for 1 were given"):
         vector.core.step({}, [True])
     vector.close()
+
+
+def test_an_action_has_one_form():
+    vector = VectorGymEnv(pick_cube_config(), num_envs=2)
+    vector.reset(seed=0)
+    before = vector.row()
+    target = before["robots/robot/arm/target"]
+    both = vector.action_space.sample() | {"robots/robot/action/arm": target}
+    text = (
+        "one form, and this one has two: 'robots/robot/action/arm' is the name of a column, "
+        "'robot' is not"
+    )
+    with pytest.raises(rc.ArgumentError, match=text):
+        vector.step(both)
+    after = vector.row()
+    assert all(np.array_equal(after[name], before[name]) for name in before)
+    vector.close()

@@ -288,7 +288,7 @@ def test_mistakes_in_a_mapping_are_named(
 def test_a_column_whose_name_begins_another_becomes_its_value(tmp_path: Path):
     root = zarr.open_group(str(tmp_path / "a.zarr"), mode="w", zarr_format=2)
     for name in ("pose", "pose/extra"):
-        root.create_array(f"data/{name.replace('/', '.')}", data=np.zeros((4, 2), np.float32))
+        root.create_array(f"data/{name.replace('/', '.')}", data=np.ones((4, 2), np.float32))
     root.create_array("meta/episode_ends", data=np.array([1, 4]))
     mapping = tmp_path / "names.yaml"
     mapping.write_text("columns: {pose: pose, pose.extra: pose/extra}\n")

@@ -192,6 +192,46 @@ def test_zarr_arrays_without_description_are_not_left_out(tmp_path: Path):
     refused(root, "data/action' has no description of an array", rate=10)
 
 
+@pytest.mark.parametrize("is_zip", [False, True])
+@pytest.mark.parametrize("chunk", ["data/action/0.0", "data/img/6.0.0.0", "meta/episode_ends/0"])
+def test_missing_chunks_of_zarr_arrays_are_refused(tmp_path: Path, chunk: str, is_zip: bool):
+    root = foreign.replay_buffer(tmp_path / "there")
+    group = zarr.open_group(str(root / "a.zarr"), mode="a", zarr_format=2)
+    images = {"data": foreign.pixels(7), "chunks": (1, 16, 16, 3), "overwrite": True}
+    group.create_array("data/img", **images, config={"write_empty_chunks": True})
+    (root / "a.zarr" / chunk).unlink()
+    source = root
+    if is_zip:
+        source = Path(shutil.make_archive(str(tmp_path / "there.zarr"), "zip", root / "a.zarr"))
+    name, _, key = chunk.rpartition("/")
+    message = rf"{name}: chunk {key} is missing, of \d.*--fill-missing-chunks imports them"
+    refused(source, message, rate=10)
+    if not name.startswith("meta"):
+        done = import_dataset(source, tmp_path / "out", rate=10, fill_missing_chunks=True)
+        assert done.rows == 7
+
+
+@pytest.mark.parametrize(
+    ("kind", "told"),
+    [
+        ("aloha", "no 1, 3 to 4 between episode_0 and episode_5"),
+        ("robomimic", "no 1, 3 to 4 between demo_0 and demo_5"),
+    ],
+)
+def test_numbers_that_are_missing_are_named(tmp_path: Path, kind: str, told: str):
+    root = foreign.DATASETS[kind](tmp_path / "there")
+    if kind == "aloha":
+        for number in (2, 5):
+            shutil.copy(root / "episode_1.hdf5", root / f"episode_{number}.hdf5")
+        (root / "episode_1.hdf5").unlink()
+    else:
+        with h5py.File(root / "demo.hdf5", "a") as file:
+            file.copy("data/demo_1", "data/demo_2")
+            file.move("data/demo_1", "data/demo_5")
+    done = import_dataset(root, tmp_path / "out", rate=10)
+    assert (done.episodes, done.gaps) == (3, told)
+
+
 @pytest.mark.parametrize(
     ("ends", "message"),
     [

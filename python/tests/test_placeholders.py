@@ -10,7 +10,15 @@ import numpy as np
 import pytest
 
 from robocell import NotFoundError, SpecError
-from robocell._placeholders import Gripper, Groups, camera_of, first_of, groups_of
+from robocell._placeholders import (
+    Column,
+    Gripper,
+    Groups,
+    camera_of,
+    first_of,
+    groups_of,
+    openings_of,
+)
 from robocell._policy_presets import Preset
 from robocell.export._mapping import Mapping
 
@@ -210,3 +218,59 @@ def test_an_empty_instruction_is_called_empty(tmp_path: Path):
         Mapping.load(file).resolve(episode)
     assert "'instruction' of episode 'out/e0' is empty" in str(raised.value)
     assert "Did you mean" not in str(raised.value)
+
+
+def recording(**columns: Column) -> dict[str, Column]:
+    """Returns columns of robot 'a', with the first '_' of each name for '/'."""
+    arm = {"arm_qpos": Column(6), "action_arm": Column(6)}
+    return {f"robots/a/{n.replace('_', '/', 1)}": c for n, c in {**arm, **columns}.items()}
+
+
+ONE = Column(1)
+ANGLE = Column(1, units="rad")
+
+
+@pytest.mark.parametrize(
+    ("columns", "group"),
+    [
+        ({"opening": ONE, "action_hand": Column(1, ("opening",))}, "hand"),
+        ({"opening": ONE, "action_gripper": ONE}, "gripper"),
+        ({"opening": ONE, "action_hand": ONE, "hand_qpos": Column(2)}, "hand"),
+        ({"opening": ONE, "action_rail": ANGLE, "action_hand": ONE}, "hand"),
+        ({"opening": ONE, "action_rail": ONE, "rail_qpos": ONE, "action_hand": ONE}, "hand"),
+        ({"action_gripper": Column(1, units="1"), "gripper_qpos": ONE}, "gripper"),
+        ({"action_gripper": ANGLE}, None),
+        ({"action_hand": ONE}, None),
+        ({"opening": ONE, "action_hand": Column(16), "hand_qpos": Column(16)}, None),
+    ],
+)
+def test_a_gripper_is_found_by_its_documented_columns(
+    columns: dict[str, Column], group: str | None
+):
+    known = recording(**columns)
+    found = openings_of(known)
+    assert not found.unclear
+    grippers = groups_of(known, found.columns)["a"].grippers
+    assert grippers == ((group,) if group else ())
+
+
+def test_columns_beside_the_command_of_a_gripper_are_openings_too():
+    known = recording(action_gripper=ONE, action_gripper_relative=ONE, gripper_target=ONE)
+    assert openings_of(known).columns == {
+        "robots/a/action/gripper",
+        "robots/a/action/gripper_relative",
+        "robots/a/gripper/target",
+    }
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        {"action_left": ONE, "action_right": ONE},
+        {"action_rail": ONE, "rail_qpos": ONE},
+    ],
+)
+def test_a_gripper_that_nothing_tells_apart_is_unclear(columns: dict[str, Column]):
+    found = openings_of(recording(opening=ONE, **columns))
+    commands = [f"robots/a/{n.replace('_', '/', 1)}" for n in columns if n.startswith("action")]
+    assert found.unclear == {"a": tuple(commands)}

@@ -7,8 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from robocell._core import NotFoundError
 
 from robocell._acting_policy import ActingPolicy
+from robocell._row import Row
 from robocell.policy import Context, Policy
 
 ARM, GRIPPER = "robots/a/action/arm", "robots/a/action/gripper"
@@ -70,3 +72,23 @@ def test_rejects_what_is_no_real_number(values: Any, what: str):
 def test_rejects_names_that_are_no_text():
     with pytest.raises(TypeError, match="the names of actions are texts, got 3"):
         actions({3: [0.5]})
+
+
+@pytest.mark.parametrize(
+    ("has_streams", "draws", "hint"),
+    [
+        (False, True, r" The rollouts draw no images: the cell has no `cameras\.streams`\."),
+        (False, False, r" The rollouts draw no images: the cell has no `cameras\.streams`\."),
+        (True, False, r" The rollouts draw no images: leave out --no-cameras .*"),
+        (True, True, ""),
+    ],
+)
+def test_a_missing_image_has_a_next_step_that_can_be_taken(
+    has_streams: bool, draws: bool, hint: str
+):
+    row = Row({"time": np.zeros(1)}, (), lambda: None)
+    ActingPolicy(Policy()).name_in(row, has_streams, draws)
+    with pytest.raises(
+        NotFoundError, match=rf"the observation has no 'wrist'\.{hint} It has: time"
+    ):
+        row["wrist"]

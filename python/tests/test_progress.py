@@ -91,10 +91,12 @@ def test_the_bar_shows_the_same_and_keeps_lines_above_it():
     totals = totals_after_one()
     bar.started(totals)
     bar.unmade(Unmade("s0000_e0003", "[dropped] 20", ""), totals)
+    bar.warning("the table is low")
     bar.tick(totals)
     bar.finished(totals)
     shown = console.file.getvalue()
     assert "s0000_e0003 could not be made: [dropped] 20" in shown
+    assert "warning: the table is low" in shown
     assert "6/20" in shown
     assert "success 50 %" in shown
 

@@ -184,6 +184,9 @@ def test_a_recorded_dataset_has_a_report_and_no_run(recorded: Path):
     assert "which has no expert: experts act in runs" in said
     said = refused("evaluate", recorded, "--policy", "replay")
     assert "an environment without a task, so nothing says which rollouts succeed" in said
+    said = refused("evaluate", recorded.parent / "env.yaml", "--policy", "random")
+    assert "is the file of an environment" in said
+    assert "Record episodes in the environment with robocell.data.EnvRecorder" in said
 
 
 def test_a_replay_does_not_wait_for_real_time(tmp_path: Path):

@@ -44,6 +44,13 @@ def import_(
         bool,
         typer.Option("--assume-success", help="Count episodes as successes that do not say."),
     ] = False,
+    fill_missing_chunks: Annotated[
+        bool,
+        typer.Option(
+            "--fill-missing-chunks",
+            help="Read chunks that a zarr array lacks as its fill value.",
+        ),
+    ] = False,
 ) -> None:
     """Make a dataset of episodes from one of another format.
 
@@ -67,6 +74,7 @@ def import_(
                 task=task,
                 rate=rate,
                 assume_success=assume_success,
+                fill_missing_chunks=fill_missing_chunks,
                 on_episodes=count,
             )
     except robocell.IoError as error:
@@ -83,5 +91,7 @@ def import_(
             f"without a result: {counted(result.silent, 'episode')}, counted as failures. "
             "--assume-success counts them as successes"
         )
+    if result.gaps:
+        print(f"warning: the numbers of the episodes have gaps: {result.gaps}")
     if result.resumed:
         print(f"{counted(result.resumed, 'episode')} already written by an interrupted import")

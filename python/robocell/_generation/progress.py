@@ -96,7 +96,7 @@ class Lines(Observer):
 
     def warning(self, text: str) -> None:
         """Prints the warning."""
-        self.say(text, "yellow")
+        self.say(f"warning: {text}", "yellow")
 
     def stopping(self, reason: str, totals: Totals) -> None:
         """Prints that the run will end."""

@@ -3,84 +3,42 @@
 from __future__ import annotations
 
 import os
+import re
+import threading
 import warnings as python_warnings
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from fractions import Fraction
+from collections.abc import Iterable, Mapping
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from robocell._core import ArgumentError, IoError, NotFoundError, _EpisodeSchema, _EpisodeWriter
-from robocell._suggestions import did_you_mean, shortened
+from robocell._arguments import show
+from robocell._core import ArgumentError, IoError, _EpisodeWriter, remove_leftovers
+from robocell.data._declarations import (
+    STEPS,
+    CameraStream,
+    ColumnSpec,
+    Declarations,
+    DeclaredColumn,
+    boolean,
+    texts,
+)
 from robocell.data._metadata import metadata_text
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-STEPS = "steps"
-LARGEST_DENOMINATOR = 1001  # of a rate that is given as a float: 30000/1001
-
-
-@dataclass(frozen=True)
-class ColumnSpec:
-    """The declaration of a column.
-
-    Attributes:
-        dtype: "float64", "float32", "int64", "int32", "uint8" or "bool".
-        shape: Shape of one row: () for a number, 7 or (7,) for a vector.
-        units: "rad", "m", "1", or "m, 1" for a position with a quaternion.
-        frame: Frame that the values are expressed in: "world".
-        names: Names of the components along the last axis.
-        values: Names of the integers 0, 1, ...
-        description: A sentence, if the name is not enough.
-    """
-
-    dtype: str = "float64"
-    shape: int | Sequence[int] = ()
-    units: str = ""
-    frame: str = ""
-    names: Sequence[str] = ()
-    values: Sequence[str] = ()
-    description: str = ""
-
-
-@dataclass(frozen=True)
-class CameraStream:
-    """The declaration of a camera: a colour video, with depth beside it if wanted.
-
-    Attributes:
-        width: In pixels, even.
-        height: In pixels, even.
-        fps: Rows per second of its table; the rate at which the video is played.
-        intrinsics: 3x3, pixels, OpenCV axes.
-        depth: Adds a lossless video of depth in millimetres.
-        table: Its table: one frame for each row.
-    """
-
-    width: int
-    height: int
-    fps: float | Fraction = 30
-    intrinsics: ArrayLike | None = None
-    depth: bool = False
-    table: str = STEPS
-
-
-@dataclass(frozen=True)
-class _Column:
-    """A column of a table: its index there, and what a row of it is."""
-
-    index: int
-    dtype: str
-    shape: tuple[int, ...]
+MANIFEST = "dataset.json"
 
 
 class EpisodeWriter:
     """Writes one episode, row by row: what a real robot did, or another simulator.
 
     Nothing is visible before `commit`, which verifies the files and flushes them to the disk.
-    Without it the end of the block removes what was written, with a warning; so do `abort`, an
-    exception that leaves the block, and a crash.
+    Without it the end of the block removes what was written, with a warning. `abort` and an
+    exception that leaves the block remove it too. A killed process leaves a hidden folder, which no
+    reader sees: the next writer of the same id removes it, and `robocell verify --repair` sets it
+    aside.
 
     Args:
         dataset: Folder of the dataset; created if missing.
@@ -92,11 +50,17 @@ class EpisodeWriter:
         versions: Versions of your own software, by name.
 
     Raises:
-        ArgumentError: A declaration cannot be one, or `metadata` is not JSON-compatible.
+        ArgumentError: A declaration cannot be one, `metadata` is not JSON-compatible, or the folder
+            is the dataset of a run, whose episodes are those of its plan.
         IoError: The episode exists already, or the disk fails.
 
     A wrong value is an ArgumentError that names the column; nothing was written, and the next call
-    may correct it. An IoError ends the episode.
+    may correct it. An IoError ends the episode. A camera whose images come with the rows needs one
+    for every row. Threads may share a writer: one call follows the
+    other, and a row stays together with its images.
+
+    Segmentation, stored models, ranges of columns and settings of the encoder are declared in C++
+    only (`EpisodeSchema`, `EpisodeOptions`).
 
     Examples:
         >>> columns = {
@@ -122,23 +86,29 @@ class EpisodeWriter:
         metadata: Mapping[str, Any] | None = None,
         versions: Mapping[str, str] | None = None,
     ) -> None:
+        if not isinstance(id, str):
+            raise ArgumentError(f"the id of an episode is a text, got {show(id)}")
         self._id = id
         self._place = f"episode '{id}'"
-        schema = _EpisodeSchema()
-        self._tables = {STEPS: 0} | {name: schema.add_table(name) for name in tables}
-        self._columns: dict[str, dict[str, _Column]] = {name: {} for name in self._tables}
-        for name, column in columns.items():
-            self._declare(schema, name, column)
-        self._cameras: dict[str, tuple[int, CameraStream]] = {}
-        for name, camera in (cameras or {}).items():
-            self._cameras[name] = (self._declare_camera(schema, name, camera), camera)
-        texts = metadata_text(metadata), metadata_text(versions, "versions")
+        self._declared = Declarations(
+            self._place, tables, columns, {} if cameras is None else cameras
+        )
+        json_texts = metadata_text(metadata), metadata_text(versions, "versions")
         folder = Path(dataset)
+        if (folder / MANIFEST).is_file():
+            raise ArgumentError(
+                f"'{folder}' is the dataset of a run, whose episodes are those of its plan; write "
+                "into another folder"
+            )
         try:
             folder.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise IoError(f"cannot create '{folder}': {error.strerror}") from error
-        self._writer = _EpisodeWriter(folder, id, schema, *texts)
+        _remove_leftovers_of(folder, id)
+        self._writer = _EpisodeWriter(folder, id, self._declared.schema, *json_texts)
+        self._lock = threading.Lock()  # a row and its images are one step
+        self._videos: set[str] = set()  # cameras with a finished video
+        self._with_rows: set[str] = set()  # cameras whose images come with their rows
         self._is_over = False
 
     def add_row(
@@ -158,48 +128,87 @@ class EpisodeWriter:
 
         Raises:
             NotFoundError: There is no such column, camera or table.
-            ArgumentError: A column has no value, or one of another shape or type.
+            ArgumentError: A column has no value, or one of another shape or type; or an image is
+                not the next one of its camera. Neither the row nor an image was added.
             IoError: The disk fails; the episode is gone.
         """
         arrays = self._arrays(values, table, None)
-        images = [self._image(camera, frame) for camera, frame in (frames or {}).items()]
-        self._writer.put_rows(self._tables[table], arrays, 1)
-        for index, image in images:
-            self._writer.write_frame(index, image)
+        images = self._images({} if frames is None else frames, table)
+        index = self._declared.table(table)
+        with self._lock:
+            self._require_next_images(images, table)
+            self._with_rows.update(images)
+            try:
+                self._writer.put_rows(index, arrays, 1)
+                for name, image in images.items():
+                    self._writer.write_frame(self._declared.camera(name).index, image)
+            except BaseException:  # such as Ctrl-C between the row and its image
+                rows = self._writer.rows(index)
+                if any(self._frames(name) != rows for name in images):
+                    self._writer.abort()
+                raise
 
     def add_rows(self, values: Mapping[str, ArrayLike], *, table: str = STEPS) -> None:
         """Adds rows at once: an array (rows, ...) for each column of the table.
 
         Raises as `add_row`.
         """
-        import numpy as np
-
-        given = {name: np.asarray(value) for name, value in values.items()}
-        count = max((len(array) for array in given.values() if array.ndim), default=0)
+        self._declared.require_columns(table, values)
+        given = {name: self._array(name, value) for name, value in values.items()}
+        rows = {name: len(array) for name, array in given.items() if array.ndim}
+        count = max(rows.values(), default=0)
+        if len(set(rows.values())) > 1:
+            short = min(rows, key=lambda name: rows[name])
+            long = max(rows, key=lambda name: rows[name])
+            raise ArgumentError(
+                f"{self._place}: column '{short}' has {rows[short]} rows, column '{long}' has "
+                f"{rows[long]}; each row needs a value of each"
+            )
         arrays = self._arrays(given, table, count)
-        self._writer.put_rows(self._tables[table], arrays, count)
+        with self._lock:
+            self._writer.put_rows(self._declared.table(table), arrays, count)
 
     def add_frame(self, camera: str, image: ArrayLike) -> None:
         """Adds the image of the next row that has none: uint8 (height, width, 3), RGB."""
-        self._writer.write_frame(*self._image(camera, image))
+        index, pixels = self._declared.camera(camera).index, self._image(camera, image)
+        with self._lock:
+            self._writer.write_frame(index, pixels)
 
     def add_depth(self, camera: str, image: ArrayLike) -> None:
         """Adds the depth of the next row that has none: uint16 (height, width), millimetres."""
-        index, stream = self._camera(camera)
-        shape = (stream.height, stream.width)
-        self._writer.write_depth(index, self._pixels(camera, image, "uint16", shape))
+        declared = self._declared.camera(camera)
+        pixels = self._pixels(camera, image, "uint16", (declared.height, declared.width))
+        with self._lock:
+            self._writer.write_depth(declared.index, pixels)
 
     def add_video(self, camera: str, file: str | os.PathLike[str]) -> None:
         """Adds all images of a camera as a finished MP4 file, which is copied.
 
+        Every frame is decoded once. Sound in the file stays unused.
+
         Raises:
-            ArgumentError: The file is no video of the camera's size and rate, or there are images.
+            ArgumentError: The file is no video of the camera's size and rate, it has several
+                videos or a damaged frame, or the camera has images.
         """
-        self._writer.add_video(self._camera(camera)[0], Path(file))
+        self._require_decodable(camera, file)
+        self.add_checked_video(camera, file)
+
+    def add_checked_video(self, camera: str, file: str | os.PathLike[str]) -> None:
+        """Adds a video as `add_video` does, without decoding it: you did so."""
+        index = self._declared.camera(camera).index
+        with self._lock:
+            self._writer.add_video(index, _path(file, self._place))
+            self._videos.add(camera)
 
     def add_file(self, name: str, content: bytes | str) -> None:
         """Adds another file to the episode, such as "notes.txt"."""
-        self._writer.add_file(name, content.encode() if isinstance(content, str) else content)
+        if not isinstance(name, str) or not isinstance(content, str | bytes):
+            raise ArgumentError(
+                f"{self._place}: a file is a name and its content, a text or bytes, got "
+                f"{show(name)} and {show(content)}"
+            )
+        with self._lock:
+            self._writer.add_file(name, content.encode() if isinstance(content, str) else content)
 
     def commit(
         self,
@@ -228,16 +237,24 @@ class EpisodeWriter:
                 episode can still be corrected.
             IoError: The disk fails; the episode is gone.
         """
-        folder = self._writer.commit(
-            success,
-            success if terminated is None else terminated,
-            truncated,
-            end_reason or ("success" if success else "stopped"),
-            list(warnings),
+        succeeded = boolean(success, f"{self._place}: success")
+        ended = (
+            succeeded if terminated is None else boolean(terminated, f"{self._place}: terminated")
+        )
+        if not isinstance(end_reason, str):
+            raise ArgumentError(f"{self._place}: end_reason is a text, got {show(end_reason)}")
+        arguments = (
+            succeeded,
+            ended,
+            boolean(truncated, f"{self._place}: truncated"),
+            end_reason or ("success" if succeeded else "stopped"),
+            texts(warnings, f"{self._place}: warnings"),
             metadata_text(results, "results"),
             metadata_text(run, "run"),
         )
-        self._is_over = True
+        with self._lock:
+            folder = self._writer.commit(*arguments)
+            self._is_over = True
         return folder
 
     def abort(self) -> None:
@@ -258,6 +275,11 @@ class EpisodeWriter:
     def __enter__(self) -> Self:
         return self
 
+    def __del__(self) -> None:
+        """Warns of an episode that nobody ended; its files are removed."""
+        if not getattr(self, "_is_over", True) and self.is_open:
+            python_warnings.warn(self._gone(), RuntimeWarning, stacklevel=2)
+
     def __exit__(
         self,
         kind: type[BaseException] | None,
@@ -265,120 +287,101 @@ class EpisodeWriter:
         trace: TracebackType | None,
     ) -> None:
         if kind is None and not self._is_over and self.is_open:
-            python_warnings.warn(
-                f"{self._place} was not committed and is gone. Call commit(success=...) before the "
-                "end of the block to keep it, or abort() to drop it",
-                RuntimeWarning,
-                stacklevel=2,
-            )
+            python_warnings.warn(self._gone(), RuntimeWarning, stacklevel=2)
         self.abort()
 
     def __repr__(self) -> str:
         return f"<EpisodeWriter {self._id}: {'open' if self.is_open else 'closed'}>"
 
-    def _declare(self, schema: _EpisodeSchema, name: str, column: ColumnSpec) -> None:
-        table, short = STEPS, name
-        first, slash, rest = name.partition("/")
-        if slash and first in self._tables:
-            table, short = first, rest
-        shape = (column.shape,) if isinstance(column.shape, int) else tuple(column.shape)
-        for what in ("names", "values"):
-            if isinstance(getattr(column, what), str):
-                raise ArgumentError(f"{self._place}: column '{name}': {what} is a list of texts")
-        index = schema.add_column(
-            self._tables[table],
-            short,
-            column.dtype,
-            shape,
-            column.units,
-            column.frame,
-            list(column.names),
-            list(column.values),
-            column.description,
+    def _gone(self) -> str:
+        return (
+            f"{self._place} was not committed and is gone. Call commit(success=...) before the end "
+            "of the block to keep it, or abort() to drop it"
         )
-        self._columns[table][name] = _Column(index, column.dtype, shape)
-
-    def _declare_camera(self, schema: _EpisodeSchema, name: str, camera: CameraStream) -> int:
-        import numpy as np
-
-        intrinsics = None
-        if camera.intrinsics is not None:
-            matrix = np.asarray(camera.intrinsics, np.float64)
-            if matrix.shape != (3, 3):
-                raise ArgumentError(
-                    f"{self._place}: camera '{name}': intrinsics are a 3x3 matrix, got the shape "
-                    f"{matrix.shape}"
-                )
-            intrinsics = matrix.ravel().tolist()
-        rate = Fraction(camera.fps)
-        if isinstance(camera.fps, float):
-            rate = rate.limit_denominator(LARGEST_DENOMINATOR)
-        return schema.add_camera(
-            self._table(camera.table),
-            name,
-            camera.width,
-            camera.height,
-            (rate.numerator, rate.denominator),
-            intrinsics,
-            camera.depth,
-        )
-
-    def _table(self, name: str) -> int:
-        if name not in self._tables:
-            raise _no_such(self._place, "table", name, self._tables)
-        return self._tables[name]
-
-    def _camera(self, name: str) -> tuple[int, CameraStream]:
-        if name not in self._cameras:
-            raise _no_such(self._place, "camera", name, self._cameras)
-        return self._cameras[name]
 
     def _arrays(
         self, values: Mapping[str, Any], table: str, count: int | None
     ) -> list[tuple[int, NDArray[Any]]]:
         """Returns the column's index and the values of each column, as they are stored."""
-        self._table(table)
-        columns = self._columns[table]
-        for name in values:
-            if name not in columns:
-                raise _no_such(self._place, f"column of table '{table}'", name, columns)
-        if missing := [name for name in columns if name not in values]:
-            raise ArgumentError(
-                f"{self._place}: a row of table '{table}' has no value for {shortened(missing)}; "
-                "each row has one for each column, NaN where there is none"
-            )
+        self._declared.require_columns(table, values)
         return [
             (column.index, self._stored(name, column, values[name], count))
-            for name, column in columns.items()
+            for name, column in self._declared.columns(table).items()
         ]
 
-    def _stored(self, name: str, column: _Column, value: Any, count: int | None) -> NDArray[Any]:
+    def _stored(
+        self, name: str, column: DeclaredColumn, value: Any, count: int | None
+    ) -> NDArray[Any]:
         import numpy as np
 
         place = f"{self._place}: column '{name}'"
-        try:
-            given = np.asarray(value)
-        except ValueError as error:
-            raise ArgumentError(f"{place}: the value is no array: {error}") from error
+        given = self._array(name, value)
         shape = column.shape if count is None else (count, *column.shape)
         if given.shape != shape:
             raise ArgumentError(f"{place} takes the shape {shape}, got {given.shape}")
-        if count != 0 and not _fits(given, np.dtype(column.dtype)):
+        with np.errstate(over="ignore"):  # _fits finds it
+            stored = np.ascontiguousarray(given, column.dtype) if _is_number(given) else given
+        if count != 0 and not _fits(given, stored, np.dtype(column.dtype)):
             raise ArgumentError(
                 f"{place} was declared as {column.dtype}, which cannot store {_shown(given)}"
             )
-        return np.ascontiguousarray(given, column.dtype)
+        if column.values and stored.size and stored.max() >= column.values:
+            raise ArgumentError(
+                f"{place} has names for {column.values} values, 0 to {column.values - 1}, got "
+                f"{stored.max()}"
+            )
+        return np.ascontiguousarray(stored, column.dtype)
 
-    def _image(self, camera: str, image: ArrayLike) -> tuple[int, NDArray[Any]]:
-        index, stream = self._camera(camera)
-        return index, self._pixels(camera, image, "uint8", (stream.height, stream.width, 3))
+    def _array(self, name: str, value: Any) -> NDArray[Any]:
+        return _array(f"{self._place}: column '{name}'", value)
+
+    def _images(self, frames: Any, table: str) -> dict[str, NDArray[Any]]:
+        """Returns images by camera; the cameras are those of a table."""
+        if not isinstance(frames, Mapping):
+            raise ArgumentError(f"{self._place}: frames are {{camera: image}}, got {show(frames)}")
+        for name in frames:
+            own = self._declared.camera(name).table
+            if own != table:
+                raise ArgumentError(
+                    f"{self._place}: camera '{name}' has one image for each row of table "
+                    f"'{own}', not of '{table}'"
+                )
+        return {name: self._image(name, image) for name, image in frames.items()}
+
+    def _require_next_images(self, images: Iterable[str], table: str) -> None:
+        """Raises ArgumentError if an image would be that of another row, now or later."""
+        rows = self._writer.rows(self._declared.table(table))
+        for name in images:
+            if name in self._videos:
+                raise ArgumentError(
+                    f"{self._place}: camera '{name}' has a video already, so its rows come without "
+                    "images"
+                )
+        for name in {*images, *self._with_rows}:
+            frames = self._frames(name)
+            if self._declared.camera(name).table != table or not self.is_open:
+                continue
+            if frames < rows or (frames > rows and name in images):
+                lacks = f"row {frames} of '{table}' has no image of camera '{name}'"
+                has = f"row {rows} of '{table}' has an image of camera '{name}' already"
+                raise ArgumentError(
+                    f"{self._place}: "
+                    + (f"{lacks}; add it with add_frame first" if frames < rows else has)
+                )
+
+    def _frames(self, camera: str) -> int:
+        return self._writer.frames(self._declared.camera(camera).index)
+
+    def _image(self, camera: str, image: ArrayLike) -> NDArray[Any]:
+        declared = self._declared.camera(camera)
+        return self._pixels(camera, image, "uint8", (declared.height, declared.width, 3))
 
     def _pixels(
         self, camera: str, image: ArrayLike, dtype: str, shape: tuple[int, ...]
     ) -> NDArray[Any]:
         import numpy as np
 
-        given = np.asarray(image)
+        given = _array(f"{self._place}: camera '{camera}'", image)
         if given.dtype != dtype or given.shape != shape:
             raise ArgumentError(
                 f"{self._place}: images of camera '{camera}' are {dtype} of shape {shape}, got "
@@ -386,15 +389,65 @@ class EpisodeWriter:
             )
         return np.ascontiguousarray(given)
 
+    def _require_decodable(self, camera: str, file: str | os.PathLike[str]) -> None:
+        """Raises ArgumentError for a file with several videos or with a damaged frame."""
+        from robocell.export._mp4 import Mp4
+        from robocell.export._videos import require_decodable
 
-def _fits(given: NDArray[Any], dtype: Any) -> bool:
-    """Returns True if numbers of a kind can be stored as another without a change of meaning."""
+        self._declared.camera(camera)
+        path = _path(file, self._place)
+        try:
+            if not path.is_file():
+                raise IoError(f"there is no file '{path}'")
+            facts = Mp4.read(path)
+            if facts.tracks != 1:
+                raise IoError(f"'{path}' has {facts.tracks} videos, a camera has one")
+            require_decodable(path, facts)
+        except IoError as error:
+            raise ArgumentError(f"{self._place}: camera '{camera}': {error}") from error
+
+
+def _path(file: str | os.PathLike[str], place: str) -> Path:
+    if isinstance(file, str | os.PathLike):
+        return Path(file)
+    raise ArgumentError(f"{place}: a video is a path, got {show(file)}")
+
+
+def _remove_leftovers_of(folder: Path, id: str) -> None:
+    """Removes what killed writers of an episode left; folders that are being written stay."""
+    unfinished = re.compile(rf"\.{re.escape(id)}\.(\d+)\.\d+\.partial")
+    names = []
+    with suppress(OSError):  # the writer says why the folder cannot be used
+        names = os.listdir(folder)
+    for name in names:
+        if found := unfinished.fullmatch(name):
+            remove_leftovers(folder, id, int(found[1]))
+
+
+def _array(place: str, value: Any) -> NDArray[Any]:
+    """Returns a value as an array; raises ArgumentError if it is none, or has masked numbers."""
+    import numpy as np
+
+    if np.ma.is_masked(value):
+        raise ArgumentError(f"{place}: the value has masked numbers; write NaN where there is none")
+    try:
+        return np.asarray(value)
+    except (TypeError, ValueError, OverflowError) as error:
+        raise ArgumentError(f"{place}: the value is no array: {error}") from error
+
+
+def _is_number(given: NDArray[Any]) -> bool:
+    return given.dtype.kind in "fiub"
+
+
+def _fits(given: NDArray[Any], stored: NDArray[Any], dtype: Any) -> bool:
+    """Returns True if numbers are stored as another type without a change of meaning."""
     import numpy as np
 
     if dtype.kind == "b" or given.dtype.kind == "b":
         return dtype.kind == given.dtype.kind
     if dtype.kind == "f":
-        return given.dtype.kind in "fiu"
+        return given.dtype.kind in "fiu" and bool((np.isfinite(stored) | ~np.isfinite(given)).all())
     if given.dtype.kind not in "iu":
         return False
     limits = np.iinfo(dtype)
@@ -404,11 +457,3 @@ def _fits(given: NDArray[Any], dtype: Any) -> bool:
 def _shown(given: NDArray[Any]) -> str:
     """Returns "float64 0.5", or the type alone for an array."""
     return f"{given.dtype} {given[()]}" if given.ndim == 0 else f"an array of {given.dtype}"
-
-
-def _no_such(place: str, what: str, name: str, known: Iterable[str]) -> NotFoundError:
-    names = list(known)
-    return NotFoundError(
-        f"{place}: no {what} '{name}'.{did_you_mean(name, names)} Declared: "
-        f"{shortened(names) or 'none'}"
-    )

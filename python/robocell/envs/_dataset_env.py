@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Mapping, Sequence
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +36,7 @@ from robocell._core import (
 )
 from robocell._dataset_run import plan_numbers, require_cell, run_of_dataset
 from robocell._generation.run_source import import_named
+from robocell._placeholders import OF_THE_TCP, RELATIVE
 from robocell._suggestions import did_you_mean, fitting, shortened
 from robocell.data._recorder import cell_of_a_run
 from robocell.envs._protocols import CellEnv
@@ -84,7 +86,8 @@ def from_dataset(
             dataset uses. Its own task judges, and start i is that of seed i.
 
     Raises:
-        ArgumentError: `dataset` is a file or was imported, a list of columns is empty, or `env` has
+        ArgumentError: `dataset` is a file, was imported or was written row by row; a list of
+            columns is empty; two of `actions` move one group, or are of two kinds; or `env` has
             `home_on_reset: false`: its starts depend on the episodes before.
         NotFoundError: The dataset has no such name (the message has the nearest), or the task is
             not registered.
@@ -118,6 +121,7 @@ def from_dataset(
         actions = _default_actions(own, shared)
     seen = _names_of("observation", observations, opened, shared, streams)
     done = _names_of("action", actions, opened, shared, streams)
+    _require_one_action(done, shared, f"dataset '{opened.folder}'")
     return DatasetEnv(core, shared, seen, done, flat)
 
 
@@ -173,10 +177,12 @@ def _core_of_own(dataset: Dataset, env: Env) -> RecordedEnv:
     step_ms = 1000 / sim.frequency if sim.async_control else None
     if row_ms is not None and (step_ms is None or abs(step_ms / row_ms - 1) > RATE_SLACK):
         took = "until the arms have arrived" if step_ms is None else f"{step_ms:.4g} ms"
+        # A decimal number would be a little off, and each step then one engine step too long.
+        hz = Fraction(1000 / row_ms).limit_denominator(1000)
         warnings.warn(
             f"environment '{env.config.name}': its steps last {took}, and a row of "
             f"'{dataset.folder}' {row_ms:.4g} ms; set `sim: {{async_control: true, frequency: "
-            f"{1000 / row_ms:.6g}}}`",
+            f"{hz}}}`",
             stacklevel=3,
         )
     return RecordedEnv(dataset, True, env)
@@ -381,6 +387,49 @@ class DatasetEnv(gymnasium.Env[Any, Any]):
             raise ArgumentError(f"an action has {sum(sizes)} numbers, got the shape {action.shape}")
         parts = np.split(action, np.cumsum(sizes)[:-1])
         return dict(zip(self.actions, parts, strict=True))
+
+
+def _require_one_action(
+    actions: Sequence[str], features: Mapping[str, Feature], place: str
+) -> None:
+    """Raises ArgumentError for actions that no step can take together."""
+    own = [name for name in actions if name.startswith(OWN)]
+    every = [name for name in _names(features, "action") if name.startswith(OWN)]
+    if own and (others := [name for name in actions if name not in own]):
+        raise ArgumentError(
+            f"{place}: actions '{own[0]}' and '{others[0]}' are of two kinds: those of the "
+            "environment (action/...) and those of its cell (robots/...); choose actions of one "
+            "kind"
+        )
+    if own and (missing := [name for name in every if name not in own]):
+        raise ArgumentError(
+            f"{place}: the environment takes whole actions, and these lack "
+            f"{', '.join(map(repr, missing))}. Choose all of action/..., or some of robots/..."
+        )
+    moved: dict[tuple[str, str], str] = {}
+    for name, group in _moved_groups(features).items():
+        if name in actions and (first := moved.setdefault(group, name)) != name:
+            raise ArgumentError(
+                f"{place}: actions '{first}' and '{name}' both move group '{group[1]}' of robot "
+                f"'{group[0]}'; choose one of them"
+            )
+
+
+def _moved_groups(features: Mapping[str, Feature]) -> dict[str, tuple[str, str]]:
+    """Returns the robot and group that each action of a cell moves.
+
+    The schema lists the actions of a TCP after those of the arm that moves it.
+    """
+    groups: dict[str, tuple[str, str]] = {}
+    robot, group = "", ""
+    for name in _names(features, "action"):
+        parts = name.split("/")
+        if len(parts) != 4 or parts[0] != "robots":
+            continue
+        if parts[1] != robot or parts[3] not in OF_THE_TCP:
+            robot, group = parts[1], parts[3].removesuffix(RELATIVE)
+        groups[name] = (robot, group)
+    return groups
 
 
 def _flattened(parts: Mapping[str, spaces.Box]) -> spaces.Box:

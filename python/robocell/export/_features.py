@@ -6,7 +6,7 @@ frame of every component. All episodes of an export must have the same features.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Collection, Iterable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, Episode
-from robocell._placeholders import AS_RECORDED, Gripper, is_difference, is_opening
+from robocell._placeholders import AS_RECORDED, OPENING, Gripper, is_difference
 from robocell._suggestions import shortened
 
 DONE = "done"  # a column that is not stored: terminated or truncated
@@ -53,6 +53,7 @@ class Feature:
         frames: The frame of each component's column; "" for none.
         sources: The column of each component.
         gripper: The numbers of open and closed grippers.
+        openings: The columns that are openings of grippers.
     """
 
     name: str
@@ -64,6 +65,7 @@ class Feature:
     sources: tuple[str, ...]
     gripper: Gripper = AS_RECORDED
     values: tuple[str, ...] = field(default=(), compare=False)
+    openings: tuple[str, ...] = ()
 
     @property
     def size(self) -> int:
@@ -94,7 +96,7 @@ class Feature:
     def _read(self, episode: Episode, term: Term) -> NDArray[Any]:
         column = _column(episode, term.column)
         values = column.reshape(len(column), -1)
-        if _is_opening(episode, term.column):
+        if term.column in self.openings:
             values = self.gripper.of(values, is_difference(term.column))
         if term.part:
             values = _part(episode, term, values)
@@ -141,9 +143,14 @@ class Resolved:
 
 
 def feature_of(
-    episode: Episode, name: str, terms: list[Term], robots: list[str], gripper: Gripper
+    episode: Episode,
+    name: str,
+    terms: list[Term],
+    robots: list[str],
+    gripper: Gripper,
+    openings: Collection[str],
 ) -> Feature:
-    """Describes a feature by the columns of an episode.
+    """Describes a feature by the columns of an episode, of which `openings` are of grippers.
 
     Raises:
         ArgumentError: A column cannot be part of a feature.
@@ -160,7 +167,8 @@ def feature_of(
         else:
             column = episode.column(term.column)
             size = int(np.prod(column.row_shape))
-            own = _component_names(term.column, list(column.names), size, robots)
+            of_column = [OPENING] if term.column in openings else list(column.names)
+            own = _component_names(term.column, of_column, size, robots)
             split = [unit.strip() for unit in column.units.split(",")] if column.units else [""]
             own_units = split if len(split) == size else _spread(split, size)
             frame, kind = column.frame, column.dtype
@@ -191,7 +199,7 @@ def feature_of(
         dtype = "int64"
     return Feature(
         name, tuple(terms), dtype, tuple(names), tuple(units), tuple(frames), tuple(sources),
-        gripper, values,
+        gripper, values, tuple(sorted({*sources} & {*openings})),
     )  # fmt: skip
 
 
@@ -245,10 +253,6 @@ def _part_names(part: str, names: list[str], units: list[str]) -> tuple[list[str
         axes = [f"r{axis}" for axis in "xyz"]
         return [f"{prefix}.{axis}" if prefix else axis for axis in axes], ["rad"] * 3
     return names, [f"{unit or '1'}/s" for unit in units]
-
-
-def _is_opening(episode: Episode, name: str) -> bool:
-    return name != DONE and is_opening(name, episode.column(name).names)
 
 
 def _column(episode: Episode, name: str) -> NDArray[Any]:

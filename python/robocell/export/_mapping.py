@@ -7,21 +7,25 @@ Every format has a table of its own; a preset and a file of the user replace ent
 from __future__ import annotations
 
 import itertools
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from robocell._core import ArgumentError, Episode, NotFoundError, SpecError
 from robocell._placeholders import (
     AS_RECORDED,
+    Column,
     Gripper,
     Groups,
+    Openings,
     camera_of,
     expanded,
     first_of,
     groups_of,
-    is_opening,
+    openings_of,
     require_column,
     require_placeholders,
 )
@@ -183,7 +187,8 @@ class Mapping:
             NotFoundError: The episode has no such column or camera; the message has the nearest.
             ArgumentError: A column cannot be a feature.
         """
-        groups = _groups(episode)
+        openings = openings_of(_described(episode))
+        groups = self._groups(episode, openings)
         robots = list(groups)
         known = [*_step_columns(episode), DONE]
         features: list[Feature] = []
@@ -192,7 +197,9 @@ class Mapping:
             for own_name, columns, of_robots in _named(name, entries, groups):
                 terms = self._expand(episode, own_name, columns, of_robots, known)
                 if terms:
-                    features.append(feature_of(episode, own_name, terms, robots, self.gripper))
+                    features.append(
+                        feature_of(episode, own_name, terms, robots, self.gripper, openings.columns)
+                    )
             if name in self.own and len(features) == before:
                 self._require_optional(episode, name, entries, known)
         images = self._images(episode)
@@ -203,6 +210,30 @@ class Mapping:
             task=self._task(episode),
             robots=tuple(robots),
         )
+
+    def _groups(self, episode: Episode, openings: Openings) -> dict[str, Groups]:
+        """Returns the robots of an episode with their arms and grippers, in the order of the run.
+
+        Raises:
+            ArgumentError: Nothing says which group a command of the episode belongs to, and the
+                table has no column of its own for it.
+        """
+        columns = set(episode.columns)
+        in_order = dict.fromkeys([*(f.name for f in episode.features), *episode.columns])
+        commands = [name for name in in_order if name in columns]
+        found = groups_of(commands, openings.columns)
+        known = {
+            f"robots/{robot}/action/{group}"
+            for robot, own in found.items()
+            for group in own.arms
+            if not columns.isdisjoint(f"robots/{robot}/{group}/{x}" for x in ("qpos", "target"))
+        } | openings.columns
+        terms = [term.column for entries in self.features.values() for term in entries]
+        if any("/action/{" in column for column in terms):
+            place = f"{self.place}: episode '{episode.folder}'"
+            _require_clear(place, openings, terms)
+            _require_positions(place, found, known, terms)
+        return groups_of([name for name in commands if name in known], openings.columns)
 
     def _expand(
         self,
@@ -359,17 +390,46 @@ def _named(
             yield feature.replace(placeholder, name), columns, {robot: own}
 
 
-def _groups(episode: Episode) -> dict[str, Groups]:
-    """Returns the robots of an episode with their arms and grippers, in the order of the run."""
-    columns = set(episode.columns)
-    in_order = dict.fromkeys([*(feature.name for feature in episode.features), *episode.columns])
-    commands = [
-        name
-        for name in in_order
-        if name in columns and name.replace("/action/", "/", 1) + "/target" in columns
-    ]
-    openings = [name for name in commands if is_opening(name, episode.column(name).names)]
-    return groups_of(commands, openings)
+def _described(episode: Episode) -> dict[str, Column]:
+    described = {name: episode.column(name) for name in episode.columns}
+    return {
+        name: Column(int(np.prod(each.row_shape)), tuple(each.names), each.units)
+        for name, each in described.items()
+    }
+
+
+def _is_named(column: str, terms: Sequence[str]) -> bool:
+    """Returns True if a table has an entry of its own for a column."""
+    return any(first_of(term, [column]) for term in terms)
+
+
+def _require_clear(place: str, openings: Openings, terms: Sequence[str]) -> None:
+    """Raises ArgumentError for a robot of whose commands several may be the gripper's."""
+    for robot, commands in openings.unclear.items():
+        if not any(_is_named(name, terms) for name in commands):
+            names = ", ".join(f"'{name}'" for name in commands)
+            raise ArgumentError(
+                f"{place}: robot '{robot}' has a gripper, 'robots/{robot}/opening', and nothing "
+                f"says whether {names} commands it. Record the gripper's command with "
+                'ColumnSpec(names=["opening"]) and those of joints with their units, or name the '
+                "columns in a file: --mapping FILE"
+            )
+
+
+def _require_positions(
+    place: str, groups: dict[str, Groups], known: Collection[str], terms: Sequence[str]
+) -> None:
+    """Raises ArgumentError for a command of a group of which nothing else was recorded."""
+    for robot, own in groups.items():
+        for group in own.arms:
+            command = f"robots/{robot}/action/{group}"
+            if command not in known and not _is_named(command, terms):
+                raise ArgumentError(
+                    f"{place}: '{command}' belongs to no group: there is no "
+                    f"'robots/{robot}/{group}/qpos' and no 'robots/{robot}/{group}/target'. Record "
+                    'them; or, for the opening of a gripper, ColumnSpec(names=["opening"]). '
+                    "--mapping FILE names other columns"
+                )
 
 
 def _step_columns(episode: Episode) -> list[str]:

@@ -61,6 +61,19 @@ def write_buffer(
         codec: Compresses images; default: Blosc.
         write_more: Writes more arrays of numbers into the group `data`.
     """
+    # A chunk of zeros is stored too: for readers a missing one is a lost file.
+    with zarr.config.set({"array.write_empty_chunks": True}):
+        return _write_chunks(source, staging, on_episode, place, codec, write_more)
+
+
+def _write_chunks(
+    source: Source,
+    staging: Staging,
+    on_episode: Callable[[int], None],
+    place: Path,
+    codec: Any,
+    write_more: Callable[[Source, Any], None] | None,
+) -> int:
     ends = np.cumsum([item.rows for item in source.items])
     done: int | None = staging.state("images")
     if done is None:

@@ -40,6 +40,9 @@ ENCODED = (
 # Damaged frames, and those larger than any camera's, are errors.
 STRICT = ("-xerror", "-err_detect", "explode", "-max_pixels", str(8192**2))
 STRICT_AV1 = "libaom-av1"
+# Key frames are those of the file's index. ffmpeg's parser calls every I frame of H.264 one, also
+# those that a decoder cannot begin with.
+AS_MARKED = ("-fflags", "+noparse")
 LONGEST_MESSAGE = 500  # bytes of what ffmpeg says
 LARGEST_SIDE = 150  # pixels of the images that statistics look at
 # Robocell's own reader scales in this way, so statistics are those of its frames.
@@ -68,6 +71,8 @@ def reason_to_encode(
         return f"codec {first.codec}"
     if any(each.codec != first.codec or each.setup != first.setup for each in sources):
         return "episodes were encoded with different settings"
+    if any(each.has_false_keys for each in sources):
+        return "frames are marked as key frames that a decoder cannot begin with"
     if any(each.is_reordered for each in sources):
         return "frames are stored in another order than shown"
     longest = max(each.longest_interval for each in sources)
@@ -105,7 +110,8 @@ def join(
             quoted = str(source.resolve()).replace("'", "'\\''")
             print(f"file 'file:{quoted}'", file=listing)
         listing.flush()
-        arguments = ["-y", "-f", "concat", "-safe", "0", "-i", f"file:{listing.name}", "-an"]
+        arguments = ["-y", *(() if encode else AS_MARKED), "-f", "concat", "-safe", "0"]
+        arguments += ["-i", f"file:{listing.name}", "-an"]
         if encode:
             longer = f"tpad=stop={repeats}:stop_mode=clone," if repeats else ""
             timed = f"{_fitted(size)}{longer}settb=1/{fps},setpts=N"
@@ -149,7 +155,8 @@ def cut(
     # A copy begins at the key frame at this time or before, an encoding at the next frame after.
     start = (first + (Fraction(1, 4) if is_copy else -Fraction(1, 4))) / fps
     arguments = ["-y", *STRICT, *(["-ss", f"{float(start):.6f}"] if first else [])]
-    arguments += [*_strict_decoder(facts.codec), "-f", "mov", "-i", f"file:{source}"]
+    arguments += [*_strict_decoder(facts.codec), *(AS_MARKED if is_copy else ())]
+    arguments += ["-f", "mov", "-i", f"file:{source}"]
     if is_copy:
         arguments += ["-an", "-frames:v", str(frames), "-f", "null", "-"]
     arguments += ["-an", "-frames:v", str(frames)]
@@ -223,6 +230,14 @@ def require_frames(path: Path, video: Mp4, rows: int) -> None:
             f"'{path}' has {video.frames} frames for {rows} rows: a video of an episode is damaged."
             " `robocell verify --decode-videos DATASET` finds it"
         )
+
+
+def require_decodable(video: Path, facts: Mp4) -> None:
+    """Raises IoError if a frame of a video is damaged."""
+    arguments = [*STRICT, *_strict_decoder(facts.codec), "-i", f"file:{video}"]
+    arguments += ["-map", "0:v:0", "-f", "null", "-"]
+    with _ffmpeg(arguments, f"decode '{video}'", subprocess.DEVNULL):
+        pass
 
 
 def images(video: Path, facts: Mp4, size: Size | None = None) -> Iterator[NDArray[np.uint8]]:

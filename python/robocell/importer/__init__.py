@@ -45,6 +45,7 @@ class Imported:
         successes: Number of episodes that count as successes.
         silent: Number of episodes that do not say whether they succeeded.
         resumed: Number of episodes that an earlier, killed import had written.
+        gaps: Which numbers the episodes of the source skip; "" for none.
     """
 
     folder: Path
@@ -56,6 +57,7 @@ class Imported:
     successes: int
     silent: int
     resumed: int
+    gaps: str = ""
 
 
 def import_dataset(
@@ -67,6 +69,7 @@ def import_dataset(
     task: str | None = None,
     rate: float | None = None,
     assume_success: bool = False,
+    fill_missing_chunks: bool = False,
     on_episodes: Callable[[int, int], None] | None = None,
 ) -> Imported:
     """Imports a dataset of another format as a dataset of episodes.
@@ -82,6 +85,8 @@ def import_dataset(
         task: The instruction of episodes that have none.
         rate: Rows per second; needed if the dataset does not say.
         assume_success: Count episodes as successes that do not say.
+        fill_missing_chunks: Read chunks that a zarr array lacks as its fill value. Some writers
+            leave such chunks out; by default a missing chunk is an error.
         on_episodes: Is called with the number of episodes that are written, and of all.
 
     Returns:
@@ -102,7 +107,7 @@ def import_dataset(
     if task is not None and not is_text(task):
         raise ArgumentError(f"task is {task!a}, which is no text of UTF-8")
     place, kind = find(Path(source), format)
-    origin = open_origin(place, kind)
+    origin = open_origin(place, kind, fill_missing_chunks)
     if not len(origin):
         raise ArgumentError(f"'{source}' has no episodes to import")
     hertz = own_rate or origin.rate
@@ -126,6 +131,7 @@ def import_dataset(
         "task": task,
         "rate": str(hertz),
         "assume_success": assume_success,
+        "fill_missing_chunks": fill_missing_chunks,
     }
     try:
         with staging(target, request) as where:
@@ -138,7 +144,7 @@ def import_dataset(
             f"cannot import to '{given}': {error.strerror or error}. What is written stays in "
             f"'{target.parent / f'.{target.name}.partial'}'; the same import continues there"
         ) from error
-    return Imported(given, origin.title, len(origin), rate=float(hertz), **totals)
+    return Imported(given, origin.title, len(origin), rate=float(hertz), gaps=origin.gaps, **totals)
 
 
 def _write(

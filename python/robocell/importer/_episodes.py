@@ -170,7 +170,7 @@ def _file(out: Path, made: Mp4, content: Content, camera: str) -> _Images:
 
 def _add_images(episode: EpisodeWriter, content: Content, camera: str, images: _Images) -> None:
     if images.file is not None:
-        episode.add_video(camera, images.file)
+        episode.add_checked_video(camera, images.file)  # `cut` and `encode` decoded it
         return
     count = 0
     for block in images.blocks:

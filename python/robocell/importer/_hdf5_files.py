@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -14,6 +15,7 @@ import numpy as np
 
 from robocell._core import IoError
 from robocell._extras import needed_by
+from robocell._suggestions import shortened
 from robocell.importer._arrays import is_numbers, is_pixels, numbers, pixels
 from robocell.importer._entries import Entries, is_text, rate_of
 from robocell.importer._foreign_files import ADVICE, fingerprint, reading, require_file
@@ -36,6 +38,7 @@ class Robomimic:
         self._data = _child(_open(file), "data", h5py.Group)
         with reading(file):
             self._demos = sorted((name for name in self._data if _is_demo(name)), key=_number)
+        self.gaps = _gaps(self._demos)
         settings = _settings(_attribute(self._data, "env_args", "{}"), file)
         self._environment = settings.text("env_name", "")
         arguments = settings.table("env_kwargs") if "env_kwargs" in settings else Entries({}, "")
@@ -83,6 +86,7 @@ class Aloha:
         files = folder.glob("episode_*.hdf5")
         self._files = sorted(files, key=lambda file: _number(file.stem))
         self.fingerprint = fingerprint(folder, self._files)
+        self.gaps = _gaps([file.stem for file in self._files])
         first = _open(self._files[0])
         hertz = _attribute(first, "rate", None)
         self.rate: Fraction | None = None
@@ -263,3 +267,14 @@ def _number(name: str) -> tuple[int, str]:
     """Returns a key by which demo_2 comes before demo_10."""
     digits = re.search(r"(\d{1,18})$", name)
     return (int(digits[1]) if digits else -1, name)
+
+
+def _gaps(names: Sequence[str]) -> str:
+    """Returns the numbers that sorted names skip: "no 1, 5 to 7 between demo_0 and demo_9"."""
+    numbers = [number for number, _ in map(_number, names) if number >= 0]
+    gaps = [
+        f"{one + 1}" if other == one + 2 else f"{one + 1} to {other - 1}"
+        for one, other in itertools.pairwise(numbers)
+        if other > one + 1
+    ]
+    return f"no {shortened(gaps)} between {names[0]} and {names[-1]}" if gaps else ""

@@ -38,6 +38,8 @@ RESULTS = {"next.reward": "reward", "next.done": "terminated", "next.success": "
 class LeRobot:
     """A LeRobot dataset; see `recording.Origin`."""
 
+    gaps = ""
+
     def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.fingerprint = fingerprint(folder)

@@ -43,7 +43,7 @@ def find(source: Path, format: str | None) -> tuple[Path, str]:
     )
 
 
-def open_origin(place: Path, kind: str) -> Origin:
+def open_origin(place: Path, kind: str, fill_missing_chunks: bool = False) -> Origin:
     """Opens a dataset; the packages that it needs are imported now."""
     if kind == "lerobot":
         from robocell.importer._lerobot import LeRobot
@@ -52,7 +52,7 @@ def open_origin(place: Path, kind: str) -> Origin:
     if kind == "zarr":
         from robocell.importer._zarr_files import ReplayBuffer
 
-        return ReplayBuffer(place)
+        return ReplayBuffer(place, fill_missing_chunks)
     from robocell.importer._hdf5_files import Aloha, Robomimic
 
     return Robomimic(place) if kind == "robomimic" else Aloha(place)

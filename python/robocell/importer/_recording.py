@@ -73,12 +73,15 @@ class Origin(Protocol):
         rate: Rows per second; None if it does not say.
         robots: Names of the robots; "" if it does not say.
         fingerprint: Differs when a file of the dataset was changed.
+        gaps: Which numbers its recordings skip, "no 1 between episode_0 and episode_2"; "" for
+            none.
     """
 
     title: str
     rate: Fraction | None
     robots: str
     fingerprint: str
+    gaps: str
 
     def __len__(self) -> int:
         """The number of recordings."""

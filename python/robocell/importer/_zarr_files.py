@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import math
+import os
 import warnings
-from collections.abc import Callable
+import zipfile
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
@@ -36,9 +39,12 @@ class ReplayBuffer:
     title = "zarr replay buffer"
     rate: Fraction | None = None
     robots = ""
+    gaps = ""
 
-    def __init__(self, place: Path) -> None:
+    def __init__(self, place: Path, fill_missing_chunks: bool = False) -> None:
         self.place = place
+        self._fill_missing_chunks = fill_missing_chunks
+        self._whole: set[str] = set()  # arrays of which all chunks are there
         is_zip = place.suffix == ".zip"
         self.fingerprint = fingerprint(place.parent, [place]) if is_zip else fingerprint(place)
         with reading(f"the replay buffer '{place}' with data and {ENDS}"):
@@ -74,9 +80,9 @@ class ReplayBuffer:
             place = f"'{self.place}': data/{name}"
             if is_pixels(array):
                 _require_known_codecs(array, place)
-                images[name] = Stills(pixels(array, first, last, place))
+                images[name] = Stills(self._pixels(array, first, last, place))
             elif is_numbers(array):
-                columns[name] = partial(_column, array, first, last, place)
+                columns[name] = partial(self._column, array, first, last, place)
         if not columns:
             raise ArgumentError(f"'{self.place}': data has no arrays of numbers to import")
         return Recording("", last - first, columns, images, {"episode": index})
@@ -84,6 +90,51 @@ class ReplayBuffer:
     def column_name(self, name: str) -> str | None:
         """Returns "observation/state" for state; the action keeps its name."""
         return name if name == "action" else f"observation/{name}"
+
+    def _column(self, array: Any, first: int, last: int, place: str) -> Column:
+        _require_known_codecs(array, place)
+        self._require_chunks(array, place)
+        return Column(numbers(array, first, last, place))
+
+    def _pixels(self, array: Any, first: int, last: int, place: str) -> Iterator[NDArray[np.uint8]]:
+        self._require_chunks(array, place)
+        yield from pixels(array, first, last, place)
+
+    def _require_chunks(self, array: Any, place: str) -> None:
+        """Raises IoError unless all chunks of an array are stored; zarr reads others as filled."""
+        if self._fill_missing_chunks or array.path in self._whole:
+            return
+        stored = self._files(array.path)
+        sizes = getattr(array, "shards", None) or array.chunks
+        counts = [math.ceil(size / each) for size, each in zip(array.shape, sizes, strict=True)]
+        # A damaged shape may be huge, so no more are looked at than are stored, and one.
+        for number in range(min(math.prod(counts), len(stored) + 1)):
+            index: list[int] = []
+            for count in reversed(counts):
+                number, at = divmod(number, count)
+                index.insert(0, at)
+            key = array.metadata.encode_chunk_key(tuple(index))
+            if key not in stored:
+                raise IoError(
+                    f"{place}: chunk {key} is missing, of {math.prod(counts)}: {ADVICE}. A writer "
+                    f"may have left out chunks that are {array.fill_value} throughout; if so, "
+                    "--fill-missing-chunks imports them"
+                )
+        self._whole.add(array.path)
+
+    def _files(self, path: str) -> set[str]:
+        """Returns the files below a path of the store, relative to it."""
+        with reading(f"'{self.place}': {path}"):
+            if self.place.suffix == ".zip":
+                with zipfile.ZipFile(self.place) as content:
+                    names = content.namelist()
+                return {name[len(path) + 1 :] for name in names if name.startswith(f"{path}/")}
+            root = self.place / path
+            return {
+                os.path.relpath(os.path.join(folder, name), root)
+                for folder, _, names in os.walk(root)
+                for name in names
+            }
 
     def _checked_ends(self, array: Any) -> NDArray[np.int64]:
         """Returns the row at which the first episode begins, and those at which each ends."""
@@ -93,6 +144,7 @@ class ReplayBuffer:
         if array.shape[0] == 0:
             return np.zeros(1, np.int64)
         _require_known_codecs(array, place)
+        self._require_chunks(array, place)
         ends = numbers(array, 0, array.shape[0], place)
         if ends.dtype.kind not in "iu":
             raise IoError(f"{place} has the type {ends.dtype}; expected whole numbers: {ADVICE}")
@@ -115,11 +167,6 @@ def _arrays(group: Any, place: Path) -> list[tuple[str, Any]]:
             f"'{place}': data has an array whose codec is not imported: {error}. Known: "
             f"{', '.join(sorted(CODECS))}"
         ) from error
-
-
-def _column(array: Any, first: int, last: int, place: str) -> Column:
-    _require_known_codecs(array, place)
-    return Column(numbers(array, first, last, place))
 
 
 def _require_known_codecs(array: Any, place: str) -> None:

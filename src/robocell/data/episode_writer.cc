@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -42,6 +43,14 @@ struct CameraFiles {
   int64_t frames() const { return colour ? colour->frames() : added_frames; }
 };
 
+// Copies a file with the permissions of a new one, whatever those of the source are.
+void CopyContent(const fs::path& source, const fs::path& copy) {
+  std::ofstream(copy).close();
+  const fs::perms permissions = fs::status(copy).permissions();
+  fs::copy_file(source, copy, fs::copy_options::overwrite_existing);
+  fs::permissions(copy, permissions);
+}
+
 // Throws ArgumentError unless a video has the size and rate of a camera.
 void RequireVideoOf(const CameraStream& camera, const std::string& where, const VideoInfo& info) {
   const int divisor = std::gcd(camera.fps_num, camera.fps_den);
@@ -63,7 +72,8 @@ enum class State { kOpen, kFailed, kCommitted, kAborted };
 }  // namespace
 
 bool IsEpisodeId(std::string_view id) {
-  return internal::ValidFileName(id) && !id.starts_with('.');
+  const bool is_of_dataset = id == kModelsFolder || id == kManifestFile || IsReportFile(id);
+  return internal::ValidFileName(id) && !id.starts_with('.') && !is_of_dataset;
 }
 
 struct EpisodeWriter::Impl {
@@ -246,7 +256,9 @@ EpisodeWriter::EpisodeWriter(const fs::path& dataset, const std::string& id,
     : impl_(std::make_unique<Impl>()) {
   if (!IsEpisodeId(id)) {
     throw ArgumentError(
-        fmt::format("'{}' cannot be an episode's id: it becomes the name of a visible folder", id));
+        fmt::format("'{}' cannot be an episode's id: it becomes the name of a visible folder, and "
+                    "models, dataset.json and report.json are the dataset's own",
+                    id));
   }
   impl_->id = id;
   impl_->name = fmt::format("episode '{}'", id);
@@ -335,7 +347,7 @@ void EpisodeWriter::AddVideo(CameraId camera, const fs::path& video) {
     }
     RequireVideoOf(stream, fmt::format("{}: '{}'", name, video.string()), info);
     files.colour.reset();
-    fs::copy_file(video, impl_->work->path() / VideoFile(stream.name));
+    CopyContent(video, impl_->work->path() / VideoFile(stream.name));
     files.added_frames = info.frames;
   });
 }

@@ -325,7 +325,7 @@ void PrepareFolder(const fs::path& dataset, const Env& env) {
 }
 
 void RequireRecorderOptions(const EnvRecorderOptions& options) {
-  if (!IsEpisodeId(options.prefix))
+  if (!IsEpisodeId(options.prefix + "-000000"))
     throw ArgumentError(fmt::format(
         "'{}' cannot begin the ids of episodes, which are visible folders", options.prefix));
   const Json json = Json::parse(options.metadata_json, nullptr, /*allow_exceptions=*/false);
