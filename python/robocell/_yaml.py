@@ -75,6 +75,11 @@ class Place:
         return f"{text}: {path.removeprefix('.')}" if path else text
 
 
+def place_without_file(what: str, name: str) -> Place:
+    """Returns the place of entries that no file has: "preset 'zmq://localhost:5555'"."""
+    return Place((_Source(what, name, None, has_lines=False),))
+
+
 def read_yaml(
     file: Path,
     what: str,

@@ -473,7 +473,7 @@ class _Detection:
     @staticmethod
     def _actuators_of(group: Group) -> list[str]:
         names = group.fields["actuators"]
-        return expand_names(names) if isinstance(names, str) else list(names)
+        return list(expand_names(names) if isinstance(names, str) else names)
 
     # --- Cameras and gravity ---
 

@@ -10,6 +10,7 @@ from robocell._placeholders import AS_RECORDED, OPENING
 from robocell._policy_presets import Preset
 from robocell._policy_presets.parts import Part
 from robocell._suggestions import did_you_mean, shortened
+from robocell._yaml import place_without_file
 
 ACTION = "action"
 
@@ -43,6 +44,7 @@ def groot_preset(
         gripper=AS_RECORDED,
         horizon=None,
         rate=None,
+        place=place_without_file("preset", url),
     )
 
 

@@ -38,7 +38,7 @@ TEST(IkPositionFirst, ReachesThePositionAndStaysNear) {
     const JointVector from = Inside(chain, rng);
     const Pose tip = chain.Fk(from);
     const Eigen::Vector3d offset(rng.Uniform(-4e-3, 4e-3), rng.Uniform(-4e-3, 4e-3),
-                              rng.Uniform(-4e-3, 4e-3));
+                                 rng.Uniform(-4e-3, 4e-3));
     const Pose target(tip.translation() + offset, tip.quaternion());
     const IkResult found = IkPositionFirst(chain, target, from);
     ++tried;

@@ -181,10 +181,11 @@ TEST_F(GripperKinds, OscillatingFingersAreReportedWithACureThatWorks) {
   } catch (const ArgumentError& error) {
     message = error.what();
   }
-  EXPECT_THAT(message, AllOf(HasSubstr("the fingers do not come to rest"),
-                          HasSubstr("Joint 'left' oscillates: what drives it is too stiff for the "
-                                    "inertia that it moves at a timestep of 0.002 s. In a trial "
-                                    "`edits: [{joint: 'left', armature: ")));
+  EXPECT_THAT(message,
+              AllOf(HasSubstr("the fingers do not come to rest"),
+                    HasSubstr("Joint 'left' oscillates: what drives it is too stiff for the "
+                              "inertia that it moves at a timestep of 0.002 s. In a trial "
+                              "`edits: [{joint: 'left', armature: ")));
   const std::string before = "{joint: 'left', armature: ";
   const size_t at = message.find(before) + before.size();
   const std::string armature = message.substr(at, message.find('}', at) - at);
