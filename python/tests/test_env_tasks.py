@@ -399,7 +399,7 @@ def test_rejects_rewards_and_observations_that_are_not_finite(number):
     stay = {"robot": {"tquat": [0, 0, 0, 0, 0, 0, 1], "gripper": 1}}
     env = rc.Env(never("odd_reward", reward=lambda self, scene: number))
     env.reset()
-    text = rf"environment 'pick_cube': the task's reward\(\) is {number} at t = [\d.]+ s; rewards"
+    text = rf"environment 'pick_cube': the task's reward is {number} at t = [\d.]+ s; rewards"
     with pytest.raises(rc.ArgumentError, match=text):
         env.step(stay)
     env.close()
