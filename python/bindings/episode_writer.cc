@@ -145,7 +145,10 @@ void BindSchema(nb::module_& m) {
 }
 
 void BindContent(nb::class_<PythonWriter>& writer) {
-  writer.def("put_rows", &PythonWriter::PutRows, "table"_a, "columns"_a, "count"_a)
+  writer
+      .def("put_rows", &PythonWriter::PutRows, "table"_a, "columns"_a, "count"_a,
+           nb::sig("def put_rows(self, table: int, columns: collections.abc.Sequence[tuple[int, "
+                   "numpy.typing.NDArray[typing.Any]]], count: int) -> None"))
       .def(
           "write_frame",
           [](PythonWriter& writer, int camera, const Image& rgb) {
