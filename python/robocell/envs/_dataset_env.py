@@ -206,8 +206,8 @@ def _default_observations(
 
 def _default_actions(own: bool, features: Mapping[str, Feature]) -> list[str]:
     names = _names(features, "action")
-    if own and (asked := [name for name in names if name.startswith(OWN)]):
-        return asked
+    if own and (recorded := [name for name in names if name.startswith(OWN)]):
+        return recorded
     return [name for name in names if f"{name}_relative" in features]
 
 
