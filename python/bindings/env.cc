@@ -322,12 +322,20 @@ nb::tuple ResetEnv(Env& env, std::optional<uint64_t> seed, std::optional<Keyfram
 }
 
 // Returns true for {"robots/left/action/arm": numbers}, the names of action columns in datasets.
+// Throws ArgumentError for an action with both forms.
 bool HasNames(const nb::dict& action) {
-  std::string name;
+  std::string name, named, other;
   for (const auto& [key, value] : action) {
-    if (nb::try_cast(key, name) && name.starts_with("robots/")) return true;
+    if (!nb::try_cast(key, name)) continue;
+    (name.starts_with("robots/") ? named : other) = name;
   }
-  return false;
+  if (!named.empty() && !other.empty()) {
+    throw ArgumentError(
+        fmt::format("action: '{}' and '{}' are of two forms; an action has the names of columns, "
+                    "{{'robots/left/action/arm': ...}}, or robots, {{'left': {{...}}}}",
+                    named, other));
+  }
+  return !named.empty();
 }
 
 nb::tuple StepEnv(Env& env, nb::handle action) {

@@ -218,7 +218,7 @@ class EnvRollouts:
                 if step == 0:
                     acting.begin(context)
                 action = acting.next(self.cell.row())
-                self._require_actions(action)
+                self._require_actions(action, type(acting.policy).__name__)
             except RAISED as error:
                 raise_interrupt(error)
                 if isinstance(error, LostPolicyError):
@@ -242,12 +242,15 @@ class EnvRollouts:
         self.cell.begin_at(EnvState(episode["env_state"]))
         return min(len(episode), self.starts.max_steps)
 
-    def _require_actions(self, action: Mapping[str, Any]) -> None:
+    def _require_actions(self, action: Mapping[str, Any], policy: str) -> None:
         """Raises ArgumentError if an action lacks a part: an environment takes whole actions."""
         known = [feature.name for feature in self.cell.commanded]
         own = [name for name in known if name.startswith("action/")]
         if any(name in own for name in action) and (lacks := [n for n in own if n not in action]):
-            raise ArgumentError(f"the action lacks {', '.join(map(repr, lacks))}")
+            names = ", ".join(map(repr, lacks))
+            raise ArgumentError(
+                f"{policy}.act(): the action lacks {names}; an environment takes whole actions"
+            )
 
 
 def longest_episode(dataset: Path) -> int:

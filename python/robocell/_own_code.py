@@ -151,7 +151,11 @@ def is_own(file: Path) -> bool:
 
 @functools.cache
 def _installed_folders() -> list[Path]:
-    folders = [Path(sys.base_prefix) / "lib", Path(sys.prefix) / "lib", Path(__file__).parent]
+    import robocell
+
+    # In a checkout the package has a second folder: that of the extension, in the build tree.
+    package = [Path(each) for each in robocell.__path__]
+    folders = [Path(sys.base_prefix) / "lib", Path(sys.prefix) / "lib", *package]
     return [folder.resolve() for folder in folders]
 
 

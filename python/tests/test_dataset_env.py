@@ -546,6 +546,11 @@ def test_an_environment_of_ones_own_whose_arms_stay_is_rejected(tmp_path: Path):
     env.close()
 
 
+def test_an_environment_of_your_own_is_an_object(dataset: rc.Dataset):
+    with pytest.raises(rc.ArgumentError, match=r"`env` is an environment, .* got 'env.yaml'"):
+        from_dataset(dataset, env="env.yaml")
+
+
 def test_actions_of_one_group_are_refused_together(dataset: rc.Dataset):
     with pytest.raises(rc.ArgumentError, match=r"'.*action/arm' and '.*arm_relative' command the"):
         from_dataset(dataset, actions=[ARM, f"{ARM}_relative"])

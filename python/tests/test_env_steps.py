@@ -305,3 +305,12 @@ def test_a_reset_moves_arms_home_or_keeps_them():
         left, _ = move(env, [0, 0, 0.05])
         after = env.reset(seed=1)[0]["robot"]["joints"]
         assert np.allclose(after, start if home else left["joints"], atol=1e-9)
+
+
+def test_an_action_has_one_form():
+    env = make(control_mode="joints")
+    arm = env.row()["robots/robot/arm/qpos"]
+    both = {"robots/robot/action/arm": arm, "robot": {"joints": arm, "gripper": 1}}
+    with pytest.raises(rc.ArgumentError, match="'robots/robot/action/arm' and 'robot' are of two"):
+        env.step(both)
+    env.step({"robots/robot/action/arm": arm})

@@ -104,6 +104,10 @@ def from_dataset(
     for name, columns in (("observations", observations), ("actions", actions)):
         if columns is not None and len(columns) == 0:
             raise ArgumentError(f"`{name}` is empty; leave it out for the default columns")
+    if env is not None and not isinstance(env, Env):
+        raise ArgumentError(
+            f"from_dataset: `env` is an environment, rc.Env(EnvConfig.load(FILE)), got {env!r}"
+        )
     opened = dataset if isinstance(dataset, Dataset) else Dataset(Path(dataset))
     require_cell(opened.folder)
     named = [imports] if isinstance(imports, str) else imports
