@@ -154,7 +154,8 @@ def test_errors_of_the_policy_are_failures(recorded: Path, tmp_path: Path):
     assert (result.policy_errors, result.rollouts) == (2, 2)
     assert {len(episode) for episode in rc.Dataset(tmp_path / "late")} == {2}
     half = evaluate(recorded, policy(recorded, "Half"), episodes=2, output=tmp_path / "half")
-    assert half.failures == {"policy error: the action lacks 'action/robot/tquat'": 2}
+    lacks = "Half.act(): the action lacks 'action/robot/tquat'; an environment takes whole actions"
+    assert half.failures == {f"policy error: {lacks}": 2}
     assert (half.policy_errors, half.mean_length) == (2, 0)
     assert len(rc.Dataset(tmp_path / "half")) == 0
     again = evaluate(recorded, policy(recorded, "Half"), episodes=2, output=tmp_path / "half")
