@@ -154,7 +154,9 @@ void BindContent(nb::class_<PythonWriter>& writer) {
           [](PythonWriter& writer, int camera, const Image& rgb) {
             writer.Do([&](EpisodeWriter& w) { w.WriteFrame({camera}, {rgb.data(), rgb.size()}); });
           },
-          "camera"_a, "rgb"_a)
+          "camera"_a, "rgb"_a,
+          nb::sig("def write_frame(self, camera: int, rgb: numpy.typing.NDArray[numpy.uint8]) -> "
+                  "None"))
       .def(
           "write_depth",
           [](PythonWriter& writer, int camera, const Depth& millimetres) {
@@ -162,7 +164,9 @@ void BindContent(nb::class_<PythonWriter>& writer) {
               w.WriteDepth({camera}, {millimetres.data(), millimetres.size()});
             });
           },
-          "camera"_a, "millimetres"_a)
+          "camera"_a, "millimetres"_a,
+          nb::sig("def write_depth(self, camera: int, millimetres: "
+                  "numpy.typing.NDArray[numpy.uint16]) -> None"))
       .def(
           "add_video",
           [](PythonWriter& writer, int camera, const std::filesystem::path& video) {
