@@ -203,13 +203,15 @@ class EpisodeWriter:
 
     def add_file(self, name: str, content: bytes | str) -> None:
         """Adds another file to the episode, such as "notes.txt"."""
-        if not isinstance(name, str) or not isinstance(content, str | bytes):
+        if not isinstance(name, str) or not isinstance(content, str | bytes | bytearray):
             raise ArgumentError(
                 f"{self._place}: a file is a name and its content, a text or bytes, got "
                 f"{show(name)} and {show(content)}"
             )
         with self._lock:
-            self._writer.add_file(name, content.encode() if isinstance(content, str) else content)
+            self._writer.add_file(
+                name, content.encode() if isinstance(content, str) else bytes(content)
+            )
 
     def commit(
         self,
