@@ -141,8 +141,8 @@ def common_hash() -> bytes:
     return digest.digest()
 
 
-def said(command: list[str], folder: str) -> str:
-    """What a command said of our files; a failure that says nothing is one too."""
+def output_about(command: list[str], folder: str) -> str:
+    """Returns what a command prints about our files; a failure that prints nothing counts too."""
     run = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
     noise = re.compile(r"^(?:\d+ (?:warning|error)s?|Suppressed|Use ).*$\n?", re.MULTILINE)
     text = run.stdout + noise.sub("", run.stderr)
@@ -179,11 +179,11 @@ def alone(build: Path, group: Group, source: str) -> str:
     """What clang says of one source of a group, compiled on its own."""
     parse = ["clang++", *options(group), "-fsyntax-only", str(ROOT / source)]
     common = precompiled(build, group)
-    text = said([*parse, "-include-pch", str(common)], group.folder)
+    text = output_about([*parse, "-include-pch", str(common)], group.folder)
     if "precompiled" not in text and "PCH" not in text:
         return text
     common.unlink(missing_ok=True)  # of a header that has changed since, or of another clang
-    return said(parse, group.folder)
+    return output_about(parse, group.folder)
 
 
 def tidy(build: Path, group: Group) -> str:
@@ -191,7 +191,7 @@ def tidy(build: Path, group: Group) -> str:
     lenient = (f"--extra-arg={option}" for option in LENIENT)
     rules = f"--config-file={ROOT / '.clang-tidy'}"
     look = ["clang-tidy", "--quiet", rules, f"--line-filter={LINES}", *lenient, "-p", str(build)]
-    found = [said([*look, str(group.file)], group.folder)]
+    found = [output_about([*look, str(group.file)], group.folder)]
     if group.file != ROOT / group.sources[0]:
         found += [alone(build, group, source) for source in group.sources]
     return "".join(found)

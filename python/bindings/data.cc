@@ -77,7 +77,7 @@ void BindLeftovers(nb::module_& m) {
 }
 
 void BindVerify(nb::module_& m) {
-  m.def("sign_json", &InsertSelfHash, "text"_a,
+  m.def("self_hashed_json", &InsertSelfHash, "text"_a,
         "Returns a JSON text with its own hash in place of 64 zeros: \"json_sha256\": \"000...\".");
   m.def(
       "set_aside",

@@ -145,13 +145,18 @@ void BindSchema(nb::module_& m) {
 }
 
 void BindContent(nb::class_<PythonWriter>& writer) {
-  writer.def("put_rows", &PythonWriter::PutRows, "table"_a, "columns"_a, "count"_a)
+  writer
+      .def("put_rows", &PythonWriter::PutRows, "table"_a, "columns"_a, "count"_a,
+           nb::sig("def put_rows(self, table: int, columns: collections.abc.Sequence[tuple[int, "
+                   "numpy.typing.NDArray[typing.Any]]], count: int) -> None"))
       .def(
           "write_frame",
           [](PythonWriter& writer, int camera, const Image& rgb) {
             writer.Do([&](EpisodeWriter& w) { w.WriteFrame({camera}, {rgb.data(), rgb.size()}); });
           },
-          "camera"_a, "rgb"_a)
+          "camera"_a, "rgb"_a,
+          nb::sig("def write_frame(self, camera: int, rgb: numpy.typing.NDArray[numpy.uint8]) -> "
+                  "None"))
       .def(
           "write_depth",
           [](PythonWriter& writer, int camera, const Depth& millimetres) {
@@ -159,7 +164,9 @@ void BindContent(nb::class_<PythonWriter>& writer) {
               w.WriteDepth({camera}, {millimetres.data(), millimetres.size()});
             });
           },
-          "camera"_a, "millimetres"_a)
+          "camera"_a, "millimetres"_a,
+          nb::sig("def write_depth(self, camera: int, millimetres: "
+                  "numpy.typing.NDArray[numpy.uint16]) -> None"))
       .def(
           "add_video",
           [](PythonWriter& writer, int camera, const std::filesystem::path& video) {

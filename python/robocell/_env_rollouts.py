@@ -221,7 +221,7 @@ class EnvRollouts:
                     acting.begin(context)
                 row = Row(self.cell.row(), (), lambda: None)
                 action = acting.next(acting.name_in(row, self._has_streams, self.starts.cameras))
-                self._require_actions(action)
+                self._require_actions(action, type(acting.policy).__name__)
             except RAISED as error:
                 raise_interrupt(error)
                 if isinstance(error, LostPolicyError):
@@ -245,15 +245,14 @@ class EnvRollouts:
         self.cell.begin_at(EnvState(episode["env_state"]))
         return min(len(episode), self.starts.max_steps)
 
-    def _require_actions(self, action: Mapping[str, Any]) -> None:
+    def _require_actions(self, action: Mapping[str, Any], policy: str) -> None:
         """Raises ArgumentError if an action lacks a part: an environment takes whole actions."""
         known = [feature.name for feature in self.cell.commanded]
         own = [name for name in known if name.startswith("action/")]
         if any(name in own for name in action) and (lacks := [n for n in own if n not in action]):
-            who = type(self._acting().policy).__name__
+            names = ", ".join(map(repr, lacks))
             raise ArgumentError(
-                f"{who}.act(): the action lacks {', '.join(map(repr, lacks))}: an environment "
-                "takes whole actions"
+                f"{policy}.act(): the action lacks {names}; an environment takes whole actions"
             )
 
 

@@ -32,7 +32,7 @@ from robocell._core import (
     json_damage,
     make_plan,
     prepare_dataset,
-    sign_json,
+    self_hashed_json,
 )
 from robocell._dataset_run import manifest_of_dataset
 from robocell._generation.run_source import RunSource
@@ -169,7 +169,7 @@ def create(
     if schema == MOLMOSPACES:
         text = to_molmospaces(content, [item.scene for item in plan], details)
     else:
-        text = sign_json(json.dumps(content, indent=1) + "\n")
+        text = self_hashed_json(json.dumps(content, indent=1) + "\n")
     path.parent.mkdir(parents=True, exist_ok=True)
     atomic_write(path, text.encode())
     return load(path)

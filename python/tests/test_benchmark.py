@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 import yaml
-from robocell._core import sign_json
+from robocell._core import self_hashed_json
 
 import robocell
 from command_line import RC7, refused, robocell_command, write_run
@@ -92,7 +92,7 @@ def edited(folder: Path, out: Path, change: Any) -> Path:
     content["source"] = str(folder / "run.yaml")
     change(content)
     content["json_sha256"] = "0" * 64
-    out.write_text(sign_json(json.dumps(content, indent=1) + "\n"))
+    out.write_text(self_hashed_json(json.dumps(content, indent=1) + "\n"))
     return out
 
 

@@ -439,7 +439,7 @@ def test_errors_of_policies_in_a_recorded_environment_have_class_and_place(tmp_p
     )
     result = evaluate(tmp_path / "cube", f"{source}:Half", episodes=1)
     assert result.failures == {
-        "policy error: Half.act(): the action lacks 'action/robot/gripper': an environment takes "
+        "policy error: Half.act(): the action lacks 'action/robot/gripper'; an environment takes "
         f"whole actions ({source}:3, in act)": 1
     }
 
@@ -620,3 +620,8 @@ def test_an_environment_of_ones_own_whose_arms_stay_is_rejected(tmp_path: Path):
     with pytest.raises(rc.ArgumentError, match="its starts depend on the episodes before"):
         from_dataset(dataset, env=env)
     env.close()
+
+
+def test_an_environment_of_your_own_is_an_object(dataset: rc.Dataset):
+    with pytest.raises(rc.ArgumentError, match=r"`env` is an environment, .* got 'env.yaml'"):
+        from_dataset(dataset, env="env.yaml")

@@ -44,7 +44,7 @@ def change(file: Path, edit: Any) -> None:
     edit(described)
     described["cameras"].pop("exo", None)
     described["run"]["json_sha256"] = "0" * 64
-    file.write_text(robocell._core.sign_json(json.dumps(described, indent=2)))
+    file.write_text(robocell._core.self_hashed_json(json.dumps(described, indent=2)))
 
 
 def derived(folder: Path) -> Any:

@@ -131,13 +131,13 @@ def test_a_row_that_is_rejected_leaves_nothing(tmp_path: Path):
     cameras = {"a": CameraStream(64, 48), "b": CameraStream(64, 48, table="slow")}
     columns = {"time": ColumnSpec(), "slow/time": ColumnSpec()}
     with EpisodeWriter(tmp_path, "a", columns, cameras, tables=["slow"]) as episode:
-        for frames, told in [
+        for frames, message in [
             ({"a": rgb(0), "b": rgb(0)}, "camera 'b' has one image for each row of table 'slow'"),
             ({"a": rgb(0)[:3]}, r"images of camera 'a' are uint8 of shape"),
             ({"a": [[1], [2, 3]]}, "camera 'a': the value is no array"),
             (rgb(0), r"frames are \{camera: image\}"),
         ]:
-            with pytest.raises(rc.ArgumentError, match=told):
+            with pytest.raises(rc.ArgumentError, match=message):
                 episode.add_row({"time": 0}, frames)
         for i in range(3):
             episode.add_row({"time": i}, {"a": rgb(i)})
@@ -240,7 +240,7 @@ def test_an_export_finds_the_robot_by_the_names_of_its_columns(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    ("wrong", "told"),
+    ("wrong", "message"),
     [
         ({"time": "soon"}, r"column 'time' was declared as float64, which cannot store <U4 soon"),
         ({"time": None}, r"column 'time' was declared as float64, which cannot store object None"),
@@ -263,10 +263,10 @@ def test_an_export_finds_the_robot_by_the_names_of_its_columns(tmp_path: Path):
     ],
 )
 def test_wrong_values_are_named_and_can_be_corrected(
-    tmp_path: Path, wrong: dict[str, Any], told: str
+    tmp_path: Path, wrong: dict[str, Any], message: str
 ):
     with EpisodeWriter(tmp_path, "a", COLUMNS) as episode:
-        with pytest.raises((rc.ArgumentError, rc.NotFoundError), match=told):
+        with pytest.raises((rc.ArgumentError, rc.NotFoundError), match=message):
             episode.add_row(row(0, **wrong))
         episode.add_row(row(0, time=math.nan))
         episode.commit(success=True)
@@ -294,7 +294,7 @@ def test_missing_values_and_images_are_named(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    ("columns", "options", "told"),
+    ("columns", "options", "message"),
     [
         ({"time": ColumnSpec("double")}, {}, "'double' is not a type of columns: float64"),
         ({"time": ColumnSpec(shape=0)}, {}, r"shape \(0\) has an axis shorter than 1"),
@@ -340,8 +340,10 @@ def test_missing_values_and_images_are_named(tmp_path: Path):
         ({}, {"metadata": {"x": object()}}, "metadata cannot be kept with episodes, as JSON"),
     ],
 )
-def test_wrong_declarations_are_named(tmp_path: Path, columns, options: dict[str, Any], told: str):
-    with pytest.raises((rc.ArgumentError, rc.NotFoundError), match=told):
+def test_wrong_declarations_are_named(
+    tmp_path: Path, columns, options: dict[str, Any], message: str
+):
+    with pytest.raises((rc.ArgumentError, rc.NotFoundError), match=message):
         EpisodeWriter(tmp_path, "a", columns, **options)
     assert not list(tmp_path.iterdir())
 
@@ -365,7 +367,7 @@ def test_numbers_and_types_of_numpy_declare_columns_and_cameras(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "message"),
     [
         ({"success": "yes"}, "success is True or False, got 'yes'"),
         ({"success": 1}, "success is True or False, got 1"),
@@ -374,16 +376,16 @@ def test_numbers_and_types_of_numpy_declare_columns_and_cameras(tmp_path: Path):
         ({"success": True, "end_reason": 3}, "end_reason is a text, got 3"),
     ],
 )
-def test_a_wrong_commit_can_be_corrected(tmp_path: Path, arguments: dict[str, Any], told: str):
+def test_a_wrong_commit_can_be_corrected(tmp_path: Path, arguments: dict[str, Any], message: str):
     with EpisodeWriter(tmp_path, "a", {"time": ColumnSpec()}) as episode:
         episode.add_row({"time": 0})
-        with pytest.raises(rc.ArgumentError, match=f"episode 'a': {told}"):
+        with pytest.raises(rc.ArgumentError, match=f"episode 'a': {message}"):
             episode.commit(**arguments)
         episode.commit(success=True)
 
 
 @pytest.mark.parametrize(
-    ("values", "told"),
+    ("values", "message"),
     [
         ({"time": [0, 1], "q": [[1, 2], [3]]}, "column 'q': the value is no array"),
         ({"time": [0, 1, 2], "q": [[1, 2]]}, "column 'q' has 1 rows, column 'time' has 3"),
@@ -391,10 +393,10 @@ def test_a_wrong_commit_can_be_corrected(tmp_path: Path, arguments: dict[str, An
         ([[1, 2]], r"a row takes \{column: value\}"),
     ],
 )
-def test_wrong_rows_name_their_column(tmp_path: Path, values: Any, told: str):
+def test_wrong_rows_name_their_column(tmp_path: Path, values: Any, message: str):
     columns = {"time": ColumnSpec(), "q": ColumnSpec(shape=2)}
     with EpisodeWriter(tmp_path, "a", columns) as episode:
-        with pytest.raises(rc.ArgumentError, match=told):
+        with pytest.raises(rc.ArgumentError, match=message):
             episode.add_rows(values)
         episode.add_rows({"time": [0], "q": [[1, 2]]})
         episode.commit(success=True)

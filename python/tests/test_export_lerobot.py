@@ -600,6 +600,10 @@ def test_bad_arguments_are_named(
         ({"features": {"index": ["phase"]}}, "features.index is written by the export itself"),
         ({"features": {"action": "joint"}}, "no actions 'joint'. Did you mean 'joints'?"),
         ({"features": {"x": ["phse"]}}, "features.x: episode '{first}' has no column 'phse'. Did"),
+        (
+            "features:\n  x:\n    - phase\n    - phse\n",
+            ":4:7': features.x: episode '{first}' has no",
+        ),
         ({"images": {"a": "top"}}, "images.a: episode '{first}' has no camera 'top'"),
         ({"task": "instructions"}, "no text 'instructions'. Did you mean 'instruction'?"),
         ({"task": 3}, "task is an entry of the metadata"),

@@ -32,7 +32,7 @@ def record(folder: Path, columns: dict[str, ColumnSpec]) -> rc.Dataset:
 
 def exported(dataset: rc.Dataset, out: Path, **options: Any) -> dict[str, NDArray[Any]]:
     export_dataset(dataset, out, "zarr", **options)
-    data = zarr.open(str(out / "replay_buffer.zarr"), mode="r")["data"]
+    data: Any = zarr.open_group(str(out / "replay_buffer.zarr"), mode="r")["data"]
     return {name: np.asarray(data[name]) for name in data}
 
 

@@ -44,7 +44,7 @@ def changed(dataset: Path, tmp_path: Path) -> Path:
     content = json.loads(description.read_text())
     content["files"]["steps.h5"]["sha256"] = hashlib.sha256(steps.read_bytes()).hexdigest()
     content["run"]["json_sha256"] = "0" * 64
-    description.write_text(_core.sign_json(json.dumps(content, indent=2)))
+    description.write_text(_core.self_hashed_json(json.dumps(content, indent=2)))
     return copy
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 from pathlib import Path
 
@@ -154,7 +155,12 @@ def test_errors_of_the_policy_are_failures(recorded: Path, tmp_path: Path):
     assert (result.policy_errors, result.rollouts) == (2, 2)
     assert {len(episode) for episode in rc.Dataset(tmp_path / "late")} == {2}
     half = evaluate(recorded, policy(recorded, "Half"), episodes=2, output=tmp_path / "half")
-    assert half.failures == {"policy error: the action lacks 'action/robot/tquat'": 2}
+    lacks = (
+        r"Half\.act\(\): the action lacks 'action/robot/tquat'; an environment takes whole actions"
+    )
+    (reason,) = half.failures
+    assert re.fullmatch(rf"policy error: {lacks} \(\S+policies\.py:\d+, in act\)", reason)
+    assert half.failures[reason] == 2
     assert (half.policy_errors, half.mean_length) == (2, 0)
     assert len(rc.Dataset(tmp_path / "half")) == 0
     again = evaluate(recorded, policy(recorded, "Half"), episodes=2, output=tmp_path / "half")

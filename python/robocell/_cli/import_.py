@@ -9,7 +9,14 @@ from typing import Annotated
 import typer
 
 import robocell
-from robocell._cli.common import ExitCode, counting, fail, fail_missing, require_mapping
+from robocell._cli.common import (
+    ExitCode,
+    counting,
+    fail,
+    fail_missing,
+    print_warning,
+    require_mapping,
+)
 from robocell._suggestions import counted
 from robocell.importer import FORMATS, import_dataset
 
@@ -92,6 +99,6 @@ def import_(
             "--assume-success counts them as successes"
         )
     if result.gaps:
-        print(f"warning: the numbers of the episodes have gaps: {result.gaps}")
+        print_warning(f"the numbers of the episodes have gaps: {result.gaps}")
     if result.resumed:
         print(f"{counted(result.resumed, 'episode')} already written by an interrupted import")

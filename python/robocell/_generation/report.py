@@ -160,7 +160,7 @@ def load(path: Path) -> RunReport:
 def save(path: Path, report: RunReport) -> None:
     """Replaces a report in one step. Raises OSError if the disk fails."""
     values = {**report.to_json(), **UNSIGNED}
-    text = _core.sign_json(json.dumps(values, indent=1) + "\n")
+    text = _core.self_hashed_json(json.dumps(values, indent=1) + "\n")
     _core.atomic_write(path, text.encode())
 
 

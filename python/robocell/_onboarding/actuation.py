@@ -196,7 +196,7 @@ def _joints_of_loop(source: SourceModel, index: int, first: int, second: int) ->
     top = source.common_ancestor(first, second)
     if top == 0:
         return []
-    branches = [*source.way(top, first), *source.way(top, second)]
+    branches = [*source.bodies_between(top, first), *source.bodies_between(top, second)]
     return [joint for body in branches for joint in source.joints_of(body)]
 
 

@@ -177,7 +177,9 @@ class _Detection:
         common = roots[0]
         for root in roots[1:]:
             common = source.common_ancestor(common, root)
-        between = [joint for body in source.way(top, common) for joint in source.joints_of(body)]
+        between = [
+            joint for body in source.bodies_between(top, common) for joint in source.joints_of(body)
+        ]
         return common if between else top
 
     def _root_comment(self, roots: Guess[Roots]) -> str:

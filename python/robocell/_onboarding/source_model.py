@@ -83,7 +83,7 @@ class SourceModel:
             body = self.model.body_parentid[body]
         return body == ancestor
 
-    def way(self, top: int, body: int) -> list[int]:
+    def bodies_between(self, top: int, body: int) -> list[int]:
         """Returns the bodies between `top` (excluded) and `body`."""
         found: list[int] = []
         while body not in (top, 0):

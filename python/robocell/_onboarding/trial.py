@@ -132,9 +132,9 @@ def _take_edits(guess: RobotGuess, robot: Robot) -> bool:
         if found := re.search(r"`edits: \[(.+?)\]`", warning):
             named.append((found[1], re.sub(r"^\S+:\d+(:\d+)?: ", "", warning)))
     for note in robot.scene.notes:
-        said, *armatures = re.split(ARMATURES, note)[:2]
+        change, *armatures = re.split(ARMATURES, note)[:2]
         for edit in re.findall(r"\{[^}]*\}", "".join(armatures)):
-            named.append((edit, re.sub(r"^\S+:\d+(:\d+)?: ", "", said).strip()))
+            named.append((edit, re.sub(r"^\S+:\d+(:\d+)?: ", "", change).strip()))
     before = ""
     added = False
     for edit, text in named:

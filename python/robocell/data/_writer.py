@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import re
 import threading
@@ -202,13 +203,15 @@ class EpisodeWriter:
 
     def add_file(self, name: str, content: bytes | str) -> None:
         """Adds another file to the episode, such as "notes.txt"."""
-        if not isinstance(name, str) or not isinstance(content, str | bytes):
+        if not isinstance(name, str) or not isinstance(content, str | bytes | bytearray):
             raise ArgumentError(
                 f"{self._place}: a file is a name and its content, a text or bytes, got "
                 f"{show(name)} and {show(content)}"
             )
         with self._lock:
-            self._writer.add_file(name, content.encode() if isinstance(content, str) else content)
+            self._writer.add_file(
+                name, content.encode() if isinstance(content, str) else bytes(content)
+            )
 
     def commit(
         self,
@@ -415,13 +418,22 @@ def _path(file: str | os.PathLike[str], place: str) -> Path:
 
 def _remove_leftovers_of(folder: Path, id: str) -> None:
     """Removes what killed writers of an episode left; folders that are being written stay."""
-    unfinished = re.compile(rf"\.{re.escape(id)}\.(\d+)\.\d+\.partial")
-    names = []
+    for process in _unfinished(folder.absolute()).pop(id, ()):
+        remove_leftovers(folder, id, process)
+
+
+@functools.lru_cache(maxsize=16)
+def _unfinished(folder: Path) -> dict[str, set[int]]:
+    """Returns the unfinished episodes of a folder with the processes that began them.
+
+    A folder of many episodes is listed once by each process.
+    """
+    found: dict[str, set[int]] = {}
     with suppress(OSError):  # the writer says why the folder cannot be used
-        names = os.listdir(folder)
-    for name in names:
-        if found := unfinished.fullmatch(name):
-            remove_leftovers(folder, id, int(found[1]))
+        for name in os.listdir(folder):
+            if match := re.fullmatch(r"\.(.+)\.(\d+)\.\d+\.partial", name):
+                found.setdefault(match[1], set()).add(int(match[2]))
+    return found
 
 
 def _array(place: str, value: Any) -> NDArray[Any]:

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 from robocell import __version__
-from robocell._core import ArgumentError, Dataset, Episode, IoError, json_damage, sign_json
+from robocell._core import ArgumentError, Dataset, Episode, IoError, json_damage, self_hashed_json
 from robocell._dataset_run import manifest_of_dataset
 from robocell._staging import Staging, staging
 from robocell._suggestions import counted
@@ -395,12 +395,12 @@ def _renamed(episode: Episode, name: str) -> str:
     before = json.loads(text)
     changed = text.replace(f'"id": {json.dumps(episode.id)}', f'"id": {json.dumps(name)}', 1)
     changed = changed.replace(before["run"][HASH], NO_HASH, 1)
-    signed = sign_json(changed)
-    after = json.loads(signed)
+    text = self_hashed_json(changed)
+    after = json.loads(text)
     after["run"][HASH] = before["run"][HASH]
     if after != before | {"id": name}:
         raise IoError(f"'{file}' cannot be given the id '{name}'")
-    return signed
+    return text
 
 
 def _manifest(items: Sequence[_Item], made: dict[str, Any]) -> str:
@@ -425,4 +425,4 @@ def _manifest(items: Sequence[_Item], made: dict[str, Any]) -> str:
     whole["format"] = "robocell-dataset"
     whole["derived"] = {"robocell": __version__, **made, "sources": list(sources.values())}
     whole[HASH] = NO_HASH
-    return sign_json(json.dumps(whole, indent=2) + "\n")
+    return self_hashed_json(json.dumps(whole, indent=2) + "\n")

@@ -106,6 +106,10 @@ def from_dataset(
     for name, columns in (("observations", observations), ("actions", actions)):
         if columns is not None and len(columns) == 0:
             raise ArgumentError(f"`{name}` is empty; leave it out for the default columns")
+    if env is not None and not isinstance(env, Env):
+        raise ArgumentError(
+            f"from_dataset: `env` is an environment, rc.Env(EnvConfig.load(FILE)), got {env!r}"
+        )
     opened = dataset if isinstance(dataset, Dataset) else Dataset(Path(dataset))
     require_cell(opened.folder)
     named = [imports] if isinstance(imports, str) else imports
@@ -200,8 +204,8 @@ def _default_observations(
 
 def _default_actions(own: bool, features: Mapping[str, Feature]) -> list[str]:
     names = _names(features, "action")
-    if own and (asked := [name for name in names if name.startswith(OWN)]):
-        return asked
+    if own and (recorded := [name for name in names if name.startswith(OWN)]):
+        return recorded
     return [name for name in names if f"{name}_relative" in features]
 
 

@@ -252,7 +252,8 @@ class Mapping:
                 f"'{repeated[0]}' needs. Name its columns in a file: --mapping FILE"
             )
         for entry, name in expanded(entries, groups):
-            for column in self._find(episode, feature, name, known):
+            place = self.place.at("features", feature).near(entries.index(entry))
+            for column in self._find(episode, place, name, known):
                 terms[replace(entry, column=column)] = None
         return list(terms)
 
@@ -270,13 +271,13 @@ class Mapping:
                     "left out"
                 )
 
-    def _find(self, episode: Episode, feature: str, entry: str, known: list[str]) -> list[str]:
+    def _find(self, episode: Episode, at: Place, entry: str, known: list[str]) -> list[str]:
         """Returns the columns of one entry, without placeholders."""
         if found := first_of(entry, known):
             return found
         if entry.endswith("?"):
             return []
-        place = f"{self.place.at('features', feature)}: episode '{episode.folder}'"
+        place = f"{at}: episode '{episode.folder}'"
         name = entry.split("|")[0]
         if name in episode.columns:
             table = episode.column(name).table

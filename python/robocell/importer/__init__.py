@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from robocell import __version__
-from robocell._core import ArgumentError, IoError, sign_json
+from robocell._core import ArgumentError, IoError, self_hashed_json
 from robocell.importer._foreign_files import ADVICE
 from robocell.importer._origins import FORMATS, find, open_origin
 
@@ -192,7 +192,7 @@ def _write(
         "imported": {key: request[key] for key in ("robocell", "import", "format", "rate")},
         "json_sha256": "0" * 64,
     }
-    where.path("dataset.json").write_text(sign_json(json.dumps(manifest, indent=2) + "\n"))
+    where.path("dataset.json").write_text(self_hashed_json(json.dumps(manifest, indent=2) + "\n"))
     return totals
 
 

@@ -37,8 +37,8 @@ def reading(place: str | os.PathLike[str]) -> Iterator[None]:
     except OSError as error:
         raise IoError(f"cannot read {what}: {error.strerror or error}") from error
     except Exception as error:  # h5py, zarr and pyarrow raise any kind for damaged bytes
-        said = str(error) or type(error).__name__
-        raise IoError(f"cannot read {what}: {said}: {ADVICE}") from error
+        reason = str(error) or type(error).__name__
+        raise IoError(f"cannot read {what}: {reason}: {ADVICE}") from error
 
 
 def confined(root: Path, relative: str, what: str) -> Path:

@@ -60,10 +60,10 @@ class Robomimic:
         name = self._demos[index]
         demo = _child(self._data, name, h5py.Group)
         rows = _rows(demo, "actions")
-        said = _attribute(demo, "num_samples", rows)
-        if not np.array_equal(said, rows):
+        count = _attribute(demo, "num_samples", rows)
+        if not np.array_equal(count, rows):
             raise IoError(
-                f"{_place(demo)} has {rows} actions, its attribute num_samples is {said}: {ADVICE}"
+                f"{_place(demo)} has {rows} actions, its attribute num_samples is {count}: {ADVICE}"
             )
         columns, images = _arrays(demo, rows, skipped=("next_obs",))
         metadata = {"episode": name, "environment": self._environment}

@@ -214,6 +214,7 @@ TEST(EpisodeWriter, AFinishedVideoIsCopied) {
   EpisodeWriter episode(folder.path(), "second", sample.schema);
   for (int row = 0; row < 3; ++row) sample.PutRow(episode, row);
   sample.PutControl(episode, 0);
+  fs::permissions(video, fs::perms::owner_read);
   episode.AddVideo(sample.wrist, video);
   EXPECT_EQ(episode.frames(sample.wrist), 3);
   ExpectThrow<ArgumentError>([&] { episode.WriteFrame(sample.wrist, TestFrame(64, 48, 3)); },
@@ -222,6 +223,8 @@ TEST(EpisodeWriter, AFinishedVideoIsCopied) {
                              "has frames already; it takes one video, or single frames");
   const fs::path copied = episode.Commit({.success = true});
   EXPECT_EQ(ReadFile(copied / "wrist.mp4"), ReadFile(video));
+  EXPECT_EQ(fs::status(copied / "wrist.mp4").permissions(),
+            fs::status(copied / "steps.h5").permissions());
   EXPECT_EQ(WithoutRun(copied)["versions"]["encoder"],
             WithoutRun(video.parent_path())["versions"]["encoder"]);
   EXPECT_TRUE(Verify(folder.path()).ok());
@@ -311,7 +314,8 @@ TEST(EpisodeWriter, RejectsInvalidOptionsAtOnce) {
     EpisodeWriter(folder.path(), id, sample.schema, options);
   };
   ExpectThrow<ArgumentError>([&] { open("../x"); }, "'../x' cannot be an episode's id");
-  ExpectThrow<ArgumentError>([&] { open(".x"); }, "'.x' cannot be an episode's id");
+  for (const char* id : {".x", "models", "dataset.json", "report.json", "report-0-of-2.json"})
+    ExpectThrow<ArgumentError>([&] { open(id); }, "cannot be an episode's id");
   ExpectThrow<ArgumentError>([&] { open("x", {.metadata_json = "{\"seed\": }"}); },
                              "metadata_json is not JSON");
   ExpectThrow<ArgumentError>([&] { open("x", {.versions_json = "[]"}); },

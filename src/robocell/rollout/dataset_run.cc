@@ -60,12 +60,18 @@ Episode FirstEpisodeOfRun(const Dataset& dataset) {
   Episode first = dataset.At(0);
   const internal::EpisodeJson metadata = internal::EpisodeJson::Metadata(first);
   if (metadata.Find("identity")) return first;
+  const std::string folder = dataset.folder().string();
+  if (metadata.Find("environment")) {
+    throw ArgumentError(fmt::format(
+        "'{}' was recorded from an environment, not made by a run, so there is no run to go on "
+        "with; robocell.envs.from_dataset, in C++ EnvOfEpisode, makes the environment",
+        folder));
+  }
   throw ArgumentError(
-      fmt::format("'{}' was recorded from {}, not made by a run, so there is no run to go on with; "
-                  "robocell.envs.from_dataset, in C++ EnvOfEpisode, makes the environment of a "
-                  "recorded one",
-                  dataset.folder().string(),
-                  metadata.Find("environment") ? "an environment" : "something else"));
+      fmt::format("'{}' was recorded row by row (EpisodeWriter, `robocell import`), not made by a "
+                  "run, so its cell is unknown; a policy acts in an environment of your own, with "
+                  "env.row() and env.step()",
+                  folder));
 }
 
 RunConfig RunOfDataset(const Dataset& dataset) {

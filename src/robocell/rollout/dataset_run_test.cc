@@ -67,8 +67,9 @@ TEST(RunOfDataset, NeedsAnEpisodeOfARun) {
                              "has no episode, so its cell is unknown");
   fs::create_directory(temp / "others");
   SampleEpisode(0, false).Write(temp / "others", "e0");
-  ExpectThrow<ArgumentError>([&] { RunOfDataset(Dataset(temp / "others")); },
-                             "was recorded from something else, not made by a run");
+  ExpectThrow<ArgumentError>(
+      [&] { RunOfDataset(Dataset(temp / "others")); },
+      "was recorded row by row (EpisodeWriter, `robocell import`), not made by a run");
 }
 
 TEST(HousesOfDataset, AreThoseOfTheReportAndOfItsEpisodes) {

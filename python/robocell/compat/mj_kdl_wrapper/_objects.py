@@ -48,7 +48,7 @@ class SceneObject(robocell.SceneObject):
     `friction` and `condim` are then ignored, with one warning per object.
     """
 
-    __slots__ = ("_told",)
+    __slots__ = ("_has_warned",)
 
     def __init__(self, **fields: Any) -> None:
         """Sets fields by name."""
@@ -67,9 +67,9 @@ class SceneObject(robocell.SceneObject):
     mjcf_path = _model_file()
 
     def _ignore(self, fields: list[str]) -> None:
-        if not fields or getattr(self, "_told", False):
+        if not fields or getattr(self, "_has_warned", False):
             return
-        self._told = True
+        self._has_warned = True
         warnings.warn(
             f"object '{self.name}': {', '.join(fields)} ignored, for its model '{self.mjcf_path}' "
             f"says that; leave the fields of a primitive out",
