@@ -16,6 +16,7 @@ TOPICS = (
     "scene",
     "kinematics",
     "control",
+    "motion",
     "render",
     "envs",
     "scenes",
