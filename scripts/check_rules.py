@@ -80,7 +80,7 @@ LISTS_ITS_NAMES = re.compile(r"^__all__\b", re.MULTILINE)
 DEFINES = re.compile(r"^(?:def|class|from|import|\w+ =) ?", re.MULTILINE)
 MARKER = "rule-ok:"
 ELSEWHERE = "scripts/tested_elsewhere.txt"
-MOST_ELSEWHERE = 35  # lower it with every test that is written
+MOST_ELSEWHERE = 28  # lower it with every test that is written
 
 
 @dataclass(frozen=True)

@@ -146,6 +146,8 @@ void BindEpisode(nb::module_& m) {
       "One committed episode: a folder with steps.h5, one mp4 per camera and episode.json."
       "\n\nExamples:\n"
       "    >>> episode = dataset[\"s0000_e0000\"]\n"
+      "    >>> episode.id\n"
+      "    's0000_e0000'\n"
       "    >>> episode[\"robots/rc7/arm/qpos\"].shape == (len(episode), 7)\n"
       "    True")
       .def(

@@ -44,8 +44,8 @@ void BindItemResult(nb::module_& m) {
                          "    >>> rc.generate.prepare_dataset(run)\n"
                          "    >>> plan = rc.generate.make_plan(run)\n"
                          "    >>> result = rc.generate.Runner(run).run(plan[0])\n"
-                         "    >>> result.success, result.failures\n"
-                         "    (True, {})")
+                         "    >>> result.success, sum(result.rollouts.values()), result.failures\n"
+                         "    (True, 1, {})")
       .def_ro("item", &ItemResult::item, "The item of the plan.")
       .def_ro("committed", &ItemResult::committed, "True if an episode is on the disk.")
       .def_ro("complete", &ItemResult::complete, "True if the item needs no more attempts.")

@@ -136,7 +136,7 @@ def test_rejects_a_reward_that_is_not_a_number(run: rc.RunConfig, reward: float)
             return Task(self.run.task)
 
     text = told(run, sampler=Sampler, expert=lambda *_: Idle())
-    assert re.search(f"reward\\(\\) is {reward} at t = .* must be finite", text)
+    assert re.search(f"the task's reward is {reward} at t = .* must be finite", text)
 
 
 def test_a_forgotten_super_init_is_named(run: rc.RunConfig):

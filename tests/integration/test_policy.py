@@ -262,7 +262,7 @@ def test_invalid_actions_fail_their_rollouts(dataset: Path, broken: Path, tmp_pa
         f"Each.act(): {arm} has 7 numbers, or (k, 7) for a chunk;",
         f"TypeError: Each.act(): {arm} must be real numbers",
         "TypeError: Each.act() must return a dict of columns",
-        "quaternion [0, 0, 0, 0] (xyzw) has length 0",
+        "action 'robots/rc7/action/tcp_pose': quaternion [0, 0, 0, 0] (xyzw) has length 0",
         "SystemExit: 0 (",
         "MuteError: (its text cannot be made) (",
         "KeyError: 'weights' (",
@@ -416,7 +416,7 @@ def test_a_missing_name_has_the_nearest_and_the_available_ones(
     assert "Turns.act(): the observation has no 'robots/rc7/arm/qpo'. Did you mean " in near
     assert "Did you mean 'robots/rc7/arm/qpos'? It has: " in near
     assert f"{missing.name}:13, in act)" in near
-    assert "leave out --no-cameras" in image
+    assert "the cell has no `cameras.streams`" in image
 
 
 @pytest.mark.parametrize(

@@ -39,6 +39,7 @@ GIVEN = {
     "math": "Pose base_in_world, Pose tcp_in_base, Pose target, Pose difference, Pose start,"
     " Pose goal, PoseMoveLimits limits, double time",
     "media": "",
+    "motion": "Robot robot, Pose down, std::vector<double> q",
     "mujoco": "",
     "render": "Scene scene, Eigen::Vector3d cube_in_world",
     "robots": "Robot robot",

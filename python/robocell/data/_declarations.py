@@ -38,6 +38,10 @@ class ColumnSpec:
         names: Names of the components along the last axis.
         values: Names of the integers 0, 1, ...
         description: A sentence, if the name is not enough.
+
+    Examples:
+        >>> rc.data.ColumnSpec(shape=3, units="N", frame="world", names=["x", "y", "z"]).dtype
+        'float64'
     """
 
     dtype: str = "float64"
@@ -60,6 +64,10 @@ class CameraStream:
         intrinsics: 3x3, pixels, OpenCV axes.
         depth: Adds a lossless video of depth in millimetres.
         table: Its table: one frame for each row.
+
+    Examples:
+        >>> rc.data.CameraStream(width=640, height=480, depth=True).fps
+        30
     """
 
     width: int
