@@ -26,7 +26,7 @@ OF_THE_POLICY = (
     *("workers", "output", "render", "imports", "scenes.houses"),
 )
 CODE = "code/"  # begins the names of files of code in a dataset's manifest
-# What a rollout is counted by, beside what is randomised.
+# Rollouts are counted by these, and by each randomised value.
 BREAKDOWN: dict[str, Callable[[EpisodeFacts], str]] = {
     "object": lambda facts: facts.object_kind,
     "task": lambda facts: facts.task,

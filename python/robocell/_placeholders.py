@@ -81,7 +81,7 @@ def is_opening(column: str, names: Sequence[str]) -> bool:
 
 @dataclass(frozen=True)
 class Column:
-    """What tells whether a column has openings: its size, names of components, and unit."""
+    """The size, names of components and unit of a column, by which openings are recognised."""
 
     size: int
     names: tuple[str, ...] = ()

@@ -123,7 +123,7 @@ def read_yaml(
 
 
 def _found(node: Any, path: tuple[Key, ...]) -> tuple[int, int, int]:
-    """Returns how far a path leads into a file, and line and column of what is there."""
+    """Returns how far a path leads into a file, and line and column of the entry."""
     depth, mark = 0, None
     for key in path:
         step = _step(node, key)

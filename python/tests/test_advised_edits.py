@@ -28,7 +28,7 @@ GOOD = {
     "servo1": "kp='2000' kv='100'",
     "servo2": "kp='1000' kv='50'",
 }
-# What is wrong with the arm, and a part of the finding.
+# Each fault of the arm has its changed values and a part of the finding.
 FAULTS = {
     "too soft": ({"servo1": "kp='40' kv='4'"}, "servo's stiffness is 40"),
     "undamped": ({"servo1": "kp='500'"}, "nothing damps it"),

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import heapq
 import json
-import os
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from robocell import __version__
 from robocell._core import Episode
 from robocell._extras import needed_by
 from robocell._staging import Staging
+from robocell.export._episode_logs import write_logs
 from robocell.export._formats import Options, Written
 from robocell.export._h264 import h264
 from robocell.export._mcap_columns import Topic, json_topics
@@ -47,20 +47,7 @@ def write(
 
     A killed export continues after the last complete episode.
     """
-    resumed = 0
-    encoded: dict[str, str] = {}
-    for index, item in enumerate(source.items):
-        file = staging.path(f"{item.id}.mcap")
-        reasons = staging.state(item.id)
-        if file.exists() and reasons is not None:
-            resumed += 1
-        else:
-            partial = staging.scratch("episode.mcap")
-            reasons = _write_episode(source, item, partial, staging.scratch("video.mp4"))
-            staging.keep(item.id, reasons)
-            os.replace(partial, file)
-        encoded |= reasons
-        on_episode(index + 1)
+    resumed, encoded = write_logs(source, staging, "mcap", _write_episode, on_episode)
     notes = (
         "`<id>.mcap` is the log of an episode; its times are simulated and begin with 0.",
         "`/joint_states`, `/tf`, `/events`, poses and cameras have the schemas of Foxglove; every "

@@ -7,7 +7,6 @@ on the timeline `time`, which is that of the simulation.
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ import numpy as np
 from robocell._core import Episode
 from robocell._extras import needed_by
 from robocell._staging import Staging
+from robocell.export._episode_logs import write_logs
 from robocell.export._events import events_of
 from robocell.export._formats import Options, Written
 from robocell.export._frames import frames_of
@@ -38,20 +38,7 @@ def write(
 
     A killed export continues after the last complete episode.
     """
-    resumed = 0
-    encoded: dict[str, str] = {}
-    for index, item in enumerate(source.items):
-        file = staging.path(f"{item.id}.rrd")
-        reasons = staging.state(item.id)
-        if file.exists() and reasons is not None:
-            resumed += 1
-        else:
-            partial = staging.scratch("episode.rrd")
-            reasons = _write_episode(source, item, partial, staging.scratch("video.mp4"))
-            staging.keep(item.id, reasons)
-            os.replace(partial, file)
-        encoded |= reasons
-        on_episode(index + 1)
+    resumed, encoded = write_logs(source, staging, "rrd", _write_episode, on_episode)
     notes = (
         "`<id>.rrd` is the log of an episode; the timeline `time` is that of the simulation.",
         "`/world` has the frames of robots, TCPs, objects and cameras; every column of the episode "
