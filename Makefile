@@ -109,6 +109,7 @@ check-site: build-python
 # What the pages promise, and what holds for every robot: `make test` tries some of each kind.
 check-proofs: build
 	@$(call headline,proofs in full)
+	@cmake --build --preset release -j $(JOBS) --target examples
 	@scripts/fetch_test_robots
 	@$(PYTHON) -m pytest -q -n $(TESTERS) --dist worksteal -m "proof and not soak"
 

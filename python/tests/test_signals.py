@@ -9,6 +9,18 @@ import pytest
 from robocell._generation.signals import STOP_SIGNALS, interrupted_by_signals, stop_on_signals
 
 
+@pytest.fixture(autouse=True)
+def signals_are_not_ignored():
+    """Under nohup SIGHUP is ignored, and what is ignored stays so."""
+    before = {number: signal.getsignal(number) for number in STOP_SIGNALS}
+    for number, handler in before.items():
+        if handler is signal.SIG_IGN:
+            signal.signal(number, signal.SIG_DFL)
+    yield
+    for number, handler in before.items():
+        signal.signal(number, handler)
+
+
 @pytest.mark.parametrize(
     ("number", "name"),
     [(signal.SIGINT, "Ctrl-C"), (signal.SIGTERM, "SIGTERM"), (signal.SIGHUP, "SIGHUP")],
