@@ -31,7 +31,9 @@ def test_datasets_are_generated_and_verified_without_graphics_libraries(tmp_path
     verified = new_process("verify", tmp_path / "out", **options)
     assert verified.returncode == 0, verified.stdout
     told = new_process("doctor", **options)
-    assert "soft: no OpenGL for off-screen rendering. Tried:" in " ".join(told.stdout.split())
+    assert told.returncode == 0
+    assert "is optional: sudo apt install libegl1" in told.stdout
+    assert "this machine can generate datasets" in told.stdout
     with_gl = new_process("generate", run, "--set", "cameras.renderer.backend=gl", **options)
     assert with_gl.returncode != 0
     assert "libEGL.so.1: cannot open shared object file" in with_gl.stderr

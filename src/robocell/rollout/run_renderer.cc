@@ -87,7 +87,7 @@ std::unique_ptr<Renderer> MakeRendererOf(const RunConfig& run, const Visibility&
 }
 
 int DrawingThreads(const RunConfig& run, const Renderer& renderer, int cores) {
-  constexpr int kMost = 4;
+  constexpr int kMost = 3;
   if (NameIn(renderer.description()) != "soft") return 1;
   if (cores == 0) cores = static_cast<int>(std::thread::hardware_concurrency());
   return std::clamp(cores / std::max(run.workers, 1), 1, kMost);
