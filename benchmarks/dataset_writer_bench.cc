@@ -7,11 +7,19 @@
 // row is an error.
 //
 //   build/release/dataset_writer_bench [ROBOT.yaml ...]   default: the built-in rc7
+//   build/release/dataset_writer_bench --frames FILE ROBOT.yaml
+//
+// The second form writes the raw frames for peers in other programs, and prints the numbers of rows
+// and cameras, width and height.
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "bench.h"
@@ -170,10 +178,27 @@ void Register(const std::string& file) {
       "ffmpeg", [](Writing& w) { w.EncodeOnly(); }, "");
 }
 
+int WriteFrames(const std::string& path, const std::string& robot_file) {
+  try {
+    std::ofstream file(path, std::ios::binary);
+    for (const std::vector<uint8_t>& frame : FramesOf(robot_file))
+      file.write(reinterpret_cast<const char*>(frame.data()),
+                 static_cast<std::streamsize>(frame.size()));
+    if (!file.flush()) throw Error("cannot write '" + path + "'");
+    std::printf("%d %d %d %d\n", kRows, kCameras, kWidth, kHeight);
+    return 0;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return 2;
+  }
+}
+
 }  // namespace
 }  // namespace robocell
 
 int main(int argc, char** argv) {
+  if (argc == 4 && std::string_view(argv[1]) == "--frames")
+    return robocell::WriteFrames(argv[2], argv[3]);
   return robocell::bench::Main(argc, argv, robocell::Register,
                                robocell::assets::BuiltinRobotFile("rc7"));
 }

@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import yaml
 
+from lerobot_peer import PEER, peer_python
 from table import Row
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -29,7 +30,6 @@ from robocell.export import export_dataset  # noqa: E402
 REPETITIONS = 5
 EPISODES = 100
 PEER_EPISODES = 4  # of the same; the rate per frame counts
-PEER = "lerobot==0.4.4"
 ACTION = ("action/arm", "action/gripper")
 RUN = ROOT / "examples" / "demo.yaml"
 
@@ -108,21 +108,6 @@ def peer_per_s(dataset: robocell.Dataset, folder: Path, repetitions: int) -> lis
             raise RuntimeError(f"{PEER} failed:\n{said.stderr[-2000:]}")
         found.append(float(said.stdout.split()[-1]))
     return found
-
-
-def peer_python(folder: Path) -> Path | None:
-    """The interpreter of the peer's environment, made once."""
-    place = folder / "peers" / "lerobot"
-    python, ready = place / "bin" / "python", place / "ready"
-    if not ready.exists():
-        shutil.rmtree(place, ignore_errors=True)
-        subprocess.run([sys.executable, "-m", "venv", str(place)], check=True)
-        command = [str(python), "-I", "-m", "pip", "install", "-q", PEER]
-        if subprocess.run(command, check=False).returncode:
-            print(f"left out: {PEER} does not install here", flush=True)
-            return None
-        ready.touch()
-    return python
 
 
 WRITE = """

@@ -28,7 +28,8 @@ MODES = {"each for itself": "0", "drawing service": "1"}
 
 def rows(folder: Path) -> list[Row]:
     """Nothing where software draws."""
-    if not has_card():
+    if reason := why_no_card():
+        print(f"left out: graphics_card: {reason}", flush=True)
         return []
     found = []
     for file in arm_files():
@@ -37,15 +38,17 @@ def rows(folder: Path) -> list[Row]:
     return found + [demo(folder, mode) for mode in MODES]
 
 
-def has_card() -> bool:
-    """Whether a graphics card draws in this environment."""
+def why_no_card() -> str:
+    """Why no graphics card draws in this environment; "" where one does."""
     import robocell as rc
 
     try:
         description = rc.diagnose.describe_gl()
-    except rc.Error:
-        return False
-    return not any(software in description for software in ("llvmpipe", "softpipe", "swrast"))
+    except rc.Error as error:
+        return f"no OpenGL: {error}"
+    if any(software in description for software in ("llvmpipe", "softpipe", "swrast")):
+        return f"software draws, not a graphics card: {description}"
+    return ""
 
 
 def alone(file: Path) -> Row:

@@ -9,6 +9,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 
 from bench_program import ROOT, scaled, seconds
@@ -18,27 +19,43 @@ from table import Row
 DEMO = ROOT / "examples" / "demo.yaml"
 
 STAGES = ("acting", "images", "encoding")
+PLAIN, GL_IMAGES = "without effects", "images by gl"
+# At that commit `gl` drew without effects, one image after the other, on the thread that acted.
+# Today's code acts and draws so, which is faster than that commit was; encoding is not counted.
+EARLIER = "commit 8206dcb as today's code does its work: acting, then images by `gl`"
 
 
-def rows(folder: Path) -> list[Row]:
-    """Beside the sum of the stages, beside the slowest one, and beside a Python pipeline."""
+def rows(folder: Path, repetitions: int = 5) -> list[Row]:
+    """Beside the sum of the stages, the slowest one, a Python pipeline and an earlier robocell."""
     result = []
-    programs = seconds("overlap_bench", [DEMO], folder, repetitions=5, one_core=False)
+    programs = seconds("overlap_bench", [DEMO], folder, repetitions=repetitions, one_core=False)
     python_pipeline = pipeline(folder)
     for robot, sides in programs.items():
-        made = scaled(sides["made"], 1e3)
-        stages = {stage: scaled(sides[stage], 1e3) for stage in STAGES}
-        slowest = max(STAGES, key=lambda stage: min(stages[stage]))
-        serial = [sum(times) for times in zip(*stages.values(), strict=True)]
-        for peer, what in (
-            (serial, f"{', '.join(STAGES)} one after the other"),
-            (stages[slowest], f"the slowest stage alone: {slowest}"),
-            (python_pipeline, "a Python pipeline, `mujoco.Renderer`, default"),
-        ):
-            name = f"an image of an episode, {robot}"
+        times = {side: scaled(values, 1e3) for side, values in sides.items()}
+        slowest = max(STAGES, key=lambda stage: min(times[stage]))
+        peers = [
+            (
+                "made",
+                one_after_the_other(times, STAGES),
+                f"{', '.join(STAGES)} one after the other",
+            ),
+            ("made", times[slowest], f"the slowest stage alone: {slowest}"),
+            ("made", python_pipeline, "a Python pipeline, `mujoco.Renderer`, default"),
+        ]
+        if GL_IMAGES in times:
+            before = one_after_the_other(times, ("acting", GL_IMAGES))
+            peers.append((f"made {PLAIN}", before, EARLIER))
+        for side, peer, what in peers:
+            effects = f" {PLAIN}" if PLAIN in side else ""
+            name = f"an image of an episode{effects}, {robot}"
             note = f"two cameras 640x480, one worker, all cores; peer: {what}"
-            result.append(Row(name, "ms", made, peer, note=note))
+            result.append(Row(name, "ms", times[side], peer, note=note))
     return result
+
+
+def one_after_the_other(times: dict[str, list[float]], stages: Sequence[str]) -> list[float]:
+    """The sum of stages, repetition by repetition."""
+    return [sum(each) for each in zip(*(times[stage] for stage in stages), strict=True)]
 
 
 def pipeline(folder: Path) -> list[float]:

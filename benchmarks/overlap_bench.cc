@@ -4,7 +4,10 @@
 //
 //   build/release/overlap_bench [RUN.yaml ...]   default: examples/demo.yaml
 //
-// The run's own cameras, at 640x480. Every side makes, draws or encodes the same episodes.
+// The run's own cameras, at 640x480, in a run with one worker. Every side makes, draws or encodes
+// the same episodes. The stages have one thread each; the Runner has all cores. Where OpenGL is,
+// the images are also drawn by it without effects, as robocell did before it had a rasteriser.
+#include <cstdio>
 #include <memory>
 #include <string>
 #include <utility>
@@ -56,12 +59,15 @@ class Making {
  public:
   explicit Making(const std::string& run_file) : run_(RunConfig::Load(run_file)) {
     run_.output = folder_ / "dataset";
+    run_.workers = 1;
     run_.cameras.resolution = {kWidth, kHeight};
     for (CameraConfig& stream : run_.cameras.streams) stream.width = stream.height = {};
-    RunConfig blind = run_;
+    RunConfig blind = run_, plain = run_;
     blind.cameras.streams.clear();
+    plain.cameras.renderer.quality = {};
     runner_ = std::make_unique<Runner>(run_);
     blind_ = std::make_unique<Runner>(blind);
+    plain_ = std::make_unique<Runner>(plain);
     WatchOnce(blind);
     for (const Rollout& rollout : rollouts_) {
       const std::vector<std::vector<uint8_t>> frames(
@@ -71,7 +77,14 @@ class Making {
     renderer_ = MakeRenderer(
         {.backend = run_.cameras.renderer.backend, .quality = run_.cameras.renderer.quality});
     Images();
+    try {
+      gl_ = MakeRenderer({.backend = "gl"});
+      GlImages();
+    } catch (const Error& error) {
+      std::fprintf(stderr, "left out: images by gl: %s\n", error.what());
+    }
   }
+  bool has_gl() const { return gl_ != nullptr; }
   const RunConfig& run() const { return run_; }
   double frames() const {
     double rows = 0;
@@ -79,18 +92,23 @@ class Making {
     return rows * static_cast<double>(run_.cameras.streams.size());
   }
 
-  void Prepare(bool cameras) {
+  Runner& runner() { return *runner_; }
+  Runner& blind() { return *blind_; }  // without cameras
+  Runner& plain() { return *plain_; }  // without effects in images
+  void Prepare(const Runner& runner) {
     folder_.Clear();
-    PrepareDataset((cameras ? runner_ : blind_)->run());
+    PrepareDataset(runner.run());
   }
-  void Episodes(bool cameras) { Make(*(cameras ? runner_ : blind_)); }
-  void Images() {
-    size_t first = 0;
-    for (Rollout& rollout : rollouts_) {
-      Draw(rollout, first);
-      first += run_.cameras.streams.size();
+  void Make(Runner& runner) {
+    made_ = 0;
+    const std::vector<PlanItem> plan = MakePlan(runner.run());
+    for (int i = 0; i < kEpisodes; ++i) {
+      const ItemResult result = runner.Run(plan.at(i));
+      made_ += result.committed && !result.resumed;
     }
   }
+  void Images() { DrawAll(*renderer_); }
+  void GlImages() { DrawAll(*gl_); }
   void Encode() {
     for (size_t i = 0; i < videos_.size(); ++i) {
       VideoWriter video(folder_ / (std::to_string(i) + ".mp4"),
@@ -104,14 +122,6 @@ class Making {
   }
 
  private:
-  void Make(Runner& runner) {
-    made_ = 0;
-    const std::vector<PlanItem> plan = MakePlan(runner.run());
-    for (int i = 0; i < kEpisodes; ++i) {
-      const ItemResult result = runner.Run(plan.at(i));
-      made_ += result.committed && !result.resumed;
-    }
-  }
   void WatchOnce(const RunConfig& blind) {
     PrepareDataset(blind);
     Runner watched(blind, {.expert = [&](const RunConfig& run, const EpisodeStart& start) {
@@ -120,10 +130,17 @@ class Making {
                    }});
     Make(watched);
   }
+  void DrawAll(Renderer& renderer) {
+    size_t first = 0;
+    for (Rollout& rollout : rollouts_) {
+      Draw(renderer, rollout, first);
+      first += run_.cameras.streams.size();
+    }
+  }
   // Draws into the videos from number `first` on.
-  void Draw(Rollout& rollout, size_t first) {
+  void Draw(Renderer& renderer, Rollout& rollout, size_t first) {
     const Scene& scene = rollout.scene;
-    renderer_->SetModel(scene.model());
+    renderer.SetModel(scene.model());
     std::vector<CameraView> views;
     for (const CameraConfig& stream : run_.cameras.streams)
       views.push_back(
@@ -131,17 +148,17 @@ class Making {
     for (size_t row = 0; row < rollout.states.size(); ++row) {
       rollout.scene.SetState(rollout.states[row]);
       for (size_t s = 0; s < views.size(); ++s) {
-        renderer_->Render(scene.data(), {.camera = views[s], .width = kWidth, .height = kHeight},
-                          {.rgb = videos_[first + s][row]});
+        renderer.Render(scene.data(), {.camera = views[s], .width = kWidth, .height = kHeight},
+                        {.rgb = videos_[first + s][row]});
       }
     }
   }
 
   bench::Folder folder_;
   RunConfig run_;
-  std::unique_ptr<Runner> runner_, blind_;
+  std::unique_ptr<Runner> runner_, blind_, plain_;
   Rollouts rollouts_;
-  std::unique_ptr<Renderer> renderer_;
+  std::unique_ptr<Renderer> renderer_, gl_;                // gl_: null without OpenGL
   std::vector<std::vector<std::vector<uint8_t>>> videos_;  // their frames
   int made_ = kEpisodes;
 };
@@ -156,13 +173,17 @@ void Register(const std::string& file) {
                 .run = [=] { run(*it); },
                 .problem = [=] { return it->Problem(); }});
   };
+  const auto add_run = [&](const std::string& side, auto runner) {
+    add(
+        side, [=](Making& m) { m.Prepare(runner(m)); }, [=](Making& m) { m.Make(runner(m)); });
+  };
   const auto nothing = [](Making&) {};
-  add(
-      "made", [](Making& m) { m.Prepare(true); }, [](Making& m) { m.Episodes(true); });
-  add(
-      "acting", [](Making& m) { m.Prepare(false); }, [](Making& m) { m.Episodes(false); });
+  add_run("made", [](Making& m) -> Runner& { return m.runner(); });
+  add_run("made without effects", [](Making& m) -> Runner& { return m.plain(); });
+  add_run("acting", [](Making& m) -> Runner& { return m.blind(); });
   add("images", nothing, [](Making& m) { m.Images(); });
   add("encoding", nothing, [](Making& m) { m.Encode(); });
+  if (it->has_gl()) add("images by gl", nothing, [](Making& m) { m.GlImages(); });
 }
 
 }  // namespace

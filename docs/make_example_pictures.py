@@ -6,6 +6,7 @@ picture.
 
 from __future__ import annotations
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -27,7 +28,8 @@ def draw(example: Path) -> None:
     name = f"example_{example.stem[:2]}.png"
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder)
-        subprocess.run([sys.executable, example, out], check=True, capture_output=True)
+        soft = {**os.environ, "ROBOCELL_RENDERER": "soft"}  # the same pictures on every machine
+        subprocess.run([sys.executable, example, out], check=True, capture_output=True, env=soft)
         made = list(out.glob("*/dataset.json"))
         if not made or example.stem == READING:
             save(Image.open(out / "picture.png"), name)

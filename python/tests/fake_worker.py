@@ -3,7 +3,7 @@
     python fake_worker.py FOLDER '{"e1": ["kill", "make"], "e2": ["hang"]}'
 
 An item does what its list says, one entry per try, the last one again and again; `make` when it is
-not listed. An episode is a folder of its id. FOLDER/tries holds a line per try: `<id> <pid>`,
+not listed. An episode is a folder of its id. FOLDER/tries has a line per try, `<id> <pid> <turn>`,
 FOLDER/hangs one for each item that hangs.
 """
 
@@ -22,6 +22,7 @@ from pathlib import Path
 
 from robocell import IoError, SpecError
 from robocell._generation.items import Item, ItemRecord
+from robocell._generation.supervisor import TURN_VARIABLE
 from robocell._generation.worker import serve
 
 
@@ -71,7 +72,7 @@ class Maker:
         """One item."""
         before = tries_of(self.folder).count(item.id)
         with (self.folder / "tries").open("a") as file:
-            file.write(f"{item.id} {os.getpid()}\n")
+            file.write(f"{item.id} {os.getpid()} {os.environ.get(TURN_VARIABLE)}\n")
         acts = self.script.get(item.id, self.script.get("*", ["make"]))
         return self.act(acts[min(before, len(acts) - 1)], item)
 

@@ -131,6 +131,14 @@ def test_starts_no_more_workers_than_items(tmp_path: Path):
     assert supervise(tmp_path, {}, count=1, workers=5).run().totals.made == 0
 
 
+def test_each_worker_has_its_turn_among_the_graphics_cards(tmp_path: Path):
+    supervise(tmp_path, {}, count=30, workers=3).run()
+    lines = (tmp_path / "tries").read_text().splitlines()
+    turns = {tuple(line.split()[1:]) for line in lines}
+    assert len({pid for pid, _ in turns}) == len({turn for _, turn in turns}) == len(turns)
+    assert {turn for _, turn in turns} <= {"0", "1", "2"}
+
+
 def test_a_killed_worker_is_reported_and_its_item_is_repeated(tmp_path: Path):
     recorder = Recorder()
     outcome = supervise(tmp_path, {"e1": ["kill", "make"]}, observer=recorder).run()

@@ -34,6 +34,7 @@ from robocell._generation.worker_process import WorkerProcess
 
 TICK_S = 0.2
 STARTS_WITHOUT_SUCCESS = 3
+TURN_VARIABLE = "ROBOCELL_EGL_TURN"  # workers take the graphics cards in turn
 
 
 @dataclass(frozen=True)
@@ -192,7 +193,8 @@ class Supervisor:
             try:
                 self._logs.mkdir(parents=True, exist_ok=True)  # somebody may have tidied up
                 log = self._logs / f"worker-{number}.log"
-                worker = WorkerProcess(number, self._command, log, self._environment)
+                environment = {**self._environment, TURN_VARIABLE: str(number)}
+                worker = WorkerProcess(number, self._command, log, environment)
             except OSError as error:
                 self._give_up_run("io", f"worker {number} cannot be started: {error}")
                 return

@@ -2,9 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
+#include "robocell/assets/resolve.h"
 #include "robocell/scene/saved_scene.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/task_kind.h"
@@ -150,6 +154,13 @@ void AddCameras(const EnvConfig& config, SceneSpec& scene) {
   }
 }
 
+// Built-in scenes have no sky, so that a scene can bring one. The look of a user's scene is the
+// user's.
+bool IsBuiltinScene(const std::string& name) {
+  const std::vector<std::string> all = assets::BuiltinScenes();
+  return std::ranges::find(all, name) != all.end();
+}
+
 }  // namespace
 
 std::shared_ptr<CompiledScene> CompileEnvScene(const EnvConfig& config) {
@@ -176,6 +187,7 @@ SceneSpec EnvSceneSpec(const EnvConfig& config) {
                   .base = config.scene,
                   .timestep = config.sim.timestep,
                   .add_floor = config.has_added_floor(),
+                  .add_skybox = IsBuiltinScene(config.scene),
                   .options = config.options,
                   .root_frame_to_world = config.root_frame_to_world,
                   .shared_base_frame_to_root_frame = config.shared_base_frame_to_root_frame,

@@ -5,6 +5,10 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <span>
+#include <string>
+
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
@@ -44,6 +48,35 @@ TEST(EnvScene, ASingleRobotWithoutOffsetsIsAtTheWorldOrigin) {
   EXPECT_EQ(scene.shared_base_frame_to_world(), Pose());
   EXPECT_POSE(scene.body_pose("robotrobot_base"), Pose());
   EXPECT_POSE(Robot::Of(scene, "robot").base_in_world(), Pose());
+}
+
+int Skies(const mjModel* model) {
+  const auto types = std::span(model->tex_type, static_cast<size_t>(model->ntex));
+  return static_cast<int>(std::ranges::count(types, mjTEXTURE_SKYBOX));
+}
+
+TEST(EnvScene, BuiltInScenesHaveASkyAndTheirOwnLights) {
+  TwoArmFolder folder;
+  EnvConfig config;
+  config.robots["robot"] = folder.arm();
+  for (const std::string& name : assets::BuiltinScenes()) {
+    config.scene = name;
+    const Scene scene = BuildEnvScene(config);
+    EXPECT_EQ(Skies(scene.model()), 1) << name;
+    EXPECT_EQ(scene.model()->nlight, 2) << name;
+  }
+}
+
+TEST(EnvScene, ASceneFileKeepsItsLook) {
+  TwoArmFolder folder;
+  const TempDir files;
+  AtomicWrite(files / "dark.xml", "<mujoco><worldbody><body name='a'/></worldbody></mujoco>");
+  EnvConfig config;
+  config.robots["robot"] = folder.arm();
+  config.scene = (files / "dark.xml").string();
+  const Scene scene = BuildEnvScene(config);
+  EXPECT_EQ(Skies(scene.model()), 0);
+  EXPECT_EQ(scene.model()->nlight, 0);
 }
 
 TEST(EnvScene, RobotPosesAreTheProductOfThreeTransforms) {

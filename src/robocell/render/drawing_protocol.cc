@@ -20,6 +20,7 @@
 #include "robocell/base/hash.h"
 #include "robocell/base/real_file.h"
 #include "robocell/render/egl_devices.h"
+#include "robocell/render/graphics_advice.h"
 #include "robocell/render/renderer.h"
 
 namespace robocell::internal {
@@ -197,8 +198,9 @@ std::string DrawingServiceName(GlBackend backend) {
   const EglDeviceChoice device = EglDeviceChoice::FromEnvironment();
   const GlBackend chosen = backend == GlBackend::kAuto ? GlBackendFromEnvironment() : backend;
   std::string all = known ? FileIdentity(library.dli_fname) : "";
+  const int turn = TurnAmongCards(device, ReadGraphicsFacts().nvidia.size());
   for (const std::string& part : {std::string(GlBackendName(chosen)), device.robocell_device,
-                                  device.mujoco_device, device.cuda_visible})
+                                  device.mujoco_device, device.cuda_visible, std::to_string(turn)})
     all += '\0' + part;
   return fmt::format("robocell-drawing-{}-{}", geteuid(), Fingerprint(all));
 }

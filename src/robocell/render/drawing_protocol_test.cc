@@ -109,6 +109,14 @@ TEST(DrawingProtocol, EachChoiceOfADeviceHasItsService) {
   EXPECT_NE(DrawingServiceName(GlBackend::kOsmesa), plain);
   setenv("CUDA_VISIBLE_DEVICES", "1", 1);
   EXPECT_NE(DrawingServiceName(GlBackend::kAuto), plain);
+  setenv("CUDA_VISIBLE_DEVICES", "0,1", 1);
+  const auto of_worker = [](const char* number) {
+    setenv("ROBOCELL_EGL_TURN", number, 1);
+    return DrawingServiceName(GlBackend::kAuto);
+  };
+  EXPECT_NE(of_worker("0"), of_worker("1")) << "two cards have two services";
+  EXPECT_EQ(of_worker("0"), of_worker("2"));
+  unsetenv("ROBOCELL_EGL_TURN");
   unsetenv("CUDA_VISIBLE_DEVICES");
 }
 

@@ -100,6 +100,21 @@ std::optional<size_t> MujocoChoice(int number, const Indices& order, const CudaM
   return order[number];
 }
 
+// Puts the device first whose turn it is, among those that workers take in turn: the visible ones,
+// otherwise the cards of the first one's kind.
+void TakeTurn(std::span<const EglDevice> devices, const Indices& visible, int turn,
+              Indices* order) {
+  const auto takes_part = [&](size_t i) {
+    const EglDevice &device = devices[i], &first = devices[order->front()];
+    if (device.software) return false;
+    if (!visible.empty()) return std::ranges::find(visible, i) != visible.end();
+    return device.vendor == first.vendor && device.cuda.has_value() == first.cuda.has_value();
+  };
+  const auto end = std::ranges::find_if_not(*order, takes_part);
+  if (const auto cards = end - order->begin(); cards > 1)
+    std::rotate(order->begin(), order->begin() + turn % cards, end);
+}
+
 [[noreturn]] void ThrowNoDevice(const char* variable, const std::string& value,
                                 std::span<const EglDevice> devices) {
   std::vector<std::string> names;
@@ -113,8 +128,10 @@ std::optional<size_t> MujocoChoice(int number, const Indices& order, const CudaM
 }  // namespace
 
 EglDeviceChoice EglDeviceChoice::FromEnvironment() {
-  return {Variable("ROBOCELL_EGL_DEVICE"), Variable("MUJOCO_EGL_DEVICE_ID"),
-          Variable("CUDA_VISIBLE_DEVICES")};
+  return {.robocell_device = Variable("ROBOCELL_EGL_DEVICE"),
+          .mujoco_device = Variable("MUJOCO_EGL_DEVICE_ID"),
+          .cuda_visible = Variable("CUDA_VISIBLE_DEVICES"),
+          .turn = std::max(0, WholeNumber(Variable("ROBOCELL_EGL_TURN")).value_or(0))};
 }
 
 std::string DescribeEglDevice(std::span<const EglDevice> devices, size_t index) {
@@ -143,7 +160,15 @@ std::vector<size_t> OrderEglDevices(std::span<const EglDevice> devices,
     return {*index};
   }
   std::stable_partition(order.begin(), order.end(), [&](size_t i) { return !devices[i].software; });
+  TakeTurn(devices, visible, choice.turn, &order);
   return order;
+}
+
+int TurnAmongCards(const EglDeviceChoice& choice, size_t cards) {
+  if (!choice.robocell_device.empty() || !choice.mujoco_device.empty()) return 0;
+  const std::vector<int> visible = CudaNumbers(choice.cuda_visible);
+  const size_t count = std::max<size_t>(1, visible.empty() ? cards : visible.size());
+  return choice.turn % static_cast<int>(count);
 }
 
 bool IsSoftwareRenderer(std::string_view renderer) {

@@ -21,6 +21,8 @@ struct EglDeviceChoice {
   std::string robocell_device = {};  // ROBOCELL_EGL_DEVICE
   std::string mujoco_device = {};    // MUJOCO_EGL_DEVICE_ID
   std::string cuda_visible = {};     // CUDA_VISIBLE_DEVICES
+  // ROBOCELL_EGL_TURN: the number of a worker among those of a run, which take the cards in turn.
+  int turn = 0;
 
   static EglDeviceChoice FromEnvironment();
   bool operator==(const EglDeviceChoice&) const = default;
@@ -32,11 +34,17 @@ struct EglDeviceChoice {
 // ROBOCELL_EGL_DEVICE counts the devices as EGL lists them. MUJOCO_EGL_DEVICE_ID has its meaning in
 // MuJoCo 4.0: if the driver reports the CUDA number of each device, a position in
 // CUDA_VISIBLE_DEVICES or a CUDA number, otherwise an index in EGL's list. Without a choice,
-// devices in CUDA_VISIBLE_DEVICES come first, then other graphics cards, then software.
+// devices in CUDA_VISIBLE_DEVICES come first, then other graphics cards, then software. The first
+// ones are tried from the `turn`-th on: those in CUDA_VISIBLE_DEVICES, otherwise the cards of the
+// first one's kind.
 //
 // Throws ArgumentError, with variable and devices, for a choice that is not a device number.
 std::vector<size_t> OrderEglDevices(std::span<const EglDevice> devices,
                                     const EglDeviceChoice& choice);
+
+// Returns the number of the card whose turn it is, for a process that does not list the devices:
+// the same for two workers only if they draw on the same card. `cards`: on this machine.
+int TurnAmongCards(const EglDeviceChoice& choice, size_t cards);
 
 // Returns "device 0 (NVIDIA)".
 std::string DescribeEglDevice(std::span<const EglDevice> devices, size_t index);

@@ -3,7 +3,13 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
 #include "robocell/base/error.h"
+#include "robocell/base/rng.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -42,6 +48,58 @@ TEST(EglDeviceOrder, CudaNumbersOrderTheDevicesThatReportThem) {
   EXPECT_THAT(OrderEglDevices(Devices{Nvidia(0), Nvidia(0)}, {.cuda_visible = "0"}),
               ElementsAre(0, 1))
       << "numbers told twice say nothing";
+}
+
+TEST(EglDeviceOrder, WorkersTakeTheCardsInTurn) {
+  const Devices devices = {kMesa, Nvidia(2), Nvidia(0), Nvidia(1), kIntel};
+  const auto first = [&](int turn, const std::string& visible) {
+    return OrderEglDevices(devices, {.cuda_visible = visible, .turn = turn}).front();
+  };
+  EXPECT_THAT((std::vector{first(0, ""), first(1, ""), first(2, ""), first(3, "")}),
+              ElementsAre(2, 3, 1, 2))
+      << "neither another kind of card nor software";
+  EXPECT_THAT((std::vector{first(0, "2,1"), first(1, "2,1"), first(2, "2,1")}),
+              ElementsAre(1, 3, 1));
+  EXPECT_THAT((std::vector{first(0, "1"), first(1, "1")}), ElementsAre(3, 3));
+  EXPECT_THAT(OrderEglDevices(devices, {.cuda_visible = "0,1", .turn = 1}),
+              ElementsAre(3, 2, 1, 4, 0))
+      << "the others follow, for a card that does not work";
+  EXPECT_THAT(OrderEglDevices(devices, {.mujoco_device = "0", .turn = 1}), ElementsAre(2))
+      << "a chosen device is that of all workers";
+  EXPECT_THAT(OrderEglDevices(Devices{kMesa, kMesa}, {.turn = 1}), ElementsAre(0, 1));
+  EXPECT_THAT(OrderEglDevices(Devices{{}, kMesa, {}}, {.turn = 1}), ElementsAre(2, 0, 1));
+  EXPECT_TRUE(OrderEglDevices({}, {.turn = 1}).empty());
+}
+
+// For random machines: who has the same turn has the same card, and each card its share.
+TEST(EglDeviceOrder, TurnsAreThoseOfCards) {
+  Rng rng = Rng::Stream(1, "machines");
+  for (int machine = 0; machine < 200; ++machine) {
+    const int cards = 1 + static_cast<int>(rng.UniformInt(5));
+    Devices devices;
+    for (int card = 0; card < cards; ++card) devices.push_back(Nvidia(card));
+    if (rng.UniformInt(2) == 0) devices.push_back(kMesa);
+    rng.Shuffle(devices);
+    std::map<int, std::set<size_t>> cards_of_turn;
+    std::map<size_t, int> workers;
+    for (int worker = 0; worker < 3 * cards; ++worker) {
+      const EglDeviceChoice choice{.turn = worker};
+      const size_t device = OrderEglDevices(devices, choice).front();
+      cards_of_turn[TurnAmongCards(choice, static_cast<size_t>(cards))].insert(device);
+      ++workers[device];
+    }
+    EXPECT_EQ(cards_of_turn.size(), cards);
+    for (const auto& [turn, of] : cards_of_turn) EXPECT_EQ(of.size(), 1) << "turn " << turn;
+    for (const auto& [device, count] : workers) EXPECT_EQ(count, 3);
+  }
+}
+
+TEST(EglDeviceOrder, TurnsFollowTheVisibleCards) {
+  EXPECT_EQ(TurnAmongCards({.cuda_visible = "4,7", .turn = 3}, 8), 1);
+  EXPECT_EQ(TurnAmongCards({.cuda_visible = "4", .turn = 3}, 8), 0);
+  EXPECT_EQ(TurnAmongCards({.mujoco_device = "1", .turn = 3}, 8), 0);
+  EXPECT_EQ(TurnAmongCards({.turn = 9}, 8), 1);
+  EXPECT_EQ(TurnAmongCards({.turn = 9}, 0), 0) << "no card";
 }
 
 // The cases of MuJoCo 4.0's own test of its choice.

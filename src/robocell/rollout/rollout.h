@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "robocell/base/rng.h"
 #include "robocell/base/stop.h"
@@ -48,6 +49,8 @@ struct RolloutOptions {
   std::string metadata_json;  // known before the rollout: seeds, attempt, identity
   bool keep_failures = false;
   Renderer* renderer = nullptr;  // required if the run has streams
+  // Further renderers of the same images: each has a thread of its own, which draws some rows.
+  std::vector<Renderer*> more_renderers = {};
   RenderWhen render = RenderWhen::kAlways;
   StopRequest stop = {};
   std::function<void()> before_commit = {};  // an exception leaves nothing on the disk

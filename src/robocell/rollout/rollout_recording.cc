@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <memory>
 #include <mutex>
 #include <utility>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/log.h"
+#include "robocell/features/cell_images.h"
 #include "robocell/media/video_writer.h"
 #include "robocell/task/task_calls.h"
 #include "robocell/task/task_judge.h"
@@ -56,8 +58,13 @@ RolloutRecording::RolloutRecording(const RunConfig& run, const EpisodeStart& sta
                              .subtasks = in.cell.subtasks()}),
       has_images_(!in.images.drawn().empty()),
       draws_later_(has_images_ && options.render == RenderWhen::kKept && !options.keep_failures),
-      drawer_(start.scene, in.images),
       check_(start.scene, in.features.observed()) {
+  drawers_.push_back(std::make_unique<Drawer>(start.scene, nullptr, in.images));
+  for (Renderer* renderer : options.more_renderers) {
+    auto own = std::make_unique<CellImages>(start.scene, run.cameras, renderer);
+    CellImages& images = *own;
+    drawers_.push_back(std::make_unique<Drawer>(start.scene, std::move(own), images));
+  }
   episode_.AddCameras(in.images.drawn(), run.rates.policy_rate());
   episode_.Describe(options.dataset, options.episode_id, Metadata(run, start, portable, options),
                     portable);
@@ -95,7 +102,7 @@ void RolloutRecording::PutState(const std::function<int()>& phase) {
     row_.phase = phase();
     row_.tick_times.clear();
     row_.ctrl.clear();
-    row_.state = drawer_.Take();
+    row_.state = drawers_.front()->states.Take();
     row_.is_drawn = false;
   }
   if (is_looked_at_) DrawNow();
@@ -121,7 +128,7 @@ bool RolloutRecording::PutOutcome(const RowOutcome& outcome) {
   const std::span<const double> actions = in_.features.ReadActions();
   row_.commanded.assign(actions.begin(), actions.end());
   row_.outcome = outcome;
-  if (!has_images_) return Write(row_), true;
+  if (!has_images_) return Write(row_, 0), true;
   rows_.push_back(std::make_shared<EpisodeRow>(std::exchange(row_, {})));
   return WithEncoders(
       [&](bool again) { return again || queue_->Push(rows_.back(), options_.stop); });
@@ -175,15 +182,23 @@ bool RolloutRecording::Restart() {
 }
 
 void RolloutRecording::StartQueue(RowQueue::Begin begin) {
-  queue_.emplace([this](EpisodeRow& row) { Write(row); }, begin);
+  queue_.emplace(
+      RowQueue::Work{.draw = [this](EpisodeRow& row, int thread) { Draw(row, thread); },
+                     .write = [this](EpisodeRow& row, int thread) { Write(row, thread); },
+                     .threads = static_cast<int>(drawers_.size())},
+      begin);
 }
 
-void RolloutRecording::Write(EpisodeRow& row) {
+void RolloutRecording::Draw(EpisodeRow& row, int thread) {
+  if (!row.is_drawn) drawers_[thread]->states.Draw(row.state);
+}
+
+void RolloutRecording::Write(EpisodeRow& row, int thread) {
   episode_.PutState(row.observed, row.phase);
   if (has_images_) {
-    if (!row.is_drawn) drawer_.Draw(row.state);
-    check_.Require(options_.episode_id, episode_.writer().rows(), row.observed, drawer_);
-    episode_.PutImages(in_.images.drawn());
+    Drawer& by = *drawers_[row.is_drawn ? 0 : thread];
+    check_.Require(options_.episode_id, episode_.writer().rows(), row.observed, by.states);
+    episode_.PutImages(by.images.drawn());
   }
   const size_t nu = row.tick_times.empty() ? 0 : row.ctrl.size() / row.tick_times.size();
   for (size_t i = 0; i < row.tick_times.size(); ++i)
@@ -210,7 +225,7 @@ void RolloutRecording::DrawNow() {
     is_stopped_ = true;
     return queue_.reset();  // so that nobody draws while the policy looks
   }
-  drawer_.Draw(row_.state);
+  drawers_.front()->states.Draw(row_.state);
   row_.is_drawn = true;
 }
 

@@ -1,6 +1,7 @@
 // RolloutRecording: records one rollout in its cell, and how long that takes. Rows without images are
-// written as they happen. Rows with images are written by a thread of their own (row_queue.h): beside
-// the rollout or, if only kept rollouts are drawn, after it.
+// written as they happen. Rows with images are drawn and written by threads of their own
+// (row_queue.h), one for each renderer: beside the rollout or, if only kept rollouts are drawn, after
+// it. The bytes do not depend on the number of threads.
 //
 //   RolloutRecording recording(run, start, cell, phases, portable, options, times);
 //   recording.PutState([&] { return expert.phase(); });         // before each action ...
@@ -16,8 +17,10 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "robocell/features/cell_images.h"
 #include "robocell/rollout/drawn_check.h"
 #include "robocell/rollout/episode_recording.h"
 #include "robocell/rollout/rollout.h"
@@ -25,6 +28,7 @@
 #include "robocell/rollout/run_cell.h"
 #include "robocell/rollout/stage_clock.h"
 #include "robocell/rollout/state_drawer.h"
+#include "robocell/scene/scene.h"
 
 namespace robocell::internal {
 
@@ -68,9 +72,18 @@ class RolloutRecording {
   bool WithEncoders(const Action& action);
   bool Restart();
   void StartQueue(RowQueue::Begin begin);
-  // Writes a row. With images this runs on the queue's thread and uses nothing of the simulation,
-  // the task or the expert.
-  void Write(EpisodeRow& row);
+  // What one thread draws with.
+  struct Drawer {
+    Drawer(const Scene& scene, std::unique_ptr<CellImages> owned, CellImages& drawn)
+        : own(std::move(owned)), images(drawn), states(scene, drawn) {}
+    std::unique_ptr<CellImages> own;  // null for the first one, which draws the cell's
+    CellImages& images;
+    StateDrawer states;
+  };
+  // Draws and writes a row. With images both run on a thread of the queue and use nothing of the
+  // simulation, the task or the expert.
+  void Draw(EpisodeRow& row, int thread);
+  void Write(EpisodeRow& row, int thread);
   // Draws the images of the present row for a policy that looks at them. From then on they are drawn
   // in every row, as a policy that looks once looks again.
   void DrawForPolicy();
@@ -84,7 +97,7 @@ class RolloutRecording {
   EpisodeRecording episode_;
   const bool has_images_;
   const bool draws_later_;
-  StateDrawer drawer_;
+  std::vector<std::unique_ptr<Drawer>> drawers_;  // of each thread
   DrawnCheck check_;
   EpisodeRow row_;                                 // the present one
   std::vector<std::shared_ptr<EpisodeRow>> rows_;  // with images: until the commit

@@ -2,6 +2,7 @@
 
 #include <signal.h>
 #include <unistd.h>
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
@@ -42,6 +43,7 @@ class FilmedRolloutTest : public RolloutTest {
                        .metadata_json = "{}",
                        .keep_failures = keep_failures,
                        .renderer = renderer.get(),
+                       .more_renderers = more,
                        .render = render,
                        .stop = stop});
   }
@@ -57,6 +59,7 @@ class FilmedRolloutTest : public RolloutTest {
   }
 
   std::unique_ptr<Renderer> renderer = MakeRenderer({.backend = "soft"});
+  std::vector<Renderer*> more;  // of further threads
   std::vector<double> state = start->scene.state();
 };
 
@@ -111,6 +114,41 @@ TEST_F(FilmedRolloutTest, ImagesDoNotDependOnTheTimeOfRendering) {
   ASSERT_EQ(seen.size(), 4);
   EXPECT_NE(seen[0], seen[1]) << "each row looks otherwise";
   for (const char* other : {"kept", "always_seen", "kept_seen"}) ExpectSameBytes("always", other);
+}
+
+// Each row looks otherwise, and a policy that looks has its images drawn by the first thread.
+TEST_F(FilmedRolloutTest, SeveralThreadsDrawTheSameBytes) {
+  class Looking : public Painting {
+   public:
+    Looking(Pose leaf, Scene scene, int first) : Painting(std::move(leaf), scene), first_(first) {}
+    void See(const CellRow& row) override {
+      if (rows_++ >= first_) reds.push_back(row.images.images()[1].rgb);
+    }
+    std::vector<std::vector<uint8_t>> reds;
+
+   private:
+    int first_, rows_ = 0;
+  };
+  start->task = std::make_shared<Content>();
+  const Pose leaf = Robot::Of(start->scene, "rc7").FkFrame();
+  constexpr int kNever = 100;
+  Painting alone(leaf, start->scene);
+  EXPECT_TRUE(Film(alone, "alone", RenderWhen::kAlways).committed);
+  const std::unique_ptr<Renderer> second = MakeRenderer({.backend = "soft"});
+  const std::unique_ptr<Renderer> third = MakeRenderer({.backend = "soft"});
+  more = {second.get(), third.get()};
+  std::vector<std::vector<uint8_t>> seen;
+  for (const RenderWhen render : {RenderWhen::kAlways, RenderWhen::kKept}) {
+    for (const int first : {kNever, 3, 0}) {
+      const std::string id = fmt::format("{}_{}", ToString(render), first);
+      Looking expert(leaf, start->scene, first);
+      EXPECT_TRUE(Film(expert, id, render).committed);
+      ExpectSameBytes("alone", id);
+      if (first == 0 && seen.empty()) seen = expert.reds;
+      if (first == 0) EXPECT_EQ(expert.reds, seen);
+    }
+  }
+  EXPECT_EQ(seen.size(), 6);
 }
 
 TEST_F(FilmedRolloutTest, FailuresAreRenderedOnlyIfKept) {
@@ -195,11 +233,15 @@ TEST_F(FilmedRolloutTest, AKilledEncoderLosesNoEpisodeAndChangesNoByte) {
   };
   start->task = std::make_shared<Content>();
   const Pose leaf = Robot::Of(start->scene, "rc7").FkFrame();
-  Killing calm(leaf, 0), disturbed(leaf, 1);
+  Killing calm(leaf, 0), disturbed(leaf, 1), shared(leaf, 1);
   EXPECT_TRUE(Film(calm, "calm", RenderWhen::kAlways).committed);
   EXPECT_TRUE(Film(disturbed, "disturbed", RenderWhen::kAlways).committed);
   ExpectSameBytes("calm", "disturbed");
-  EXPECT_EQ(entries(), 3) << "both episodes and their models, and nothing half-written";
+  const std::unique_ptr<Renderer> second = MakeRenderer({.backend = "soft"});
+  more = {second.get()};
+  EXPECT_TRUE(Film(shared, "shared", RenderWhen::kAlways).committed);
+  ExpectSameBytes("calm", "shared");
+  EXPECT_EQ(entries(), 4) << "the episodes and their models, and nothing half-written";
 }
 
 // A renderer that fails is no fault of the policy that looks at its images.

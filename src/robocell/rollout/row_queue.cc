@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <functional>
+#include <memory>
 #include <system_error>
 #include <utility>
 
@@ -10,24 +12,26 @@
 
 namespace robocell::internal {
 
-RowQueue::RowQueue(std::function<void(EpisodeRow&)> write, Begin begin) : write_(std::move(write)) {
+RowQueue::RowQueue(Work work, Begin begin) : work_(std::move(work)) {
   if (begin == Begin::kAtOnce) Start();
 }
 
 RowQueue::~RowQueue() {
   {
     const std::lock_guard lock(mutex_);
-    is_over_ = true;
+    is_destroyed_ = true;
   }
   changed_.notify_all();
-  if (thread_.joinable()) thread_.join();
+  for (std::thread& thread : threads_) thread.join();
 }
 
 void RowQueue::Start() {
-  if (thread_.joinable()) return;
+  if (!threads_.empty()) return;
   try {
-    thread_ = std::thread([this] { Run(); });
+    while (static_cast<int>(threads_.size()) < work_.threads)
+      threads_.emplace_back([this, thread = static_cast<int>(threads_.size())] { Run(thread); });
   } catch (const std::system_error& error) {
+    if (!threads_.empty()) return;  // fewer threads do the same
     throw IoError(
         fmt::format("cannot start the thread that writes rows: {}. Raise the limit of "
                     "processes (`ulimit -u`)",
@@ -35,30 +39,40 @@ void RowQueue::Start() {
   }
 }
 
-void RowQueue::Run() {
+void RowQueue::Run(int thread) {
   std::unique_lock lock(mutex_);
   for (;;) {
-    changed_.wait(lock, [&] { return is_over_ || !rows_.empty(); });
-    if (is_over_) return;
+    changed_.wait(lock, [&] { return is_over() || !rows_.empty(); });
+    if (is_over()) return;
     const std::shared_ptr<EpisodeRow> row = std::move(rows_.front());
     rows_.pop_front();
-    is_writing_ = true;
+    if (!Process(*row, taken_++, thread, lock)) return;
+  }
+}
+
+bool RowQueue::Process(EpisodeRow& row, int64_t turn, int thread,
+                       std::unique_lock<std::mutex>& lock) {
+  std::exception_ptr thrown;
+  const auto attempt = [&](const std::function<void(EpisodeRow&, int)>& what) {
     lock.unlock();
-    std::exception_ptr failure;
     try {
-      write_(*row);
+      what(row, thread);
     } catch (...) {
-      failure = std::current_exception();
+      thrown = std::current_exception();
     }
     lock.lock();
-    is_writing_ = false;
-    if (failure) {
-      failure_ = failure;
-      rows_.clear();
-    }
-    changed_.notify_all();
-    if (failure) return;
+  };
+  if (work_.draw) attempt(work_.draw);
+  changed_.wait(lock, [&] { return is_over() || written_ == turn; });
+  if (is_over()) return false;
+  if (!thrown) attempt(work_.write);
+  ++written_;
+  if (thrown) {
+    failure_ = thrown;
+    rows_.clear();
   }
+  changed_.notify_all();
+  return !is_over();
 }
 
 void RowQueue::Rethrow() {
@@ -68,8 +82,8 @@ void RowQueue::Rethrow() {
 bool RowQueue::Wait(std::unique_lock<std::mutex>& lock, const StopRequest& stop,
                     const std::function<bool()>& is_reached) {
   constexpr auto kPause = std::chrono::milliseconds(20);
-  const auto is_over = [&] { return failure_ || is_reached(); };
-  while (!changed_.wait_for(lock, kPause, is_over)) {
+  const auto is_done = [&] { return failure_ || is_reached(); };
+  while (!changed_.wait_for(lock, kPause, is_done)) {
     lock.unlock();
     const bool is_stopped = ShouldStop(stop);
     lock.lock();
@@ -81,7 +95,7 @@ bool RowQueue::Wait(std::unique_lock<std::mutex>& lock, const StopRequest& stop,
 bool RowQueue::Push(std::shared_ptr<EpisodeRow> row, const StopRequest& stop) {
   {
     std::unique_lock lock(mutex_);
-    if (thread_.joinable() && !Wait(lock, stop, [&] { return waiting() < kMostAhead; }))
+    if (!threads_.empty() && !Wait(lock, stop, [&] { return waiting() < kMostAhead; }))
       return false;
     Rethrow();
     rows_.push_back(std::move(row));

@@ -1,18 +1,23 @@
-// RowQueue: the rows of a rollout, written beside it by a thread of their own, or later. Physics
-// goes on while images of earlier rows are drawn and encoded; a rollout that is not kept need not
-// draw anything.
+// RowQueue: the rows of a rollout, drawn and written beside it by threads of their own, or later.
+// Physics goes on while images of earlier rows are drawn and encoded; a rollout that is not kept
+// need not draw anything.
 //
-//   RowQueue queue([&](EpisodeRow& row) { draw, encode, write }, RowQueue::Begin::kAtOnce);
+//   RowQueue queue({.draw = [&](EpisodeRow& row, int thread) { ... },
+//                   .write = [&](EpisodeRow& row, int thread) { encode, write },
+//                   .threads = 2},
+//                  RowQueue::Begin::kAtOnce);
 //   if (!queue.Push(row, stop)) return;  // waits while too many rows are ahead
 //   if (!queue.Finish(stop)) return;    // all are written, or the stop request came
 //
-// Rows are written one after the other, in the order of Push. What the writer throws ends the
-// queue, and comes out of the next call. The destructor drops what is not yet written. All calls on
-// one thread; the writer runs on the queue's.
+// Several threads draw several rows at the same time. Rows are written one after the other, in the
+// order of Push, each by the thread that has drawn it. What drawing and writing throw comes out of
+// the next call once all earlier rows are written, and ends the queue. The destructor drops what is
+// not yet written. All calls on one thread.
 #pragma once
 
 #include <condition_variable>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <exception>
 #include <functional>
@@ -43,7 +48,15 @@ class RowQueue {
   // Bounds the rows that wait for the writer. Each takes kilobytes.
   static constexpr size_t kMostAhead = 256;
 
-  RowQueue(std::function<void(EpisodeRow&)> write, Begin begin);
+  // The work on a row; `thread`: 0 to threads - 1, and what it uses is its own while it draws and
+  // writes the row.
+  struct Work {
+    std::function<void(EpisodeRow&, int thread)> draw = {};  // none if empty
+    std::function<void(EpisodeRow&, int thread)> write;
+    int threads = 1;
+  };
+
+  RowQueue(Work work, Begin begin);
   ~RowQueue();
   RowQueue(const RowQueue&) = delete;
   RowQueue& operator=(const RowQueue&) = delete;
@@ -57,21 +70,26 @@ class RowQueue {
   void ThrowFailure();
 
  private:
-  void Run();
+  void Run(int thread);
+  // Draws and writes a row in its turn, with the mutex unlocked meanwhile. Returns false if the
+  // queue is over.
+  bool Process(EpisodeRow& row, int64_t turn, int thread, std::unique_lock<std::mutex>& lock);
   void Start();
   void Rethrow();
   // Waits until `is_reached` or a failure. Returns false if the stop request came first.
   bool Wait(std::unique_lock<std::mutex>& lock, const StopRequest& stop,
             const std::function<bool()>& is_reached);
-  size_t waiting() const { return rows_.size() + (is_writing_ ? 1 : 0); }
+  size_t waiting() const { return rows_.size() + static_cast<size_t>(taken_ - written_); }
+  bool is_over() const { return is_destroyed_ || failure_; }
 
-  std::function<void(EpisodeRow&)> write_;
+  Work work_;
   std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<std::shared_ptr<EpisodeRow>> rows_;
-  bool is_writing_ = false, is_over_ = false;
+  int64_t taken_ = 0, written_ = 0;  // rows that threads have begun with, and are done with
+  bool is_destroyed_ = false;
   std::exception_ptr failure_;
-  std::thread thread_;
+  std::vector<std::thread> threads_;
 };
 
 }  // namespace robocell::internal

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <optional>
+#include <thread>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
@@ -82,6 +84,13 @@ std::unique_ptr<Renderer> MakeRendererOf(const RunConfig& run, const Visibility&
                     "dataset",
                     run.run, run.output, backend, error.what()));
   }
+}
+
+int DrawingThreads(const RunConfig& run, const Renderer& renderer, int cores) {
+  constexpr int kMost = 3;
+  if (NameIn(renderer.description()) != "soft") return 1;
+  if (cores == 0) cores = static_cast<int>(std::thread::hardware_concurrency());
+  return std::clamp(cores / std::max(run.workers, 1), 1, kMost);
 }
 
 }  // namespace robocell::internal

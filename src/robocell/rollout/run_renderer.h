@@ -27,4 +27,10 @@ RenderWhen RenderOf(const RunConfig& run);
 // MakeRenderer.
 std::unique_ptr<Renderer> MakeRendererOf(const RunConfig& run, const Visibility& visibility = {});
 
+// Returns how many threads of a worker draw: the cores that the run's workers leave to each of them,
+// at most three, which is more than the encoders of two cameras keep up with. Each takes the memory
+// of a renderer: 50 MB for the Menagerie's Panda. `cores`: 0 for those of this process. Renderers that draw with OpenGL have one,
+// because they share a device.
+int DrawingThreads(const RunConfig& run, const Renderer& renderer, int cores = 0);
+
 }  // namespace robocell::internal

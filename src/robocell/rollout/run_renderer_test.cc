@@ -3,8 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdlib>
 #include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "robocell/base/error.h"
 #include "robocell/data/dataset.h"
@@ -52,6 +56,34 @@ TEST_F(RunRendererTest, UsesTheRenderSettingOfTheRunOrTheDataset) {
   EXPECT_EQ(RenderOf(run), RenderWhen::kKept);
   run.render = RenderWhen::kAlways;
   EXPECT_EQ(RenderOf(run), RenderWhen::kAlways);
+}
+
+TEST_F(RunRendererTest, AWorkerDrawsOnTheCoresThatTheOthersLeave) {
+  const std::unique_ptr<Renderer> soft = MakeRenderer({.backend = "soft"});
+  for (const auto& [workers, cores, threads] : std::vector<std::array<int, 3>>{
+           {1, 1, 1}, {1, 2, 2}, {2, 2, 1}, {3, 8, 2}, {16, 8, 1}, {1, 64, 3}}) {
+    run.workers = workers;
+    EXPECT_EQ(DrawingThreads(run, *soft, cores), threads) << workers << " on " << cores;
+  }
+  run.workers = 1;
+  EXPECT_GE(DrawingThreads(run, *soft), 1);
+}
+
+TEST_F(RunRendererTest, OpenGlHasOneDrawingThread) {
+  class Gl : public Renderer {
+   public:
+    void SetModel(const mjModel*) override {}
+    CameraModel Render(const mjData*, const RenderRequest&, const RenderOutputs&) override {
+      return {};
+    }
+    const RenderQuality& quality() const override { return quality_; }
+    const std::string& description() const override { return description_; }
+
+   private:
+    RenderQuality quality_;
+    std::string description_ = "gl: egl: llvmpipe";
+  };
+  EXPECT_EQ(DrawingThreads(run, Gl(), 8), 1);
 }
 
 TEST_F(RunRendererTest, FailsIfTheBackEndOfTheDatasetDoesNotWork) {

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstddef>
 #include <exception>
+#include <memory>
 #include <optional>
 #include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -65,14 +68,18 @@ struct Runner::State {
   bool has_users_code = false;  // among task, sampler, expert and features
   std::vector<std::string> unregistered;  // parts that no name in the run stands for
   std::shared_ptr<TaskSampler> sampler;
-  std::unique_ptr<Renderer> renderer;
+  std::vector<std::unique_ptr<Renderer>> renderers;  // one for each thread that draws
   std::optional<std::string> checked_manifest;
   RunFilesWatch models;
   bool stale_sampler = false;  // may remember scenes of changed models
 
-  Renderer* EnsureRenderer() {
-    if (!renderer && !run.cameras.drawn().empty()) renderer = internal::MakeRendererOf(run);
-    return renderer.get();
+  // Makes the renderers, if the run has images.
+  void EnsureRenderers() {
+    if (!renderers.empty() || run.cameras.drawn().empty()) return;
+    renderers.push_back(internal::MakeRendererOf(run));
+    const int threads = internal::DrawingThreads(run, *renderers.front());
+    while (static_cast<int>(renderers.size()) < threads)
+      renderers.push_back(internal::MakeRendererOf(run));
   }
   std::optional<RenderWhen> render;
   RenderWhen EnsureRender() {
@@ -173,11 +180,15 @@ internal::RolloutOptions Runner::State::Options(const PlanItem& item, int attemp
                              {"task", own_sampler ? "custom" : run.task.kind()},
                              {"identity", identity}};
   if (!unregistered.empty()) metadata[internal::kUnregisteredParts] = unregistered;
+  EnsureRenderers();
+  std::vector<Renderer*> more;
+  for (size_t i = 1; i < renderers.size(); ++i) more.push_back(renderers[i].get());
   return {.dataset = run.output,
           .episode_id = EpisodeId(run, item, attempt),
           .metadata_json = metadata.dump(),
           .keep_failures = run.keep != Keep::kSuccesses,
-          .renderer = EnsureRenderer(),
+          .renderer = renderers.empty() ? nullptr : renderers.front().get(),
+          .more_renderers = std::move(more),
           .render = EnsureRender(),
           .stop = stop,
           .before_commit = [this] { RequireUnchangedModels(); },
