@@ -130,7 +130,9 @@ class Row(dict[str, Array]):
 
     def get(self, name: str, default: Any = None) -> Any:
         """Returns the value, or `default` for an unknown name."""
-        return self[name] if name in self else default
+        if name not in self:
+            return default
+        return self[name]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return dict, (dict(self),)

@@ -24,6 +24,8 @@ pytestmark = pytest.mark.soak
 
 LEROBOT = ("lerobot-v3", "lerobot-v2.1")  # read by lerobot 0.4.4 and 0.3.3
 LEAST_PSNR = 30.0  # dB, of frame i and the image of row i
+
+
 @pytest.fixture(scope="module")
 def mixed(tmp_path_factory: pytest.TempPathFactory) -> robocell.Dataset:
     return mixed_dataset(tmp_path_factory)

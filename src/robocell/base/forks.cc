@@ -4,7 +4,7 @@
 
 #include <atomic>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 std::atomic<int>& Forks() {
@@ -20,4 +20,4 @@ int ForkCount() {
   return Forks().load(std::memory_order_relaxed);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

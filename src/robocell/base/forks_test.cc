@@ -4,7 +4,7 @@
 #include <unistd.h>
 #include <gtest/gtest.h>
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 // Returns the exit code of a fork that runs `work`.
@@ -36,4 +36,4 @@ TEST(ForkCount, DiffersInAForkOfAFork) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal
