@@ -272,7 +272,9 @@ nb::object RowLoan::Lend(const CellRow& row) {
     if (!image.depth_mm.empty()) names.append(nb::str((image.name + ".depth").c_str()));
     if (!image.bodies.empty()) names.append(nb::str((image.name + ".segmentation").c_str()));
   }
-  nb::dict numbers = ToArrays(row.observed, row.numbers);
+  if (!IsLaidOut(row.observed)) LayOut(row.observed);
+  const auto make = nb::module_::import_("robocell._row").attr("Row").attr("of");
+  if (names.size() == 0) return make(NumberCopy(row.numbers), layout_, names, nb::none());
   lent_ = std::make_shared<Lent>();
   lent_->row.emplace(row);
   const auto read = [lent = lent_] {
@@ -287,7 +289,29 @@ nb::object RowLoan::Lend(const CellRow& row) {
     for (const CellImage& image : *images) PutImage(arrays, image);
     return nb::object(arrays);
   };
-  return nb::module_::import_("robocell._row").attr("Row")(numbers, names, nb::cpp_function(read));
+  return make(NumberCopy(row.numbers), layout_, names, nb::cpp_function(read));
+}
+
+bool RowLoan::IsLaidOut(const FeatureSchema& schema) const {
+  return layout_.is_valid() &&
+         std::ranges::equal(
+             schema.features(), laid_out_, [](const Feature& feature, const NamedShape& known) {
+               return feature.column.name == known.name && feature.column.shape == known.shape;
+             });
+}
+
+void RowLoan::LayOut(const FeatureSchema& schema) {
+  laid_out_.clear();
+  nb::dict places;
+  size_t start = 0;
+  for (const Feature& feature : schema.features()) {
+    const size_t end = start + static_cast<size_t>(feature.size());
+    places[feature.column.name.c_str()] =
+        nb::make_tuple(start, end, nb::tuple(nb::cast(feature.column.shape)));
+    laid_out_.push_back({feature.column.name, feature.column.shape});
+    start = end;
+  }
+  layout_ = nb::module_::import_("robocell._row").attr("Layout")(places);
 }
 
 void RowLoan::End() {

@@ -270,8 +270,9 @@ class PyTaskOf : public Base {
 // copies.
 nb::dict RowArrays(const CellRow& row);
 
-// A row for Python, which may keep it. Its images are copied when one of them is first read, so
-// that nothing is drawn for code that reads numbers alone. An image that was not read until the
+// A row for Python, which may keep it. Its numbers are one array, of which Python makes views by name
+// when they are read. Its images are copied when one of them is first read, so that nothing is drawn
+// for code that reads numbers alone. An image that was not read until the
 // loan ends is an error that says so.
 class RowLoan {
  public:
@@ -287,7 +288,17 @@ class RowLoan {
 
  private:
   struct Lent;
+  struct NamedShape {
+    std::string name;
+    std::vector<int64_t> shape;
+  };
+
+  bool IsLaidOut(const FeatureSchema& schema) const;
+  void LayOut(const FeatureSchema& schema);
+
   std::shared_ptr<Lent> lent_;
+  std::vector<NamedShape> laid_out_;
+  nb::object layout_;  // where each number of these features is
 };
 
 template <class Base>

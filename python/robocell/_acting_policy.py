@@ -126,6 +126,8 @@ def _real(who: str, name: str, values: ArrayLike) -> NDArray[np.float64]:
     NumPy would convert texts and times to numbers, and drop masks and the imaginary part of complex
     numbers.
     """
+    if type(values) is np.ndarray and values.dtype.kind in "biuf":
+        return values.astype(np.float64)
     array = np.asanyarray(values)
     kind = ""
     if np.iscomplexobj(array):

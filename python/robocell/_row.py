@@ -1,4 +1,7 @@
-"""Row: what an expert sees of a state. Its images are drawn when one of them is first read."""
+"""Row: what an expert sees of a state. Its images are drawn when one of them is first read.
+
+Arrays are made when they are read: most code reads a few of many names.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +16,25 @@ from robocell._core import Error, NotFoundError
 from robocell._suggestions import did_you_mean, shortened
 
 Array = NDArray[Any]
+_LATER: Array = np.empty(0)  # stands for an array that is not made yet
 
 
 class MissingNameError(NotFoundError, KeyError):
     """A name that a row lacks: the KeyError of a dict, with robocell's text."""
 
     __str__ = Exception.__str__  # a KeyError shows its text in quotes
+
+
+class Layout:
+    """Where the numbers of each name are in an array of all numbers.
+
+    Args:
+        places: Name -> begin, end and shape.
+    """
+
+    def __init__(self, places: dict[str, tuple[int, int, tuple[int, ...]]]) -> None:
+        self.places = places
+        self.placeholders: dict[str, Array] = dict.fromkeys(places, _LATER)
 
 
 class Row(dict[str, Array]):
@@ -43,10 +59,39 @@ class Row(dict[str, Array]):
         read: Callable[[], dict[str, Array] | None],
     ) -> None:
         # Placeholders for images: so keys(), len() and `in` need no code here.
-        super().__init__({**numbers, **dict.fromkeys(images, np.empty(0))})
+        super().__init__({**numbers, **dict.fromkeys(images, _LATER)})
         self._unread, self._read = frozenset(images), read
+        self._places: dict[str, tuple[int, int, tuple[int, ...]]] = {}
+        self._all = _LATER
+
+    @classmethod
+    def of(
+        cls,
+        numbers: Array,
+        layout: Layout,
+        images: Sequence[str],
+        read: Callable[[], dict[str, Array] | None] | None,
+    ) -> Row:
+        """Returns a row whose numbers are parts of one array. Without images it needs no `read`."""
+        row = cls(layout.placeholders, images, read or dict)
+        row._places, row._all = layout.places, numbers
+        return row
+
+    def _make(self, name: str) -> Array:
+        """Returns the numbers of a name, and keeps them."""
+        begin, end, shape = self._places[name]
+        made = self._all[begin:end].reshape(shape)
+        super().__setitem__(name, made)
+        return made
+
+    def _make_all(self) -> None:
+        for name in self._places:
+            if super().get(name) is _LATER:
+                self._make(name)
+        self._places = {}
 
     def _fetch(self) -> None:
+        self._make_all()
         if not self._unread:
             return
         images = self._read()
@@ -59,8 +104,12 @@ class Row(dict[str, Array]):
         self.update(images)
 
     def __getitem__(self, name: str) -> Array:
-        if name in self._unread:
-            self._fetch()
+        value = super().__getitem__(name)
+        if value is not _LATER:
+            return value
+        if name in self._places:
+            return self._make(name)
+        self._fetch()
         return super().__getitem__(name)
 
     def __missing__(self, name: str) -> Array:
@@ -81,9 +130,9 @@ class Row(dict[str, Array]):
 
     def get(self, name: str, default: Any = None) -> Any:
         """Returns the value, or `default` for an unknown name."""
-        if name in self._unread:
-            self._fetch()
-        return super().get(name, default)
+        if name not in self:
+            return default
+        return self[name]
 
     def __reduce__(self) -> tuple[Any, ...]:
         return dict, (dict(self),)

@@ -18,7 +18,7 @@ import math
 import re
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -403,7 +403,7 @@ def evaluate(
             delay_of(latency_ms, job.run.rates.policy_ms)
         server = _greeting(policy) if is_url(policy) else {}
         _warn_of_rate(acting, _rate_of(job))
-        with _naming_options(overrides):
+        with _naming_options(overrides), _one_connection(policy, server, workers, acting):
             result = job.do(_Watching(job.dataset, on_rollout), limits)
     if result.outcome.interrupted:
         raise KeyboardInterrupt
@@ -519,6 +519,21 @@ def _greeting(url: str) -> dict[str, Any]:
         greeting = as_json(client.metadata)
     text = json.dumps(greeting)
     return greeting if len(text) <= LONGEST_GREETING else {"cut": text[:LONGEST_GREETING]}
+
+
+@contextlib.contextmanager
+def _one_connection(
+    policy: str, greeting: Mapping[str, Any], workers: int, acting: PolicyOptions
+) -> Iterator[None]:
+    """Context manager: workers share one connection to a policy server that takes batches."""
+    if not greeting:
+        yield
+        return
+    from robocell.policy_server._client import TIMEOUT_S
+    from robocell.policy_server._relay import relaying
+
+    with relaying(policy, greeting, workers, acting.timeout_s or TIMEOUT_S):
+        yield
 
 
 def _without_logs(message: str, reasons: Sequence[str]) -> str:

@@ -134,6 +134,23 @@ class Policy:
         """
         raise NotImplementedError
 
+    def act_batch(
+        self, observations: Sequence[Observation], contexts: Sequence[Context]
+    ) -> Sequence[Action]:
+        """Returns the actions of several rollouts at once, for networks that take batches.
+
+        `robocell serve-policy` calls it instead of `act` and `reset` for the workers of an
+        evaluation. A policy that defines it keeps nothing of a rollout between two calls.
+
+        Args:
+            observations: One for each rollout, as for `act`.
+            contexts: What `reset` would get in each rollout.
+
+        Returns:
+            What `act` would return, for each rollout.
+        """
+        raise NotImplementedError
+
 
 class PolicyExpert(Expert):
     """Lets a policy act in rollouts. The policy gets what a dataset records, not the simulation.

@@ -15,55 +15,20 @@ import pytest
 from numpy.typing import NDArray
 
 import robocell
-from command_line import REPOSITORY, robocell_command, write_run
-from exported import INSTALLED
 from lerobot_venv import lerobot_python
-from made_once import made_once
+from mixed import CAMERAS, ROBOTS, mixed_dataset, of_robot
 from reader_venvs import reader_python, run_reader
-from robocell.data.derive import merge
 from robocell.export import export_dataset
-from robocell.importer import import_dataset
 
 pytestmark = pytest.mark.soak
 
 LEROBOT = ("lerobot-v3", "lerobot-v2.1")  # read by lerobot 0.4.4 and 0.3.3
-ROBOTS = ("rc7", "panda")
-CAMERAS = ("wrist", "exo")
 LEAST_PSNR = 30.0  # dB, of frame i and the image of row i
-RUNS: dict[str, dict[str, Any]] = {
-    "pick": {"task": {"kind": "pick", "objects": ["box", "cylinder"]}},
-    "place": {"task": {"kind": "pick_and_place", "objects": ["box"]}},
-    "lift": {"task": {"kind": "pick", "objects": ["sphere"]}, "run": "lift"},
-    "panda": {"robot": str(REPOSITORY / "examples" / "panda.yaml")},
-}
 
 
 @pytest.fixture(scope="module")
 def mixed(tmp_path_factory: pytest.TempPathFactory) -> robocell.Dataset:
-    def make(folder: Path) -> None:
-        for name, changes in RUNS.items():
-            place = folder / name
-            place.mkdir()
-            streams = [
-                {"name": camera, "camera": f"{camera}_camera", "depth": True} for camera in CAMERAS
-            ]
-            cameras = {
-                "resolution": [128, 96],
-                "renderer": {"backend": "soft"},
-                "streams": streams,
-            }
-            rates = {"policy_ms": 100, "control_ms": 2, "sim_ms": 2, "max_steps": 500}
-            run = write_run(place, cameras=cameras, rates=rates, **changes)
-            said = robocell_command("generate", run, "--workers", 1)
-            assert said.returncode == 0, said.stderr
-        merge([folder / name / "out" for name in RUNS], folder / "mixed")
-
-    return robocell.Dataset(made_once(tmp_path_factory, "mixed", make) / "mixed")
-
-
-def of_robot(dataset: robocell.Dataset, robot: str) -> list[str]:
-    """The ids of the episodes of a robot."""
-    return [each.id for each in dataset if f"robots/{robot}/tcp_pose" in each.columns]
+    return mixed_dataset(tmp_path_factory)
 
 
 def expected(dataset: robocell.Dataset, robot: str, folder: Path) -> Path:
@@ -281,22 +246,3 @@ def test_a_linter_finds_nothing_in_the_files(
     for check in OF_FILES:
         assert f"[PASS] {check}" in said, said
     assert "[FAIL]" not in said
-
-
-@pytest.mark.parametrize("robot", ROBOTS)
-@pytest.mark.parametrize("format", INSTALLED)
-def test_every_format_takes_the_mixed_dataset(
-    mixed: robocell.Dataset, tmp_path: Path, format: str, robot: str
-):
-    names = of_robot(mixed, robot)
-    result = export_dataset(mixed, tmp_path / "out", format, episodes=names)
-    assert (result.episodes, result.cameras) == (len(names), 2)
-    assert set(result.left_out) == {f"depth of {camera}" for camera in CAMERAS}
-    card = (tmp_path / "out" / "README.md").read_text()
-    for name in names:
-        assert mixed[name].metadata["instruction"] in card
-    if format in ("lerobot-v3", "lerobot-v2.1", "robomimic", "aloha", "zarr"):
-        given = {"rate": 10} if format in ("aloha", "zarr") else {}
-        back = import_dataset(tmp_path / "out", tmp_path / "back", **given)
-        assert (back.episodes, back.rows) == (len(names), result.frames)
-        assert robocell.data.verify(tmp_path / "back", decode_videos=True).ok

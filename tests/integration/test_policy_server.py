@@ -266,3 +266,48 @@ def test_an_evaluation_of_an_earlier_version_is_still_read(tmp_path: Path):
     del content["latency"], content["server"]
     (tmp_path / "evaluation.json").write_text(json.dumps(content))
     assert Evaluation.load(tmp_path) == stored
+
+
+BATCHED = """
+import json
+import numpy as np
+from pathlib import Path
+from robocell.policy import Policy
+
+class Turns(Policy):
+    def act_batch(self, observations, contexts):
+        with Path(__file__).with_name("sizes.txt").open("a") as file:
+            print(len(observations), file=file)
+        q = np.stack([each["robots/rc7/arm/qpos"] for each in observations])
+        return [
+            {
+                "robots/rc7/action/arm": row + 1e-3 * (each.seed % 7),
+                "robots/rc7/action/gripper": 1.0,
+            }
+            for row, each in zip(q, contexts)
+        ]
+
+    def reset(self, context):
+        self.context = context
+
+    def act(self, observation):
+        return self.act_batch([observation], [self.context])[0]
+"""
+
+
+def test_workers_share_a_connection_and_the_rollouts_are_the_same(run: Path, tmp_path: Path):
+    policy = tmp_path / "batched_policy.py"
+    policy.write_text(BATCHED)
+    options: dict[str, Any] = {"episodes": 3, "cameras": False, "max_steps": 6}
+    alone = evaluate(run, f"{policy}:Turns", output=tmp_path / "alone", **options)
+    (tmp_path / "sizes.txt").unlink()
+    with served(f"{policy}:Turns", run) as url:
+        together = evaluate(run, url, output=tmp_path / "together", workers=2, **options)
+    sizes = [int(line) for line in (tmp_path / "sizes.txt").read_text().split()]
+    assert sum(sizes) == 3 * 6
+    assert (together.policy, together.server["batch"]) == (url, 64)
+    assert together.outcomes == alone.outcomes
+    for one, other in zip(
+        rc.Dataset(tmp_path / "alone"), rc.Dataset(tmp_path / "together"), strict=True
+    ):
+        assert (one.folder / "steps.h5").read_bytes() == (other.folder / "steps.h5").read_bytes()

@@ -89,6 +89,20 @@ def export(
             "lerobot-v2.1. Default: 16.",
         ),
     ] = None,
+    depth: Annotated[
+        bool,
+        typer.Option("--depth", help="Export depth too. For robomimic, zarr, mcap, rerun."),
+    ] = False,
+    rate: Annotated[
+        str | None,
+        typer.Option(
+            "--rate",
+            "--fps",
+            metavar="HZ",
+            help="Rows per second: 15, 12.5 or 100/7. Rows show the nearest recorded row before, "
+            "and videos are encoded again. Default: the rate of the episodes.",
+        ),
+    ] = None,
 ) -> None:
     """Write a dataset in the format of a training stack.
 
@@ -118,6 +132,8 @@ def export(
                 keyframe_interval=keyframe_interval,
                 pack=pack,
                 action_horizon=action_horizon,
+                rate=rate,
+                depth=depth,
                 command=shlex.join(["robocell", *sys.argv[1:]]),
                 on_episodes=count,
             )
@@ -150,5 +166,6 @@ def _print(result: Exported, format: str) -> None:
     if form.is_lerobot and result.rate != result.fps:
         print_warning(
             f"the episodes have {result.rate:.4f} rows per second and {form.title} needs a "
-            f"whole number: timestamps count {result.fps} per second. No row was added or left out"
+            f"whole number: timestamps count {result.fps} per second. No row was added or "
+            f"left out; --rate {result.fps} resamples"
         )

@@ -10,7 +10,7 @@ from __future__ import annotations
 import os
 import shlex
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from robocell import __version__
@@ -63,6 +63,8 @@ def export_dataset(
     keyframe_interval: int | None = None,
     pack: bool = False,
     action_horizon: int | None = None,
+    rate: float | str | None = None,
+    depth: bool = False,
     command: str = "",
     on_episodes: Callable[[int, int], None] | None = None,
 ) -> Exported:
@@ -89,6 +91,10 @@ def export_dataset(
             killed export loses one episode, and sizes are measured. It needs twice the space.
         action_horizon: Actions of a chunk in GR00T's configuration, for `meta/relative_stats.json`
             of "lerobot-v2.1"; default: 16.
+        rate: Rows per second that episodes are brought to: 15, "12.5" or "100/7". Each row has the
+            state, the command and the images of the nearest recorded row before; videos are
+            encoded again. Default: the rate of the episodes.
+        depth: Export the depth of the cameras too, for "robomimic", "zarr", "mcap" and "rerun".
         command: What the card says about how the result was made.
         on_episodes: Is called with the number of episodes that are written, and of all.
 
@@ -112,7 +118,8 @@ def export_dataset(
     for option, number in numbers.items():
         if number is not None and number < 1:
             raise ArgumentError(f"{option} is {number}; at least 1")
-    given_options = {"preset": preset, "pack": pack or None, **numbers}
+    given_options = {"preset": preset, "pack": pack or None, "rate": rate, **numbers}
+    given_options["depth"] = depth or None
     for option, value in given_options.items():
         if value is not None and option not in form.options:
             fitting = [name for name, each in FORMATS.items() if option in each.options]
@@ -122,8 +129,14 @@ def export_dataset(
     from robocell._staging import staging
     from robocell.export._card import card, episodes_json
     from robocell.export._mapping import Mapping
+    from robocell.export._resampled import rate_from
     from robocell.export._source import choose, gather
 
+    wanted = None if rate is None else rate_from(rate)
+    if wanted is not None and form.is_lerobot and wanted.denominator != 1:
+        raise ArgumentError(
+            f"rate is {rate}: {form.title} needs a whole number, such as {max(1, round(wanted))}"
+        )
     write = form.write
     opened = dataset if isinstance(dataset, Dataset) else Dataset(os.fspath(dataset))
     # The parent is resolved, not the path itself: the result may not be a link.
@@ -143,7 +156,13 @@ def export_dataset(
     if cameras is not None:
         table = table.only_cameras(cameras)
     source = gather(
-        opened, choose(opened, episodes, successes_only), table, stores_times=form.stores_times
+        opened,
+        choose(opened, episodes, successes_only),
+        table,
+        stores_times=form.stores_times,
+        rate=wanted,
+        depth=depth,
+        holds_depth="depth" in form.options,
     )
     options = Options(keyframe_interval, pack, action_horizon)
     request = {
@@ -155,6 +174,8 @@ def export_dataset(
         "images": source.resolved.images,
         "image_size": source.image_size,
         "options": asdict(options),
+        "rate": str(wanted),
+        "depth": [camera.name for camera in source.depths],
     }
     whole = len(source.items)
     words = ["robocell", "export", opened.folder, given, "--format", format]
@@ -168,7 +189,8 @@ def export_dataset(
                 if on_episodes is not None:
                     on_episodes(done, whole)
 
-            written = write(source, place, options, report)
+            placed = replace(source, scratch=place.scratch("resampled"))
+            written = write(placed, place, options, report)
             text = card(
                 source,
                 form,

@@ -128,6 +128,13 @@ def _rate(source: Source, form: Format) -> str:
 def _time(source: Source, form: Format) -> str:
     if not source.is_even:
         return "**Time.** Rows are not evenly spaced; every row has its own time."
+    if source.resampled:
+        return (
+            f"**Time.** A row is {1 / source.rate} s. The episodes were recorded at another rate "
+            "and resampled: each row has the state, the command and the images of the nearest "
+            "recorded row before. Rewards since the last row are added; relative actions lead from "
+            "one held target to the next."
+        )
     if not form.is_lerobot:
         return f"A row is {1 / source.rate} s."
     if source.rate == source.fps:

@@ -91,7 +91,7 @@ def _lerobot(version: str, module: str, *options: str) -> Format:
         "lerobot.yaml",
         is_lerobot=True,
         reserved=own,
-        options=("preset", "keyframe_interval", *options),
+        options=("preset", "keyframe_interval", "rate", *options),
     )
 
 
@@ -103,15 +103,19 @@ FORMATS = {
         "robomimic",
         "robomimic.yaml",
         reserved=("actions_abs", "states", "next_obs"),
+        options=("rate", "depth"),
     ),
-    "zarr": Format("Diffusion Policy zarr", "replay_buffer", "zarr.yaml"),
-    "umi": Format("UMI zarr", "umi", "umi.yaml"),
-    "aloha": Format("ALOHA HDF5", "aloha", "aloha.yaml"),
+    "zarr": Format(
+        "Diffusion Policy zarr", "replay_buffer", "zarr.yaml", options=("rate", "depth")
+    ),
+    "umi": Format("UMI zarr", "umi", "umi.yaml", options=("rate",)),
+    "aloha": Format("ALOHA HDF5", "aloha", "aloha.yaml", options=("rate",)),
     "molmospaces": Format(
         "MolmoSpaces HDF5",
         "molmospaces",
         "molmospaces.yaml",
         reserved=("fail", "obs_scene", "obs/sensor_data", "obs/sensor_param"),
+        options=("rate",),
     ),
     "mcap": Format(
         "MCAP",
@@ -119,9 +123,15 @@ FORMATS = {
         "mcap.yaml",
         stores_times=True,
         reserved=("joint_states", "tf", "events", "poses"),
+        options=("depth",),
     ),
     "rerun": Format(
-        "Rerun", "rerun_log", "rerun.yaml", stores_times=True, reserved=("world", "events")
+        "Rerun",
+        "rerun_log",
+        "rerun.yaml",
+        stores_times=True,
+        reserved=("world", "events"),
+        options=("depth",),
     ),
 }
 

@@ -27,6 +27,7 @@ with needed_by("robocell.export", "mcap"):
         Pose_pb2,
         PoseInFrame_pb2,
         Quaternion_pb2,
+        RawImage_pb2,
         Vector3_pb2,
     )
     from google.protobuf.timestamp_pb2 import Timestamp
@@ -148,6 +149,25 @@ def video(episode: Episode, camera: Camera, frames: Iterator[bytes]) -> Iterator
             timestamp=_stamp(time), frame_id=f"cameras/{camera.name}", data=data, format="h264"
         )
         yield time, f"/{camera.feature}/video", content
+
+
+def depth(
+    episode: Episode, camera: Camera, blocks: Iterator[tuple[int, NDArray[np.uint16]]]
+) -> Iterator[Message]:
+    """Yields the depth of a camera in millimetres."""
+    times = times_of(episode)
+    for first, block in blocks:
+        for row, image in enumerate(block, first):
+            content = RawImage_pb2.RawImage(
+                timestamp=_stamp(times[row]),
+                frame_id=f"cameras/{camera.name}",
+                width=camera.width,
+                height=camera.height,
+                encoding="16UC1",
+                step=2 * camera.width,
+                data=image.astype("<u2").tobytes(),
+            )
+            yield times[row], f"/{camera.feature}/depth", content
 
 
 def _is_pose(episode: Episode, name: str) -> bool:

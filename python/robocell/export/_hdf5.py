@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocell._extras import needed_by
-from robocell.export._images import blocks
+from robocell.export._images import blocks, depth_blocks
 from robocell.export._source import Camera, Item, Source
 
 with needed_by("robocell.export", "export"):
@@ -64,6 +64,17 @@ class Writer:
             _put(dataset, row, block)
             self.check()
 
+    def add_depth(self, name: str, source: Source, item: Item, camera: Camera) -> None:
+        """Adds a dataset with the depth of an episode in metres, one image per chunk."""
+        one = (camera.height, camera.width, 1)
+        dataset = self.group.create_dataset(
+            name, (item.rows, *one), np.float32, chunks=(1, *one), **COMPRESSED
+        )
+        dataset.attrs["unit"] = "m"
+        for row, block in depth_blocks(source, item, camera):
+            _put(dataset, row, block.astype(np.float32) / 1000)
+            self.check()
+
 
 @contextmanager
 def new_file(path: Path) -> Iterator[Writer]:
@@ -80,7 +91,7 @@ def new_file(path: Path) -> Iterator[Writer]:
         writer.check()
 
 
-def _put(dataset: Any, row: int, block: NDArray[np.uint8]) -> None:
+def _put(dataset: Any, row: int, block: NDArray[Any]) -> None:
     dataset[row : row + len(block)] = block
 
 

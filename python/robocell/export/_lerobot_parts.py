@@ -92,7 +92,7 @@ def write_video(
     each, whole = image_statistics(path, joined, [item.rows for item in items])
     return {
         "codec": joined.codec,
-        "encoded": reason,
+        "encoded": source.encoded_for(reason),
         "images": whole.images,
         "histogram": whole.histogram.tolist(),
     }, each

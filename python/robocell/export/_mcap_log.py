@@ -19,6 +19,7 @@ from robocell._staging import Staging
 from robocell.export._episode_logs import write_logs
 from robocell.export._formats import Options, Written
 from robocell.export._h264 import h264
+from robocell.export._images import depth_blocks
 from robocell.export._mcap_columns import Topic, json_topics
 from robocell.export._mp4 import packets
 from robocell.export._source import Item, Source
@@ -29,6 +30,7 @@ with needed_by("robocell.export", "mcap"):
 
     from robocell.export._foxglove import (
         calibration,
+        depth,
         events,
         joint_states,
         poses,
@@ -53,6 +55,11 @@ def write(
         "`/joint_states`, `/tf`, `/events`, poses and cameras have the schemas of Foxglove; every "
         "column of the episode is a topic of its name, as JSON.",
         "Topics below `/control` have the rate of the controller.",
+        *(
+            ["Depth is `foxglove.RawImage`, 16UC1: millimetres, 0 for no hit."]
+            if source.depths
+            else []
+        ),
     )
     return Written(resumed, encoded, {each.feature: "h264" for each in source.cameras}, notes)
 
@@ -76,6 +83,8 @@ def _write_episode(source: Source, item: Item, path: Path, scratch: Path) -> dic
         streams.append(calibration(episode, camera, source.shape_of(camera)))
         streams.append(video(episode, camera, packets(file)))
         videos.append(own)
+    for camera in source.depths:
+        streams.append(depth(episode, camera, depth_blocks(source, item, camera)))
     topics = json_topics(episode, source.resolved.features)
     streams += [topic.messages(episode) for topic in topics]
     with path.open("wb") as file_object:

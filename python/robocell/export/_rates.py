@@ -77,8 +77,9 @@ def _require_even(episode: Episode, rate: Fraction) -> None:
     raise ArgumentError(
         f"episode '{episode.folder}': its rows are not evenly spaced: from {periods.min():.6g} to "
         f"{periods.max():.6g} s apart, where {1 / float(rate):.6g} s were expected. This format "
-        "stores a rate instead of times. Record environments with `sim: {async_control: true}`, "
-        "leave the episode out with --episodes, or export a log of the true times: --format mcap"
+        "stores a rate instead of times. Resample with --rate HZ, record environments with "
+        "`sim: {async_control: true}`, leave the episode out with --episodes, or export a log of "
+        "the true times: --format mcap"
     )
 
 

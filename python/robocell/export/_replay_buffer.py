@@ -16,8 +16,8 @@ import numpy as np
 from robocell._extras import needed_by
 from robocell._staging import Staging
 from robocell.export._formats import Options, Written
-from robocell.export._images import blocks
-from robocell.export._source import Source
+from robocell.export._images import blocks, depth_blocks, depth_name, depth_notes
+from robocell.export._source import Camera, Source
 
 with needed_by("robocell.export", "export"):
     import numcodecs
@@ -39,6 +39,7 @@ def write(
         f"`{NAME}` is a replay buffer: `data/<feature>` has the rows of all episodes, "
         "`meta/episode_ends` the row after each.",
         "The task of an episode is in `meta/robocell/episodes.json`.",
+        *depth_notes(source, "uint16", "millimetres"),
     )
     return Written(done, {}, {}, notes)
 
@@ -85,6 +86,7 @@ def _write_chunks(
     if write_more is not None:
         write_more(source, data)
     images = [_image_array(data, source, camera, codec) for camera in source.cameras]
+    depths = [_depth_array(data, source, camera) for camera in source.depths]
     for index, item in enumerate(source.items):
         if index < done:
             on_episode(index + 1)
@@ -93,6 +95,9 @@ def _write_chunks(
         for camera, array in zip(source.cameras, images, strict=True):
             for row, block in blocks(source, item, camera):
                 array[first + row : first + row + len(block)] = block
+        for camera, array in zip(source.depths, depths, strict=True):
+            for row, depth in depth_blocks(source, item, camera):
+                array[first + row : first + row + len(depth)] = depth
         staging.keep("images", index + 1)
         on_episode(index + 1)
     write_array(meta, "episode_ends", (len(ends),), np.dtype(np.int64))[:] = ends
@@ -106,6 +111,16 @@ def _image_array(data: Any, source: Source, camera: Any, codec: Any) -> Any:
     shape = (*source.shape_of(camera), 3)
     whole = (source.rows, *shape)
     return write_array(data, camera.feature, whole, np.dtype(np.uint8), (1, *shape), codec)
+
+
+def _depth_array(data: Any, source: Source, camera: Camera) -> Any:
+    """Returns the array of a camera's depth, which a killed export may have begun."""
+    name, shape = depth_name(camera.feature), (camera.height, camera.width, 1)
+    if name in data:
+        return data[name]
+    array = write_array(data, name, (source.rows, *shape), np.dtype(np.uint16), (1, *shape))
+    array.attrs["unit"] = "mm"
+    return array
 
 
 def _write_numbers(source: Source, data: Any) -> None:

@@ -21,6 +21,7 @@ from robocell.export._events import events_of
 from robocell.export._formats import Options, Written
 from robocell.export._frames import frames_of
 from robocell.export._h264 import h264
+from robocell.export._images import depth_blocks
 from robocell.export._mcap_columns import STEPS, Topic, json_topics, times_of
 from robocell.export._mp4 import packets
 from robocell.export._source import Camera, Item, Source
@@ -72,6 +73,8 @@ def _write_episode(source: Source, item: Item, path: Path, scratch: Path) -> dic
             reasons[camera.feature] = reason
         _send_video(stream, episode, camera, file)
         scratch.unlink(missing_ok=True)
+    for camera in source.depths:
+        _send_depth(stream, source, item, camera)
     stream.flush()
     stream.disconnect()
     return reasons
@@ -108,6 +111,14 @@ def _send_video(stream: Any, episode: Episode, camera: Camera, file: Path) -> No
     stream.log(entity, rr.VideoStream(codec=rr.VideoCodec.H264), static=True)
     columns = rr.VideoStream.columns(sample=list(packets(file)))
     _send(stream, entity, times_of(episode), columns)
+
+
+def _send_depth(stream: Any, source: Source, item: Item, camera: Camera) -> None:
+    times = times_of(source.episode(item))
+    for first, block in depth_blocks(source, item, camera):
+        for row, image in enumerate(block[..., 0], first):
+            stream.set_time(TIMELINE, duration=np.timedelta64(times[row], "ns"))
+            stream.log(_entity(f"{camera.feature}/depth"), rr.DepthImage(image, meter=1000.0))
 
 
 def _properties(item: Item) -> dict[str, str]:

@@ -23,6 +23,7 @@ from robocell._staging import Staging
 from robocell.export._features import Feature
 from robocell.export._formats import Options, Written
 from robocell.export._hdf5 import new_file
+from robocell.export._images import depth_name, depth_notes
 from robocell.export._source import Item, Source
 from robocell.export._states import states_of
 from robocell.export._statistics import Vectors
@@ -65,6 +66,7 @@ def write(
         "number; the attributes `actions_min` and `actions_max` of `data` undo it. `actions_abs` "
         "has the numbers of the table above.",
         "Images are in `obs` only: train with `hdf5_load_next_obs` false from images.",
+        *depth_notes(source, "float32", "metres"),
         "`states` are time, qpos and qvel of the simulation, from replaying the recorded controls."
         if not without_states
         else f"There are no `states`: {without_states}.",
@@ -124,14 +126,17 @@ def _write_demo(
                 demo.add(feature.name.replace(OBS, NEXT_OBS, 1), after)
         for camera in source.cameras:
             demo.add_images(camera.feature, source, item, camera)
+        for camera in source.depths:
+            demo.add_depth(depth_name(camera.feature), source, item, camera)
         try:
-            states = states_of(episode)
+            states = states_of(source.recorded(item))
         except IoError:
             raise
         except Error as error:  # of this episode's scene: the dataset is of use without states
             demo.group.attrs["without_states"] = str(error)
         else:
-            demo.add("states", states)
+            rows = source.rows_of(item)
+            demo.add("states", states if rows is None else states[rows])
 
 
 def _series(values: NDArray[Any]) -> NDArray[Any]:

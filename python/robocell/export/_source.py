@@ -5,11 +5,15 @@ Everything that would stop an export is found here, before it writes.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
+
+import numpy as np
+from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, Dataset, Episode, NotFoundError
 from robocell._placeholders import AS_RECORDED, Gripper
@@ -17,6 +21,8 @@ from robocell._suggestions import did_you_mean, shortened
 from robocell.export._features import Resolved
 from robocell.export._mapping import Mapping
 from robocell.export._rates import mean_rate, rate_of
+from robocell.export._resampled import ResampledEpisode, rows_at
+from robocell.export._videos import resample
 
 
 @dataclass(frozen=True)
@@ -75,6 +81,9 @@ class Source:
         image_size: Width and height of exported images; None for those of the cameras.
         gripper: The numbers of open and closed grippers.
         is_even: Whether the rows of all episodes are known to have this rate.
+        resampled: Whether `rate` was asked for; rows are then those of `ResampledEpisode`.
+        scratch: Folder for videos at this rate.
+        depths: The cameras whose depth is exported too.
     """
 
     dataset: Dataset
@@ -86,6 +95,9 @@ class Source:
     image_size: tuple[int, int] | None = None
     gripper: Gripper = AS_RECORDED
     is_even: bool = True
+    resampled: bool = False
+    scratch: Path | None = None
+    depths: tuple[Camera, ...] = ()
 
     @property
     def fps(self) -> int:
@@ -107,9 +119,24 @@ class Source:
         """The instructions, in the order in which they first appear."""
         return list(dict.fromkeys(item.task for item in self.items))
 
-    def episode(self, item: Item) -> Episode:
-        """Opens an episode."""
+    def recorded(self, item: Item) -> Episode:
+        """Opens an episode as it was recorded."""
         return self.dataset[item.id]
+
+    def rows_of(self, item: Item) -> NDArray[np.int64] | None:
+        """Returns the recorded row of each row; None if they are those of the recording."""
+        if not self.resampled:
+            return None
+        names = [camera.name for camera in self.cameras]
+        return rows_at(self.recorded(item), self.rate, names)
+
+    def episode(self, item: Item) -> Episode:
+        """Opens an episode, with rows at the rate of the export."""
+        episode, rows = self.recorded(item), self.rows_of(item)
+        # It has the members of an episode that exports use.
+        if rows is None:
+            return episode
+        return cast(Episode, ResampledEpisode(episode, rows, self.rate))
 
     def resized(self, camera: Camera) -> tuple[int, int] | None:
         """Returns the width and height that images are brought to, or None if they have it."""
@@ -123,9 +150,23 @@ class Source:
 
     def video(self, item: Item, camera: Camera) -> Path:
         """Returns the file with the colour images of a camera in an episode."""
-        episode = self.episode(item)
+        episode, rows = self.recorded(item), self.rows_of(item)
         described: Any = episode.json
-        return episode.folder / described["cameras"][camera.name]["file"]
+        recorded = episode.folder / described["cameras"][camera.name]["file"]
+        if rows is None:
+            return recorded
+        assert self.scratch is not None
+        made = self.scratch / item.id / f"{camera.name}.mp4"
+        if not made.exists():
+            made.parent.mkdir(parents=True, exist_ok=True)
+            partial = made.with_suffix(".partial.mp4")
+            resample(recorded, rows.tolist(), self.rate, partial)
+            os.replace(partial, made)
+        return made
+
+    def encoded_for(self, reason: str) -> str:
+        """Returns why videos are not those of the episodes: a reason of the format, or the rate."""
+        return reason or (f"at {float(self.rate):g} frames per second" if self.resampled else "")
 
 
 def choose(
@@ -181,7 +222,14 @@ def _named(dataset: Dataset, wanted: Sequence[str]) -> list[str]:
 
 
 def gather(
-    dataset: Dataset, ids: Sequence[str], mapping: Mapping, *, stores_times: bool = False
+    dataset: Dataset,
+    ids: Sequence[str],
+    mapping: Mapping,
+    *,
+    stores_times: bool = False,
+    rate: Fraction | None = None,
+    depth: bool = False,
+    holds_depth: bool = False,
 ) -> Source:
     """Reads what the episodes are, and checks that they fit in one training dataset.
 
@@ -190,6 +238,9 @@ def gather(
         ids: The episodes.
         mapping: The table of features.
         stores_times: Whether the format stores the time of each row, so rates may differ.
+        rate: Rows per second that all episodes are brought to; None for those of the episodes.
+        depth: Whether depth is exported too.
+        holds_depth: Whether the format can hold depth.
 
     Raises:
         ArgumentError: Two episodes differ in features, rate or cameras, or rows have no rate.
@@ -200,31 +251,64 @@ def gather(
     cameras = _cameras(first, resolved)
     items = []
     rates: list[Fraction | None] = []
+    is_resampled = False
+    used = {camera.name for camera in cameras}
+    having_depth = [name for name in first.depth_cameras if name in used]
+    if depth:
+        _require_depth(first, having_depth, mapping)
     for name in ids:
         episode = dataset[name]
         own = mapping.resolve(episode)
         resolved.require_same(own, episode, first)
-        rates.append(_rate(episode, own, stores_times))
+        rows = None
+        if rate is not None:
+            rates.append(rate)
+            rows = rows_at(episode, rate, (*own.images.values(), *episode.cameras))
+            is_resampled = is_resampled or rows is not None
+        else:
+            rates.append(_rate(episode, own, stores_times))
         if not stores_times:
             _require_same(episode, first, "rate", rates[-1], rates[0])
         _require_same(episode, first, "sizes of images", _cameras(episode, own), cameras)
-        items.append(_item(episode, own, cameras))
-    rate = rates[0] if len(set(rates)) == 1 else None
-    left_out = [f"depth of {name}" for name in first.depth_cameras]
+        if depth:
+            with_depth = [each for each in episode.depth_cameras if each in used]
+            _require_same(episode, first, "cameras with depth", with_depth, having_depth)
+        items.append(_item(episode, own, cameras, len(episode) if rows is None else len(rows)))
+    common = rates[0] if len(set(rates)) == 1 else None
+    without_depth = [n for n in first.depth_cameras if not (depth and n in having_depth)]
+    left_out = [f"depth of {name}" for name in without_depth]
+    if holds_depth and not depth and having_depth:
+        left_out[-1] += " (--depth exports it)"
     left_out += [f"segmentation of {name}" for name in first.segmentation_cameras]
-    used = {camera.name for camera in cameras}
     left_out += [f"camera {name}" for name in first.cameras if name not in used]
     return Source(
         dataset,
         tuple(items),
         resolved,
         cameras,
-        rate if rate is not None else mean_rate(dataset[name] for name in ids),
+        common if common is not None else mean_rate(dataset[name] for name in ids),
         tuple(left_out),
         mapping.image_size,
         mapping.gripper,
-        rate is not None,
+        common is not None,
+        is_resampled,
+        depths=tuple(each for each in cameras if depth and each.name in having_depth),
     )
+
+
+def _require_depth(first: Episode, having_depth: Sequence[str], mapping: Mapping) -> None:
+    """Raises ArgumentError unless the exported cameras of an episode have depth in their size."""
+    if not having_depth:
+        there = ", ".join(first.depth_cameras)
+        raise ArgumentError(
+            f"episode '{first.folder}': none of the exported cameras has depth"
+            + (f"; these have: {there}" if there else ". Record it with `depth: true` in a stream")
+        )
+    if mapping.image_size is not None:
+        raise ArgumentError(
+            f"{mapping.place}: `image_size` resizes images, and depth keeps the size of its "
+            "camera: leave one of them out"
+        )
 
 
 def _rate(episode: Episode, resolved: Resolved, stores_times: bool) -> Fraction | None:
@@ -245,7 +329,7 @@ def _require_same(episode: Episode, first: Episode, what: str, own: object, othe
         )
 
 
-def _item(episode: Episode, resolved: Resolved, cameras: Sequence[Camera]) -> Item:
+def _item(episode: Episode, resolved: Resolved, cameras: Sequence[Camera], rows: int) -> Item:
     described: Any = episode.json
     if not len(episode):
         raise ArgumentError(f"episode '{episode.folder}' has no rows. Leave it out: --episodes")
@@ -259,7 +343,7 @@ def _item(episode: Episode, resolved: Resolved, cameras: Sequence[Camera]) -> It
     sizes = [described["files"][video["file"]]["bytes"] for video in videos]
     return Item(
         id=episode.id,
-        rows=len(episode),
+        rows=rows,
         task=resolved.task,
         robots=", ".join(resolved.robots),
         success=episode.success,

@@ -212,6 +212,38 @@ def encode(
     return Mp4.read(out)
 
 
+def resample(source: Path, frames: Sequence[int], rate: Fraction, out: Path) -> Mp4:
+    """Encodes frames of a video to a file, each as often as it is named.
+
+    Args:
+        source: The video.
+        frames: Numbers of frames, in ascending order.
+        rate: Frame rate of the result.
+        out: The file to write.
+
+    Raises:
+        IoError: ffmpeg is missing or failed, or a frame cannot be decoded.
+    """
+    facts = Mp4.read(source)
+    if frames and frames[-1] >= facts.frames:
+        raise IoError(
+            f"'{source}' has {facts.frames} frames, and frame {frames[-1]} is needed: it is "
+            "damaged. `robocell verify --decode-videos DATASET` finds such videos"
+        )
+
+    def chosen() -> Iterator[bytes]:
+        first = place = 0
+        for block in images(source, facts):
+            while place < len(frames) and frames[place] < first + len(block):
+                yield block[frames[place] - first].tobytes()
+                place += 1
+            first += len(block)
+
+    size = f"{facts.width}x{facts.height}"
+    raw = ("-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size", size, "-framerate", str(rate))
+    return encode(chosen(), raw, rate, out, f"'{source}' at {float(rate):g} frames per second")
+
+
 def _written(rate: Fraction, out: Path) -> list[str]:
     """Returns arguments for a file whose frame k is at k / rate, with the same bytes every time."""
     ticks = f"{rate.denominator * TICKS}"

@@ -245,6 +245,27 @@ class PolicyClient:
                     raise LostServerError(f"policy server {self.url}: {error}") from error
         raise AssertionError("unreachable")
 
+    def exchange(self, message: Mapping[str, Any]) -> bytes | str:
+        """Sends a message as it is, and returns its answer; connects first if needed.
+
+        Raises:
+            DroppedError: The connection is gone; the next call makes a new one.
+            LostServerError: There is no policy server.
+            PolicyServerError: The answer is no message, or late.
+        """
+        if self._channel is None:
+            self.connect()
+        assert self._channel is not None
+        deadline = Deadline(self.timeout_s, "answer")
+        try:
+            self._channel.send(pack(message), deadline)
+            return self._channel.receive(deadline)
+        except (TimeoutError, MisbehavedError) as error:
+            raise self._refused(str(error)) from error
+        except DroppedError:
+            self.close()
+            raise
+
     def _begin_again(self, deadline: Deadline) -> None:
         """Announces the rollout to a connection that is made in the middle of it."""
         if self._begun is not None and self.has_endpoints and self._channel is not None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -12,11 +14,19 @@ from robocell._policy_calls import present
 from robocell._policy_presets import Bound, Preset
 from robocell._suggestions import counted
 from robocell.policy import Action, Context, Observation, Policy
-from robocell.policy_server._client import TIMEOUT_S, PolicyClient, PolicyServerError, parse_url
+from robocell.policy_server._client import (
+    TIMEOUT_S,
+    LostServerError,
+    PolicyClient,
+    PolicyServerError,
+    parse_url,
+)
 from robocell.policy_server._groot_client import SCHEME, GrootClient, parse_groot_url
 from robocell.policy_server._groot_preset import groot_preset
+from robocell.policy_server._relay import relay_of
 
 PROMPT = "prompt"
+RELAY_S = 10.0  # more than the calls of a relay take
 ROLLOUT, RUN_SEED = "rollout", "run_seed"  # the start of a rollout, for servers of robocell
 
 
@@ -51,6 +61,9 @@ class RemotePolicy(Policy):
         self, url: str, preset: Preset | None = None, timeout_s: float = TIMEOUT_S
     ) -> None:
         self.client = client_of(url, timeout_s)
+        self._url = url
+        if relay := relay_of(url):  # a call waits for the one before, which has its own deadline
+            self.client = client_of(relay, 2 * timeout_s + RELAY_S)
         self.timing: dict[str, float] = {}  # of the last call
         self._preset = preset
         self._bound: Bound | None = None
@@ -64,7 +77,8 @@ class RemotePolicy(Policy):
         info = {PROMPT: context.instruction, "seed": context.seed}
         # An expert must know the start; others get what every server of RoboArena understands.
         start = {ROLLOUT: present.rollout, RUN_SEED: present.seed}
-        self.client.reset(info, start)
+        with self._naming_server():
+            self.client.reset(info, start)
         preset = self._preset
         cameras = context.run.cameras
         streams = [stream.name for stream in cameras.streams] if cameras.draw else []
@@ -83,7 +97,8 @@ class RemotePolicy(Policy):
             message = self._bound.message(observation, self._instruction)
         if self.client.metadata.get("needs_session_id") is True:
             message["session_id"] = np.array([self._session], np.int32)
-        reply = self.client.infer(message)
+        with self._naming_server():
+            reply = self.client.infer(message)
         self.timing = {"round_trip_ms": reply.call_ms, "server_ms": reply.server_ms}
         try:
             if self._bound is not None:
@@ -91,6 +106,16 @@ class RemotePolicy(Policy):
             return _by_name(reply.actions, reply.columns)
         except ArgumentError as error:
             raise PolicyServerError(f"policy server {self.client.url}: {error}") from error
+
+    @contextlib.contextmanager
+    def _naming_server(self) -> Iterator[None]:
+        """Context manager: errors of a relay name the server behind it."""
+        try:
+            yield
+        except (LostServerError, PolicyServerError) as error:
+            if self.client.url == self._url:
+                raise
+            raise type(error)(str(error).replace(self.client.url, self._url)) from error
 
     def _adapt(self, bound: Bound) -> None:
         """Follows the configuration of a server of RoboArena."""

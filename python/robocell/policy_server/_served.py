@@ -7,6 +7,7 @@ policy; one that is left by its client serves the next.
 from __future__ import annotations
 
 import queue
+import threading
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,6 +23,7 @@ from robocell._core import (
     RunConfig,
     RunEnv,
 )
+from robocell._own_code import RAISED, raise_interrupt
 from robocell._policy_presets import Bound, Preset
 from robocell._row import Row
 from robocell._suggestions import counted
@@ -35,6 +37,7 @@ from robocell.policy import (
     ReplayPolicy,
     maker_of_policy,
 )
+from robocell.policy_server._batches import Reply
 from robocell.policy_server._remote_policy import PROMPT
 from robocell.policy_server._served_expert import ExpertSession, PlannedRollouts
 from robocell.policy_server._server import HOST, PORT, PolicyServer
@@ -72,6 +75,19 @@ class ServedCell:
         env.reset(0)
         return cls(run, (*env.observed, *env.commanded), cameras)
 
+    def context(self, info: Mapping[str, Any]) -> Context:
+        """Returns what a policy is told at the beginning of a rollout.
+
+        `info` may have the instruction as `prompt`, and `seed`.
+        """
+        prompt, seed = info.get(PROMPT, ""), info.get("seed", SEED)
+        return Context(
+            instruction=prompt if isinstance(prompt, str) else "",
+            run=self.run,
+            seed=seed if type(seed) is int and 0 <= seed < 2**63 else SEED,
+            features=list(self.features),
+        )
+
 
 class PolicySession:
     """One client of a policy.
@@ -89,57 +105,143 @@ class PolicySession:
 
     def reset(self, info: Mapping[str, Any]) -> None:
         """Resets the policy; `info` may have the instruction as `prompt`, and `seed`."""
-        prompt, seed = info.get(PROMPT, ""), info.get("seed", SEED)
         self._begun = True
-        self.policy.reset(
-            Context(
-                instruction=prompt if isinstance(prompt, str) else "",
-                run=self._cell.run,
-                seed=seed if type(seed) is int and 0 <= seed < 2**63 else SEED,
-                features=list(self._cell.features),
-            )
-        )
+        self.policy.reset(self._cell.context(info))
 
     def infer(self, observation: dict[str, Any]) -> dict[str, Any]:
         """Returns the policy's actions."""
-        # Arrays of a message are read-only views of it; a policy may write into its own.
-        if self._bound is None:
-            prompt = observation.pop(PROMPT, "")
-            numbers = np.ndarray | np.generic | int | float
-            row = {k: np.array(v) for k, v in observation.items() if isinstance(v, numbers)}
-        else:
-            row, prompt = self._bound.row(observation)
-            row = {name: np.array(value) for name, value in row.items()}
+        who = f"{type(self.policy).__name__}.act()"
+        row, prompt = read_row(who, observation, self._bound)
         if not self._begun:  # a client of openpi says no more than this
             self.reset({PROMPT: prompt})
-        seen = Row(row, [], lambda: None)
-        seen.title = f"{type(self.policy).__name__}.act(): the client's observation"
-        columns = _checked(type(self.policy).__name__, self.policy.act(seen))
-        if self._bound is not None:
-            return {"actions": np.atleast_2d(self._bound.reply(columns))}
-        parts = [np.atleast_2d(values) for values in columns.values()]
-        return {
-            "actions": np.concatenate(parts, axis=1),
-            "action_columns": [
-                [name, part.shape[1]] for name, part in zip(columns, parts, strict=True)
-            ],
-        }
+        return reply_of(who, self.policy.act(row), self._bound)
+
+
+class BatchedPolicy:
+    """A policy with `act_batch`, for clients that send observations of several rollouts at once.
+
+    Args:
+        policy: Acts in all rollouts.
+        cell: What `act_batch` is told about the cell.
+        bound: The preset that clients speak; None for the names of columns.
+    """
+
+    def __init__(self, policy: Policy, cell: ServedCell, bound: Bound | None = None) -> None:
+        self.policy, self.cell, self.bound = policy, cell, bound
+        self._lock = threading.Lock()  # of the policy: every connection has a thread
+
+    def session(self) -> BatchedSession:
+        """Returns the session of a client."""
+        return BatchedSession(self.cell)
+
+    def infer_many(
+        self, sessions: Sequence[BatchedSession], observations: Sequence[dict[str, Any]]
+    ) -> list[Reply]:
+        """Returns the reply to each observation, or the error of this one alone."""
+        who = f"{type(self.policy).__name__}.act_batch()"
+        replies: dict[int, Reply] = {}
+        rows: dict[int, Row] = {}
+        for place, (session, observation) in enumerate(zip(sessions, observations, strict=True)):
+            try:
+                rows[place], prompt = read_row(who, observation, self.bound)
+                if session.context is None:
+                    session.begin({PROMPT: prompt})
+            except RAISED as error:
+                raise_interrupt(error)
+                rows.pop(place, None)
+                replies[place] = error
+        replies |= self._act([(place, row, sessions[place]) for place, row in rows.items()])
+        return [replies[place] for place in range(len(sessions))]
+
+    def _act(self, rollouts: Sequence[tuple[int, Row, BatchedSession]]) -> dict[int, Reply]:
+        """Returns the replies by place."""
+        if not rollouts:
+            return {}
+        who = f"{type(self.policy).__name__}.act_batch()"
+        contexts = [context for *_, each in rollouts if (context := each.context) is not None]
+        try:
+            with self._lock:
+                actions = self.policy.act_batch([row for _, row, _ in rollouts], contexts)
+            if not isinstance(actions, Sequence) or len(actions) != len(rollouts):
+                found = f"{len(actions)}" if isinstance(actions, Sequence) else repr(actions)
+                raise ArgumentError(
+                    f"{who} must return a list of {counted(len(rollouts), 'action')}, got {found}"
+                )
+        except RAISED as error:
+            raise_interrupt(error)
+            if len(rollouts) == 1:
+                return {rollouts[0][0]: error}
+            # One observation may be wrong: each gets what it would get alone.
+            return {place: reply for each in rollouts for place, reply in self._act([each]).items()}
+        replies: dict[int, Reply] = {}
+        for (place, *_), action in zip(rollouts, actions, strict=True):
+            try:
+                replies[place] = reply_of(who, action, self.bound)
+            except RAISED as error:
+                raise_interrupt(error)
+                replies[place] = error
+        return replies
+
+
+class BatchedSession:
+    """One rollout of a batched policy.
+
+    Attributes:
+        context: What a policy's `reset` would get; None before the rollout begins.
+    """
+
+    def __init__(self, cell: ServedCell) -> None:
+        self._cell = cell
+        self.context: Context | None = None
+
+    def begin(self, info: Mapping[str, Any]) -> None:
+        """Begins a rollout."""
+        self.context = self._cell.context(info)
+
+
+def read_row(who: str, observation: dict[str, Any], bound: Bound | None) -> tuple[Row, Any]:
+    """Returns the row and the instruction in an observation."""
+    # Arrays of a message are read-only views of it; a policy may write into its own.
+    if bound is None:
+        prompt = observation.pop(PROMPT, "")
+        numbers = np.ndarray | np.generic | int | float
+        row = {k: np.array(v) for k, v in observation.items() if isinstance(v, numbers)}
+    else:
+        row, prompt = bound.row(observation)
+        row = {name: np.array(value) for name, value in row.items()}
+    seen = Row(row, [], lambda: None)
+    seen.title = f"{who}: the client's observation"
+    return seen, prompt
+
+
+def reply_of(who: str, action: object, bound: Bound | None) -> dict[str, Any]:
+    """Returns the reply with an action or a chunk."""
+    columns = _checked(who, action)
+    if bound is not None:
+        return {"actions": np.atleast_2d(bound.reply(columns))}
+    parts = [np.atleast_2d(values) for values in columns.values()]
+    return {
+        "actions": np.concatenate(parts, axis=1),
+        "action_columns": [
+            [name, part.shape[1]] for name, part in zip(columns, parts, strict=True)
+        ],
+    }
 
 
 def _checked(who: str, action: object) -> dict[str, NDArray[np.float64]]:
     """Returns an action or a chunk whose columns have one length."""
     if not isinstance(action, Mapping) or not action:
-        raise TypeError(f"{who}.act() must return a dict of columns to numbers, got {action!r}")
+        raise TypeError(f"{who} must return a dict of columns to numbers, got {action!r}")
     columns = {}
     for name, values in action.items():
         array = np.asarray(values, np.float64)
         if not isinstance(name, str) or array.ndim > 2 or not array.size:
-            raise ArgumentError(f"{who}.act(): {name!r} has the shape {array.shape}")
+            raise ArgumentError(f"{who}: {name!r} has the shape {array.shape}")
         columns[name] = array if array.ndim == 2 else array.reshape(1, -1)
     lengths = {len(array) for array in columns.values()}
     if len(lengths) > 1:
         found = ", ".join(f"'{name}' {len(array)}" for name, array in columns.items())
-        raise ArgumentError(f"{who}.act(): columns of one chunk differ in length: {found}")
+        raise ArgumentError(f"{who}: columns of one chunk differ in length: {found}")
     return columns
 
 
@@ -207,7 +309,12 @@ def policy_server(
     if preset:
         bound = Preset.load(preset).bind(cell.features, cell.cameras)
     pool = _Pool(_maker(policy, source, cell, bool(preset)))
-    pool.give(pool.take())  # errors of making it come before the first client
+    first = pool.take()  # errors of making it come before the first client
+    batch = None
+    if getattr(type(first), "act_batch", Policy.act_batch) is not Policy.act_batch:
+        batch = BatchedPolicy(first, cell, bound)
+    else:
+        pool.give(first)
 
     def make_session() -> PolicySession:
         return PolicySession(pool.take(), cell, bound)
@@ -226,7 +333,13 @@ def policy_server(
         else [],
     }
     return PolicyServer(
-        make_session, metadata, host=host, port=port, api_key=api_key, end_session=end_session
+        make_session,
+        metadata,
+        host=host,
+        port=port,
+        api_key=api_key,
+        end_session=end_session,
+        batch=batch,
     )
 
 

@@ -23,9 +23,17 @@ from typing import Any, Protocol
 from robocell._core import ArgumentError, Error, IoError
 from robocell._extras import needed_by
 from robocell._own_code import RAISED, raise_interrupt
+from robocell.policy_server._batches import (
+    BATCH,
+    MOST_MESSAGES,
+    RESET,
+    Batches,
+    InfersMany,
+    endpoint_of,
+)
 from robocell.policy_server._channel import Channel, Deadline, DroppedError, MisbehavedError
 from robocell.policy_server._client import key_of
-from robocell.policy_server._wire import WireError, name_of, pack, unpack
+from robocell.policy_server._wire import pack, unpack
 
 with needed_by("robocell.policy_server", "policy"):
     from websockets.frames import CloseCode
@@ -49,6 +57,22 @@ class Session(Protocol):
         """Begins a rollout."""
 
 
+class PassesOn:
+    """A session that answers messages as they are."""
+
+    def infer(self, observation: dict[str, Any]) -> Mapping[str, Any]:
+        """Is never called."""
+        raise NotImplementedError
+
+    def reset(self, info: Mapping[str, Any]) -> None:
+        """Is never called."""
+        raise NotImplementedError
+
+    def answer(self, message: bytes | str) -> bytes | str:
+        """Returns the answer to a message."""
+        raise NotImplementedError
+
+
 class PolicyServer:
     """Listens from its construction on.
 
@@ -61,6 +85,9 @@ class PolicyServer:
             ROBOCELL_POLICY_API_KEY; "" for none.
         most_bytes: Largest observation.
         end_session: Called with a session when its client has gone.
+        batch: Acts in several rollouts at once; clients may then send several observations in one
+            message (endpoint `batch`).
+        most_clients: Clients at one time.
 
     Attributes:
         host: The address.
@@ -80,13 +107,18 @@ class PolicyServer:
         api_key: str | None = None,
         most_bytes: int = MOST_BYTES,
         end_session: Callable[[Session], None] | None = None,
+        batch: InfersMany | None = None,
+        most_clients: int | None = None,
     ) -> None:
         if not 0 <= port < 65536:
             raise ArgumentError(f"port must be from 0 to 65535, got {port}")
         self._make_session, self._end_session = make_session, end_session
-        self._metadata = pack(
-            {"server": "robocell", "endpoints": ["infer", "reset"]} | dict(metadata or {})
-        )
+        self._batch = batch
+        self._most_clients = most_clients or MOST_CLIENTS
+        own: dict[str, Any] = {"server": "robocell", "endpoints": ["infer", "reset"]}
+        if batch is not None:
+            own |= {"endpoints": ["infer", "reset", BATCH], BATCH: MOST_MESSAGES}
+        self._metadata = pack(own | dict(metadata or {}))
         self._key = key_of(api_key)
         self._most_bytes = most_bytes
         self._channels: set[Channel] = set()
@@ -130,14 +162,14 @@ class PolicyServer:
         channel = Channel(connection, protocol)
         with self._lock:
             others = len(self._channels)
-            if others < 2 * MOST_CLIENTS:
+            if others < 2 * self._most_clients:
                 self._channels.add(channel)
-        if others >= 2 * MOST_CLIENTS:  # also of those that say nothing
+        if others >= 2 * self._most_clients:  # also of those that say nothing
             channel.abort()
             return
         threading.Thread(
             target=self._serve_client,
-            args=(channel, protocol, others >= MOST_CLIENTS),
+            args=(channel, protocol, others >= self._most_clients),
             name="policy client",
             daemon=True,
         ).start()
@@ -176,7 +208,8 @@ class PolicyServer:
             response = protocol.reject(http.HTTPStatus.OK, "OK\n")
         elif is_one_too_many:
             response = protocol.reject(
-                http.HTTPStatus.SERVICE_UNAVAILABLE, f"There are {MOST_CLIENTS} clients already.\n"
+                http.HTTPStatus.SERVICE_UNAVAILABLE,
+                f"There are {self._most_clients} clients already.\n",
             )
         elif not self._has_key(request):
             response = protocol.reject(
@@ -201,13 +234,20 @@ class PolicyServer:
     def _converse(self, channel: Channel) -> None:
         channel.send(self._metadata, Deadline(MESSAGE_S, "reader"))
         session: Session | None = None
+        batches = None if self._batch is None else Batches(self._batch, _text_of)
         try:
             while True:
                 message = channel.receive(Deadline(MESSAGE_S, "message"), idle=True)
                 try:
-                    if session is None:
-                        session = self._make_session()
-                    answer = _answer(session, message)
+                    envelope = None if batches is None else _envelope(message)
+                    if batches is not None and envelope is not None:
+                        answer: bytes | str = batches.answer(envelope)
+                    else:
+                        if session is None:
+                            session = self._make_session()
+                        answer = _answer(session, message)
+                except DroppedError:  # of the server that a relay asks
+                    raise
                 except RAISED as error:
                     raise_interrupt(error)
                     channel.send(_text_of(error), Deadline(MESSAGE_S, "reader"))
@@ -236,20 +276,23 @@ def _listening(host: str, port: int) -> socket.socket:
     return listening
 
 
+def _envelope(message: bytes | str) -> dict[str, Any] | None:
+    """Returns a message with several messages in it; None for an ordinary one."""
+    if isinstance(message, str) or BATCH.encode() not in message:
+        return None
+    content = unpack(message)
+    is_batch = isinstance(content, dict) and content.get("endpoint") == BATCH
+    return content if is_batch else None
+
+
 def _answer(session: Session, message: bytes | str) -> bytes | str:
     """Returns the answer to a message of a client."""
-    if isinstance(message, str):
-        raise WireError("an observation is a binary message of msgpack, not a text")
-    observation = unpack(message)
-    if not isinstance(observation, dict):
-        raise WireError(f"an observation is a map, got {type(observation).__name__}")
-    observation = {name_of(key): value for key, value in observation.items()}
-    endpoint = observation.pop("endpoint", "infer")
+    if isinstance(session, PassesOn):
+        return session.answer(message)
+    endpoint, observation = endpoint_of(message)
     if endpoint == "reset":
         session.reset(observation)
-        return "reset successful"
-    if endpoint != "infer":
-        raise WireError(f"no endpoint {str(endpoint)[:40]!r}; there are 'infer' and 'reset'")
+        return RESET
     began = time.perf_counter()
     reply = dict(session.infer(observation))
     reply["server_timing"] = {"infer_ms": 1e3 * (time.perf_counter() - began)}

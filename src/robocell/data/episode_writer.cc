@@ -15,6 +15,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/forks.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/suggestions.h"
@@ -97,9 +98,11 @@ struct EpisodeWriter::Impl {
   std::vector<FileSet> model_files;  // files by the metadata's names
   State state = State::kOpen;
   pid_t owner = getpid();
+  int forks =
+      internal::ForkCount();  // at the beginning: asking the system in every call takes long
   std::string failure;
 
-  ~Impl() { getpid() == owner ? Remove() : Abandon(); }
+  ~Impl() { internal::ForkCount() == forks ? Remove() : Abandon(); }
 
   // Called in a fork of the process that began the episode: files and folders belong to the other
   // process, which still writes. Closing them here would write and remove.
@@ -119,7 +122,7 @@ struct EpisodeWriter::Impl {
   template <typename Action>
   void Do(const char* call, Action action) {
     if (state == State::kFailed) throw IoError(failure);
-    if (getpid() != owner) {
+    if (internal::ForkCount() != forks) {
       throw ClosedError(
           fmt::format("{}: {} in a fork of process {}, which is still writing it; begin an episode "
                       "after the fork",
