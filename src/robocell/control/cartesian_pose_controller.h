@@ -7,8 +7,9 @@
 //
 // Differential inverse kinematics at control rate: a reference moves towards the target, and the
 // joint targets follow it by damped least squares, within their limits; redundant joints move
-// towards the posture. An unreachable target is approached as far as the joints allow. Poses are in
-// the robot base frame. Compute does not allocate.
+// towards the posture. An unreachable target is approached as far as the joints allow. What the
+// arm's `task_space` leaves out of the target does not count; arms with fewer than six degrees of
+// freedom reach the position first. Poses are in the robot base frame. Compute does not allocate.
 #pragma once
 
 #include <vector>
@@ -17,6 +18,7 @@
 #include "robocell/kinematics/transform.h"
 #include "robocell/robot/arm_group.h"
 #include "robocell/robot/joint_position_controller.h"
+#include "robocell/robot/task_space.h"
 
 namespace robocell {
 
@@ -57,6 +59,7 @@ class CartesianPoseController : public Controller {
   void HoldReferenceBack();
 
   ArmGroup& arm_;
+  internal::TaskSpace task_space_;
   JointPositionController servos_;
   PoseNumbers target_ = {};
   Transform reference_;

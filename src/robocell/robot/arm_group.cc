@@ -38,6 +38,14 @@ const Chain& ArmGroup::chain() const {
                       "configured arm of a robot");
 }
 
+internal::TaskSpace ArmGroup::task_space() const {
+  for (const RobotRecord& robot : core().scene().compiled()->robots()) {
+    if (robot.name == core().names().robot)
+      return internal::TaskSpaceOf(robot.config, core().names().group);
+  }
+  return {};
+}
+
 size_t ArmGroup::FindBeyondLimits(std::span<const double> q) const {
   core().Bind();
   const mjModel* m = core().model();
