@@ -1,11 +1,17 @@
 // Checks of robots and runs: reports errors, and valid settings that are probably unintended.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+
+#include <array>
+#include <optional>
 
 #include "bindings.h"
 #include "robocell/diagnose/check_robot.h"
 #include "robocell/diagnose/check_run.h"
 #include "robocell/expert/expert_kind.h"
 #include "robocell/rollout/validate_run.h"
+#include "robocell/task/reach_advice.h"
 
 namespace nb = nanobind;
 
@@ -69,6 +75,17 @@ void BindDiagnose(nb::module_& m) {
         "'pick' needs a base that can be placed anywhere, and an arm and a gripper with "
         "controllers. Empty if the expert can use the robot or has no requirements; `generate` "
         "rejects a robot for each of these reasons.");
+  m.def(
+      "grasp_reach",
+      [](const RunConfig& run) -> std::optional<std::array<double, 3>> {
+        const auto reach = internal::FindGraspReach(run);
+        if (!reach) return std::nullopt;
+        return std::array{reach->height_offset, reach->nearest, reach->farthest};
+      },
+      "run"_a, WithoutLock(),
+      "Returns where the base has to stand for grasps from above, collisions aside: its height "
+      "offset, and the nearest and the farthest distance from the object, m. The run's own height "
+      "offset counts if there is a distance for it. None if nothing is in reach.");
   m.def(
       "check_run",
       [](const RunConfig& run, bool scripted_expert, bool on_this_machine) {
