@@ -34,6 +34,8 @@ PAD_DEPTH = 0.004
 NEARLY_CLOSED = 0.01
 NEARLY_AS_WIDE = 0.006
 NEARLY_CLOSED_SHARE = 0.2
+# Further fingers open to this share of the widest pair's distance, and reach out as far.
+ALMOST = 0.7
 
 
 @dataclass
@@ -176,7 +178,7 @@ def _centre(
     poses: list[_Pose],
 ) -> None:
     """Centres a hand of three and more fingers between the first and the middle of the others."""
-    between = source.new_data(_between(*poses, 0.5))
+    between = source.new_data(_between(poses[0], poses[1], 0.5))
     first, *others = [_to_world(between, body, point) for body, point in tips]
     other = np.mean(others, axis=0)
     fingers.middle = _to_body(between, hand.body, (first + other) / 2)
@@ -351,12 +353,18 @@ def _meeting_pair(
         """The outermost of several equally wide geoms are pads; the others carry them."""
         return min(_distance_from(source, hand, body) for body in each.bodies)
 
+    deepest = max(depth(each) for each in best)
+    wide = [
+        each
+        for each in candidates
+        if each.open > ALMOST * widest and depth(each) > ALMOST * deepest
+    ]
     by_groups: dict[tuple[int, int], Fingers] = {}
-    for candidate in sorted(best, key=depth):
-        first, second = (
+    for candidate in sorted(wide, key=depth):
+        one, other = (
             next(i for i, group in enumerate(groups) if body in group) for body in candidate.bodies
         )
-        by_groups[first, second] = candidate
+        by_groups[one, other] = candidate
     return _all_against_one(source, hand, by_groups, poses) or max(best, key=depth)
 
 

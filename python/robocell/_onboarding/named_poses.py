@@ -95,16 +95,16 @@ def named_poses(
     pairs = [search.met([index]) for index in range(1, len(found))]
     partner = 1 + int(np.argmin([gap for _, gap in pairs]))
     pinch, gap = pairs[partner - 1]
-    if gap > MEETS:
-        return None
     everything = list(range(1, len(found)))
     closed, _ = search.met(everything)
+    if min(gap, search.gap_to_middle(closed)) > MEETS:
+        return None
     opened = search.apart(closed, everything)
     poses = {
         "open": hand.named(opened),
         "closed": hand.named(hand.beyond(opened, closed)),
     }
-    if len(found) > 2:
+    if len(found) > 2 and gap <= MEETS:
         pinch = np.where(search.moves([0, partner]), hand.beyond(opened, pinch), opened)
         poses["pinch"] = hand.named(pinch)
     keys = _keyframes(source, hand, poses)
@@ -280,6 +280,12 @@ class _Search:
                 best = (ctrl, gap)
         assert best is not None
         return best
+
+    def gap_to_middle(self, ctrl: Vector) -> float:
+        """Returns the gap between the thumb and the middle of the others, which may straddle it."""
+        points = self._hand.points(ctrl, self._tips)
+        radius = self._tips[0].radius + float(np.mean([tip.radius for tip in self._tips[1:]]))
+        return float(np.linalg.norm(points[1:].mean(axis=0) - points[0])) - radius
 
     def apart(self, closed: Vector, others: list[int]) -> Vector:
         """Returns controls near `closed` at which the thumb is `GAP` away from the others."""
