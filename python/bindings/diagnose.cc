@@ -1,17 +1,12 @@
 // Checks of robots and runs: reports errors, and valid settings that are probably unintended.
 #include <nanobind/nanobind.h>
-#include <nanobind/stl/array.h>
-#include <nanobind/stl/optional.h>
-
-#include <array>
-#include <optional>
 
 #include "bindings.h"
 #include "robocell/diagnose/check_robot.h"
 #include "robocell/diagnose/check_run.h"
 #include "robocell/expert/expert_kind.h"
 #include "robocell/rollout/validate_run.h"
-#include "robocell/task/reach_advice.h"
+#include "robocell/task/task_kind.h"
 
 namespace nb = nanobind;
 
@@ -76,16 +71,11 @@ void BindDiagnose(nb::module_& m) {
         "controllers. Empty if the expert can use the robot or has no requirements; `generate` "
         "rejects a robot for each of these reasons.");
   m.def(
-      "grasp_reach",
-      [](const RunConfig& run) -> std::optional<std::array<double, 3>> {
-        const auto reach = internal::FindGraspReach(run);
-        if (!reach) return std::nullopt;
-        return std::array{reach->height_offset, reach->nearest, reach->farthest};
-      },
-      "run"_a, WithoutLock(),
-      "Returns where the base has to stand for grasps from above, collisions aside: its height "
-      "offset, and the nearest and the farthest distance from the object, m. The run's own height "
-      "offset counts if there is a distance for it. None if nothing is in reach.");
+      "reach_advice",
+      [](const RunConfig& run) { return FindTaskKind(run.task.kind())->ReachAdvice(run); }, "run"_a,
+      WithoutLock(),
+      "Returns from which height and distances of the base the task is in reach, collisions aside; "
+      "'' for tasks that give no advice. Takes about a second.");
   m.def(
       "check_run",
       [](const RunConfig& run, bool scripted_expert, bool on_this_machine) {

@@ -9,6 +9,7 @@
 #include "robocell/base/error.h"
 #include "robocell/kinematics/pose_error.h"
 #include "robocell/robot/joint_torque_controller.h"
+#include "robocell/robot/task_space.h"
 
 namespace robocell {
 namespace {
@@ -62,6 +63,12 @@ JointColumn StepPositionFirst(const Jacobian6& jacobian, const Vector6& task,
          in_null_space(angular.transpose() * turned.llt().solve(rest));
 }
 
+std::shared_ptr<const internal::TaskSpace> MakeTaskSpace(const ArmGroup& arm) {
+  const auto config = arm.task_space();
+  return config ? std::make_shared<const internal::TaskSpace>(*config)
+                : std::make_shared<const internal::TaskSpace>();
+}
+
 [[maybe_unused]] const bool kCartesianPoseRegistered = [] {
   RegisterController("cartesian_pose", [](MoveGroup& group) -> std::unique_ptr<Controller> {
     return std::make_unique<CartesianPoseController>(internal::RequireArm(group, "cartesian_pose"));
@@ -72,7 +79,7 @@ JointColumn StepPositionFirst(const Jacobian6& jacobian, const Vector6& task,
 }  // namespace
 
 CartesianPoseController::CartesianPoseController(ArmGroup& arm)
-    : arm_(arm), task_space_(arm.task_space()), servos_(arm), posture_(arm.nq()) {
+    : arm_(arm), task_space_(MakeTaskSpace(arm)), servos_(arm), posture_(arm.nq()) {
   arm_.chain();  // throws at once if there is none
   Reset();
 }
@@ -121,7 +128,7 @@ void CartesianPoseController::HoldServos() {
 
 void CartesianPoseController::MoveReference(double seconds) {
   const Pose target =
-      task_space_.is_part() ? task_space_.Nearest(pose(), reference_.pose()) : pose();
+      task_space_->is_part() ? task_space_->Nearest(pose(), reference_.pose()) : pose();
   const internal::PoseError error = internal::ErrorTo(ToTransform(target), reference_);
   const double distance = error.linear.norm(), angle = error.angular.norm();
   // Both arrive together.
@@ -157,8 +164,8 @@ void CartesianPoseController::FollowReference(double seconds) {
   for (int i = 0; i < n; ++i) spare[i] = kPostureRate * seconds * (posture_[i] - q[i]);
   Vector6 task;
   task << error.linear, error.angular;
-  task_space_.Project(tip, task, jacobian);
-  const JointColumn step = task_space_.reaches_position_first(chain)
+  task_space_->Project(tip, task, jacobian);
+  const JointColumn step = task_space_->reaches_position_first(chain)
                                ? StepPositionFirst(jacobian, task, spare)
                                : StepOfPose(jacobian, task, spare);
   const double largest = kLargestJointSpeed * seconds;

@@ -12,15 +12,19 @@
 // freedom reach the position first. Poses are in the robot base frame. Compute does not allocate.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "robocell/control/pose_target.h"
 #include "robocell/kinematics/transform.h"
 #include "robocell/robot/arm_group.h"
 #include "robocell/robot/joint_position_controller.h"
-#include "robocell/robot/task_space.h"
 
 namespace robocell {
+
+namespace internal {
+class TaskSpace;
+}
 
 class CartesianPoseController : public Controller {
  public:
@@ -59,7 +63,7 @@ class CartesianPoseController : public Controller {
   void HoldReferenceBack();
 
   ArmGroup& arm_;
-  internal::TaskSpace task_space_;
+  std::shared_ptr<const internal::TaskSpace> task_space_;
   JointPositionController servos_;
   PoseNumbers target_ = {};
   Transform reference_;

@@ -38,12 +38,13 @@ const Chain& ArmGroup::chain() const {
                       "configured arm of a robot");
 }
 
-internal::TaskSpace ArmGroup::task_space() const {
+std::optional<TaskSpaceConfig> ArmGroup::task_space() const {
   for (const RobotRecord& robot : core().scene().compiled()->robots()) {
-    if (robot.name == core().names().robot)
-      return internal::TaskSpaceOf(robot.config, core().names().group);
+    if (robot.name != core().names().robot) continue;
+    const MoveGroupConfig* group = robot.config.move_groups.find(core().names().group);
+    if (group && group->task_space) return *group->task_space;
   }
-  return {};
+  return std::nullopt;
 }
 
 size_t ArmGroup::FindBeyondLimits(std::span<const double> q) const {

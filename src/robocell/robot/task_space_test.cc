@@ -3,17 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
-#include <optional>
-#include <string>
 
-#include "robocell/base/error.h"
 #include "robocell/base/rng.h"
 #include "robocell/kinematics/testing/models.h"
 #include "robocell/math/rotation.h"
-#include "robocell/spec/problems.h"
-#include "robocell/spec/validate.h"
-#include "robocell/testing/expect_throw.h"
 
 namespace robocell::internal {
 namespace {
@@ -102,18 +97,6 @@ TEST(TaskSpace, FewJointsReachThePositionUnlessAPoseIsConfigured) {
   EXPECT_FALSE(TaskSpace({.kind = TaskSpaceKind::kPose}).reaches_position_first(chain));
   EXPECT_EQ(TaskSpace().text(), "");
   EXPECT_EQ(TaskSpace({.kind = TaskSpaceKind::kPosition}).text(), "the position alone");
-}
-
-TEST(TaskSpace, RejectsFieldsOfOtherKinds) {
-  const auto refuses = [](const TaskSpaceConfig& config, const std::string& text) {
-    ExpectThrow<SpecError>([&] { RequireValid(config, "task space"); }, text);
-  };
-  refuses({.kind = TaskSpaceKind::kPosition, .axis = Vec3{0, 0, 1}}, "belongs to `kind: axis`");
-  refuses({.kind = TaskSpaceKind::kAxis, .axis = Vec3{0, 0, 0}}, "has no direction");
-  refuses({.kind = TaskSpaceKind::kAxis, .cone = -1}, "cone");
-  refuses({.kind = TaskSpaceKind::kAxis, .rotation_weights = Vec3{1, 1, 1}},
-          "belongs to `kind: pose`");
-  refuses({.position_weights = Vec3{0, 0, 0}}, "no position counts");
 }
 
 }  // namespace

@@ -63,16 +63,6 @@ class Search {
     }
   }
 
-  std::optional<GraspReach> Reach() {
-    const std::vector<BasePlace> all = Usable();
-    if (all.empty()) return std::nullopt;
-    const auto is_own = [&](const BasePlace& p) {
-      return std::abs(p.offset - requested_.height_offset) <= step_ / 2 + kRounding;
-    };
-    const auto own = std::ranges::find_if(all, is_own);
-    return RangeAt(own != all.end() ? own->offset : BestOffset(all), all);
-  }
-
   std::string Text() {
     const std::vector<BasePlace> all = Usable();
     if (!all.empty())
@@ -152,36 +142,34 @@ class Search {
     return found.success && found.rotation_error <= kMostTilt;
   }
 
-  // Returns the height with the most distances in reach, of equal ones the nearest to the run's.
+  // Returns the height with the most distances in reach, of equal ones the nearest to the run's. The
+  // run's own height is kept where it has at least half as many.
   double BestOffset(const std::vector<BasePlace>& places) const {
-    double best = 0;
-    int most = 0;
+    double best = 0, own = 0;
+    int most = 0, of_own = 0;
     for (const BasePlace& place : places) {
       const auto same = [&](const BasePlace& p) { return p.offset == place.offset; };
       const int count = static_cast<int>(std::count_if(places.begin(), places.end(), same));
-      const bool nearer = std::abs(place.offset - requested_.height_offset) <
-                          std::abs(best - requested_.height_offset);
+      const double off = std::abs(place.offset - requested_.height_offset);
+      const bool nearer = off < std::abs(best - requested_.height_offset);
       if (count > most || (count == most && nearer)) best = place.offset, most = count;
+      if (off <= step_ / 2 + kRounding) own = place.offset, of_own = count;
     }
-    return best;
-  }
-
-  static GraspReach RangeAt(double offset, const std::vector<BasePlace>& places) {
-    GraspReach range{.height_offset = offset};
-    bool first = true;
-    for (const BasePlace& place : places) {
-      if (place.offset != offset) continue;
-      range.nearest = first ? place.distance : std::min(range.nearest, place.distance);
-      range.farthest = first ? place.distance : std::max(range.farthest, place.distance);
-      first = false;
-    }
-    return range;
+    return 2 * of_own >= most && of_own > 0 ? own : best;
   }
 
   // Describes the height with the most distances in reach, these distances, and the configured
   // values.
   std::string Where(const std::string& what, const std::vector<BasePlace>& places) const {
-    const auto [best, low, high] = RangeAt(BestOffset(places), places);
+    const double best = BestOffset(places);
+    double low = 0, high = 0;
+    bool first = true;
+    for (const BasePlace& place : places) {
+      if (place.offset != best) continue;
+      low = first ? place.distance : std::min(low, place.distance);
+      high = first ? place.distance : std::max(high, place.distance);
+      first = false;
+    }
     return fmt::format(
         "{} with start.base_height_offset {:.2f} and base_distance {:.2f} ... {:.2f} m, for "
         "example "
@@ -202,7 +190,5 @@ class Search {
 }  // namespace
 
 std::string ReachAdvice(const RunConfig& run) { return Search(run).Text(); }
-
-std::optional<GraspReach> FindGraspReach(const RunConfig& run) { return Search(run).Reach(); }
 
 }  // namespace robocell::internal

@@ -46,22 +46,6 @@ TEST(ReachAdvice, SuggestsAPlaceThatGivesAGrasp) {
   EXPECT_GT(accepted, 0) << advice;
 }
 
-TEST(ReachAdvice, TheReachOfGraspsIsThatOfTheRunsOwnHeightWhereThereIsOne) {
-  const RunConfig run = DemoRun();
-  const auto own = FindGraspReach(run);
-  ASSERT_TRUE(own);
-  EXPECT_NEAR(own->height_offset, run.start.base_height_offset.value_or(0), 0.05);
-  EXPECT_LT(own->nearest, own->farthest);
-  RunConfig high = run;
-  high.start.base_height_offset = 3;
-  const auto other = FindGraspReach(high);
-  ASSERT_TRUE(other);
-  EXPECT_LT(other->height_offset, 2);
-  RunConfig lifted = run;
-  lifted.task.As<PickTaskConfig>().lift_height = 1.2;
-  EXPECT_FALSE(FindGraspReach(lifted));
-}
-
 TEST(ReachAdvice, ReportsAnExcessiveLift) {
   RunConfig run = DemoRun();
   run.task.As<PickTaskConfig>().lift_height = 1.2;
