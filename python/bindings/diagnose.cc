@@ -6,6 +6,7 @@
 #include "robocell/diagnose/check_run.h"
 #include "robocell/expert/expert_kind.h"
 #include "robocell/rollout/validate_run.h"
+#include "robocell/task/task_kind.h"
 
 namespace nb = nanobind;
 
@@ -69,6 +70,12 @@ void BindDiagnose(nb::module_& m) {
         "'pick' needs a base that can be placed anywhere, and an arm and a gripper with "
         "controllers. Empty if the expert can use the robot or has no requirements; `generate` "
         "rejects a robot for each of these reasons.");
+  m.def(
+      "reach_advice",
+      [](const RunConfig& run) { return FindTaskKind(run.task.kind())->ReachAdvice(run); }, "run"_a,
+      WithoutLock(),
+      "Returns from which height and distances of the base the task is in reach, collisions aside; "
+      "'' for tasks that give no advice. Takes about a second.");
   m.def(
       "check_run",
       [](const RunConfig& run, bool scripted_expert, bool on_this_machine) {

@@ -196,6 +196,13 @@ void BindGroups(nb::module_& m) {
            "Commands the gripper to open, as `opening = 1`.")
       .def("close", &GripperGroup::Close, Unlocked(),
            "Commands the gripper to close, as `opening = 0`.")
+      .def_prop_ro("pose_names", &GripperGroup::pose_names,
+                   "Names of the hand's poses, from `poses` of its group; usually none.")
+      .def_prop_rw("closing_pose", &GripperGroup::closing_pose, &GripperGroup::SetClosingPose,
+                   "Pose that an opening of 0 takes; '' for a gripper without poses. Setting it "
+                   "lasts until the next reset; '' restores the configured one.")
+      .def("move_to_pose", &GripperGroup::MoveToPose, "name"_a, Unlocked(),
+           "Commands a named pose: opens the hand for 'open', else closes it towards that pose.")
       .def_prop_ro("inter_finger_dist", &GripperGroup::inter_finger_dist,
                    "Distance between the fingers, metres.")
       .def_prop_ro(

@@ -89,6 +89,9 @@ void BindRobotEnums(nb::module_& m) {
       m, "Kinds of move groups.",
       {"Joints in a chain, with kinematics and a TCP.", "Fingers, commanded by an opening.",
        "The robot's base.", "Other joints, commanded by position."});
+  BindEnum<TaskSpaceKind>(m, "Parts of a commanded pose that count for an arm.",
+                          {"Position and rotation.", "The position, with any rotation.",
+                           "The position, and the direction of one axis of the TCP."});
   BindEnum<ControlKind>(
       m, "Default controllers of move groups.",
       {"Joint positions; of a gripper its opening.", "Joint positions added to the present target.",

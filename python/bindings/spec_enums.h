@@ -41,6 +41,8 @@ inline constexpr const char* kEnumName<BaseKind> = "BaseKind";
 template <>
 inline constexpr const char* kEnumName<MoveGroupKind> = "MoveGroupKind";
 template <>
+inline constexpr const char* kEnumName<TaskSpaceKind> = "TaskSpaceKind";
+template <>
 inline constexpr const char* kEnumName<ControlKind> = "ControlKind";
 template <>
 inline constexpr const char* kEnumName<CtrlMode> = "CtrlMode";

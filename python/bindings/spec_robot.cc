@@ -11,6 +11,7 @@ void BindRobotSpecs(nb::module_& m) {
   BindSpecClass<GripperJointRange>(
       m, "Values of a gripper's first joint when it is open and closed, metres or radians.");
   BindSpecClass<GripperDistance>(m, "Free distance between the fingers, closed and open, metres.");
+  BindSpecClass<TaskSpaceConfig>(m, "The part of a commanded pose that counts for an arm.");
   BindSpecClass<MoveGroupConfig>(m, "A named group of joints and actuators of a robot.");
   BindSpecClass<Edit>(m,
                       "A small change to a model while it is loaded: one element changed, added or "

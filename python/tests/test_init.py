@@ -9,6 +9,7 @@ import yaml
 
 import init_models
 import robocell
+import robot_models
 from command_line import refused, robocell_command
 
 LFS_POINTER = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a21\nsize 12345\n"
@@ -179,9 +180,34 @@ class TestRobots:
         assert written["root_body"] == "base_link"
         assert written["move_groups"]["arm"]["leaf"] == {"body": "tool0"}
 
-    def test_coupled_joints_are_noted_as_unsupported(self, tmp_path: Path):
-        init(tmp_path, init_models.parallelogram())
-        assert "'j3' follows 'j2'" in " ".join((tmp_path / "out.yaml").read_text().split())
+    @pytest.mark.parametrize(
+        ("text", "joints"),
+        [
+            (init_models.parallelogram(), ["j1", "j2", "j4", "j5", "j6"]),
+            (robot_models.delta(), ["lift", "turn", "shoulder", "roll"]),
+        ],
+    )
+    def test_an_arm_whose_joints_follow_others_is_an_arm(
+        self, tmp_path: Path, text: str, joints: list[str]
+    ):
+        written = init(tmp_path, text)
+        assert written["move_groups"]["arm"]["kind"] == "arm"
+        assert written["move_groups"]["arm"]["joints"] == joints
+        assert "follows" in (tmp_path / "out.yaml").read_text()
+        checked = robocell_command("check", tmp_path / "out.yaml")
+        assert "no problems found" in checked.stdout
+
+    def test_an_arm_that_robocell_cannot_use_becomes_a_generic_group(self, tmp_path: Path):
+        # Each joint follows the other in turn: nothing leads.
+        circle = init_models.parallelogram().replace(
+            "</equality>",
+            "<joint joint1='j2' joint2='j3' polycoef='0 -1 0 0 0'/></equality>",
+        )
+        (tmp_path / "arm.xml").write_text(circle)
+        result = robocell_command("init", tmp_path / "arm.xml", "-o", tmp_path / "out.yaml")
+        assert "'arm' cannot be commanded as an arm" in result.stderr
+        written = yaml.safe_load((tmp_path / "out.yaml").read_text())
+        assert kinds(written) == {"arm": "generic"}
 
 
 def _alone(config: robocell.RobotConfig) -> robocell.SceneSpec:

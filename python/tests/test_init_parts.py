@@ -4,14 +4,19 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 import yaml
 
+import hand_models
 import init_models
+import robot_models
 from robocell import SpecError
 from robocell._onboarding import Confidence, Guess, detect, model_text, robot_text
 from robocell._onboarding.actuation import Actuation, Drive
+from robocell._onboarding.arm_control import drive_of
+from robocell._onboarding.geometry import nearest_points
 from robocell._onboarding.hands import find_fingers
 from robocell._onboarding.home import first_contact
 from robocell._onboarding.jaws import is_jaw
@@ -145,6 +150,111 @@ class TestParts:
         assert data.xmat[hand].reshape(3, 3)[2, 2] < -0.9  # its z, where the fingers point, is down
         assert data.xpos[hand][0] > 0.2
         assert data.xpos[hand][2] > 0.1
+
+
+class TestCoupledArms:
+    def test_the_arm_has_a_joint_for_each_degree_of_freedom(self, tmp_path: Path):
+        source = source_of(tmp_path, robot_models.delta())
+        (limb,) = anatomy(source).arms
+        drive = drive_of(source, Actuation(source), limb.joints)
+        names = [source.joint_name(joint) for joint in drive.joints]
+        assert names == ["lift", "turn", "shoulder", "roll"]
+        assert drive.actuators == []  # robocell finds them
+        assert "'elbow' follows 'shoulder', 'level' follows 'shoulder'" in drive.coupled
+
+    def test_followers_settle_where_the_engine_puts_them(self, tmp_path: Path):
+        source = source_of(tmp_path, robot_models.delta())
+        qpos = source.model.qpos0.copy()
+        qpos[source.model.joint("shoulder").qposadr[0]] = -0.7
+        settled = Actuation(source).settled(qpos)
+        data = mujoco.MjData(source.model)
+        data.qpos[:] = settled
+        mujoco.mj_forward(source.model, data)
+        equalities = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
+        assert equalities.sum() >= 2
+        assert np.abs(data.efc_pos[equalities]).max() < 1e-9
+
+    def test_home_keeps_the_couplings_and_the_limits_of_followers(self, tmp_path: Path):
+        file = tmp_path / "arm.xml"
+        file.write_text(robot_models.delta())
+        guess = detect(file, tmp_path / "m.xml", "arm")
+        (arm,) = guess.of_kind("arm")
+        assert "actuators" not in arm.fields
+        shoulder = guess.home["arm"][2]
+        for slope, name in ((-2, "elbow"), (1, "level")):
+            lower, upper = guess.source.limits(int(guess.source.model.joint(name).id)) or (0, 0)
+            assert lower <= slope * shoulder <= upper, name
+
+
+class TestHands:
+    def test_the_nearest_points_of_parallel_edges_are_their_middles(self):
+        line = np.array([[x, 0.0, 0.0] for x in (-0.01, 0.0, 0.01)])
+        gap, first, second = nearest_points(line, line + np.array([0, 0.02, 0]))
+        assert gap == pytest.approx(0.02)
+        assert first == pytest.approx([0, 0, 0])
+        assert second == pytest.approx([0, 0.02, 0])
+
+    def test_the_tips_of_a_jaw_are_in_the_middle_of_its_width(self, tmp_path: Path):
+        source = source_of(tmp_path, init_models.desktop_arm())
+        hand = anatomy(source).limbs[0].hand
+        assert hand is not None
+        fingers = find_fingers(source, Actuation(source), hand).fingers
+        assert fingers is not None
+        assert [tip[0] for tip in fingers.tips] == pytest.approx([0, 0], abs=1e-6)
+
+    def test_the_first_of_three_fingers_closes_against_the_others(self, tmp_path: Path):
+        source = source_of(tmp_path, robot_models.three_finger_arm())
+        hand = anatomy(source).arms[0].hand
+        assert hand is not None
+        fingers = find_fingers(source, Actuation(source), hand).fingers
+        assert fingers is not None
+        first, *others = [*fingers.bodies, *(body for body, _ in fingers.others)]
+        assert source.body_name(first) == "finger1"
+        assert {source.body_name(body) for body in others} == {"finger2", "finger3"}
+        assert np.abs(fingers.closing) == pytest.approx([1, 0, 0], abs=0.05)
+        assert fingers.middle[1] == pytest.approx(0, abs=2e-3)
+
+    @pytest.mark.parametrize(("fingers", "euler"), [(1, "0 0 0"), (2, ".4 .9 -1"), (3, "0 2 .3")])
+    def test_fingers_with_many_joints_meet_in_their_poses(
+        self, tmp_path: Path, fingers: int, euler: str
+    ):
+        text = hand_models.many_fingered_hand(fingers).replace(
+            "<body name='palm'", f"<body name='palm' euler='{euler}'"
+        )
+        source = source_of(tmp_path, text)
+        hand = anatomy(source).limbs[0].hand
+        assert hand is not None
+        motion = find_fingers(source, Actuation(source), hand)
+        assert motion.poses, motion.why_none
+        assert motion.fingers
+        thumb, *others = [source.body_name(tip.body) for tip in motion.poses.tips]
+        assert {thumb, *others} == {"th__3", *(f"f{index}__3" for index in range(fingers))}
+        assert thumb == "th__3" or fingers == 1
+        # Simulated with the servos, not as they were looked for.
+        assert motion.fingers.closed < 0.002
+        assert motion.fingers.open > 0.06
+        assert set(motion.poses.poses) == (
+            {"open", "closed", "pinch"} if fingers > 1 else {"open", "closed"}
+        )
+
+    def test_keyframes_of_a_hand_become_poses(self, tmp_path: Path):
+        key = "<key name='Peace sign!' ctrl='" + " ".join(["0.1"] * 16) + "'/>"
+        source = source_of(tmp_path, hand_models.many_fingered_hand(keys=key))
+        hand = anatomy(source).limbs[0].hand
+        assert hand is not None
+        motion = find_fingers(source, Actuation(source), hand)
+        assert motion.poses is not None
+        assert motion.poses.keys == {"peace_sign": "Peace sign!"}
+        assert set(motion.poses.poses["peace_sign"].values()) == {0.1}
+
+    def test_a_hand_whose_fingers_do_not_meet_has_no_poses(self, tmp_path: Path):
+        far = hand_models.many_fingered_hand().replace("pos='0 .04 0'", "pos='0 .4 0'")
+        source = source_of(tmp_path, far)
+        hand = anatomy(source).limbs[0].hand
+        assert hand is not None
+        motion = find_fingers(source, Actuation(source), hand)
+        assert motion.fingers is None
+        assert "do not meet" in motion.why_none
 
 
 class TestText:

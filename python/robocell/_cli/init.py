@@ -61,10 +61,10 @@ def init(
     from robocell._onboarding import (
         can_pick,
         detect,
-        is_suction,
         model_text,
         objects_held,
         run_text,
+        stand_in_reach,
         tried,
     )
 
@@ -95,8 +95,8 @@ def init(
     picks = can_pick(guess)
     if picks and (force or not files["run"].exists()):
         _core.atomic_write(files["run"], run_text(guess, file).encode())
-        if is_suction(guess) and (held := objects_held(files["run"])):
-            _core.atomic_write(files["run"], run_text(guess, file, held).encode())
+        held, stand = objects_held(files["run"]), stand_in_reach(guess, files["run"])
+        _core.atomic_write(files["run"], run_text(guess, file, held, stand).encode())
         print(f"wrote {files['run']}: a run file, to try it")
     elif not picks:
         print(_no_run_file(guess, file))

@@ -10,7 +10,12 @@ it.
 
 from robocell._onboarding.detect import detect
 from robocell._onboarding.guess import Confidence, Guess
-from robocell._onboarding.pick_run import can_pick, is_suction, objects_held, run_text
+from robocell._onboarding.pick_run import (
+    can_pick,
+    objects_held,
+    run_text,
+    stand_in_reach,
+)
 from robocell._onboarding.prepared import model_text
 from robocell._onboarding.robot_file import robot_text
 from robocell._onboarding.robot_guess import RobotGuess
@@ -23,10 +28,10 @@ __all__ = [
     "Trial",
     "can_pick",
     "detect",
-    "is_suction",
     "model_text",
     "objects_held",
     "robot_text",
     "run_text",
+    "stand_in_reach",
     "tried",
 ]

@@ -9,7 +9,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
-from robocell._onboarding.source_model import SourceModel
+from robocell._onboarding.source_model import SourceModel, Vector
 
 LEAST_MOMENT = 1e-9
 
@@ -43,6 +43,7 @@ class Follower:
     joint: int
     leader: int
     slope: float  # of the linear part
+    polynomial: tuple[float, ...]  # of the leader's displacement, constant first
 
 
 class Actuation:
@@ -69,6 +70,34 @@ class Actuation:
     def moved_by(self, actuator: Actuator) -> set[int]:
         """Returns all joints that an actuator moves, directly or through constraints."""
         return {joint for each in actuator.joints for joint in self.coupled(each)}
+
+    def leader(self, joint: int, joints: list[int]) -> int | None:
+        """Returns the one of `joints` that leads a joint, directly or through others; or None.
+
+        Joints that follow each other in a circle are led by the first of them.
+        """
+        way = [joint]
+        while (follower := self.follower(way[-1])) is not None:
+            if follower.leader in way:
+                way = [min(way[way.index(follower.leader) :])]
+                break
+            way.append(follower.leader)
+        leader = next((each for each in reversed(way) if each in joints), joint)
+        return leader if leader != joint else None
+
+    def settled(self, qpos: Vector) -> Vector:
+        """Returns joint positions in which those that follow others are where they belong."""
+        m = self._source.model
+        settled = np.array(qpos)
+        for _ in self.followers:  # chains of followers settle one by one
+            before = settled.copy()
+            for each in self.followers:
+                own, lead = m.jnt_qposadr[each.joint], m.jnt_qposadr[each.leader]
+                moved = settled[lead] - m.qpos0[lead]
+                settled[own] = m.qpos0[own] + np.polyval(each.polynomial[::-1], moved)
+            if np.array_equal(before, settled):
+                break
+        return settled
 
     def is_moved(self, joint: int) -> bool:
         """Returns True if an actuator moves the joint."""
@@ -140,8 +169,8 @@ def _followers(source: SourceModel) -> list[Follower]:
         leader = int(m.eq_obj2id[index])
         is_joint = int(m.eq_type[index]) == int(mujoco.mjtEq.mjEQ_JOINT)
         if is_joint and leader >= 0 and m.eq_active0[index]:
-            slope = float(m.eq_data[index][1])
-            found.append(Follower(int(m.eq_obj1id[index]), leader, slope))
+            polynomial = tuple(float(value) for value in m.eq_data[index][:5])
+            found.append(Follower(int(m.eq_obj1id[index]), leader, polynomial[1], polynomial))
     return found
 
 

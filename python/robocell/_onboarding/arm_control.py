@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from robocell._onboarding.actuation import Actuation, Drive
+from robocell._onboarding.actuation import Actuation, Actuator, Drive
 from robocell._onboarding.guess import shortened
 from robocell._onboarding.source_model import SourceModel
 
@@ -19,18 +19,23 @@ CONTROL = {
 
 @dataclass
 class ArmDrive:
-    """The actuators of an arm, one per joint.
+    """The actuators of an arm.
 
     Attributes:
-        actuators: Their names; empty where there are none.
+        joints: Its joints without those that follow others of it: one for each degree of freedom.
+        actuators: Names of its actuators, one per joint; empty where robocell finds them itself,
+            and where there are none.
         drive: Their kind.
         unused: Other actuators on the same joints.
+        coupled: Why the file names no actuators; "" where it does.
         why_not: Why the arm cannot be commanded; "" when it can.
     """
 
-    actuators: list[str]
-    drive: Drive | None
-    unused: list[str]
+    joints: list[int]
+    actuators: list[str] = field(default_factory=list)
+    drive: Drive | None = None
+    unused: list[str] = field(default_factory=list)
+    coupled: str = ""
     why_not: str = ""
 
     @property
@@ -41,45 +46,53 @@ class ArmDrive:
 
 def drive_of(source: SourceModel, actuation: Actuation, joints: list[int]) -> ArmDrive:
     """Returns the actuators of an arm."""
-    follows = [joint for joint in joints if _leader_in(actuation, joint, joints) is not None]
-    pulling = [a for joint in joints for a in actuation.of_joint(joint)]
-    if follows:
-        pairs = [
-            f"'{source.joint_name(joint)}' follows "
-            f"'{source.joint_name(_leader_in(actuation, joint, joints) or 0)}'"
-            for joint in follows
-        ]
-        return ArmDrive(
-            [], None, [], f"joints are coupled by equalities, which an arm cannot have yet: "
-            f"{shortened(pairs)}",
-        )  # fmt: skip
-    best: list[str] = []
-    kind: Drive | None = None
-    for drive in DRIVES:
-        found = [
-            next((a.name for a in actuation.on_joint(joint) if a.drive is drive), "")
-            for joint in joints
-        ]
-        if all(found):
-            best, kind = found, drive
-            break
-    unused = list(dict.fromkeys(a.name for a in pulling if a.name not in best))
-    if best:
-        return ArmDrive(best, kind, unused)
+    leaders = {joint: actuation.leader(joint, joints) for joint in joints}
+    free = [joint for joint in joints if leaders[joint] is None]
+    pulling = list({a.id: a for joint in joints for a in actuation.of_joint(joint)}.values())
+    follows = [
+        f"'{source.joint_name(joint)}' follows '{source.joint_name(leader)}'"
+        for joint, leader in leaders.items()
+        if leader is not None
+    ]
+    moved = {
+        leader if (leader := leaders[joint]) is not None else joint
+        for actuator in pulling
+        for joint in actuator.joints
+        if joint in leaders
+    }
+    bare = [source.joint_name(joint) for joint in free if joint not in moved]
     if not pulling:
-        return ArmDrive([], None, [], "no actuator moves its joints")
-    bare = [source.joint_name(j) for j in joints if not actuation.of_joint(j)]
+        return ArmDrive(free, why_not="no actuator moves its joints")
+    names = [actuator.name for actuator in pulling]
     if bare:
-        return ArmDrive([], None, unused, f"no actuator moves {shortened(bare)}")
+        return ArmDrive(free, unused=names, why_not=f"no actuator moves {shortened(bare)}")
+    if not follows:
+        for drive in DRIVES:
+            found = [_on_joint(actuation, joint, drive) for joint in free]
+            if all(found):
+                unused = [name for name in names if name not in found]
+                return ArmDrive(free, found, drive, unused)
+    for drive in DRIVES:
+        of_kind = [actuator for actuator in pulling if actuator.drive is drive]
+        if len(of_kind) >= len(free):
+            return ArmDrive(free, drive=drive, coupled=_why_found(follows, of_kind))
     return ArmDrive(
-        [],
-        None,
-        unused,
-        "its joints do not have one position servo, velocity servo or motor each, which an arm has "
-        f"to have: {shortened(unused)}",
+        free,
+        unused=names,
+        why_not="its joints do not have one position servo, velocity servo or motor each, which an "
+        f"arm has to have: {shortened(names)}",
     )
 
 
-def _leader_in(actuation: Actuation, joint: int, joints: list[int]) -> int | None:
-    follower = actuation.follower(joint)
-    return follower.leader if follower and follower.leader in joints else None
+def _on_joint(actuation: Actuation, joint: int, drive: Drive) -> str:
+    """Returns the name of an actuator of a kind that pulls this joint and no other, or ""."""
+    return next((a.name for a in actuation.on_joint(joint) if a.drive is drive), "")
+
+
+def _why_found(follows: list[str], actuators: list[Actuator]) -> str:
+    """Returns why a robot file leaves the actuators of an arm to robocell."""
+    reasons = [f"{shortened(follows)} by equalities"] if follows else []
+    together = [actuator.name for actuator in actuators if not actuator.is_on_joint]
+    if together:
+        reasons.append(f"{shortened(together)} act through tendons")
+    return f"{'; '.join(reasons)}, so its {len(actuators)} actuators are found from the model"

@@ -226,14 +226,17 @@ class _Detection:
             approach_body, approach = limb.end, self._outward(limb, tcp.value)
             if not limb.hand and not cups:
                 self._out.tool_places.append(tcp.value.leaf)
-        frame = self._frame(limb, tcp.value, approach_body, approach)
+        drive = drive_of(source, self._actuation, limb.joints)
+        frame = self._frame(limb, drive.joints, tcp.value, approach_body, approach)
         if tcp.value.edit:
             self._out.edits.append(Field(tcp.value.edit, f"the TCP of '{name}': {tcp.comment()}"))
-        drive = drive_of(source, self._actuation, limb.joints)
         kinds = self._joint_words(limb.joints)
-        fields: dict[str, Any] = {"kind": "arm", "joints": self._joints(limb.joints)}
+        fields: dict[str, Any] = {"kind": "arm", "joints": self._joints(drive.joints)}
         comment = f"{kinds} in a row"
-        if drive.actuators:
+        if drive.coupled:
+            comment += f". {drive.coupled} [{Confidence.HIGH.value}]"
+            self._out.control[name] = drive.control
+        elif drive.actuators:
             fields["actuators"] = name_list(drive.actuators)
             comment += f", a {drive.drive.value if drive.drive else ''} on each [sure]"
             self._out.control[name] = drive.control
@@ -246,10 +249,16 @@ class _Detection:
         if not tcp.value.edit:
             comment += f". leaf: {tcp.comment()}"
         group = Group(name, fields, comment, "arm")
-        if drive.why_not and not drive.actuators and drive.unused:
-            fields["kind"], group.kind = "generic", "generic"
-            names = [a.name for j in limb.joints for a in self._actuation.of_joint(j)]
-            fields["actuators"] = name_list(list(dict.fromkeys(names)))
+        names = [a.name for j in limb.joints for a in self._actuation.of_joint(j)]
+        by_joint = {
+            **fields,
+            "kind": "generic",
+            "actuators": name_list(list(dict.fromkeys(names))),
+        }
+        if drive.coupled:
+            group.other_fields = by_joint
+        elif drive.why_not and drive.unused:
+            group.fields, group.kind = by_joint, "generic"
         self._out.groups.append(group)
         if limb.hand and motion:
             self._grippers.add(limb.hand, motion, f"{prefix}gripper", tcp.value)
@@ -302,12 +311,16 @@ class _Detection:
             away = np.sign(axis @ away) * axis
         return np.asarray(rotation.T @ (away / np.linalg.norm(away)))
 
-    def _frame(self, limb: Limb, tcp: Tcp, body: int, approach: Vector) -> ArmFrame:
+    def _frame(
+        self, limb: Limb, joints: list[int], tcp: Tcp, body: int, approach: Vector
+    ) -> ArmFrame:
         d = self._source.data
         rotation = d.xmat[body].reshape(3, 3)
         at = tcp.in_world if tcp.in_world is not None else d.xpos[body]
         return ArmFrame(
-            joints=limb.joints,
+            joints=joints,
+            followers=[joint for joint in limb.joints if joint not in joints],
+            settled=self._actuation.settled,
             base=self._root_body(),
             tip_body=body,
             tip=np.asarray(rotation.T @ (at - d.xpos[body])),

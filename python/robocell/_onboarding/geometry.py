@@ -11,6 +11,7 @@ import numpy as np
 from robocell._onboarding.source_model import SourceModel, Vector
 
 MOST_POINTS = 800
+AS_NEAR = 1e-3  # m: points that are nearest together with others
 PER_AXIS = 5  # points along each side of a geom's box
 
 
@@ -30,10 +31,14 @@ def surface_points(source: SourceModel, data: Any, geoms: list[int]) -> Vector:
 
 
 def nearest_points(first: Vector, second: Vector) -> tuple[float, Vector, Vector]:
-    """Returns the least distance of two clouds of points, and the two points."""
+    """Returns the least distance of two clouds of points, and the middle of each where they meet.
+
+    Parallel edges and faces are as near everywhere: their middle counts, not one of their ends.
+    """
     gaps = np.linalg.norm(first[:, None, :] - second[None, :, :], axis=2)
-    i, k = np.unravel_index(int(np.argmin(gaps)), gaps.shape)
-    return float(gaps[i, k]), first[i], second[k]
+    least = float(gaps.min())
+    near = gaps <= least + AS_NEAR
+    return least, first[near.any(axis=1)].mean(axis=0), second[near.any(axis=0)].mean(axis=0)
 
 
 def _own_points(source: SourceModel, geom: int) -> Vector:

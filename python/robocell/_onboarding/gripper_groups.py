@@ -6,9 +6,10 @@ from collections.abc import Callable
 from typing import Any
 
 from robocell._onboarding.actuation import Actuation, Actuator, Drive
-from robocell._onboarding.guess import Confidence
+from robocell._onboarding.guess import Confidence, shortened
 from robocell._onboarding.hands import Fingers, HandMotion
 from robocell._onboarding.limbs import Hand
+from robocell._onboarding.named_poses import HandPoses
 from robocell._onboarding.robot_guess import Field, Group, RobotGuess
 from robocell._onboarding.source_model import SourceModel
 from robocell._onboarding.tcp import Tcp, rounded
@@ -58,6 +59,9 @@ class GripperGroups:
         if not fingers:
             self._hand_without_fingers(hand, motion, name)
             return
+        if motion.poses:
+            self._hand_of_many_joints(hand, motion, motion.poses, name, tcp)
+            return
         refs = self._finger_refs(fingers, name)
         fields: dict[str, Any] = {
             "kind": "gripper",
@@ -68,11 +72,13 @@ class GripperGroups:
         }
         how = f"{'were' if len(names) > 1 else 'was'} closed and opened in a copy of the model"
         closed, opened = fingers.closed, fingers.open
+        partners = [fingers.bodies[1], *(body for body, _ in fingers.others)]
+        against = ", ".join(f"'{self._source.body_name(body)}'" for body in partners)
         if _are_measured_at_tips(fingers):
             closed, opened = fingers.pad_closed, fingers.pad_open
         comment = (
             f"{' and '.join(names)} {how}: '{self._source.body_name(fingers.bodies[0])}' and "
-            f"'{self._source.body_name(fingers.bodies[1])}' go from "
+            f"{against} go from "
             f"{1000 * closed:.0f} to {1000 * opened:.0f} mm [{Confidence.HIGH.value}]"
         )
         if any(actuator.drive is Drive.MOTOR for actuator in motion.actuators):
@@ -104,6 +110,36 @@ class GripperGroups:
         ctrl = {"open": opened, "closed": float(f"{closed + share * (opened - closed):.4g}")}
         return {**fields, "ctrl": ctrl}
 
+    def _hand_of_many_joints(
+        self, hand: Hand, motion: HandMotion, found: HandPoses, name: str, tcp: Tcp
+    ) -> None:
+        """Adds a gripper whose opening goes between two named poses."""
+        fingers = motion.fingers
+        assert fingers is not None
+        body = self._source.body_name
+        thumb, *others = [body(tip.body) for tip in found.tips]
+        fields: dict[str, Any] = {
+            "kind": "gripper",
+            "joints": self._names_of([j for j in hand.joints if self._actuation.is_moved(j)]),
+            "actuators": name_list([actuator.name for actuator in motion.actuators]),
+            "leaf": tcp.leaf,
+            "fingers": [{"body": body(tip.body)} for tip in found.tips],
+            "poses": found.poses,
+        }
+        comment = (
+            f"a hand of {len(motion.actuators)} actuators: its thumb '{thumb}', the fingertip that "
+            f"stands apart, closes against {shortened(others)}. The poses were looked for until "
+            "the tips meet, and tried in a copy of the model: it goes from "
+            f"{1000 * fingers.closed:.0f} to {1000 * fingers.open:.0f} mm "
+            f"[{Confidence.MEDIUM.value}]"
+        )
+        if "pinch" in found.poses:
+            comment += f". pinch: '{thumb}' meets '{body(found.tips[found.partner].body)}' alone"
+        if found.keys:
+            keys = [f"{pose} ('{key}')" for pose, key in found.keys.items()]
+            comment += f". Of the model's keyframes: {shortened(keys)}"
+        self._out.groups.append(Group(name, fields, comment, "gripper"))
+
     def _hand_without_fingers(self, hand: Hand, motion: HandMotion, name: str) -> None:
         self._out.notes.append(
             f"the hand on '{self._source.body_name(hand.body)}' is not a gripper: {motion.why_none}"
@@ -131,10 +167,11 @@ class GripperGroups:
         """Bodies, or sites at the tips of fingers that turn."""
         source = self._source
         at_tips = _are_measured_at_tips(fingers)
+        ends = [*zip(fingers.bodies, fingers.tips, strict=True), *fingers.others]
         if not at_tips:
-            return [{"body": source.body_name(body)} for body in fingers.bodies]
+            return [{"body": source.body_name(body)} for body, _ in ends]
         refs = []
-        for index, (body, tip) in enumerate(zip(fingers.bodies, fingers.tips, strict=True)):
+        for index, (body, tip) in enumerate(ends):
             site = self._new_site(f"{name}_tip{index + 1}")
             edit = {"add_site": site, "body": source.body_name(body), "pos": rounded(tip)}
             why = (

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import copy
 import itertools
+from collections import Counter
 from dataclasses import dataclass, field
 
 import mujoco
@@ -18,9 +19,10 @@ from robocell._onboarding.actuation import Actuation, Actuator, Drive
 from robocell._onboarding.geometry import surface_points
 from robocell._onboarding.jaws import jaw_tips
 from robocell._onboarding.limbs import Hand
+from robocell._onboarding.named_poses import HandPoses, named_poses
 from robocell._onboarding.source_model import SourceModel, Vector
 
-MOST_ACTUATORS = 3  # of a gripper; hands with more have no single opening
+MOST_ACTUATORS = 3  # of a gripper; hands with more have named poses
 LONGEST_S = 3.0
 HELD = 0.5  # of an actuator's push: dry friction above this keeps fingers from closing
 STILL = 1e-3  # rad/s or m/s
@@ -32,6 +34,8 @@ PAD_DEPTH = 0.004
 NEARLY_CLOSED = 0.01
 NEARLY_AS_WIDE = 0.006
 NEARLY_CLOSED_SHARE = 0.2
+# Further fingers open to this share of the widest pair's distance, and reach out as far.
+ALMOST = 0.7
 
 
 @dataclass
@@ -53,6 +57,7 @@ class Fingers:
         meets: The share of the travel, from closed (0) to open (1), at which they meet.
         is_jaw: Whether one of them is the hand itself.
         tips: Where each finger meets the other, in the frame of its body.
+        others: Further fingers that close against the first, each with its body and its tip.
     """
 
     bodies: tuple[int, int]
@@ -69,6 +74,7 @@ class Fingers:
     meets: float
     is_jaw: bool
     tips: tuple[Vector, Vector]
+    others: list[tuple[int, Vector]] = field(default_factory=list)
 
 
 @dataclass
@@ -82,6 +88,7 @@ class HandMotion:
     fingers: Fingers | None
     why_none: str = ""
     friction: dict[int, float] = field(default_factory=dict)
+    poses: HandPoses | None = None  # of a hand with many joints
 
 
 def hand_actuators(actuation: Actuation, hand: Hand) -> list[Actuator]:
@@ -109,13 +116,11 @@ def find_fingers(
     actuators = hand_actuators(actuation, hand)
     if not actuators:
         return HandMotion([], None, "no actuator moves its joints")
-    if len(actuators) > MOST_ACTUATORS:
-        return HandMotion(
-            actuators, None, f"it has {len(actuators)} actuators, too many for one opening"
-        )
     ends = [control_range(source, actuator) for actuator in actuators]
     if None in ends:
         return HandMotion(actuators, None, "its actuators have no control range")
+    if len(actuators) > MOST_ACTUATORS:
+        return _many_joints(source, actuation, hand, actuators, [e for e in ends if e], qpos)
     friction = _lower_friction(source, actuators)
     poses = []
     for corner in itertools.product((0, 1), repeat=len(ends)):
@@ -133,6 +138,52 @@ def find_fingers(
     if fingers is None:
         return HandMotion(actuators, None, "no two parts of it come together when it is driven")
     return HandMotion(actuators, fingers, friction=friction)
+
+
+def _many_joints(
+    source: SourceModel,
+    actuation: Actuation,
+    hand: Hand,
+    actuators: list[Actuator],
+    ranges: list[tuple[float, float]],
+    qpos: Vector | None,
+) -> HandMotion:
+    """Returns the fingers of a hand that opens and closes between named poses."""
+    found = named_poses(source, actuation, actuators, ranges, _branches(source, hand), qpos)
+    if found is None:
+        why = f"the tips of its fingers, moved by {len(actuators)} actuators, do not meet"
+        return HandMotion(actuators, None, why)
+    poses = []
+    for name in ("closed", "open"):
+        ctrl = [found.poses[name][actuator.name] for actuator in actuators]
+        there = _moved(source, hand, actuators, ctrl, qpos, {})
+        if there is None:
+            return HandMotion(actuators, None, "the simulation of its motion diverged")
+        poses.append(_Pose(ctrl, there, source.new_data(there)))
+    bodies = (found.tips[0].body, found.tips[found.partner].body)
+    closed, opened = (_gap(source, pose.data, *bodies) for pose in poses)
+    if opened < max(closed, 0) + LEAST_TRAVEL:
+        return HandMotion(actuators, None, "its thumb does not open from the other fingers")
+    pair = _Pair(bodies, closed, opened, 0, 1)
+    fingers = _fingers(source, hand, pair, _pads(source, pair, poses), poses)
+    _centre(source, hand, fingers, [(tip.body, tip.point) for tip in found.tips], poses)
+    return HandMotion(actuators, fingers, poses=found)
+
+
+def _centre(
+    source: SourceModel,
+    hand: Hand,
+    fingers: Fingers,
+    tips: list[tuple[int, Vector]],
+    poses: list[_Pose],
+) -> None:
+    """Centres a hand of three and more fingers between the first and the middle of the others."""
+    between = source.new_data(_between(poses[0], poses[1], 0.5))
+    first, *others = [_to_world(between, body, point) for body, point in tips]
+    other = np.mean(others, axis=0)
+    fingers.middle = _to_body(between, hand.body, (first + other) / 2)
+    closing = between.xmat[hand.body].reshape(3, 3).T @ (other - first)
+    fingers.closing = closing / max(float(np.linalg.norm(closing)), 1e-9)
 
 
 def control_range(source: SourceModel, actuator: Actuator) -> tuple[float, float] | None:
@@ -297,8 +348,68 @@ def _meeting_pair(
         candidate.meets = meets
     widest = max(fingers.open for fingers in candidates)
     best = [each for each in candidates if each.open > widest - NEARLY_AS_WIDE]
-    # The outermost of several equally wide geoms are pads; the others carry them.
-    return max(best, key=lambda each: min(_distance_from(source, hand, b) for b in each.bodies))
+
+    def depth(each: Fingers) -> float:
+        """The outermost of several equally wide geoms are pads; the others carry them."""
+        return min(_distance_from(source, hand, body) for body in each.bodies)
+
+    deepest = max(depth(each) for each in best)
+    wide = [
+        each
+        for each in candidates
+        if each.open > ALMOST * widest and depth(each) > ALMOST * deepest
+    ]
+    by_groups: dict[tuple[int, int], Fingers] = {}
+    for candidate in sorted(wide, key=depth):
+        one, other = (
+            next(i for i, group in enumerate(groups) if body in group) for body in candidate.bodies
+        )
+        by_groups[one, other] = candidate
+    return _all_against_one(source, hand, by_groups, poses) or max(best, key=depth)
+
+
+def _all_against_one(
+    source: SourceModel,
+    hand: Hand,
+    by_groups: dict[tuple[int, int], Fingers],
+    poses: list[_Pose],
+) -> Fingers | None:
+    """Returns the finger against which several others close, with them; None for two fingers."""
+    count = Counter(group for pair in by_groups for group in pair)
+    first, most = max(count.items(), key=lambda item: (item[1], -item[0]))
+    if most < 2:
+        return None
+    pairs = [(pair, found) for pair, found in by_groups.items() if first in pair]
+    bodies = [found.bodies[::-1] if pair[1] == first else found.bodies for pair, found in pairs]
+    own = bodies[0][0]
+    partners = [body for _, body in bodies]
+    gaps = np.array([[_gap(source, pose.data, own, b) for b in partners] for pose in poses])
+    closed, opened = int(gaps.sum(axis=1).argmin()), int(gaps.sum(axis=1).argmax())
+    pair = _Pair(
+        (own, partners[0]), float(gaps[closed].min()), float(gaps[opened].min()), closed, opened
+    )
+    tips = _tips_against(source, poses[closed].data, own, partners)
+    fingers = _fingers(source, hand, pair, (tips[0], tips[1]), poses)
+    ends = list(zip([own, *partners], tips, strict=True))
+    fingers.others = ends[2:]
+    _centre(source, hand, fingers, ends, [poses[closed], poses[opened]])
+    fingers.meets = pairs[0][1].meets
+    return fingers
+
+
+def _tips_against(
+    source: SourceModel, data: mujoco.MjData, first: int, others: list[int]
+) -> list[Vector]:
+    """Returns where a finger and several others face each other, in the frames of their bodies."""
+    points = [surface_points(source, data, _geoms(source, [body])) for body in (first, *others)]
+    towards = np.mean([each.mean(axis=0) for each in points[1:]], axis=0) - points[0].mean(axis=0)
+    towards = towards / max(float(np.linalg.norm(towards)), 1e-9)
+    tips = []
+    for body, cloud in zip((first, *others), points, strict=True):
+        along = cloud @ towards * (1 if body == first else -1)
+        near = cloud[along >= along.max() - PAD_DEPTH]
+        tips.append(_to_body(data, body, near.mean(axis=0)))
+    return tips
 
 
 def _pads(source: SourceModel, pair: _Pair, poses: list[_Pose]) -> tuple[Vector, Vector]:

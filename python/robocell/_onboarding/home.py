@@ -7,6 +7,7 @@ are.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import mujoco
@@ -20,6 +21,7 @@ TRIED = 200  # of the best, for contacts
 DEEP = 0.001  # m; parts that touch less than this only rest on each other
 # Manipulability below this share of what the arm has elsewhere is a singular pose.
 SINGULAR_SHARE = 0.08
+ASIDE = 1e-6  # rad or m, of differences
 LEAST_MARGIN = 0.03  # of a joint's range, to its nearer limit
 
 
@@ -39,6 +41,8 @@ class ArmFrame:
     """Data for judging an arm's poses."""
 
     joints: list[int]
+    followers: list[int]  # joints of the arm that follow those
+    settled: Callable[[Vector], Vector]  # puts followers where they belong
     base: int  # body
     tip_body: int
     tip: Vector  # TCP in the frame of the tip's body
@@ -59,6 +63,8 @@ def guess_home(source: SourceModel, arms: list[ArmFrame], start: Vector) -> Gues
     usable = [Home(np.array(source.model.key_qpos[k]), name or f"key{k}") for name, k in keys]
     named = sorted(usable, key=lambda home: home.name != "home")
     reasons = []
+    for arm in arms:
+        start = arm.settled(start)
     for home in named:
         wrong = what_is_wrong(source, arms, home.qpos)
         if not wrong:
@@ -92,7 +98,7 @@ def what_is_wrong(source: SourceModel, arms: list[ArmFrame], qpos: Vector) -> st
     """Returns why a pose cannot be home; "" if it can."""
     m = source.model
     for arm in arms:
-        for joint in arm.joints:
+        for joint in [*arm.joints, *arm.followers]:
             limits = source.limits(joint)
             value = qpos[m.jnt_qposadr[joint]]
             if limits and not limits[0] - 1e-3 <= value <= limits[1] + 1e-3:
@@ -147,13 +153,22 @@ class PoseJudge:
         samples = self.samples(start, SAMPLES)
         scores = np.array([self.score(qpos) for qpos in samples])
         for index in np.argsort(-scores)[:TRIED]:
-            if first_contact(self._source, self._arm.robot, samples[index]) is not None:
+            if not self._is_free(samples[index]):
                 continue
             qpos = self._improved(samples[index], float(scores[index]))
             for each in (self._tidied(qpos), qpos, samples[index]):
-                if first_contact(self._source, self._arm.robot, each) is None:
+                if self._is_free(each):
                     return np.asarray(each)
         return start
+
+    def _is_free(self, qpos: Vector) -> bool:
+        """Returns True if nothing touches and the joints that follow are within their limits."""
+        for joint in self._arm.followers:
+            limits = self._source.limits(joint)
+            value = float(qpos[self._source.model.jnt_qposadr[joint]])
+            if limits and not limits[0] <= value <= limits[1]:
+                return False
+        return first_contact(self._source, self._arm.robot, qpos) is None
 
     def samples(self, start: Vector, count: int) -> Vector:
         """(count, nq) joint positions spread over the limits of the arm."""
@@ -166,6 +181,8 @@ class PoseJudge:
             if not self._source.is_slide(joint):
                 lower, upper = max(lower, -np.pi), min(upper, np.pi)
             qpos[:, address] = rng.uniform(min(lower, upper), upper, count)
+        if self._arm.followers:
+            qpos = np.array([self._arm.settled(each) for each in qpos])
         return qpos
 
     def score(self, qpos: Vector) -> float:
@@ -199,8 +216,24 @@ class PoseJudge:
         point = rotation @ self._arm.tip + data.xpos[self._arm.tip_body]
         jacobian = np.zeros((3, self._source.model.nv))
         mujoco.mj_jac(self._source.model, data, jacobian, None, point, self._arm.tip_body)
-        values = np.linalg.svd(jacobian[:, self._dofs], compute_uv=False)
+        columns = jacobian @ self._with_followers(qpos)
+        values = np.linalg.svd(columns, compute_uv=False)
         return float(values[min(3, len(self._dofs)) - 1])
+
+    def _with_followers(self, qpos: Vector) -> Vector:
+        """Returns (nv, n) velocities of the model's joints for each joint of the arm."""
+        m = self._source.model
+        velocities = np.zeros((m.nv, len(self._dofs)))
+        for column, (dof, address) in enumerate(zip(self._dofs, self._addresses, strict=True)):
+            velocities[dof, column] = 1
+            if not self._arm.followers:
+                continue
+            aside = np.array(qpos)
+            aside[address] += ASIDE
+            moved = (self._arm.settled(aside) - self._arm.settled(qpos)) / ASIDE
+            for joint in self._arm.followers:
+                velocities[m.jnt_dofadr[joint], column] = moved[m.jnt_qposadr[joint]]
+        return velocities
 
     def _at(self, qpos: Vector) -> mujoco.MjData:
         self._data.qpos[:] = qpos
@@ -228,6 +261,7 @@ class PoseJudge:
                 lower, upper = limits or (-np.pi, np.pi)
                 step = size * rng.normal() * (0.3 if self._source.is_slide(joint) else 1.0)
                 other[address] = np.clip(other[address] + step, lower, upper)
+            other = self._arm.settled(other)
             found = self.score(other)
             if found > score:
                 qpos, score = other, found
@@ -241,4 +275,4 @@ class PoseJudge:
         for address, limits in zip(self._addresses, self._limits, strict=True):
             lower, upper = limits or (-np.inf, np.inf)
             tidy[address] = np.clip(np.round(qpos[address], 2), lower, upper)
-        return tidy
+        return self._arm.settled(tidy)

@@ -3,25 +3,31 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
 
-from robocell import Error, RunConfig
+from robocell import Error, RunConfig, _core
 from robocell._onboarding.robot_guess import RobotGuess
 from robocell._onboarding.yaml_text import flow, quoted
 from robocell.diagnose import check_run
 from robocell.tasks import object_kinds
 
+# Heights of the base are tried in steps; one this near to the usual one is that, m.
+SAME_HEIGHT = 0.08
+# The usual distances count if at least this share of them is in reach; else the inner part of those
+# that are.
+LEAST_SHARE = 0.5
+INNER = (0.35, 0.75)
+IN_REACH = (
+    r"pregrasp and lift included, is in reach with start\.base_height_offset (-?[\d.]+) and "
+    r"base_distance ([\d.]+) \.\.\. ([\d.]+) m"
+)
 CANNOT_HOLD = r"cannot hold '([^']+)'"
 
 
 def can_pick(guess: RobotGuess) -> bool:
     """Returns True if the robot can do pick tasks: it has an arm, a gripper, a placeable base."""
     return bool(guess.of_kind("arm")) and bool(guess.of_kind("gripper"))
-
-
-def is_suction(guess: RobotGuess) -> bool:
-    """Returns True if the gripper is a suction cup, to which many objects do not stick."""
-    return any("fingers" not in group.fields for group in guess.of_kind("gripper"))
 
 
 def objects_held(run_file: Path) -> list[str]:
@@ -41,11 +47,54 @@ def objects_held(run_file: Path) -> list[str]:
     return held if refused else []
 
 
-def run_text(guess: RobotGuess, robot_file: Path, objects: list[str] | None = None) -> str:
+@dataclass(frozen=True)
+class Stand:
+    """Where the base stands from the object that is picked, m."""
+
+    near: float
+    far: float
+    height_offset: float
+
+
+def usual_stand(guess: RobotGuess) -> Stand:
+    """Returns where arms of this reach stand, with the base on the floor."""
+    height = guess.base.value.get("size", [0, 0, 0])[2]
+    return Stand(round(0.3 * guess.reach, 2), round(0.55 * guess.reach, 2), -height)
+
+
+def stand_in_reach(guess: RobotGuess, run_file: Path) -> Stand:
+    """Returns the part of the usual stand from which grasps from above are in reach.
+
+    Args:
+        guess: The robot.
+        run_file: The run file that `run_text` made for the usual stand.
+    """
+    usual = usual_stand(guess)
+    try:
+        advice = _core.reach_advice(RunConfig.load(run_file))
+    except Error:
+        return usual  # the commands that run it explain it
+    found = re.search(IN_REACH, advice)
+    if found is None:
+        return usual
+    height, nearest, farthest = map(float, found.groups())
+    if abs(height - usual.height_offset) <= SAME_HEIGHT:
+        height = usual.height_offset
+    near, far = max(usual.near, nearest), min(usual.far, farthest)
+    if far - near < LEAST_SHARE * (usual.far - usual.near):
+        near, far = (nearest + share * (farthest - nearest) for share in INNER)
+    return Stand(round(near, 2), round(far, 2), round(height, 3))
+
+
+def run_text(
+    guess: RobotGuess,
+    robot_file: Path,
+    objects: list[str] | None = None,
+    stand: Stand | None = None,
+) -> str:
     """Returns the run file, beside the robot file; with some kinds of `objects`, else all."""
     name = robot_file.stem
-    near, far = round(0.3 * guess.reach, 2), round(0.55 * guess.reach, 2)
-    height = guess.base.value.get("size", [0, 0, 0])[2]
+    at = stand or usual_stand(guess)
     streams = [{"name": name, "camera": camera} for name, camera in guess.streams]
     task = {"kind": "pick", **({"objects": objects} if objects else {})}
     cameras = {"resolution": [320, 240], "streams": streams}
@@ -55,7 +104,8 @@ def run_text(guess: RobotGuess, robot_file: Path, objects: list[str] | None = No
             f"run: {quoted(name + '_pick')}",
             f"robot: {quoted(robot_file.name)}",
             f"task: {flow(task)}",
-            f"start: {{base_distance: [{near:g}, {far:g}], base_height_offset: {-height:g}}}",
+            f"start: {{base_distance: [{at.near:g}, {at.far:g}], "
+            f"base_height_offset: {at.height_offset + 0.0:g}}}",
             "scenes: {source: tabletop}",
             "episodes: 10",
             f"cameras: {flow(cameras)}",

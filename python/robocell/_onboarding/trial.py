@@ -1,7 +1,8 @@
 """Loads a guessed robot file as every command does, tries the robot out, and fixes what it can.
 
 Edits from findings of `robocell check` are added to the file, with the finding as the reason. A
-gripper that robocell cannot load or measure becomes a generic group, and the reason is noted.
+gripper that robocell cannot load or measure becomes a generic group, and so does an arm whose
+joints act together in a way that robocell cannot use; the reason is noted.
 """
 
 from __future__ import annotations
@@ -91,10 +92,17 @@ def _measure(robot: Robot) -> None:
 
 
 def _demote(guess: RobotGuess, problem: str) -> bool:
-    """Turns an unusable gripper into a generic group. Returns False for any other problem."""
+    """Turns an unusable group into one that robocell can use. Returns False for other problems."""
     for group in guess.groups:
         named = re.search(rf"move_groups\.{re.escape(group.name)}\b", problem)
         named = named or re.search(rf"group '{re.escape(group.name)}'", problem)
+        if named and group.kind == "arm" and group.other_fields:
+            group.fields, group.other_fields, group.kind = group.other_fields, None, "generic"
+            guess.control.pop(group.name, None)
+            reason = _first_sentence(problem)
+            group.comment = f"no arm, as robocell cannot use it as one: {reason}"
+            guess.notes.append(f"'{group.name}' cannot be commanded as an arm: {reason}")
+            return True
         if named and group.kind == "gripper" and group.other_fields:
             group.fields, group.other_fields = group.other_fields, None
             group.comment += (

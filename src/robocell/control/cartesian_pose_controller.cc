@@ -9,23 +9,65 @@
 #include "robocell/base/error.h"
 #include "robocell/kinematics/pose_error.h"
 #include "robocell/robot/joint_torque_controller.h"
+#include "robocell/robot/task_space.h"
 
 namespace robocell {
 namespace {
 
 using Jacobian6 = Eigen::Matrix<double, 6, Eigen::Dynamic, Eigen::ColMajor, 6, kMaxChainJoints>;
 using JointColumn = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, kMaxChainJoints, 1>;
+using Rows3 = Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMaxChainJoints>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 // Keeps joint speeds bounded near singularities: least squares weigh the error against the motion.
 constexpr double kDamping = 1e-4;
+constexpr double kLeak = 1e-8;               // the damping of null spaces
 constexpr double kPostureRate = 1;           // 1/s
 constexpr double kLongestTick = 0.1;         // s; avoids a jump after a pause
 constexpr double kLargestJointSpeed = M_PI;  // rad/s or m/s
 // Largest lead of the reference over the joints, m and rad. It keeps the reference near the joints
 // if the target is unreachable.
 constexpr double kLongestLead = 0.02, kWidestLead = 0.1;
+
+// Returns the joint step that comes nearest to a step of the tip in base axes, linear rows first.
+JointColumn StepOfPose(const Jacobian6& jacobian, const Vector6& task, const JointColumn& spare) {
+  Matrix6 squared = jacobian * jacobian.transpose();
+  squared.diagonal().array() += kDamping;
+  const Vector6 weighted = squared.llt().solve(task - jacobian * spare);
+  return spare + jacobian.transpose() * weighted;
+}
+
+// The same for arms of few joints: the rotation does not take the tip off its position.
+JointColumn StepPositionFirst(const Jacobian6& jacobian, const Vector6& task,
+                              const JointColumn& spare) {
+  const Rows3 linear = jacobian.topRows<3>();
+  Eigen::Matrix3d squared = linear * linear.transpose();
+  squared.diagonal().array() += kDamping;
+  const auto solved = squared.llt();
+  const JointColumn first = linear.transpose() * solved.solve(task.head<3>());
+  // The null space has less damping: what leaks out of it moves the tip.
+  Eigen::Matrix3d exact = linear * linear.transpose();
+  exact.diagonal().array() += kLeak;
+  const auto inverse = exact.llt();
+  const auto in_null_space = [&](const JointColumn& step) -> JointColumn {
+    return step - linear.transpose() * inverse.solve(linear * step);
+  };
+  Rows3 angular = jacobian.bottomRows<3>();
+  const Eigen::Vector3d rest = task.tail<3>() - angular * first;
+  for (Eigen::Index i = 0; i < 3; ++i)
+    angular.row(i) = in_null_space(angular.row(i).transpose()).transpose();
+  Eigen::Matrix3d turned = angular * angular.transpose();
+  turned.diagonal().array() += kDamping;
+  return first + in_null_space(spare) +
+         in_null_space(angular.transpose() * turned.llt().solve(rest));
+}
+
+std::shared_ptr<const internal::TaskSpace> MakeTaskSpace(const ArmGroup& arm) {
+  const auto config = arm.task_space();
+  return config ? std::make_shared<const internal::TaskSpace>(*config)
+                : std::make_shared<const internal::TaskSpace>();
+}
 
 [[maybe_unused]] const bool kCartesianPoseRegistered = [] {
   RegisterController("cartesian_pose", [](MoveGroup& group) -> std::unique_ptr<Controller> {
@@ -37,7 +79,7 @@ constexpr double kLongestLead = 0.02, kWidestLead = 0.1;
 }  // namespace
 
 CartesianPoseController::CartesianPoseController(ArmGroup& arm)
-    : arm_(arm), servos_(arm), posture_(arm.nq()) {
+    : arm_(arm), task_space_(MakeTaskSpace(arm)), servos_(arm), posture_(arm.nq()) {
   arm_.chain();  // throws at once if there is none
   Reset();
 }
@@ -85,7 +127,9 @@ void CartesianPoseController::HoldServos() {
 }
 
 void CartesianPoseController::MoveReference(double seconds) {
-  const internal::PoseError error = internal::ErrorTo(ToTransform(pose()), reference_);
+  const Pose target =
+      task_space_->is_part() ? task_space_->Nearest(pose(), reference_.pose()) : pose();
+  const internal::PoseError error = internal::ErrorTo(ToTransform(target), reference_);
   const double distance = error.linear.norm(), angle = error.angular.norm();
   // Both arrive together.
   const double needed = std::max(distance / max_linear_speed_, angle / max_angular_speed_);
@@ -114,16 +158,16 @@ void CartesianPoseController::FollowReference(double seconds) {
   const int n = chain.n_joints();
   const std::span<double> q = servos_.command_port();
   Jacobian6 jacobian(6, n);
-  const internal::PoseError error =
-      internal::ErrorTo(reference_, ToTransform(chain.Jacobian(q, jacobian)));
+  const Pose tip = chain.Jacobian(q, jacobian);
+  const internal::PoseError error = internal::ErrorTo(reference_, ToTransform(tip));
   JointColumn spare(n);
   for (int i = 0; i < n; ++i) spare[i] = kPostureRate * seconds * (posture_[i] - q[i]);
   Vector6 task;
   task << error.linear, error.angular;
-  Matrix6 squared = jacobian * jacobian.transpose();
-  squared.diagonal().array() += kDamping;
-  const Vector6 weighted = squared.llt().solve(task - jacobian * spare);
-  const JointColumn step = spare + jacobian.transpose() * weighted;
+  task_space_->Project(tip, task, jacobian);
+  const JointColumn step = task_space_->reaches_position_first(chain)
+                               ? StepPositionFirst(jacobian, task, spare)
+                               : StepOfPose(jacobian, task, spare);
   const double largest = kLargestJointSpeed * seconds;
   const double scale = std::min(1.0, largest / std::max(step.cwiseAbs().maxCoeff(), 1e-300));
   for (int i = 0; i < n; ++i) {

@@ -7,10 +7,12 @@
 //
 // Differential inverse kinematics at control rate: a reference moves towards the target, and the
 // joint targets follow it by damped least squares, within their limits; redundant joints move
-// towards the posture. An unreachable target is approached as far as the joints allow. Poses are in
-// the robot base frame. Compute does not allocate.
+// towards the posture. An unreachable target is approached as far as the joints allow. What the
+// arm's `task_space` leaves out of the target does not count; arms with fewer than six degrees of
+// freedom reach the position first. Poses are in the robot base frame. Compute does not allocate.
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "robocell/control/pose_target.h"
@@ -19,6 +21,10 @@
 #include "robocell/robot/joint_position_controller.h"
 
 namespace robocell {
+
+namespace internal {
+class TaskSpace;
+}
 
 class CartesianPoseController : public Controller {
  public:
@@ -57,6 +63,7 @@ class CartesianPoseController : public Controller {
   void HoldReferenceBack();
 
   ArmGroup& arm_;
+  std::shared_ptr<const internal::TaskSpace> task_space_;
   JointPositionController servos_;
   PoseNumbers target_ = {};
   Transform reference_;

@@ -8,7 +8,6 @@
 #include "robocell/base/error.h"
 #include "robocell/env/base_frame.h"
 #include "robocell/env/env_scene.h"
-#include "robocell/kinematics/ik_position_first.h"
 #include "robocell/kinematics/ik_step.h"
 #include "robocell/math/rotation.h"
 #include "robocell/robot/arm_group.h"
@@ -138,6 +137,7 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
       lead_(config.target_lead()),
       binary_gripper_(config.wrappers.binary_gripper),
       robot_(std::move(robot)),
+      task_space_(TaskSpaceOf(robot_.config(), robot_.arm().name())),
       watch_(ArrivalTolerances(robot_, robot_.arm().name()), robot_.scene().timestep(),
              LargestDelay(robot_, robot_.arm().name())),
       still_(watch_.tolerances().size()),
@@ -383,9 +383,7 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
   const Pose target = base_in_shared().inverse() * next;
   bool solved = false;
   if (bounded) {
-    IkResult ik = IkStep(robot_.chain(), target, joints);
-    if (!ik.success && HasFewJoints(robot_.chain()))
-      ik = IkPositionFirst(robot_.chain(), target, joints);
+    const IkResult ik = task_space_.Step(robot_.chain(), target, joints);
     solved = ik.success;
     if (solved) commands[arm] = GroupCommand::Joints(PositionsOf(ik.q));
   } else {
@@ -393,20 +391,21 @@ bool ArmDriver::SendPose(std::span<const double> command, RobotAction& commands)
   }
   // The gripper's command is carried out even if the pose has no solution.
   solved = robot_.Apply(commands).ok && (solved || !bounded);
-  if (solved && HasFewJoints(robot_.chain())) {
+  if (solved && task_space_.is_partial(robot_.chain())) {
     const Pose reached = TcpAt(controller_->commanded_joint_pos());
-    const double rotation = AngleBetween(reached.quaternion(), next.quaternion());
+    const Pose wanted = task_space_.Nearest(next, reached);
+    const double rotation = AngleBetween(reached.quaternion(), wanted.quaternion());
     if (rotation > kSameRotation) {
-      sent_.position_shortfall = (reached.translation() - next.translation()).norm();
+      sent_.position_shortfall = (reached.translation() - wanted.translation()).norm();
       sent_.rotation_shortfall = rotation;
-      next = reached;
     }
+    if (rotation > kSameRotation || task_space_.is_part()) next = reached;
   }
   if (!solved) {
-    const bool small =
-        relative_to_ == RelativeTo::kLastStep || IsSmallStep(robot_.FkFrame(joints), target);
+    const Pose now = robot_.FkFrame(joints), wanted = task_space_.Nearest(target, now);
+    const bool small = relative_to_ == RelativeTo::kLastStep || IsSmallStep(now, wanted);
     if (!small) return false;
-    const IkResult near = IkTowards(robot_.chain(), target, joints);
+    const IkResult near = IkTowards(robot_.chain(), wanted, joints);
     if (!near.success) return false;
     sent_.position_shortfall = near.position_error;
     sent_.rotation_shortfall = near.rotation_error;

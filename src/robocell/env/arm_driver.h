@@ -18,6 +18,7 @@
 #include "robocell/robot/action.h"
 #include "robocell/robot/beyond_limits.h"
 #include "robocell/robot/robot.h"
+#include "robocell/robot/task_space.h"
 
 namespace robocell::internal {
 
@@ -117,6 +118,7 @@ class ArmDriver {
   std::vector<double> joint_lead_;  // rad or m; the lead of joints in Cartesian modes
   bool binary_gripper_;
   Robot robot_;
+  TaskSpace task_space_;
   ArmWatch watch_;
   std::vector<double> still_;                                                     // zeros
   mutable std::vector<double> pos_, vel_, gravity_, resistance_, rest_, steady_;  // scratch

@@ -12,7 +12,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/env/env_impl.h"
 #include "robocell/env/env_scene.h"
-#include "robocell/kinematics/ik_position_first.h"
+#include "robocell/robot/task_space.h"
 #include "robocell/robot/unused_groups.h"
 #include "robocell/robot/validate_config.h"
 #include "robocell/scene/require_keyframe.h"
@@ -204,13 +204,19 @@ void Env::State::RequireDistances(const internal::ArmDriver& arm) const {
 
 // Actions that are poses mean something else for them.
 void Env::State::WarnOfFewJoints(const Robot& robot) const {
+  if (config_.control_mode == ControlMode::kJoints) return;
+  const internal::TaskSpace task = internal::TaskSpaceOf(robot.config(), robot.arm().name());
+  if (task.is_part()) {
+    LogInfo(fmt::format("{} / robot '{}': by its task_space, of actions that are poses {} counts",
+                        place(), robot.name(), task.text()));
+  }
   const int joints = robot.chain().n_joints();
-  if (config_.control_mode == ControlMode::kJoints || !internal::HasFewJoints(robot.chain()))
-    return;
+  if (!task.reaches_position_first(robot.chain())) return;
   LogWarn(fmt::format(
       "{} / robot '{}': an arm of {} degrees of freedom cannot take every pose: actions reach the "
       "position, and the rotation as nearly as the joints allow; `rotation_shortfall` is the "
-      "rest. `control_mode: joints` commands each joint",
+      "rest. The arm's `task_space` chooses what counts, and `control_mode: joints` commands each "
+      "joint",
       place(), robot.name(), joints));
 }
 

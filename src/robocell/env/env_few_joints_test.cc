@@ -9,6 +9,7 @@
 
 #include "robocell/base/log.h"
 #include "robocell/env/env.h"
+#include "robocell/robot/testing/robots.h"
 #include "robocell/scene/testing/scenes.h"
 
 namespace robocell {
@@ -105,6 +106,62 @@ TEST_F(EnvFewJoints, TheEnvironmentSaysWhatItsPosesMean) {
   const std::string few = "an arm of 5 degrees of freedom cannot take every pose";
   EXPECT_THAT(made(ControlMode::kCartesianTquat), Contains(HasSubstr(few)));
   EXPECT_THAT(made(ControlMode::kJoints), Not(Contains(HasSubstr(few))));
+}
+
+// Of a position, any rotation will do: no shortfall, and nothing to warn of.
+TEST_F(EnvFewJoints, ATaskSpaceChoosesWhatCounts) {
+  std::vector<std::string> logged;
+  EnvConfig config = Config(ControlMode::kCartesianTrpy);
+  config.robots.at("desk").move_groups.at("arm").task_space =
+      TaskSpaceConfig{.kind = TaskSpaceKind::kPosition};
+  const ScopedLogSink sink([&](LogLevel, std::string_view text) { logged.emplace_back(text); });
+  Env env(config);
+  EXPECT_THAT(logged, Not(Contains(HasSubstr("cannot take every pose"))));
+  EXPECT_THAT(logged, Contains(HasSubstr("of actions that are poses the position alone counts")));
+  env.Reset({.seed = 1});
+  const Robot robot = Robot::Of(env.scene(), "desk");
+  for (int i = 0; i < 10; ++i) {
+    const Eigen::Vector3d before = robot.tcp_in_world().translation();
+    const EnvStep result = env.Step(Numbers{0, 0.005, 0, 0.1, 0.2, 0.1});
+    ASSERT_TRUE(result.reason == EndReason::kArrived || result.reason == EndReason::kSettled) << i;
+    const Eigen::Vector3d moved = robot.tcp_in_world().translation() - before;
+    EXPECT_NEAR((moved - Eigen::Vector3d(0, 0.005, 0)).norm(), 0, 1.5e-3) << i;
+    EXPECT_EQ(env.motions()[0].rotation_shortfall, 0) << i;
+  }
+}
+
+TEST_F(EnvFewJoints, AConfiguredPoseIsReachedAsAWholeOrNotAtAll) {
+  EnvConfig config = Config(ControlMode::kJoints);
+  config.robots.at("desk").move_groups.at("arm").task_space = TaskSpaceConfig{};
+  Env env(config);
+  env.Reset({.seed = 1});
+  Robot robot = Robot::Of(env.scene(), "desk");
+  const Pose tcp = robot.FkFrame(robot.arm().joint_pos());
+  const Pose target(tcp.translation() + Eigen::Vector3d(0.01, 0.02, -0.01), tcp.quaternion());
+  EXPECT_FALSE(robot.Apply({{"arm", GroupCommand::LeafPose(target)}}).ok);
+}
+
+// The controller moves at control rate, without the inverse kinematics of commands.
+TEST_F(EnvFewJoints, TheCartesianControllerReachesThePosition) {
+  for (const bool any_rotation : {false, true}) {
+    RobotConfig config = Config(ControlMode::kJoints).robots.at("desk");
+    if (any_rotation) {
+      config.move_groups.at("arm").task_space = TaskSpaceConfig{.kind = TaskSpaceKind::kPosition};
+    }
+    config.control["arm"] = ControlKind::kCartesianPose;
+    Robot robot = RobotAlone(config);
+    robot.scene().Reset();
+    const Pose tcp = robot.FkFrame(robot.arm().joint_pos());
+    const Pose target(tcp.translation() + Eigen::Vector3d(0.01, 0.05, -0.02), tcp.quaternion());
+    EXPECT_TRUE(robot.Apply({{"arm", GroupCommand::LeafPose(target)}}).ok);
+    for (int i = 0; i < 1500; ++i) {
+      robot.Update();
+      ASSERT_TRUE(robot.Step().ok());
+    }
+    const auto sent = robot.controller("arm").commanded_joint_pos();
+    EXPECT_NEAR((robot.FkFrame(sent).translation() - target.translation()).norm(), 0, 2e-4)
+        << any_rotation;
+  }
 }
 
 }  // namespace

@@ -136,19 +136,27 @@ double LargestJointStep(const Chain& chain, const Pose& from, const Pose& to) {
   return kLeastJointStep + kJointStepGain * (lengths + angle);
 }
 
-IkResult IkStep(const Chain& chain, const Pose& tip_in_base, std::span<const double> from) {
-  const JointVector seed(from);
-  const IkResult first = Ik(chain, tip_in_base, {.seed = seed, .max_restarts = 0});
+IkResult IkStep(const Chain& chain, const Pose& tip_in_base, std::span<const double> from,
+                const IkOptions& task) {
+  IkOptions options{.seed = JointVector(from),
+                    .position_only = task.position_only,
+                    .position_weights = task.position_weights,
+                    .rotation_weights = task.rotation_weights,
+                    .axis = task.axis,
+                    .cone = task.cone,
+                    .max_restarts = 0};
+  const IkResult first = Ik(chain, tip_in_base, options);
   const double most = LargestJointStep(chain, chain.Fk(from), tip_in_base);
   if (first.success && IsNear(chain.model(), first.q, from, most)) return first;
   const auto n = static_cast<size_t>(chain.n_joints());
-  const auto keep_near = [&](std::span<const double> q, int count, std::span<uint8_t> keep) {
+  options.prefer = IkPrefer::kSeed;
+  options.max_restarts = kOtherStarts;
+  options.filter = [&chain, from, most, n](std::span<const double> q, int count,
+                                           std::span<uint8_t> keep) {
     for (size_t k = 0; k < static_cast<size_t>(count); ++k)
       keep[k] = IsNear(chain.model(), q.subspan(k * n, n), from, most) ? 1 : 0;
   };
-  return Ik(
-      chain, tip_in_base,
-      {.seed = seed, .prefer = IkPrefer::kSeed, .filter = keep_near, .max_restarts = kOtherStarts});
+  return Ik(chain, tip_in_base, options);
 }
 
 IkResult IkTowards(const Chain& chain, const Pose& tip_in_base, std::span<const double> from) {

@@ -31,9 +31,11 @@ double LargestJointStep(const Chain& chain, const Pose& from, const Pose& to);
 // alone leaves the tip where it is.
 double LengthPerRadian(const Chain& chain, const Pose& from, const Pose& to);
 
-// Returns joint values for `tip_in_base` near `from`, the previous joint values. Throws the errors
-// of Ik. Nothing is allocated when the search from there succeeds.
-IkResult IkStep(const Chain& chain, const Pose& tip_in_base, std::span<const double> from);
+// Returns joint values for `tip_in_base` near `from`, the previous joint values. Of `task` only the
+// fields count that say which part of the pose is requested. Throws the errors of Ik. Nothing is
+// allocated when the search from there succeeds.
+IkResult IkStep(const Chain& chain, const Pose& tip_in_base, std::span<const double> from,
+                const IkOptions& task = {});
 
 // Returns joint values near `from` that bring the tip as near to `tip_in_base` as damped
 // differential steps (differential_ik.h) can, while no joint moves farther than LargestJointStep

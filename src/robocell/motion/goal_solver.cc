@@ -50,9 +50,10 @@ class Solver {
     const bool is_pose = std::ranges::all_of(goal.position_box, [](double x) { return x == 0; }) &&
                          std::ranges::all_of(goal.free_rotation, [](double x) { return x == 0; });
     const Pose in_base = arm.base_in_world.inverse() * goal.tcp;
+    arm.task_space.ApplyTo(options);
     IkResult nearest;
     if (is_pose) {  // reachable at all? One search does its best.
-      nearest = Ik(chain, in_base, options);
+      nearest = arm.task_space.Solve(chain, in_base, options);
       if (nearest.success) Add(number, arm, nearest.q, before, out);
     }
     if (!is_pose || nearest.success) Sample(number, goal, arm, in_base, options, before, rng, out);
@@ -186,7 +187,8 @@ std::vector<PlannedArm> FindPlannedArms(const CollisionModel& model) {
       moves = moves || at != all.end();
     }
     if (!moves) continue;
-    arms.push_back({name, chain, std::move(dofs), model.links().in_link(base).pose()});
+    arms.push_back({name, chain, std::move(dofs), model.links().in_link(base).pose(),
+                    TaskSpaceOf(robot.config(), name)});
   }
   return arms;
 }

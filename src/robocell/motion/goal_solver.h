@@ -10,6 +10,7 @@
 #include "robocell/motion/goal_trees.h"
 #include "robocell/motion/motion_goal.h"
 #include "robocell/motion/path_judge.h"
+#include "robocell/robot/task_space.h"
 
 namespace robocell::internal {
 
@@ -19,6 +20,7 @@ struct PlannedArm {
   Chain chain;            // from a body that no planned joint moves to the TCP
   std::vector<int> dofs;  // of each joint of the chain: index in the configuration, -1 if it stays
   Pose base_in_world;     // of the chain's base, at the model's last Update()
+  TaskSpace task_space;   // the part of its goals that counts
 };
 
 // Makes the arms that have a planned joint.

@@ -287,7 +287,9 @@ class GripperSweep {
     GripperShape::Row row{.gap = gripper_->inter_finger_dist(), .joints = {}};
     for (const int j : joints_)
       row.joints.push_back(scene_.data()->qpos[scene_.model()->jnt_qposadr[j]]);
-    row.pad = (PadCentre(0, frame_) + PadCentre(1, frame_)) / 2;
+    const Eigen::Vector3d first = PadCentre(0, frame_), second = PadCentre(1, frame_);
+    row.pad = (first + second) / 2;
+    row.across = std::abs(first.y() - second.y());
     const Pose world = robot_.tcp_in_world() * frame_;
     const Eigen::Vector3d approach = world.rotation().col(2);
     row.tip = -1e9;
@@ -365,6 +367,12 @@ Eigen::Vector3d GripperShape::PadAt(double gap) const {
   const Place at = Find(gap);
   const Row& high = rows_[std::min(at.below + 1, rows_.size() - 1)];
   return rows_[at.below].pad + at.part * (high.pad - rows_[at.below].pad);
+}
+
+double GripperShape::AcrossAt(double gap) const {
+  const Place at = Find(gap);
+  const Row& high = rows_[std::min(at.below + 1, rows_.size() - 1)];
+  return rows_[at.below].across + at.part * (high.across - rows_[at.below].across);
 }
 
 double GripperShape::TipAt(double gap) const {

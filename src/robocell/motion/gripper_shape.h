@@ -39,7 +39,9 @@ class GripperShape {
     double gap = 0;                                 // free distance between the fingers
     std::vector<double> joints;                     // joint_names()
     Eigen::Vector3d pad = Eigen::Vector3d::Zero();  // the centre between the pads, grasp frame
-    double tip = 0;  // the hand's farthest point along the approach, including visual parts
+    double across = 0;  // distance of the pads' centres along y; of a jaw that swings it grows less
+                        // than the gap
+    double tip = 0;     // the hand's farthest point along the approach, including visual parts
   };
 
   static std::shared_ptr<const GripperShape> Of(const RobotConfig& config,
@@ -60,6 +62,7 @@ class GripperShape {
 
   void JointsAt(double gap, std::span<double> out) const;
   Eigen::Vector3d PadAt(double gap) const;
+  double AcrossAt(double gap) const;
   // Returns the farthest tip on the way from open to this gap.
   double TipAt(double gap) const;
 

@@ -424,7 +424,8 @@ MotionResult MotionPlanner::PlanLine(std::span<const double> start, const Pose& 
   result.path.emplace_back(start.begin(), start.end());
   for (int k = 1; k <= steps; ++k) {
     ik.seed = values;
-    const IkResult found = Ik(arm.chain, from.interpolate(to, static_cast<double>(k) / steps), ik);
+    const IkResult found =
+        arm.task_space.Solve(arm.chain, from.interpolate(to, static_cast<double>(k) / steps), ik);
     double jump = 0;
     for (int i = 0; i < values.size(); ++i) jump = std::max(jump, std::abs(found.q[i] - values[i]));
     const double done = 100.0 * (k - 1) / steps;

@@ -4,10 +4,9 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
-#include "robocell/kinematics/ik_position_first.h"
-#include "robocell/kinematics/ik_step.h"
 #include "robocell/robot/move_group.h"
 #include "robocell/robot/robot_state.h"
+#include "robocell/robot/task_space.h"
 
 namespace robocell {
 namespace {
@@ -126,11 +125,9 @@ Robot::ApplyResult Robot::Apply(const RobotAction& action) {
       }
       const Chain& chain = state.RequireChain(slot);
       const std::span<const double> now = controller.commanded_joint_pos();
-      IkResult ik = internal::IkStep(chain, command.pose, now);
-      if (!ik.success && internal::HasFewJoints(chain)) {
-        ik = internal::IkPositionFirst(chain, command.pose, now);
-        if (result.ok) result.ik = ik;  // with the rest of the rotation
-      }
+      const internal::TaskSpace task = internal::TaskSpaceOf(state.record.config, name);
+      const IkResult ik = task.Step(chain, command.pose, now);
+      if (result.ok && task.is_partial(chain)) result.ik = ik;  // with the rest of the rotation
       if (!ik.success) {
         if (result.ok) result = {.ok = false, .failed_group = name, .ik = ik};
         continue;

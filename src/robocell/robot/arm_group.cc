@@ -38,6 +38,15 @@ const Chain& ArmGroup::chain() const {
                       "configured arm of a robot");
 }
 
+std::optional<TaskSpaceConfig> ArmGroup::task_space() const {
+  for (const RobotRecord& robot : core().scene().compiled()->robots()) {
+    if (robot.name != core().names().robot) continue;
+    const MoveGroupConfig* group = robot.config.move_groups.find(core().names().group);
+    if (group && group->task_space) return *group->task_space;
+  }
+  return std::nullopt;
+}
+
 size_t ArmGroup::FindBeyondLimits(std::span<const double> q) const {
   core().Bind();
   const mjModel* m = core().model();

@@ -15,6 +15,7 @@
 #include "robocell/kinematics/chain.h"
 #include "robocell/robot/joint_group.h"
 #include "robocell/spec/ctrl_mode.h"
+#include "robocell/spec/task_space.h"
 
 namespace robocell {
 
@@ -30,6 +31,8 @@ class ArmGroup : public JointGroupOf<MoveGroup> {
   bool has_followers() const { return !core().followers().empty(); }
   bool has_chain() const { return chain_ && chain_->has_value(); }
   const Chain& chain() const;
+  // Returns the configured part of its poses that counts, if any.
+  std::optional<TaskSpaceConfig> task_space() const;
 
   // Like SetJointPos, but computes dependent values only on demand or in the next step.
   void WriteJointPos(std::span<const double> q) { core().WriteJointPos(q); }

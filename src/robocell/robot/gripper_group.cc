@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
 
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
@@ -13,11 +14,11 @@
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/robot/hand_pose.h"
 #include "robocell/robot/measurement_cache.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/element_lookup.h"
 #include "robocell/scene/servo_stability.h"
-#include "robocell/spec/locations.h"
 
 namespace robocell::internal {
 namespace {
@@ -144,15 +145,47 @@ ActuatedGripper::ActuatedGripper(const Scene& scene, GroupNames names, MoveGroup
                         ": a gripper needs the actuator that moves it, in `actuators`");
   }
   if (config_.ctrl) configured_.assign(static_cast<size_t>(nu()), *config_.ctrl);
+  if (!config_.poses.empty()) {
+    closing_pose_ = config_.closing_pose_name();
+    UsePoses();
+  }
   ResolveFingers();
 }
 
+void ActuatedGripper::SetClosingPose(const std::string& name) {
+  if (config_.poses.empty()) return GripperGroup::SetClosingPose(name);
+  const std::string pose = name.empty() ? config_.closing_pose_name() : name;
+  if (pose == closing_pose_) return;
+  if (!config_.poses.contains(pose))
+    throw NotFoundError(NoSuchName(core().place(), "pose", pose, config_.poses.keys()));
+  if (pose == MoveGroupConfig::kOpenPose) {
+    throw ArgumentError(
+        fmt::format("{}: the hand cannot close towards its pose 'open'; its others: {}",
+                    core().place(), ListNames(config_.poses.keys())));
+  }
+  const std::string before = std::exchange(closing_pose_, pose);
+  try {
+    UsePoses();
+  } catch (...) {
+    closing_pose_ = before;
+    throw;
+  }
+}
+
+void ActuatedGripper::UsePoses() {
+  core().Bind();
+  const std::vector<double> open = CtrlOfPose(core(), config_, MoveGroupConfig::kOpenPose);
+  const std::vector<double> closed = CtrlOfPose(core(), config_, closing_pose_);
+  if (open == closed) {
+    Fail("poses", fmt::format("the controls of 'open' and '{}' are the same, {}", closing_pose_,
+                              CtrlText(open)));
+  }
+  configured_.clear();
+  for (size_t i = 0; i < open.size(); ++i) configured_.push_back({open[i], closed[i]});
+}
+
 void ActuatedGripper::Fail(const char* field, const std::string& message) const {
-  const RobotConfig& config = core().scene().compiled()->robot(core().names().robot).config;
-  const std::string& group = core().names().group;
-  const std::string path = "move_groups." + group + "." + field;
-  const std::string place = config.move_groups.contains(group) ? config.locations.At(path) : "";
-  throw ArgumentError(WithPlace(place, core().place() + ": " + message));
+  FailAtField(core(), field, message);
 }
 
 const GripperParts& ActuatedGripper::Parts() const {
@@ -189,14 +222,22 @@ void ActuatedGripper::ResolveFingers() const {
 }
 
 const GripperRange& ActuatedGripper::Measured() const {
-  if (measured_) return *measured_;
-  measured_ = Measure();
+  if (const auto known = measured_.find(closing_pose_); known != measured_.end())
+    return known->second;
+  if (is_other_pose()) {
+    try {
+      return measured_[closing_pose_] = Measure();
+    } catch (const ArgumentError&) {  // a pose that points or waves brings no fingers together
+      return measured_[closing_pose_] = {.ctrl = configured_};
+    }
+  }
+  const GripperRange& measured = measured_[closing_pose_] = Measure();
   const std::string what = "warnings of " + core().place();
   CachedMeasurement(core().scene().compiled(), what, [&] {  // once for a model
-    for (const std::string& doubt : Doubts(*measured_)) LogWarn(core().place() + ": " + doubt);
+    for (const std::string& doubt : Doubts(measured)) LogWarn(core().place() + ": " + doubt);
     return std::vector<double>{};
   });
-  return *measured_;
+  return measured;
 }
 
 std::vector<std::string> ActuatedGripper::Doubts(const GripperRange& range) const {
@@ -240,7 +281,7 @@ std::string ActuatedGripper::WhyNoOpening() const {
 }
 
 std::vector<GripperCtrl> ActuatedGripper::Ends() const {
-  if (config_.ctrl) return configured_;
+  if (has_own_ends()) return configured_;
   std::vector<GripperCtrl> ends;
   for (const Interval& limits : ctrl_limits()) {
     if (!std::isfinite(limits.lower) || !std::isfinite(limits.upper)) {
@@ -362,7 +403,7 @@ GripperRange ActuatedGripper::Measure() const {
   range.flat = closes.flat;
   range.pressed = closes.pressed;
   range.pushed = closes.pushed;
-  if (at_open <= at_closed && !config_.ctrl) {
+  if (at_open <= at_closed && !has_own_ends()) {
     std::for_each(range.ctrl.begin(), range.ctrl.end(), Swap);
     std::swap(range.distance.closed, range.distance.open);
   }
@@ -370,13 +411,19 @@ GripperRange ActuatedGripper::Measure() const {
     range.meets = MeetingShare(range.ctrl, range.distance);
     return range;
   }
+  if (!config_.poses.empty()) {
+    Fail("poses",
+         fmt::format("the fingers are {:.4f} m apart in pose 'open' and {:.4f} m in pose "
+                     "'{}', which does not close them. Are `fingers` those that meet in it?",
+                     at_open, at_closed, closing_pose_));
+  }
   Fail("ctrl", fmt::format("the fingers are {:.4f} m apart at ctrl.open = {} and {:.4f} m at "
                            "ctrl.closed = {}; open and closed are swapped",
                            at_open, config_.ctrl->open, at_closed, config_.ctrl->closed));
 }
 
 GripperJointRange ActuatedGripper::MeasureJoint() const {
-  const std::vector<GripperCtrl> ends = config_.ctrl ? configured_ : Measure().ctrl;
+  const std::vector<GripperCtrl> ends = has_own_ends() ? configured_ : Measure().ctrl;
   const auto [open, closed] =
       SettledJointValues(core().scene(), Parts(),
                          {ValuesOf(ends, &GripperCtrl::open), ValuesOf(ends, &GripperCtrl::closed)},
@@ -418,7 +465,18 @@ double ActuatedGripper::opening() const {
     return std::clamp((joint_pos()[0] - closed) / (open - closed), 0.0, 1.0);
   }
   const GripperDistance& d = Distances();
+  if (d.open <= d.closed) return CommandedShare();
   return std::clamp((inter_finger_dist() - d.closed) / (d.open - d.closed), 0.0, 1.0);
+}
+
+double ActuatedGripper::CommandedShare() const {
+  double along = 0, whole = 0;
+  for (size_t i = 0; i < configured_.size(); ++i) {
+    const double travel = configured_[i].open - configured_[i].closed;
+    along += travel * (core().data()->ctrl[core().ctrl_addresses()[i]] - configured_[i].closed);
+    whole += travel * travel;
+  }
+  return std::clamp(along / whole, 0.0, 1.0);
 }
 
 double ActuatedGripper::CheckedOpening(double opening) const {
@@ -430,7 +488,7 @@ double ActuatedGripper::CheckedOpening(double opening) const {
 }
 
 double ActuatedGripper::ShareFor(double opening) const {
-  const double meets = config_.ctrl ? 0 : Measured().meets;
+  const double meets = has_own_ends() ? 0 : Measured().meets;
   if (meets == 0) return opening;
   const auto apart = [&](double o) { return meets + (1 - meets) * o; };
   return opening >= kSqueeze ? apart(opening) : apart(kSqueeze) * opening / kSqueeze;

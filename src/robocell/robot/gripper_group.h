@@ -11,9 +11,13 @@
 // the closed end. Fingers may meet long before their actuators are at the closed end: then it is
 // interpolated between the open end and the control at which they meet, and openings below 0.05
 // continue from there to the closed end, which squeezes. A configured `ctrl` is used as it is.
+//
+// A hand with named poses goes from its pose `open` to its closing pose in the same way, each
+// actuator between its own two controls; these too are used as they are.
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +44,9 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   Interval inter_finger_dist_range() const override;
   bool is_open() const override;
   bool is_grasping(const std::string& body = "") const override;
+  std::vector<std::string> pose_names() const override { return config_.poses.keys(); }
+  std::string closing_pose() const override { return closing_pose_; }
+  void SetClosingPose(const std::string& name) override;
 
   // Returns the fingers in the present model, 0 or 1 in the order of the configuration, and the
   // lowest body that carries both.
@@ -71,6 +78,15 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   }
   SettledFingers Settled(const FingerPair& pair,
                          const std::array<std::vector<double>, 2>& ctrl) const;
+  // Takes the controls of the pose `open` and of the closing pose.
+  void UsePoses();
+  bool has_own_ends() const { return !configured_.empty(); }
+  // Returns true for a pose that was chosen later, which need not bring the fingers together.
+  bool is_other_pose() const {
+    return !config_.poses.empty() && closing_pose_ != config_.closing_pose_name();
+  }
+  // Returns the share of the way from closed (0) to open (1) that the controls command.
+  double CommandedShare() const;
   // Returns the control ends of each actuator, before measuring shows whether all are swapped.
   std::vector<GripperCtrl> Ends() const;
   // Determines for several actuators which end of each opens the fingers farther, with the others
@@ -84,17 +100,18 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   // Measured once.
   const GripperRange& Measured() const;
   const std::vector<GripperCtrl>& CtrlEnds() const {
-    if (config_.ctrl) return configured_;
+    if (has_own_ends()) return configured_;
     return Measured().ctrl;
   }
   const GripperDistance& Distances() const {
-    return config_.distance ? *config_.distance : Measured().distance;
+    return config_.distance && !is_other_pose() ? *config_.distance : Measured().distance;
   }
   bool IsGraspingAnything() const;
 
   MoveGroupConfig config_;
   std::vector<GripperCtrl> configured_;  // configured controls of each actuator, if any
-  mutable std::optional<GripperRange> measured_;
+  std::string closing_pose_;             // of a hand with poses
+  mutable std::map<std::string, GripperRange> measured_;  // by closing pose
   mutable uint64_t generation_ = ~uint64_t{0};
   mutable GripperParts parts_;
   mutable std::vector<FingerPair> pairs_;  // the first finger and each other one

@@ -31,13 +31,13 @@ class GripperOpeningController : public Controller {
   void Compute(std::span<double> ctrl) override;
 
  private:
-  // Returns the opening that belongs to a control of the first actuator.
-  double OpeningFor(double ctrl) const;
+  // Returns the opening that belongs to controls of the actuators.
+  double OpeningFor(std::span<const double> ctrl);
 
   GripperGroup& group_;
   double opening_ = 1;
-  std::vector<double> present_;  // control of the actuators, scratch
-  double seen_ = 0;              // control of the first one that this controller knows
+  std::vector<double> seen_;  // controls of the actuators that this controller knows
+  std::vector<double> present_, open_, closed_, tried_;  // scratch
   BeyondLimits beyond_;
 };
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 
 namespace robocell {
 namespace {
@@ -59,6 +60,24 @@ std::vector<Interval> CheckedJointPosLimits(const MoveGroup& group) {
 
 void GripperGroup::CtrlForOpening(double opening, std::span<double> ctrl) const {
   std::fill(ctrl.begin(), ctrl.end(), ctrl_for_opening(opening));
+}
+
+void GripperGroup::SetClosingPose(const std::string& name) {
+  if (name.empty()) return;
+  throw NotFoundError(fmt::format(
+      "{}: no pose '{}': the gripper has no named poses. Give it some in `poses` of its group",
+      place(), name));
+}
+
+void GripperGroup::MoveToPose(const std::string& name) {
+  const std::vector<std::string> names = pose_names();
+  if (std::ranges::find(names, name) == names.end()) {
+    if (names.empty()) SetClosingPose(name);  // throws
+    throw NotFoundError(NoSuchName(place(), "pose", name, names));
+  }
+  if (name == MoveGroupConfig::kOpenPose) return SetOpening(1);
+  SetClosingPose(name);
+  SetOpening(0);
 }
 
 Pose BaseGroup::target() const { ThrowNotDriven(*this); }

@@ -109,6 +109,15 @@ class GripperGroup : public MoveGroup {
   virtual double ctrl_for_opening(double opening) const = 0;
   // Computes the control of each actuator (nu values).
   virtual void CtrlForOpening(double opening, std::span<double> ctrl) const;
+  // Returns the names of the hand's poses (MoveGroupConfig::poses); usually none.
+  virtual std::vector<std::string> pose_names() const { return {}; }
+  // Returns the pose that an opening of 0 takes, one of pose_names(); "" for a gripper without.
+  virtual std::string closing_pose() const { return ""; }
+  // Closes towards another of the poses from now on, until the next reset; "" for the configured
+  // one. The commanded opening stays. Throws NotFoundError, and ArgumentError for the open pose.
+  virtual void SetClosingPose(const std::string& name);
+  // Commands a pose: opens the hand for `open`; else makes it the closing pose, and closes.
+  void MoveToPose(const std::string& name);
   // Returns the free distance between the fingers, metres; its range is {closed, open}, measured
   // once if not configured.
   virtual double inter_finger_dist() const = 0;

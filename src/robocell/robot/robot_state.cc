@@ -87,6 +87,10 @@ void Robot::State::OnReset() {
     if (group.refreshed() || group.is_stale(scene.model())) group.RemakeChain(scene.model());
   });
   for (internal::FtReading& reading : ft_sensors) reading.tare = {};
+  for (const auto& slot : slots) {
+    if (auto* gripper = dynamic_cast<GripperGroup*>(slot->own->group.get()))
+      gripper->SetClosingPose("");
+  }
   std::exception_ptr failed;
   ForControlled([&](internal::GroupControl& control) {
     try {

@@ -33,6 +33,10 @@ bool SuctionGripper::IsMadeOf(const mjModel* m, const std::vector<std::string>& 
 SuctionGripper::SuctionGripper(const Scene& scene, GroupNames names, const MoveGroupConfig& config)
     : JointGroupOf(scene, std::move(names), MoveGroupKind::kGripper),
       base_body_(scene.compiled()->robot(core().names().robot).base_body) {
+  if (!config.poses.empty()) {
+    throw ArgumentError(place() +
+                        ": `poses` are of hands with fingers; a suction cup or magnet has `ctrl`");
+  }
   const std::vector<Interval> limits = ctrl_limits();
   for (size_t i = 0; i < limits.size(); ++i) {
     if (config.ctrl) {

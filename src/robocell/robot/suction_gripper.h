@@ -24,7 +24,8 @@ class SuctionGripper : public JointGroupOf<GripperGroup> {
   // there is one.
   static bool IsMadeOf(const mjModel* model, const std::vector<std::string>& actuators);
 
-  // Throws ArgumentError if an actuator has no control range and `config` gives no `ctrl`.
+  // Throws ArgumentError if an actuator has no control range and `config` gives no `ctrl`, and for
+  // named poses.
   SuctionGripper(const Scene& scene, GroupNames names, const MoveGroupConfig& config);
 
   double opening() const override;

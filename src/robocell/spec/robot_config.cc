@@ -69,6 +69,47 @@ void ValidateArm(const MoveGroupConfig& group, Problems& problems) {
   }
 }
 
+// Checks the names of poses and of what they set.
+void ValidatePoses(const MoveGroupConfig& group, Problems& problems) {
+  if (group.poses.empty()) {
+    if (group.closing_pose)
+      problems.AddAt("closing_pose", "is one of `poses`, which this gripper does not have");
+    return;
+  }
+  if (group.ctrl) {
+    problems.AddAt("ctrl", "and `poses` both say what opens and closes the hand; keep one of them");
+  }
+  const std::string closing = group.closing_pose_name();
+  const std::string names = ListNames(group.poses.keys());
+  if (!group.poses.contains(MoveGroupConfig::kOpenPose)) {
+    problems.AddAt("poses",
+                   fmt::format("has no pose 'open', that of the open hand (it has {}); add "
+                               "it, or rename one",
+                               names));
+  }
+  if (!group.poses.contains(closing)) {
+    if (group.closing_pose) {
+      problems.AddAt("closing_pose", NoSuchName("", "pose", closing, group.poses.keys()));
+    } else {
+      problems.AddAt("poses", fmt::format("has no pose 'closed' (it has {}); add it, or name the "
+                                          "pose that closes the hand: `closing_pose: {}`",
+                                          names, group.poses.keys().back()));
+    }
+  }
+  if (closing == MoveGroupConfig::kOpenPose)
+    problems.AddAt("closing_pose", "is the open pose; name the one that closes the hand");
+  std::vector<std::string> known = group.actuators.names;
+  known.insert(known.end(), group.joints.begin(), group.joints.end());
+  for (const auto& [name, values] : group.poses.entries()) {
+    for (const std::string& element : values->keys()) {
+      if (std::ranges::find(known, element) == known.end()) {
+        problems.AddAt("poses." + name + "." + element,
+                       NoSuchName("", "actuator or joint of the group", element, known));
+      }
+    }
+  }
+}
+
 void ValidateGripper(const MoveGroupConfig& group, Problems& problems) {
   if (group.actuators.empty())
     problems.AddAt("actuators", "a gripper needs the actuator that moves it");
@@ -92,6 +133,7 @@ void ValidateGripper(const MoveGroupConfig& group, Problems& problems) {
   if (group.ctrl && group.ctrl->open == group.ctrl->closed) {
     problems.AddAt("ctrl", fmt::format("open and closed are both {}", group.ctrl->open));
   }
+  ValidatePoses(group, problems);
 }
 
 // Every key of `home: {amr: ...}` must be a group.
@@ -189,10 +231,15 @@ void MoveGroupConfig::Validate(Problems& problems) const {
   if (kind == MoveGroupKind::kArm) ValidateArm(*this, problems);
   if (kind == MoveGroupKind::kGripper) {
     ValidateGripper(*this, problems);
-  } else if (!fingers.empty() || ctrl || distance || joint_range) {
-    problems.Add(std::string("fingers, ctrl, distance and joint_range belong to a gripper; this "
-                             "group's kind is ") +
+  } else if (!fingers.empty() || ctrl || distance || joint_range || !poses.empty() ||
+             closing_pose) {
+    problems.Add(std::string("fingers, ctrl, distance, joint_range, poses and closing_pose belong "
+                             "to a gripper; this group's kind is ") +
                  ToString(kind));
+  }
+  if (kind != MoveGroupKind::kArm && task_space) {
+    problems.AddAt("task_space",
+                   std::string("belongs to an arm; this group's kind is ") + ToString(kind));
   }
 }
 

@@ -9,6 +9,11 @@
 //     gripper: {kind: gripper, joints: [left_driver_joint, right_driver_joint], actuators: gripper,
 //               leaf: {site: link_tcp}, fingers: [left_finger_pad_2, right_finger_pad_2], ctrl:
 //               {open: 0, closed: 255}}
+//
+// A hand with many joints has named poses in place of `ctrl`:
+//
+//     hand: {kind: gripper, actuators: [thumb, index], fingers: [thumb_tip, index_tip], poses:
+//            {open: {thumb: 0, index: 0}, closed: {thumb: 1, index: 1.2}, pinch: {thumb: 0.9}}}
 #pragma once
 
 #include <array>
@@ -24,6 +29,7 @@
 #include "robocell/spec/element_ref.h"
 #include "robocell/spec/fields.h"
 #include "robocell/spec/locations.h"
+#include "robocell/spec/task_space.h"
 #include "robocell/spec/tool_frame_spec.h"
 #include "robocell/spec/types.h"
 
@@ -144,6 +150,15 @@ struct MoveGroupConfig {
   Maybe<GripperCtrl> ctrl = {};
   Maybe<GripperDistance> distance = {};
   Maybe<GripperJointRange> joint_range = {};
+  // Of hands with many joints: values of actuators and joints by their names.
+  Map<Map<double>> poses = {};
+  std::optional<std::string> closing_pose = {};
+  Maybe<TaskSpaceConfig> task_space = {};
+
+  // The names that `poses` needs: the open hand, and the closed one unless `closing_pose` is set.
+  static constexpr const char* kOpenPose = "open";
+  static constexpr const char* kClosedPose = "closed";
+  std::string closing_pose_name() const { return closing_pose.value_or(kClosedPose); }
 
   static constexpr const char* kTypeName = "MoveGroupConfig";
   template <class V>
@@ -165,6 +180,15 @@ struct MoveGroupConfig {
     v("joint_range", &MoveGroupConfig::joint_range,
       "Gripper: values of its first joint when open and closed, to read the opening from this "
       "joint. Unset: the opening is read from the distance between the fingers.");
+    v("poses", &MoveGroupConfig::poses,
+      "Gripper: named poses of the hand, `open` and `closed` among them; each maps actuators to "
+      "controls, or joints with a position servo to positions. The opening goes between two of "
+      "them.");
+    v("closing_pose", &MoveGroupConfig::closing_pose,
+      "Gripper with `poses`: the one that an opening of 0 takes. Unset: closed.");
+    v("task_space", &MoveGroupConfig::task_space,
+      "Arm: the part of a commanded pose that counts. Unset: all of it; with fewer than six "
+      "degrees of freedom the position, and the nearest rotation.");
   }
   void Validate(Problems& problems) const;
 };

@@ -37,6 +37,7 @@ TEST(RobotsPage, HasEveryFieldInOrderAndNoOther) {
   ExpectAllFieldsOnPage<GripperCtrl>();
   ExpectAllFieldsOnPage<GripperDistance>();
   ExpectAllFieldsOnPage<GripperJointRange>();
+  ExpectAllFieldsOnPage<TaskSpaceConfig>();
   ExpectAllFieldsOnPage<AttachmentSpec>();
   ExpectAllFieldsOnPage<CameraSpec>();
   ExpectAllFieldsOnPage<ForceTorqueSensorSpec>();

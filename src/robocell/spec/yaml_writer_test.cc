@@ -70,9 +70,9 @@ using SpecTypes =
     ::testing::Types<SceneSpec, RobotSpec, RobotConfig, AttachmentSpec, ForceTorqueSensorSpec,
                      ToolFrameSpec, SceneObject, CameraSpec, CameraConfig, CameraSystemConfig,
                      RenderQuality, RendererConfig, SimOptions, Edit, BaseConfig, MoveGroupConfig,
-                     GripperCtrl, GripperDistance, GripperJointRange, RunConfig, FilesScenes,
-                     ObjectPlace, StartConfig, Rates, EnvConfig, EnvObject, CameraAdderConfig,
-                     SimSettings, WrapperConfig, ObjectVariation>;
+                     GripperCtrl, GripperDistance, GripperJointRange, TaskSpaceConfig, RunConfig,
+                     FilesScenes, ObjectPlace, StartConfig, Rates, EnvConfig, EnvObject,
+                     CameraAdderConfig, SimSettings, WrapperConfig, ObjectVariation>;
 TYPED_TEST_SUITE(RoundTrip, SpecTypes);
 
 TYPED_TEST(RoundTrip, RandomSpecsRoundTrip) {

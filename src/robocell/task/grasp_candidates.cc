@@ -206,7 +206,7 @@ class CandidateSearch {
   // Returns how far the object is from the middle of the pads, along the closing direction, so that
   // it is clear of both pads of the open hand: 0 if both open.
   double Aside(double width) const {
-    const double half = (shape_.open_gap() - width) / 2;
+    const double half = (shape_.AcrossAt(shape_.open_gap()) - shape_.AcrossAt(width)) / 2;
     const double moved = shape_.PadAt(shape_.open_gap()).y() - shape_.PadAt(width).y();
     return std::max(kJawClearance - (half - moved), 0.0) -
            std::max(kJawClearance - (half + moved), 0.0);

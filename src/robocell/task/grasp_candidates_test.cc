@@ -195,5 +195,54 @@ TEST(FindGrasps, KeepsClearOfAJawThatDoesNotMove) {
   }
 }
 
+// The tips of a jaw that swings part along an arc, so that their distance grows more than the space
+// between them. The oracle is where the model has the jaw that stays.
+TEST(FindGrasps, KeepsClearOfAFixedJawWhileTheOtherSwings) {
+  ModelFolder folder;
+  const RobotConfig config{
+      .name = "pliers",
+      .model = folder.Write("pliers", R"(<worldbody><body name="mast" pos="0 0 1">
+  <body name="hand"><joint name="lift" type="slide" axis="0 0 1" range="-.1 .1"/>
+    <geom type="box" size=".05 .05 .01" mass=".2"/>
+    <geom type="box" size=".01 .005 .03" pos="0 -.015 -.05" mass=".05"/>
+    <site name="fixed" pos="0 -.01 -.08"/>
+    <site name="tip" pos="0 0 -.08" quat="0 1 0 0"/>
+    <body name="jaw" pos="0 .015 -.02"><joint name="hinge" axis="1 0 0" range="-.3 1.2"
+        damping=".2" armature=".002"/>
+      <geom type="box" size=".01 .005 .03" pos="0 0 -.03" mass=".05"/>
+      <site name="moving" pos="0 -.005 -.06"/></body></body></body></worldbody>
+  <compiler angle="radian"/>
+  <actuator><position name="servo" joint="lift" kp="2000" kv="100"/>
+    <position name="grip" joint="hinge" kp="10" kv=".5" ctrlrange="-.3 1.2"/></actuator>)"),
+      .move_groups = {{"arm",
+                       {.kind = MoveGroupKind::kArm,
+                        .joints = {"lift"},
+                        .actuators = {"servo"},
+                        .leaf = ElementRef{.name = "tip"}}},
+                      {"grip",
+                       {.kind = MoveGroupKind::kGripper,
+                        .joints = {"hinge"},
+                        .actuators = {"grip"},
+                        .leaf = ElementRef{.name = "tip"},
+                        .fingers = {{.name = "fixed"}, {.name = "moving"}}}}}};
+  const auto shape = GripperShape::Of(config, {}, 0.002);
+  EXPECT_LT(shape->AcrossAt(shape->open_gap()), shape->open_gap() - 0.005) << "it swings";
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back(BoxObject("box", {0.4, 0, 0.5}));
+  Scene scene = Scene::Build(spec);
+  scene.Forward();
+  const std::vector<GraspCandidate> grasps = FindGrasps(
+      scene.model(), scene.data(), FindId(scene.model(), mjOBJ_BODY, "box"), *shape, Pose());
+  ASSERT_FALSE(grasps.empty());
+  const Pose hand_in_tcp = Pose({0, 0, -0.08}, Quaternion{1, 0, 0, 0}).inverse();
+  for (const GraspCandidate& grasp : grasps) {
+    const Pose frame = grasp.tcp_in_world * shape->grasp_in_tcp();
+    const Pose hand = grasp.tcp_in_world * hand_in_tcp;
+    const double face = (frame.inverse() * (hand * Vector3d(0, -0.01, -0.05))).y();
+    const double object = (frame.inverse() * Vector3d(0.4, 0, 0.5)).y();
+    EXPECT_GE(std::abs(object - face) - grasp.width / 2, 0.0035) << "clear of the fixed jaw";
+  }
+}
+
 }  // namespace
 }  // namespace robocell

@@ -8,7 +8,9 @@
 
 #include "robocell/base/units.h"
 #include "robocell/kinematics/ik_batch.h"
+#include "robocell/kinematics/ik_position_first.h"
 #include "robocell/motion/gripper_shape.h"
+#include "robocell/motion/vertical_line.h"
 #include "robocell/robot/robot.h"
 #include "robocell/task/base_placement.h"
 #include "robocell/task/grasp_motion.h"
@@ -21,6 +23,7 @@ constexpr double kGrid = 0.05;           // metres between the places that are t
 constexpr int kMostPlaces = 20;          // cells in each direction: large robots get a coarser grid
 constexpr int kTurns = 4;                // turns of the gripper around the vertical, in half a turn
 constexpr double kTolerance = 1e-3;      // m and rad
+constexpr double kRounding = 1e-9;       // m
 constexpr double kTypicalGap = 0.04;     // metres between the fingers
 constexpr double kTypicalHeight = 0.03;  // height of an object's centre above its support
 
@@ -52,6 +55,7 @@ class Search {
         requested_(BaseRangeOf(run.start, {})),
         motion_(GraspMotionsToLift(lift_height_)) {
     const double reach = robot_.reach(), step = std::max(kGrid, reach / kMostPlaces);
+    step_ = step;
     const double up = BaseUp();
     for (double distance = step; distance <= reach; distance += step) {
       for (double height = -reach; height <= reach; height += step)
@@ -60,10 +64,7 @@ class Search {
   }
 
   std::string Text() {
-    Try(0, &BasePlace::grasp);
-    Try(motion_.above, &BasePlace::pregrasp);
-    Try(motion_.lift, &BasePlace::lift);
-    const auto all = Those([](const BasePlace& p) { return p.grasp && p.pregrasp && p.lift; });
+    const std::vector<BasePlace> all = Usable();
     if (!all.empty())
       return Where("a grasp from above, pregrasp and lift included, is in reach", all);
     const auto unlifted = Those([](const BasePlace& p) { return p.grasp && p.pregrasp; });
@@ -90,6 +91,14 @@ class Search {
   // Returns the height of the base frame above the bottom of the robot's pedestal.
   double BaseUp() const {
     return (robot_.base().pose().inverse() * robot_.base_in_world()).translation().z();
+  }
+
+  // Returns the places from which all of a pick is in reach.
+  std::vector<BasePlace> Usable() {
+    Try(0, &BasePlace::grasp);
+    Try(motion_.above, &BasePlace::pregrasp);
+    Try(motion_.lift, &BasePlace::lift);
+    return Those([](const BasePlace& p) { return p.grasp && p.pregrasp && p.lift; });
   }
 
   template <class Wanted>
@@ -120,22 +129,39 @@ class Search {
     const std::vector<double> home = robot_.arm().joint_pos();
     const IkBatchResult result = IkBatch(robot_.chain(), targets, home, options);
     for (int b = 0; b < result.size; ++b) {
-      if (result.success[b]) places_[static_cast<size_t>(b) / kTurns].*reached = true;
+      const size_t i = static_cast<size_t>(b);
+      bool& is_reached = places_[i / kTurns].*reached;
+      if (is_reached) continue;
+      is_reached = result.success[b] || (HasFewJoints(robot_.chain()) && IsNear(targets[i], home));
     }
+  }
+
+  // Returns true if an arm of few joints reaches the position with nearly the rotation.
+  bool IsNear(const Pose& target, const std::vector<double>& home) const {
+    const IkResult found = IkPositionFirst(robot_.chain(), target, home);
+    return found.success && found.rotation_error <= kMostTilt;
+  }
+
+  // Returns the height with the most distances in reach, of equal ones the nearest to the run's. The
+  // run's own height is kept where it has at least half as many.
+  double BestOffset(const std::vector<BasePlace>& places) const {
+    double best = 0, own = 0;
+    int most = 0, of_own = 0;
+    for (const BasePlace& place : places) {
+      const auto same = [&](const BasePlace& p) { return p.offset == place.offset; };
+      const int count = static_cast<int>(std::count_if(places.begin(), places.end(), same));
+      const double off = std::abs(place.offset - requested_.height_offset);
+      const bool nearer = off < std::abs(best - requested_.height_offset);
+      if (count > most || (count == most && nearer)) best = place.offset, most = count;
+      if (off <= step_ / 2 + kRounding) own = place.offset, of_own = count;
+    }
+    return 2 * of_own >= most && of_own > 0 ? own : best;
   }
 
   // Describes the height with the most distances in reach, these distances, and the configured
   // values.
   std::string Where(const std::string& what, const std::vector<BasePlace>& places) const {
-    double best = 0;
-    int most = 0;
-    for (const BasePlace& place : places) {
-      const auto same = [&](const BasePlace& p) { return p.offset == place.offset; };
-      const int count = static_cast<int>(std::count_if(places.begin(), places.end(), same));
-      const bool nearer = std::abs(place.offset - requested_.height_offset) <
-                          std::abs(best - requested_.height_offset);
-      if (count > most || (count == most && nearer)) best = place.offset, most = count;
-    }
+    const double best = BestOffset(places);
     double low = 0, high = 0;
     bool first = true;
     for (const BasePlace& place : places) {
@@ -157,6 +183,7 @@ class Search {
   double lift_height_;
   BaseRange requested_;
   GraspMotionOptions motion_;
+  double step_ = 0;  // between the places that are tried, m
   std::vector<BasePlace> places_;
 };
 
