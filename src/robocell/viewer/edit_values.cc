@@ -7,6 +7,9 @@
 #include <optional>
 #include <span>
 
+#include "robocell/mujoco/actuators.h"
+#include "robocell/spec/ctrl_mode.h"
+
 namespace robocell::internal {
 namespace {
 
@@ -36,8 +39,9 @@ std::vector<std::string> ScalarJoints(const mjModel* m) {
 
 std::vector<std::string> NamedActuators(const mjModel* m) {
   std::vector<std::string> names;
-  for (int id = 0; id < static_cast<int>(m->nu); ++id) {
-    if (const char* name = mj_id2name(m, mjOBJ_ACTUATOR, id)) names.emplace_back(name);
+  for (int id = 0; id < static_cast<int>(m->nactuator); ++id) {
+    const char* name = mj_id2name(m, mjOBJ_ACTUATOR, id);
+    if (name && m->actuator_ctrlnum[id] == 1) names.emplace_back(name);
   }
   return names;
 }
@@ -53,9 +57,10 @@ SliderRange JointRange(const mjModel* m, const std::string& joint) {
 SliderRange ControlRange(const mjModel* m, const std::string& actuator) {
   const int id = mj_name2id(m, mjOBJ_ACTUATOR, actuator.c_str());
   if (id < 0) return {};
-  const mjtNum* range = m->actuator_ctrlrange + 2 * static_cast<ptrdiff_t>(id);
-  if (m->actuator_ctrllimited[id] && range[0] < range[1]) return {range[0], range[1]};
-  if (m->actuator_trntype[id] == mjTRN_JOINT && m->actuator_biastype[id] == mjBIAS_AFFINE) {
+  const ptrdiff_t input = m->actuator_ctrladr[id];
+  const mjtNum* range = m->actuator_ctrlrange + 2 * input;
+  if (m->actuator_ctrllimited[input] && range[0] < range[1]) return {range[0], range[1]};
+  if (ActsOnJoint(m, id) && m->actuator_biastype[id] == mjBIAS_AFFINE) {
     if (const char* joint = mj_id2name(m, mjOBJ_JOINT, m->actuator_trnid[2 * id]))
       return JointRange(m, joint);
   }
@@ -92,9 +97,9 @@ void SetControl(const Scene& scene, const std::vector<Robot>& robots, const std:
   Scene(scene).SetActuatorCtrl(actuator, value);
   const mjModel* m = scene.model();
   const int id = mj_name2id(m, mjOBJ_ACTUATOR, actuator.c_str());
-  if (id < 0 || m->actuator_trntype[id] != mjTRN_JOINT) return;
+  if (id < 0 || !ActsOnJoint(m, id)) return;
   const char* joint = mj_id2name(m, mjOBJ_JOINT, m->actuator_trnid[2 * id]);
-  const double gear = m->actuator_gear[6 * static_cast<ptrdiff_t>(id)];
+  const double gear = Gear(m, id);
   if (!joint || gear == 0) return;
   for (const Robot& robot : robots) {
     const auto place = PlaceInArm(robot, joint);

@@ -7,7 +7,7 @@
 
 #include "robocell/base/error.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kMostBehind = 0.1;       // seconds; further behind it starts again
@@ -58,4 +58,4 @@ void Pacing::Drew(double begin, double end, double pictures_per_s) {
   next_picture_ = std::max(begin + 1 / pictures_per_s, end + (end - begin));
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -1,5 +1,6 @@
 // Pacing: how fast a simulation runs beside the clock on the wall, and when to draw it. No clock of
 // its own: the caller gives both times, in seconds, so that tests need not wait.
+// Internal to viewer/.
 //
 //   Pacing pacing;                                    // real time
 //   pacing.set_factor(0.5);                           // half as fast; 0: as fast as it can
@@ -13,7 +14,7 @@
 #include <array>
 #include <cstddef>
 
-namespace robocell {
+namespace robocell::internal {
 
 class Pacing {
  public:
@@ -52,4 +53,4 @@ class Pacing {
   size_t count_ = 0;  // moments noted since the start
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -6,7 +6,7 @@
 
 #include "robocell/base/error.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 TEST(Pacing, KeepsTheSimulationAtTheFactorOfRealTime) {
@@ -65,4 +65,4 @@ TEST(Pacing, RejectsFactorsThatMeanNothing) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -30,6 +30,9 @@
 #include "robocell/scene/scene.h"
 #include "robocell/viewer/trace_lines.h"
 
+struct mjvScene_;
+typedef struct mjvScene_ mjvScene;  // the engine's
+
 namespace robocell {
 
 // A part of a scene that has a pose. The name of a TCP is that of its robot.

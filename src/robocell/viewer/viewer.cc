@@ -26,6 +26,7 @@ namespace robocell {
 namespace {
 
 using internal::NameRows;
+using internal::Pacing;
 using internal::PanelItem;
 using internal::Panels;
 
@@ -79,6 +80,9 @@ class Viewer::Impl final : public StepGate {
   const std::string& title() const { return title_; }
   bool is_running() const { return window_ != nullptr && !scene().closed(); }
   bool detached() const { return detached_; }
+
+  std::string text;       // in the corner
+  std::vector<int> keys;  // pressed, not taken yet
 
   // --- StepGate ---
   Answer BeforeStep() override {
@@ -348,7 +352,9 @@ class Viewer::Impl final : public StepGate {
                       pacing_.factor(), 1e3 * step_seconds_, d->ncon, view_.camera()));
     }
     if (paused_) overlay(mjGRID_TOP, "paused: Space goes on", "");
-    if (video_.recording()) overlay(mjGRID_TOPRIGHT, video_.state(), "");
+    const std::string state = video_.recording() ? video_.state() : "";
+    const std::string corner = text + (text.empty() || state.empty() ? "" : "\n") + state;
+    if (!corner.empty()) overlay(mjGRID_TOPRIGHT, corner, "");
     if (!message_.empty()) overlay(mjGRID_BOTTOM, message_, "");
   }
 
@@ -450,6 +456,8 @@ class Viewer::Impl final : public StepGate {
   }
 
   void Key(const InputEvent& event) {
+    constexpr size_t kMostKeys = 64;  // of a program that never takes them
+    if (keys.size() < kMostKeys) keys.push_back(event.key);
     switch (event.key) {
       case ' ':
         set_paused(!paused_);
@@ -704,6 +712,9 @@ void Viewer::Post(const InputEvent& event) { impl_->Post(event); }
 std::pair<double, double> Viewer::PlaceOf(std::string_view section, std::string_view item) {
   return impl_->PlaceOf(section, item);
 }
+void Viewer::set_text(const std::string& text) { impl_->text = text; }
+const std::string& Viewer::text() const { return impl_->text; }
+std::vector<int> Viewer::TakeKeys() { return std::exchange(impl_->keys, {}); }
 bool Viewer::panels_shown() const { return impl_->panels_shown(); }
 void Viewer::SetPanelsShown(bool shown) { impl_->SetPanelsShown(shown); }
 void Viewer::ShowPanels(std::string_view left, std::string_view right) {

@@ -83,6 +83,12 @@ class Viewer {
   // the loop. Throws NotFoundError for a robot without an arm.
   void DragTcp(const Robot& robot, bool commands = true);
 
+  // Shows a text in the upper right corner until the next call.
+  void set_text(const std::string& text);
+  const std::string& text() const;
+  // Returns the keys that the user pressed since the last call, by GLFW's numbers.
+  std::vector<int> TakeKeys();
+
   // Starts a video of the scene, with one picture for each 1 / fps seconds of simulation. The
   // camera is one of camera_names() or "Current", which follows the viewer's. Throws the errors of
   // SceneRecorder, and Error if a video is being recorded.
