@@ -208,6 +208,9 @@ void DefView(nb::class_<Viewer>& c) {
           "True shows the geoms that collide in place of those that are seen.")
       .def_prop_rw("panels_shown", &Viewer::panels_shown, &Viewer::SetPanelsShown,
                    "True while the panels are shown; Tab changes it.")
+      .def_prop_rw("text", &Viewer::text, &Viewer::set_text, "A text in the upper right corner.")
+      .def("take_keys", &Viewer::TakeKeys,
+           "Returns the keys that the user pressed since the last call, by GLFW's numbers.")
       .def("drag_tcp", &Viewer::DragTcp, "robot"_a, "commands"_a = true,
            "Shows a handle at the TCP that the mouse drags; inverse kinematics moves the robot's "
            "command, or without `commands` the arm itself.");
