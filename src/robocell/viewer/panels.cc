@@ -185,7 +185,7 @@ void Panels::Build(const mjrContext* context, int width, int height, const Range
   section(r, "View");
   Item(r, mjITEM_SELECT, "Camera", &v.camera, Lines(v.cameras), PanelItem::kCamera);
   Item(r, mjITEM_CHECKINT, "Contacts", &v.contacts, "", PanelItem::kFlags);
-  Item(r, mjITEM_CHECKINT, "Collision geoms", &v.collision, "", PanelItem::kFlags);
+  Item(r, mjITEM_CHECKINT, "Collisions", &v.collision, "", PanelItem::kFlags);
   Item(r, mjITEM_CHECKINT, "Joint axes", &v.joint_axes, "", PanelItem::kFlags);
   Item(r, mjITEM_CHECKINT, "Transparent", &v.transparent, "", PanelItem::kFlags);
   Item(r, mjITEM_CHECKINT, "Shadows", &v.shadows, "", PanelItem::kFlags);
@@ -258,7 +258,8 @@ void Panels::Track(const InputEvent& event, double now) {
       break;
     case InputEvent::kPress:
       s.type = mjEVENT_PRESS;
-      s.doubleclick = event.button == s.button && now - s.buttontime < kDoubleClick;
+      s.doubleclick =
+          event.button == s.button && now - s.buttontime < kDoubleClick + 2 * picture_seconds;
       s.button = event.button;
       s.buttontime = now;
       if (s.mouserect) {

@@ -106,6 +106,8 @@ class Panels {
   void Draw(const mjrContext* context);
 
   bool left_shown = true, right_shown = true;
+  // How long a picture takes: clicks are seen only between pictures.
+  double picture_seconds = 0;
   // The rectangle of the simulation.
   const mjrRect& scene_rect() const { return state_.rect[3]; }
   const mjuiState& state() const { return state_; }

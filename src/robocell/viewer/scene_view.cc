@@ -124,6 +124,7 @@ bool SceneView::Follow() {
   const bool tracks =
       camera_name_ != kTrackingCamera || mj_name2id(model, mjOBJ_BODY, tracked_.c_str()) > 0;
   UseCamera(there && tracks ? camera_name_ : "");
+  Update(aspect_);  // the mouse acts on what is seen
   return true;
 }
 

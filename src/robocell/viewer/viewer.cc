@@ -316,6 +316,7 @@ class Viewer::Impl final : public StepGate {
       SaveNumbered();
     }
     pacing_.Drew(begin, Now(), kPicturesPerSecond);
+    panels_.picture_seconds = Now() - begin;
   }
 
   void Draw() {
@@ -355,7 +356,7 @@ class Viewer::Impl final : public StepGate {
     const std::string state = video_.recording() ? video_.state() : "";
     const std::string corner = text + (text.empty() || state.empty() ? "" : "\n") + state;
     if (!corner.empty()) overlay(mjGRID_TOPRIGHT, corner, "");
-    if (!message_.empty()) overlay(mjGRID_BOTTOM, message_, "");
+    if (!message_.empty()) overlay(mjGRID_BOTTOMRIGHT, message_, "");
   }
 
   void WaitForPicture() {
