@@ -6,6 +6,10 @@
 #include "scene_cycles.h"
 #include "robocell/mujoco/version.h"
 
+namespace robocell::python {
+void BindViewer(nb::module_& m);  // the window
+}
+
 // NOLINTNEXTLINE(clang-diagnostic-reserved-identifier): Python's and nanobind's names
 NB_MODULE(_core, m) {
   using namespace robocell::python;
@@ -46,5 +50,6 @@ NB_MODULE(_core, m) {
   BindRollout(m);
   BindDiagnose(m);
   BindEnvRecorder(m);
+  BindViewer(m);
   ExplainArgumentErrors(m);
 }

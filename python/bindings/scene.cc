@@ -20,6 +20,7 @@
 #include "robocell/base/error.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene_cache.h"
+#include "robocell/scene/step_gate.h"
 
 namespace robocell::python {
 namespace {
@@ -80,11 +81,13 @@ StepResult StepN(Scene& scene, int n) {
   constexpr int kPart = 64;
   SignalPoll poll;
   StepResult result = scene.StepN(std::min(n, kPart));
-  while (result.ok() && result.steps < n) {
+  while (result.ok() && result.steps < n && result.steps > 0) {
     poll();
     const int before = result.steps;
     result = scene.StepN(std::min(n - before, kPart));
+    const bool held = result.steps == 0;  // by a viewer that is paused
     result.steps += before;
+    if (held) break;
   }
   return result;
 }
@@ -117,11 +120,16 @@ void SetBodyWrench(Scene& scene, const std::string& body, nb::handle force, nb::
 void BindStepResult(nb::module_& m) {
   nb::class_<StepResult>(
       m, "StepResult",
-      "Result of engine steps. True if they did not diverge; divergence raises no exception.")
-      .def_prop_ro("ok", &StepResult::ok, "True if no step diverged.")
+      "Result of engine steps. True if they did not diverge and no viewer's window was closed; "
+      "neither raises an exception.")
+      .def_prop_ro("ok", &StepResult::ok,
+                   "True if no step diverged and the user closed no viewer of the scene.")
       .def_prop_ro(
-          "diverged", [](const StepResult& r) { return !r.ok(); },
+          "diverged", [](const StepResult& r) { return r.status == StepResult::kDiverged; },
           "True if a step diverged; `message` describes how.")
+      .def_prop_ro(
+          "stopped", [](const StepResult& r) { return r.status == kStepStopped; },
+          "True if no step was made because the user closed the window of the scene's viewer.")
       .def_ro("steps", &StepResult::steps, "Number of engine steps made, including a diverged one.")
       .def_ro("time", &StepResult::time, "Simulated seconds after the last good step.")
       .def_ro("joint", &StepResult::joint, "Id of the first joint that diverged, else -1.")

@@ -9,6 +9,7 @@ the errors. All names are in modules by topic:
     kinematics  poses, chains, inverse kinematics             features    your own columns
     control     controllers, commands, smooth motions         generate    runs and their plans
     render      cameras, pictures, videos                     data        datasets
+    viewer      a window to look at scenes and act on them
     scenes      sources of scenes, your own too               policy      policies of your own
     models      built-in robots, objects and scenes           evaluate    success rates
     menagerie   MuJoCo Menagerie's robots                     diagnose    checks, trials, advice
@@ -49,6 +50,7 @@ from robocell import (
     scene,
     scenes,
     tasks,
+    viewer,
 )
 from robocell._cmake import cmake_dir
 from robocell._core import (
@@ -119,6 +121,7 @@ __all__ = [
     "scene",
     "scenes",
     "tasks",
+    "viewer",
 ]
 
 

@@ -18,6 +18,7 @@ TOPICS = (
     "control",
     "motion",
     "render",
+    "viewer",
     "envs",
     "scenes",
     "tasks",

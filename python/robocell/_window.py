@@ -1,26 +1,21 @@
 """Shows an environment: a view of its robots, and a window.
 
-The window is MuJoCo's own viewer, which copies the state only on request.
+The window is robocell's viewer (docs/viewer.md), which draws only on request here.
 """
 
 from __future__ import annotations
 
-import os
-import sys
 import warnings
 from typing import Any
 
 import numpy as np
 
-from robocell._core import EnvConfig, Scene
+from robocell._core import EnvConfig, Error, Scene, Viewer
 
 RENDER_SIZE = (480, 360)  # width, height in pixels
 FRAME_RATE = 30  # Hz, where steps take as long as they need
 
-NO_DISPLAY = (
-    "no window: there is no display (see DISPLAY and WAYLAND_DISPLAY). The environment runs "
-    "headless; render_mode='rgb_array' gives pictures"
-)
+NO_WINDOW = "no window"  # subject of a warning
 _warned: set[str] = set()
 
 
@@ -46,54 +41,36 @@ def side_view(scene: Scene, config: EnvConfig) -> dict[str, Any]:
     }
 
 
-def warn_once(message: str) -> None:
-    """Logs a warning once per process."""
-    if message not in _warned:
-        _warned.add(message)
+def warn_once(message: str, subject: str = "") -> None:
+    """Logs a warning once per process, or one of its subject."""
+    if (subject or message) not in _warned:
+        _warned.add(subject or message)
         warnings.warn(message, stacklevel=4)
-
-
-def has_display() -> bool:
-    """Returns True if there is a display; without one, MuJoCo's viewer would end the process."""
-    if sys.platform != "linux":
-        return True
-    if not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
-        return False
-    import glfw
-
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        return bool(glfw.init())
 
 
 class Window:
     """A window of a scene; closing it leaves the simulation as it is."""
 
     def __init__(self, scene: Scene, view: dict[str, Any]) -> None:
-        import mujoco.viewer  # here: it looks for a display
-
-        self._viewer = mujoco.viewer.launch_passive(
-            scene.model, scene.data, show_left_ui=False, show_right_ui=False
+        self._viewer = Viewer.open(
+            scene, width=960, height=720, stops_scene=False, draws_steps=False
         )
-        for name, value in view.items():
-            setattr(self._viewer.cam, name, value)
+        self._viewer.panels_shown = False
+        self._viewer.set_free_camera(**view)
 
     @classmethod
     def open(cls, scene: Scene, view: dict[str, Any]) -> Window | None:
         """Opens a window, or logs a warning and returns None if there can be none."""
-        if not has_display():
-            warn_once(NO_DISPLAY)
-            return None
         try:
             return cls(scene, view)
-        except Exception as error:  # whatever the window system says
-            warn_once(f"no window: {error}. The environment runs headless")
+        except Error as error:
+            hint = "The environment runs headless; render_mode='rgb_array' gives pictures"
+            warn_once(f"{error}\n{hint}", NO_WINDOW)
             return None
 
     def show(self) -> None:
         """Shows the present state; does nothing after the user closed the window."""
-        if self._viewer.is_running():
-            self._viewer.sync()
+        self._viewer.show()
 
     def close(self) -> None:
         """Closes the window; may be repeated."""

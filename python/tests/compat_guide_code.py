@@ -1,6 +1,6 @@
 """The code of the guide of mj_kdl_wrapper 0.2.2, block by block, and what each block needs.
 
-The only change is the import's module. The blocks of the viewer are left out.
+The only change is the import's module.
 """
 
 IMPORT = "import robocell.compat.mj_kdl_wrapper as mjk\n"
@@ -56,6 +56,19 @@ class Stops:
         self.__dict__["left"] -= 1
         return self.robot.step() and self.left > 0
 robot = Stops(robot)
+"""
+
+# The windows are in memory, and each is closed at its first picture.
+IN_MEMORY = """
+import types
+from robocell.viewer import Viewer
+class SimulateViewer(mjk.SimulateViewer):
+    @classmethod
+    def open(cls, target, title="MuJoCo"):
+        viewer = Viewer.open(target, title, 160, 120, on_screen=False)
+        viewer.post("close")
+        return cls(viewer)
+mjk = types.SimpleNamespace(**vars(mjk) | {"SimulateViewer": SimulateViewer})
 """
 
 LOAD = """\
@@ -317,6 +330,19 @@ for _ in range(3000):
     robot.step()
     recorder.record_frame()
 recorder.close()
+""",
+    ),
+    "viewer": (
+        ROBOT + IN_MEMORY,
+        """\
+viewer = mjk.SimulateViewer.open(robot, "MuJoCo")
+while viewer.step():
+    robot.update()
+viewer.close()
+viewer = mjk.SimulateViewer.open(scene, "object scene")
+while viewer.step():
+    pass
+viewer.close()
 """,
     ),
 }

@@ -1,6 +1,6 @@
 """The user's guide of mj_kdl_wrapper 0.2.2, section by section, on the Gen3 with the 2F-85.
 
-The code is the guide's; what is asserted is what it says. The viewer is left out.
+The code is the guide's; what is asserted is what it says.
 """
 
 from __future__ import annotations
@@ -233,10 +233,6 @@ def test_misspelt_argument_errors_suggest_the_nearest_name(scene: mjk.Scene):
             call()
     with pytest.raises(AttributeError, match=r"has no 'Scnee'\. Did you mean 'Scene'\?"):
         mjk.Scnee  # noqa: B018
-    with pytest.raises(
-        AttributeError, match=r"'SimulateViewer'\. The viewer is not there yet: rec"
-    ):
-        mjk.SimulateViewer  # noqa: B018
 
 
 def test_a_wrist_force_torque_sensor():

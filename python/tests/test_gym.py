@@ -12,14 +12,13 @@ from pathlib import Path
 from types import MappingProxyType, SimpleNamespace
 
 import gymnasium as gym
-import mujoco
-import mujoco.viewer
 import numpy as np
 import pytest
 from gymnasium.utils import seeding
 from gymnasium.utils.env_checker import check_env
 
 import robocell as rc
+from graphics import require_gl
 from robocell import _window
 from robocell.gym import GymEnv, VectorGymEnv, pick_cube_config
 
@@ -77,7 +76,7 @@ def test_render_returns_images_of_the_requested_size():
 def test_the_checker_draws_the_registered_environment_in_every_mode(monkeypatch):
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr(_window, "_warned", {_window.NO_DISPLAY})
+    monkeypatch.setattr(_window, "_warned", {_window.NO_WINDOW})
     env = gym.make("robocell/PickCube-v0", render_mode="rgb_array").unwrapped
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -388,7 +387,7 @@ def test_without_a_display_warns_once(monkeypatch):
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setattr(_window, "_warned", set())
-    with pytest.warns(UserWarning, match="no window: there is no display"):
+    with pytest.warns(UserWarning, match="viewer: no window: .*DISPLAY=.not set"):
         env = GymEnv(config(), render_mode="human")
     env.reset(seed=0)
     env.step(env.action_space.sample())
@@ -401,34 +400,30 @@ def test_without_a_display_warns_once(monkeypatch):
 
 
 def test_a_window_follows_every_step_until_it_is_closed(monkeypatch):
-    class Viewer:
-        def __init__(self, model, data, **ui):
-            self.cam, self.shown, self.open = mujoco.MjvCamera(), [], True
-            self.data = data
-            windows.append(self)
+    require_gl()
 
-        def is_running(self):
-            return self.open
+    class InMemory:
+        @staticmethod
+        def open(scene, **options):
+            windows.append(rc.viewer.Viewer.open(scene, on_screen=False, **options))
+            return windows[-1]
 
-        def sync(self):
-            self.shown.append(self.data.time)
-
-        def close(self):
-            self.open = False
-
-    windows: list[Viewer] = []
-    monkeypatch.setattr(_window, "has_display", lambda: True)
-    monkeypatch.setattr(mujoco.viewer, "launch_passive", Viewer)
+    windows: list[rc.viewer.Viewer] = []
+    monkeypatch.setattr(_window, "Viewer", InMemory)
     env = GymEnv(config(headless=False))
     env.reset(seed=0)
-    for _ in range(2):
+    (window,) = windows
+    assert not window.panels_shown
+    for factor in (0.5, 0.25):
+        window.post("key", key=ord(","))
         env.step(env.action_space.sample())
-    window = windows[0]
-    assert window.shown == pytest.approx([0, 1 / 30, 2 / 30], abs=0.003)
-    assert window.cam.elevation == -20
-    window.open = False
+        assert window.realtime_factor == factor, "each step handles the user's input"
+    window.post("close")
+    before = env.core.scene.time()
     env.step(env.action_space.sample())
-    assert len(window.shown) == 3, "the user has closed it"
+    assert not window.is_running
+    env.step(env.action_space.sample())
+    assert env.core.scene.time() > before + 0.05, "the user has closed it"
     env.close()
     env.close()
 

@@ -25,6 +25,7 @@ TOPICS = {
     "motion": "collision-free motions, straight lines, timing",
     "control": "controllers, commands, the stepper, smooth motions",
     "render": "cameras, `Renderer`, videos",
+    "viewer": "the window",
     "scenes": "where runs take place: sources of scenes, and annotations",
     "envs": "`Env`, `EnvBatch`, their configuration, `from_dataset`",
     "tasks": "tasks, experts, samplers and their registration, `Rng`",

@@ -89,3 +89,5 @@
 #include "robocell/task/task_features.h"
 #include "robocell/task/task_kind.h"
 #include "robocell/task/task_sampler.h"
+#include "robocell/viewer/scene_view.h"
+#include "robocell/viewer/viewer.h"

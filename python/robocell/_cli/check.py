@@ -16,6 +16,9 @@ def check(
     picture: Annotated[
         Path | None, typer.Option(help="Draw the robot with its frames into this PNG.")
     ] = None,
+    view: Annotated[
+        bool, typer.Option("--view", help="Show the robot in a window afterwards.")
+    ] = False,
 ) -> None:
     """Check a robot file: print its joints, frames and reach, and test it in simulation.
 
@@ -30,3 +33,8 @@ def check(
         require_png(picture)
     loaded = load_robot(robot_file, needs_arm=False)
     print_report(loaded, picture, print_warning)
+    if view:
+        from robocell._cli.view import show
+
+        loaded.scene.reset()
+        show(loaded.scene, loaded.config.name)

@@ -69,9 +69,9 @@ void EngineSize(const Marker& marker, mjtNum size[3]) {
 
 }  // namespace
 
-MjvScene::MjvScene(const mjModel* model) {
+MjvScene::MjvScene(const mjModel* model, int more) {
   mjv_defaultScene(&scene_);
-  const int capacity = GeomCapacity(model);
+  const int capacity = GeomCapacity(model) + more;
   Guarded("preparing to render", [&] { mjv_makeScene(model, &scene_, capacity); });
 }
 

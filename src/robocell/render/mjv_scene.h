@@ -1,5 +1,5 @@
-// Owner of MuJoCo's abstract scene (mjvScene): a list of elements to draw. Internal to render/.
-// Needs no OpenGL.
+// Owner of MuJoCo's abstract scene (mjvScene): a list of elements to draw. Internal to render/
+// and viewer/. Needs no OpenGL.
 #pragma once
 
 #include <mujoco/mujoco.h>
@@ -11,8 +11,8 @@ namespace robocell::internal {
 
 class MjvScene {
  public:
-  // Reserves space for everything a model can show. Throws EngineError.
-  explicit MjvScene(const mjModel* model);
+  // Reserves space for everything a model can show, and for more elements. Throws EngineError.
+  explicit MjvScene(const mjModel* model, int more = 0);
   ~MjvScene() { mjv_freeScene(&scene_); }
   MjvScene(const MjvScene&) = delete;
   MjvScene& operator=(const MjvScene&) = delete;

@@ -87,7 +87,29 @@ StepResult Scene::StepN(int n) {
                         " times; time only goes forward, reset() starts again");
   }
   s.LookAtSolver();
+  if (const auto gate = s.gate.lock()) return s.StepThrough(*gate, n);
   return robocell::Step(s.now.model, s.now.data, n, s.context);
+}
+
+StepResult Scene::State::StepThrough(StepGate& gate_now, int n) {
+  StepResult result;
+  result.time = now.data->time;
+  int steps = 0;
+  while (steps < n && now.data) {  // the gate may close the scene
+    const StepGate::Answer answer = gate_now.BeforeStep();
+    if (answer == StepGate::kHold || !now.data) break;
+    if (answer == StepGate::kStop) {
+      result.status = kStepStopped;
+      result.message = gate_now.StopReason();
+      break;
+    }
+    result = robocell::Step(now.model, now.data, 1, context);
+    ++steps;
+    if (!result.ok()) break;
+    gate_now.AfterStep();
+  }
+  result.steps = steps;
+  return result;
 }
 
 void Scene::Forward() {
@@ -138,6 +160,7 @@ const std::shared_ptr<void>& Scene::data_keeper() const { return open().data.kee
 void Scene::AddObserver(std::weak_ptr<SceneObserver> observer, const std::string& key) {
   auto& observers = open().observers;
   std::erase_if(observers, [](const auto& watch) { return watch.observer.expired(); });
+  if (const auto gate = std::dynamic_pointer_cast<StepGate>(observer.lock())) open().gate = gate;
   observers.push_back({key, std::move(observer)});
 }
 

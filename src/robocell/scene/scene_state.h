@@ -7,6 +7,7 @@
 
 #include "robocell/scene/pool.h"
 #include "robocell/scene/scene.h"
+#include "robocell/scene/step_gate.h"
 
 namespace robocell {
 
@@ -34,6 +35,7 @@ struct Scene::State {
     std::weak_ptr<SceneObserver> observer;
   };
   std::vector<Watch> observers;
+  std::weak_ptr<StepGate> gate;
   std::weak_ptr<Kept> kept;     // shared by all handles but inner ones
   std::shared_ptr<void> claim;  // claim on the compiled scene
   int solver = 0;               // the model's, when it was last looked at
@@ -51,6 +53,8 @@ struct Scene::State {
     if (now.model->opt.solver != solver) WarnOfSolver();
   }
   void WarnOfSolver();
+  // Makes up to n steps, each with the gate's consent.
+  StepResult StepThrough(StepGate& gate, int n);
   void BindPool();
   internal::PooledObject* FindPooled(const std::string& object);
   // Resets the pool to the spec.

@@ -31,6 +31,7 @@ from robocell.compat.mj_kdl_wrapper._names import Condim, scene_object_site_name
 from robocell.compat.mj_kdl_wrapper._objects import SceneObject
 from robocell.compat.mj_kdl_wrapper._robot import Robot
 from robocell.compat.mj_kdl_wrapper._video import VideoRecorder
+from robocell.compat.mj_kdl_wrapper._viewer import SimulateViewer
 from robocell.control import CtrlMode
 from robocell.diagnose import mujoco_version
 from robocell.render import CameraSpec, VideoResolution
@@ -62,6 +63,7 @@ __all__ = [
     "SceneObject",
     "SceneSpec",
     "Shape",
+    "SimulateViewer",
     "ToolFrameSpec",
     "VideoRecorder",
     "VideoResolution",
@@ -77,12 +79,6 @@ __all__ = [
 
 def __getattr__(name: str) -> object:
     """Raises AttributeError with the nearest name."""
-    if name == "SimulateViewer":
-        hint = (
-            "The viewer is not there yet: record a video (VideoRecorder), or look at what save_xml "
-            "wrote with `python -m mujoco.viewer --mjcf=FILE`"
-        )
-    else:
-        near = difflib.get_close_matches(name, __all__, 1)
-        hint = f"Did you mean '{near[0]}'?" if near else f"It has {', '.join(__all__)}"
+    near = difflib.get_close_matches(name, __all__, 1)
+    hint = f"Did you mean '{near[0]}'?" if near else f"It has {', '.join(__all__)}"
     raise no_such(f"module '{__name__}' has no '{name}'. {hint}", name)

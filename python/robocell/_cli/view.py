@@ -1,0 +1,124 @@
+"""`robocell view`: a window of a robot, a scene, an environment's cell, or a start of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from robocell import EnvConfig, Robot, RobotConfig, RobotSpec, RunConfig, Scene, SceneSpec
+from robocell._cli.common import fail, fail_missing, is_dataset, is_yaml
+from robocell.robots import CtrlMode, MoveGroupKind
+from robocell.viewer import Viewer
+
+MODELS = (".xml", ".mjb", ".urdf")
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A scene, and what keeps it alive."""
+
+    scene: Scene
+    owner: Any = None
+
+
+def view(
+    target: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE",
+            help="ROBOT.yaml, SCENE.yaml, CELL.yaml, RUN.yaml, a model, or DATASET/EPISODE.",
+        ),
+    ],
+    index: Annotated[int, typer.Option(min=0, help="With a run: which start of its plan.")] = 0,
+    speed: Annotated[
+        float, typer.Option(min=0, help="Speed: 1 is real time, 0 as fast as possible.")
+    ] = 1.0,
+    screenshot: Annotated[
+        Path | None, typer.Option(help="Write the window's picture into this PNG, and end.")
+    ] = None,
+) -> None:
+    """Show a robot, a scene, a start of a run or an episode in a window.
+
+    Drag the handle at a robot's TCP, and the arm follows by inverse kinematics;
+    the sliders at the right move joints and controls. Press F1 in the window
+    for the keys. Of an episode, Space stops and goes on, the arrows scrub.
+    """
+    if (target / "episode.json").is_file():
+        from robocell._cli.episode_player import play
+
+        play(target.parent, target.name, speed, screenshot)
+        return
+    if is_dataset(target):
+        fail(f"'{target}' is a dataset: give one of its episodes, {target}/EPISODE")
+    shown = _load(target, index)
+    show(shown.scene, target.stem, speed, screenshot)
+
+
+def show(scene: Scene, title: str, speed: float = 1.0, screenshot: Path | None = None) -> None:
+    """Shows a scene with its robots until the user closes the window."""
+    robots = [robot for robot in scene.robots if _has_arm(robot)]
+    with Viewer.open(robots[0] if robots else scene, title, on_screen=screenshot is None) as viewer:
+        viewer.realtime_factor = speed
+        for robot in robots:
+            viewer.drag_tcp(robot, robot.ctrl_mode == CtrlMode.POSITION)
+        viewer.show_panels("Run", "Joints")
+        if screenshot:
+            viewer.save_screenshot(str(screenshot))
+            return
+        while viewer.step():
+            for robot in scene.robots:
+                robot.update()
+
+
+def _has_arm(robot: Robot) -> bool:
+    return any(group.kind == MoveGroupKind.ARM for group in robot.config.move_groups.values())
+
+
+def _load(path: Path, index: int) -> Shown:
+    """Builds the scene of a file; robocell's errors end the command."""
+    if not path.exists():
+        fail_missing(path, "file", lambda each: is_yaml(each) or each.suffix in MODELS)
+    if path.suffix in MODELS:
+        spec = SceneSpec(name=path.stem, timestep=0.002, add_floor=True, add_skybox=True)
+        spec.robots.append(RobotSpec(path=str(path)))
+        return Shown(Scene.build(spec))
+    if not is_yaml(path):
+        fail(
+            f"'{path}' is no file to show. Give a robot file, a scene, a cell or a run (YAML), or "
+            "a model (.xml, .mjb, .urdf)"
+        )
+    kind = _kind(path)
+    if kind is RobotConfig:
+        from robocell._cli.robot_scene import load_robot
+
+        return Shown(load_robot(path, needs_arm=False).scene)
+    if kind is RunConfig:
+        from robocell._core import RunEnv
+
+        env = RunEnv(RunConfig.load(path))
+        env.reset(index)
+        return Shown(env.scene, env)
+    if kind is EnvConfig:
+        from robocell import Env
+
+        cell = Env(EnvConfig.load(path))
+        cell.reset(0)
+        return Shown(cell.scene, cell)
+    return Shown(Scene.build(SceneSpec.load(path)))
+
+
+def _kind(path: Path) -> type:
+    """Returns the kind of specification whose fields the file has most of."""
+    import yaml
+
+    try:
+        content = yaml.safe_load(path.read_text())
+    except (OSError, UnicodeDecodeError, yaml.YAMLError) as error:
+        fail(f"'{path}' cannot be read: {error}")
+    if not isinstance(content, dict):
+        fail(f"'{path}' is no specification: it has no fields")
+    kinds = (RobotConfig, RunConfig, EnvConfig, SceneSpec)
+    return max(kinds, key=lambda kind: sum(hasattr(kind, str(name)) for name in content))

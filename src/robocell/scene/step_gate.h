@@ -1,0 +1,30 @@
+// StepGate: an observer that is asked before each step of a scene and notified after it. A viewer is
+// one: it pauses the simulation, applies the forces of the mouse, draws and paces, and ends the
+// loops of programs once its window was closed.
+//
+//   scene.AddObserver(gate);   // held weakly, as any observer; the last one that was added counts
+//
+// While it holds, StepN() makes no further step and returns the number of steps made. Once it
+// stops, every step returns StepResult::kStopped with the reason. Without a gate a step costs
+// nothing more. Threads: those of the scene.
+#pragma once
+
+#include <string>
+
+#include "robocell/scene/scene.h"
+
+namespace robocell {
+
+inline constexpr auto kStepStopped = static_cast<StepResult::Status>(2);
+
+class StepGate : public SceneObserver {
+ public:
+  enum Answer { kGo, kHold, kStop };
+
+  virtual Answer BeforeStep() = 0;
+  virtual void AfterStep() = 0;  // not called for a step that diverged
+  // Returns the reason of kStop, for the message of the result.
+  virtual std::string StopReason() const = 0;
+};
+
+}  // namespace robocell

@@ -1,0 +1,24 @@
+#include "robocell/viewer/window.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
+#include "robocell/viewer/testing/users.h"
+
+namespace robocell {
+namespace {
+
+TEST_F(Viewers, DrawsTheSceneBetweenItsPanels) {
+  Viewer viewer = Viewer::Open(scene_, kInMemory);
+  viewer.view().SetFreeCamera(0.3, 90, -89, {0.6, 0.2, 0.02});
+  int width = 0, height = 0;
+  const auto pixels = viewer.Pixels(&width, &height);
+  ASSERT_EQ(width, 640);
+  ASSERT_EQ(pixels.size(), 3u * 640 * 480);
+  const uint8_t* middle = pixels.data() + 3 * (240 * 640 + 320);
+  EXPECT_GT(middle[0], 2 * middle[2]) << "the orange cube";
+}
+
+}  // namespace
+}  // namespace robocell
