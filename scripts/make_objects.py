@@ -14,7 +14,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from object_models import blocks, boxes, classic, food, kitchen, tools
+from object_models import blocks, bottles, boxes, classic, food, kitchen, tools, utensils
 from object_models.parts import Writer
 
 SCRIPT = Path(__file__).name
@@ -28,7 +28,7 @@ def main() -> None:
     out = parser.parse_args().out
     for make in classic.KINDS:
         classic.write(make(), out)
-    for module in (kitchen, tools, boxes, food, blocks):
+    for module in (kitchen, utensils, bottles, tools, boxes, food, blocks):
         for describe in module.KINDS:
             Writer(describe(), SCRIPT).write(out)
 

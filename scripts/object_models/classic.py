@@ -12,8 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from object_models.parts import words_text
+from object_models.parts import Words, words_text
 from object_models.shapes import SEGMENTS, Mesh, arc, between, box, extrude, lathe, tube
+
 
 @dataclass
 class Model:
@@ -72,6 +73,9 @@ def mug() -> Model:
         lathe(profile) + tube(handle, 0.0042),
         "0.25 0.47 0.72 1",
         collision,
+        words=Words(
+            "kitchen", "blue", "ceramic", ["cup with a handle", "coffee mug"], ["top"], True
+        ),
     )
 
 
@@ -99,7 +103,14 @@ def bottle() -> Model:
         cylinder("bottle_neck", 0.012, 0.035, 0.053, 0.004),
         cylinder("bottle_cap", 0.014, 0.053, 0.070, 0.005),
     ]
-    return Model("bottle", "A bottle with a cap.", lathe(profile), "0.20 0.58 0.42 1", collision)
+    return Model(
+        "bottle",
+        "A bottle with a cap.",
+        lathe(profile),
+        "0.20 0.58 0.42 1",
+        collision,
+        words=Words("bottles", "green", "plastic", ["flask"], ["top"], True),
+    )
 
 
 def spool() -> Model:
@@ -126,7 +137,12 @@ def spool() -> Model:
         cylinder("spool_upper_flange", 0.030, 0.020, 0.028, 0.022),
     ]
     return Model(
-        "spool", "A spool that stands on a flange.", lathe(profile), "0.80 0.35 0.28 1", collision
+        "spool",
+        "A spool that stands on a flange.",
+        lathe(profile),
+        "0.80 0.35 0.28 1",
+        collision,
+        words=Words("tools", "red", "plastic", ["reel", "bobbin"], ["top"], True),
     )
 
 
@@ -147,7 +163,13 @@ def nut() -> Model:
     collision = ['<geom name="nut_hull" type="mesh" mesh="nut_hull" mass="0.08"/>']
     hull = {"nut_hull": extrude(corners, height)}
     return Model(
-        "nut", "A hexagonal nut; solid to the touch.", visual, "0.66 0.67 0.70 1", collision, hull
+        "nut",
+        "A hexagonal nut; solid to the touch.",
+        visual,
+        "0.66 0.67 0.70 1",
+        collision,
+        hull,
+        words=Words("tools", "grey", "metal", ["hexagonal nut"], ["top"], True),
     )
 
 
@@ -180,6 +202,7 @@ def bracket() -> Model:
         "0.86 0.66 0.20 1",
         collision,
         {"bracket_rib": rib},
+        words=Words("tools", "yellow", "metal", ["angle bracket"], ["top"], True),
     )
 
 

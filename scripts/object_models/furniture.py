@@ -8,6 +8,7 @@ with a site of that name where a hand takes them.
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -128,12 +129,15 @@ def drawer_unit() -> Kind:
             box_geom(f"{name}_right", (depth, wall, side), (-depth, -half_y + wall, 0)),
             box_geom(f"{name}_back", (wall, half_y, side), (-2 * depth + wall, 0, 0)),
         ]
-        tray = [box_mesh(geom_half, pos) for geom_half, pos in (
-            ((depth, half_y, wall), (-depth, 0, -front + 0.004)),
-            ((depth, wall, side), (-depth, half_y - wall, 0)),
-            ((depth, wall, side), (-depth, -half_y + wall, 0)),
-            ((wall, half_y, side), (-2 * depth + wall, 0, 0)),
-        )]  # fmt: skip
+        tray = [
+            box_mesh(geom_half, pos)
+            for geom_half, pos in (
+                ((depth, half_y, wall), (-depth, 0, -front + 0.004)),
+                ((depth, wall, side), (-depth, half_y - wall, 0)),
+                ((depth, wall, side), (-depth, -half_y + wall, 0)),
+                ((wall, half_y, side), (-2 * depth + wall, 0, 0)),
+            )
+        ]
         bar, bar_look = bar_handle(f"{name}_handle", (2 * t + 0.003, 0, 0), "y", 0.11, 0.032)
         drawers.append(
             Body(
@@ -147,10 +151,15 @@ def drawer_unit() -> Kind:
                 ],
                 (dx, 0, z),
                 slide(f"{name}_slide", (1, 0, 0), (0, 0.17), 1.0),
-                {f"{name}_handle": (2 * t + 0.035, 0, 0), f"{name}_inside": (-depth, 0, -front + 0.007)},
+                {
+                    f"{name}_handle": (2 * t + 0.035, 0, 0),
+                    f"{name}_inside": (-depth, 0, -front + 0.007),
+                },
             )
         )
-    root = Body("drawer_unit", 3.5, case, looks, sites={"drawer_unit_top": (0, 0, h)}, bodies=drawers)
+    root = Body(
+        "drawer_unit", 3.5, case, looks, sites={"drawer_unit_top": (0, 0, h)}, bodies=drawers
+    )
     return Kind(
         root,
         "Three drawers, the first at the top.",
@@ -187,14 +196,19 @@ def microwave() -> Kind:
         Look(block((dx, dy, t), (0, 0, t + 0.006), 0.005), WHITE),
         Look(block((dx, dy, t), (0, 0, h - t), 0.005), WHITE),
         Look(block((dx, t, h / 2 - 0.012), (0, -dy + t, h / 2 + 0.003), 0.005), WHITE),
-        Look(block((dx, panel - 0.001, h / 2 - 0.012), (0, dy - panel, h / 2 + 0.003), 0.005), WHITE),
+        Look(
+            block((dx, panel - 0.001, h / 2 - 0.012), (0, dy - panel, h / 2 + 0.003), 0.005), WHITE
+        ),
         Look(box((-dx + t, 0, h / 2), (t, dy - 0.01, h / 2 - 0.014)), WHITE),
         *[
             Look(rod(0.012, 0.008).at(sx * (dx - 0.03), sy * (dy - 0.03), 0.004), DARK)
             for sx, sy in ((1, 1), (1, -1), (-1, 1), (-1, -1))
         ],
         Look(block((0.0015, 0.040, 0.020), (dx, dy - panel, h - 0.05), 0.001), BLACK, 0.8, 0.9),
-        Look(block((0.0005, 0.026, 0.008), (dx + 0.0015, dy - panel, h - 0.05), 0.0004), "0.30 0.85 0.60 1"),
+        Look(
+            block((0.0005, 0.026, 0.008), (dx + 0.0015, dy - panel, h - 0.05), 0.0004),
+            "0.30 0.85 0.60 1",
+        ),
         Look(rod(0.12, 0.006, 0.002, 48).at(0, -panel + t, 0.031), "0.80 0.88 0.90 1", 0.8, 0.8),
     ]
     width, depth = 2 * dy - 2 * panel - 0.003, 0.012  # of the door
@@ -210,15 +224,21 @@ def microwave() -> Kind:
         [
             Look(block(door_half, at, 0.006), DARK, 0.5, 0.6),
             Look(
-                block((0.001, width / 2 - 0.05, h / 2 - 0.045), (2 * depth, width / 2 - 0.012, 0), 0.0008),
-                "0.03 0.04 0.05 1", 0.9, 0.9,
+                block(
+                    (0.001, width / 2 - 0.05, h / 2 - 0.045),
+                    (2 * depth, width / 2 - 0.012, 0),
+                    0.0008,
+                ),
+                "0.03 0.04 0.05 1",
+                0.9,
+                0.9,
             ),
             Look(bar_look, STEEL, 0.7, 0.7),
         ],
         (dx + 0.003, -dy, h / 2 + 0.003),
         hinge("door_hinge", (0, 0, -1), (0, 1.9), 0.12),
         {"door_handle": (2 * depth + 0.034, width - 0.026, 0)},
-    )  # fmt: skip
+    )
     button = Body(
         "start_button",
         0.02,
@@ -241,14 +261,17 @@ def microwave() -> Kind:
         {"dial_knob": (0.025, 0, 0)},
     )
     root = Body(
-        "microwave", 9.0, geoms, looks,
+        "microwave",
+        9.0,
+        geoms,
+        looks,
         sites={"microwave_inside": (0, -panel + t, 0.034), "microwave_top": (0, 0, h)},
         bodies=[door, button, dial],
-    )  # fmt: skip
+    )
     return Kind(
         root,
         "A microwave oven with a door, a dial and a start button.",
-        "appliance",
+        "appliances",
         "white",
         "metal",
         ["microwave oven", "oven"],
@@ -287,7 +310,12 @@ def laptop() -> Kind:
             box_geom("lid_handle", lip, (2 * dx + lip[0], 0, 0.004)),
         ],
         [
-            Look(plate(rounded_outline(dx - 0.001, dy, 0.012), 0.008, 0.002).at(dx, 0, 0.004), STEEL, 0.6, 0.6),
+            Look(
+                plate(rounded_outline(dx - 0.001, dy, 0.012), 0.008, 0.002).at(dx, 0, 0.004),
+                STEEL,
+                0.6,
+                0.6,
+            ),
             Look(box((dx + 0.002, 0, -0.0002), (dx - 0.014, dy - 0.010, 0.0006)), BLACK, 0.8, 0.9),
             Look(block(lip, (2 * dx + lip[0] - 0.003, 0, 0.004), 0.002), DARK),
             Look(rod(0.016, 0.001).at(dx, 0, 0.0082), WHITE),
@@ -295,12 +323,15 @@ def laptop() -> Kind:
         (-dx, 0, 2 * t + 0.003),
         hinge("lid_hinge", (0, -1, 0), (0, 2.3), 0.7),
         {"lid_handle": (2 * dx + 2 * lip[0], 0, 0.004)},
-    )  # fmt: skip
+    )
     root = Body(
         "laptop",
         1.3,
         [box_geom("base", (dx, dy, t), (0, 0, t))],
-        [*base_looks, Look(rod(0.006, 0.20).turned("x", 90).at(-dx - 0.004, 0, 2 * t - 0.004), DARK)],
+        [
+            *base_looks,
+            Look(rod(0.006, 0.20).turned("x", 90).at(-dx - 0.004, 0, 2 * t - 0.004), DARK),
+        ],
         bodies=[lid],
     )
     return Kind(
@@ -330,7 +361,7 @@ def faucet() -> Kind:
         rod_geom("column", 0.021, 0.102, (0, 0, 0.055)),
         *[
             capsule_geom(f"spout_{i}", p, q, 0.010)
-            for i, (p, q) in enumerate(zip(corners, corners[1:], strict=False))
+            for i, (p, q) in enumerate(itertools.pairwise(corners))
         ],
     ]
     # The lever is beside the column, so that it lifts freely below the spout.
@@ -342,18 +373,27 @@ def faucet() -> Kind:
             rod_geom("lever_hub", 0.016, 0.026, (0, 0, 0), (90, 0, 0)),
             *[
                 capsule_geom("lever_handle" + (f"_{i}" if i else ""), p, q, 0.007)
-                for i, (p, q) in enumerate(zip(lever_path[1:], lever_path[2:], strict=False))
+                for i, (p, q) in enumerate(itertools.pairwise(lever_path[1:]))
             ],
             capsule_geom("lever_neck", lever_path[0], lever_path[1], 0.007),
         ],
         [
             Look(rod(0.016, 0.026, 0.003).turned("x", 90), STEEL, **steel),
-            Look(sweep(lever_path, [(0.005, 0.010), (0.005, 0.010), (0.006, 0.010), (0.006, 0.008)], (0, 1, 0), 12), STEEL, **steel),
+            Look(
+                sweep(
+                    lever_path,
+                    [(0.005, 0.010), (0.005, 0.010), (0.006, 0.010), (0.006, 0.008)],
+                    (0, 1, 0),
+                    12,
+                ),
+                STEEL,
+                **steel,
+            ),
         ],
         (0, -0.040, 0.075),
         hinge("lever_hinge", (0, -1, 0), (0, 0.9), 0.15),
         {"lever_handle": (0.085, 0, 0.016)},
-    )  # fmt: skip
+    )
     root = Body(
         "faucet",
         1.4,
@@ -371,7 +411,7 @@ def faucet() -> Kind:
     return Kind(
         root,
         "A faucet; its lever lifts to open it.",
-        "fixture",
+        "fixtures",
         "silver",
         "metal",
         ["tap", "water tap"],
@@ -411,15 +451,21 @@ def button_panel() -> Kind:
         [capsule_geom("switch_handle", (0, 0, 0.004), (0, 0, 0.034), 0.006)],
         [
             Look(
-                sweep([(0, 0, 0), (0, 0, 0.02), (0, 0, 0.034), (0, 0, 0.040)],
-                      [(0.004, 0.004), (0.005, 0.005), (0.0065, 0.0065), (0.004, 0.004)], (0, 1, 0), 16),
-                STEEL, 0.8, 0.8,
+                sweep(
+                    [(0, 0, 0), (0, 0, 0.02), (0, 0, 0.034), (0, 0, 0.040)],
+                    [(0.004, 0.004), (0.005, 0.005), (0.0065, 0.0065), (0.004, 0.004)],
+                    (0, 1, 0),
+                    16,
+                ),
+                STEEL,
+                0.8,
+                0.8,
             )
         ],
         (-0.035, 0.045, h + 0.006),
         hinge("switch_hinge", (0, 1, 0), (-0.5, 0.5), 0.02),
         {"switch_handle": (0, 0, 0.034)},
-    )  # fmt: skip
+    )
     dial = Body(
         "dial",
         0.05,
@@ -439,16 +485,19 @@ def button_panel() -> Kind:
         [box_geom("console", (dx, dy, h / 2), (0, 0, h / 2))],
         [
             Look(block((dx, dy, h / 2), (0, 0, h / 2), 0.010), "0.78 0.79 0.80 1"),
-            Look(plate(rounded_outline(dx - 0.012, dy - 0.012, 0.006), 0.001).at(0, 0, h), "0.93 0.93 0.92 1"),
+            Look(
+                plate(rounded_outline(dx - 0.012, dy - 0.012, 0.006), 0.001).at(0, 0, h),
+                "0.93 0.93 0.92 1",
+            ),
             *collars,
             Look(rod(0.010, 0.008, 0.002).at(-0.035, 0.045, h + 0.002), DARK, 0.5, 0.5),
         ],
         bodies=parts,
-    )  # fmt: skip
+    )
     return Kind(
         root,
         "A console with four buttons, a switch and a dial; springs push the buttons back.",
-        "control",
+        "controls",
         "grey",
         "plastic",
         ["control panel", "console", "buttons"],
@@ -476,8 +525,12 @@ def lid_box() -> Kind:
         0.35,
         [
             box_geom("lid_panel", lid_half, lid_at),
-            Geom("lid_handle", box_geom("", grip, grip_at).attributes, 8 * grip[0] * grip[1] * grip[2],
-                 contact=HANDLE_CONTACT),
+            Geom(
+                "lid_handle",
+                box_geom("", grip, grip_at).attributes,
+                8 * grip[0] * grip[1] * grip[2],
+                contact=HANDLE_CONTACT,
+            ),
         ],
         [
             Look(block(lid_half, lid_at, 0.004), WALNUT),
@@ -486,7 +539,7 @@ def lid_box() -> Kind:
         (-dx, 0, h),
         hinge("lid_hinge", (0, -1, 0), (0, 1.9), 0.4),
         {"lid_handle": (grip_at[0] + grip[0], 0, 0.009)},
-    )  # fmt: skip
+    )
     brass = "0.80 0.66 0.30 1"
     root = Body(
         "lid_box",
@@ -495,17 +548,22 @@ def lid_box() -> Kind:
         [
             *[Look(block(half, pos, 0.002), WALNUT) for half, pos in walls.values()],
             *[
-                Look(block((0.0015, 0.010, 0.014), (dx, sy * 0.10, h - 0.012), 0.001), brass, 0.8, 0.8)
+                Look(
+                    block((0.0015, 0.010, 0.014), (dx, sy * 0.10, h - 0.012), 0.001),
+                    brass,
+                    0.8,
+                    0.8,
+                )
                 for sy in (-1, 1)
             ],
         ],
         sites={"lid_box_inside": (0, 0, 2 * t)},
         bodies=[lid],
-    )  # fmt: skip
+    )
     return Kind(
         root,
         "A chest with a hinged lid.",
-        "container",
+        "containers",
         "brown",
         "wood",
         ["chest", "box with a lid", "wooden box"],

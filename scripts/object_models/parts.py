@@ -57,6 +57,18 @@ class Body:
 
 
 @dataclass
+class Words:
+    """What a kind is called, and how hands take it: the content of object.yaml."""
+
+    category: str
+    colour: str
+    material: str
+    synonyms: list[str] = field(default_factory=list)
+    grasps: list[str] = field(default_factory=list)
+    drawn_by_default: bool = False
+
+
+@dataclass
 class Kind:
     """A kind of the catalogue: its model and its words."""
 
@@ -251,9 +263,7 @@ class Writer:
         """The model's text; `meshes` and `assets` follow from it."""
         kind = self.kind
         bodies = self.body(kind.root, "    ", is_root=True)
-        materials = [
-            f'    <material name="{name}" {key}/>' for key, name in self.materials.items()
-        ]
+        materials = [f'    <material name="{name}" {key}/>' for key, name in self.materials.items()]
         origin = (
             "The origin is in the middle of its bounding box."
             if kind.is_free
@@ -293,7 +303,9 @@ class Writer:
 
     def words(self) -> str:
         """The text of object.yaml."""
-        return words_text(self.kind, self.size)
+        kind = self.kind
+        words = Words(kind.category, kind.colour, kind.material, kind.synonyms, kind.grasps)
+        return words_text(words, self.size)
 
     def write(self, out: Path) -> None:
         """Writes out/NAME/."""
@@ -306,14 +318,16 @@ class Writer:
         (folder / "object.yaml").write_text(self.words())
 
 
-def words_text(kind: Kind, size: np.ndarray) -> str:
-    """The text of object.yaml: words, size in metres, and how hands take it."""
+def words_text(words: Words, size: np.ndarray) -> str:
+    """The text of object.yaml; `size` is that of the bounding box."""
     lines = [
-        f"category: {kind.category}",
-        f"colour: {kind.colour}",
-        f"material: {kind.material}",
-        f"synonyms: [{', '.join(kind.synonyms)}]",
-        f"size: [{', '.join(f'{round(float(v), 3):g}' for v in size)}]",
-        f"grasps: [{', '.join(kind.grasps)}]",
+        f"category: {words.category}",
+        f"colour: {words.colour}",
+        f"material: {words.material}",
+        f"synonyms: [{', '.join(words.synonyms)}]",
+        f"size: [{', '.join(f'{round(float(v), 4):g}' for v in size)}]",
+        f"grasps: [{', '.join(words.grasps)}]",
     ]
+    if words.drawn_by_default:
+        lines.append("drawn_by_default: true")
     return "\n".join(lines) + "\n"

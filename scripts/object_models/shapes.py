@@ -153,7 +153,7 @@ def rounded_box(half: tuple[float, float, float], radius: float, steps: int = 2)
 
     def vertex(direction: np.ndarray, corner: np.ndarray) -> int:
         point = corner * inner + radius * direction / np.linalg.norm(direction)
-        key = tuple(int(round(v * 1e7)) for v in point)
+        key = tuple(round(v * 1e7) for v in point)
         if key not in number:
             number[key] = len(vertices)  # type: ignore[index]
             vertices.append(point)
@@ -284,9 +284,7 @@ def sweep(
         y /= np.linalg.norm(y)
         x = np.cross(y, tangent)
         rings.append(
-            point
-            + across * np.outer(np.cos(angles), x)
-            + along * np.outer(np.sin(angles), y)
+            point + across * np.outer(np.cos(angles), x) + along * np.outer(np.sin(angles), y)
         )
     return loft(rings)
 
