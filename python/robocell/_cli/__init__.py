@@ -34,6 +34,7 @@ COMMANDS = (
     "gripper-range",
     "ik-test",
     "reach",
+    "add-object",
     "fetch",
     "doctor",
 )
