@@ -1,8 +1,9 @@
-"""Writes the hollow vessels of models/equipment: an open bottle to pour from and a receiver.
+"""Writes the vessels and the articulated equipment of models/equipment.
 
-Made like the mesh objects (make_objects.py): what is seen is a turned mesh, what collides is a
-bottom and rings of boxes around the hollow, so that small things can be poured. Each has a site
-`mouth` in the middle of its opening, z outwards. The other equipment is written by hand.
+The open bottle to pour from and the receiver are made like the mesh objects (make_objects.py): what
+is seen is a turned mesh, what collides is a bottom and rings of boxes around the hollow, so that
+small things can be poured. Each has a site `mouth` in the middle of its opening, z outwards.
+object_models/furniture.py describes what has joints. The other equipment is written by hand.
 
     python scripts/make_equipment.py [--out models/equipment]
 """
@@ -13,7 +14,10 @@ import argparse
 import math
 from pathlib import Path
 
-from make_objects import Model, arc, cylinder, lathe, write
+from object_models import furniture
+from object_models.classic import Model, cylinder, write
+from object_models.parts import Writer
+from object_models.shapes import arc, lathe
 
 SIDES = 12  # boxes in a ring
 # Stiff, whatever falls on it: with the engine's defaults small grains sink through a thin bottom.
@@ -102,13 +106,15 @@ def receiver() -> Model:
 
 
 def main() -> None:
-    """Writes the vessels."""
+    """Writes them."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     default = Path(__file__).resolve().parent.parent / "models" / "equipment"
     parser.add_argument("--out", type=Path, default=default)
     out = parser.parse_args().out
     for make in (open_bottle, receiver):
         write(make(), out, "make_equipment.py")
+    for describe in furniture.KINDS:
+        Writer(describe(), Path(__file__).name).write(out)
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ from PIL import Image
 MODELS = Path(__file__).resolve().parent.parent / "models"
 SIZE = (480, 360)  # width, height in pixels
 LARGEST = 60_000  # bytes of a picture
+OPENED = 0.4  # how far doors and drawers are open
 
 
 @dataclass
@@ -78,10 +79,16 @@ def stage(path: Path) -> mujoco.MjModel:
 
 
 def at_home(model: mujoco.MjModel) -> mujoco.MjData:
-    """The state of keyframe 0, else of qpos0, with positions computed."""
+    """The state of keyframe 0, else with hinges and slides a little open; positions computed."""
     data = mujoco.MjData(model)
     if model.nkey:
         mujoco.mj_resetDataKeyframe(model, data, 0)
+    else:
+        for joint, kind in enumerate(model.jnt_type):
+            if mujoco.mjtJoint(kind) in (mujoco.mjtJoint.mjJNT_HINGE, mujoco.mjtJoint.mjJNT_SLIDE):
+                low, high = model.jnt_range[joint]
+                opened = low + OPENED * (high - low) if model.jnt_stiffness[joint] == 0 else 0
+                data.qpos[model.jnt_qposadr[joint]] = opened
     mujoco.mj_forward(model, data)
     return data
 

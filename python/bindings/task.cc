@@ -416,6 +416,21 @@ void BindTaskClass(nb::module_& m) {
           "Restores the result of memory().");
 }
 
+nb::dict InfoDict(const std::string& kind) {
+  const ObjectInfo info = ObjectInfoOf(kind);
+  nb::list grasps;
+  for (const ObjectGrasp grasp : info.grasps) grasps.append(ToString(grasp));
+  nb::dict words;
+  words["category"] = info.category;
+  words["colour"] = info.colour;
+  words["material"] = info.material;
+  words["synonyms"] = info.synonyms.names;
+  words["size"] = info.size ? nb::object(nb::cast(*info.size)) : nb::none();
+  words["grasps"] = grasps;
+  words["drawn_by_default"] = info.drawn_by_default;
+  return words;
+}
+
 }  // namespace
 
 void BindTask(nb::module_& m) {
@@ -486,7 +501,27 @@ void BindTask(nb::module_& m) {
       .def("phase", &Expert::phase, "Returns the index of the present phase in phase_names().")
       .def("phase_names", &Expert::phase_names,
            "Returns the names of the phases, which episodes record as labels.");
-  m.def("object_kinds", &ObjectKinds, "Returns the kinds of objects that tasks can use.");
+  m.def("object_kinds", &ObjectKinds,
+        "Returns all kinds of objects that tasks can use: primitives, and the built-in objects and "
+        "those of users.");
+  m.def("default_object_kinds", &DefaultObjectKinds,
+        "Returns the kinds of objects that tasks draw unless they name some.");
+  m.def("object_categories", &ObjectCategories,
+        "Returns the categories of objects and the kinds of each: {category: kinds}.");
+  m.def("object_kinds_of", &ObjectKindsOf, "names"_a,
+        "Returns `names` with categories replaced by their kinds, each kind once."
+        "\n\nExamples:\n"
+        "    >>> rc.tasks.object_kinds_of([\"mug\", \"fruit\"])[:2]\n"
+        "    ['mug', 'apple']");
+  m.def(
+      "object_info", &InfoDict, "kind"_a,
+      nb::sig("def object_info(kind: str) -> dict[str, typing.Any]"),
+      "Returns what object.yaml beside the model of a kind says: `category`, `colour`, `material`, "
+      "`synonyms`, `size` (metres, or None), `grasps` and `drawn_by_default`."
+      "\n\nRaises NotFoundError for an unknown kind, and SpecError for a file with faults."
+      "\n\nExamples:\n"
+      "    >>> rc.tasks.object_info(\"apple\")[\"category\"]\n"
+      "    'fruit'");
   m.def(
       "make_object",
       [](const std::string& kind, const std::string& name, PythonRng& rng) {

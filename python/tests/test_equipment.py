@@ -10,11 +10,17 @@ import pytest
 import robocell as rc
 
 EQUIPMENT = [
+    "button_panel",
     "cabinet",
     "d405",
+    "drawer_unit",
+    "faucet",
     "fr3_duo_mount",
     "ft_sensor",
     "green_cube",
+    "laptop",
+    "lid_box",
+    "microwave",
     "open_bottle",
     "parallel_hand",
     "receiver",

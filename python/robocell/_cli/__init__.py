@@ -35,6 +35,7 @@ COMMANDS = (
     "ik-test",
     "reach",
     "view",
+    "add-object",
     "fetch",
     "doctor",
 )

@@ -10,7 +10,7 @@ from robocell import Error, RunConfig, _core
 from robocell._onboarding.robot_guess import RobotGuess
 from robocell._onboarding.yaml_text import flow, quoted
 from robocell.diagnose import check_run
-from robocell.tasks import object_kinds
+from robocell.tasks import default_object_kinds
 
 # Heights of the base are tried in steps; one this near to the usual one is that, m.
 SAME_HEIGHT = 0.08
@@ -43,7 +43,7 @@ def objects_held(run_file: Path) -> list[str]:
     except Error:
         return []  # the commands that run it explain it
     refused = {kind for doubt in doubts for kind in re.findall(CANNOT_HOLD, doubt.text)}
-    held = [kind for kind in object_kinds() if kind not in refused]
+    held = [kind for kind in default_object_kinds() if kind not in refused]
     return held if refused else []
 
 

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/roots.h"
@@ -46,14 +49,17 @@ fs::path FindModelsRoot() {
 }
 
 // Returns the names N of root/N/N.xml.
-std::vector<std::string> ModelsWithFolder(const char* kind) {
+std::vector<std::string> ModelsBelow(const fs::path& root) {
   std::vector<std::string> names;
-  const fs::path root = fs::path(ModelsRoot()) / kind;
   for (const std::string& name : FolderNamesIfAny(root)) {
     std::error_code error;  // set by a circle of links
     if (fs::exists(root / name / (name + ".xml"), error)) names.push_back(name);
   }
   return names;
+}
+
+std::vector<std::string> ModelsWithFolder(const char* kind) {
+  return ModelsBelow(fs::path(ModelsRoot()) / kind);
 }
 
 fs::path CellsFolder() {
@@ -89,6 +95,18 @@ std::vector<std::string> BuiltinModels() {
     names.insert(names.end(), more.begin(), more.end());
   std::sort(names.begin(), names.end());
   return names;
+}
+
+std::map<std::string, std::string> ObjectFolders() {
+  std::map<std::string, std::string> folders;
+  std::vector<std::string> roots = ModelPathRoots();
+  roots.push_back(ModelsRoot());
+  for (const std::string& root : roots) {
+    const fs::path objects = fs::path(root) / "objects";
+    for (const std::string& name : ModelsBelow(objects))
+      folders.emplace(name, (objects / name).string());
+  }
+  return folders;
 }
 
 std::string BuiltinRobotFile(const std::string& name) {

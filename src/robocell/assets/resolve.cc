@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <optional>
 #include <string_view>
@@ -48,6 +49,18 @@ bool IsModelFile(const fs::path& name) {
 
 bool IsPlainName(const std::string& name) {
   return name.find('/') == std::string::npos && !IsModelFile(name);
+}
+
+// Returns where a user's object lies below a root of ROBOCELL_MODEL_PATH.
+std::string ObjectFile(const std::string& name) { return "objects/" + name + "/" + name + ".xml"; }
+
+// Returns true for the file of a user's object, which only this machine has.
+bool IsUsersObject(const std::string& name, const fs::path& path) {
+  const std::vector<std::string> roots = ModelPathRoots();
+  return IsPlainName(name) && std::ranges::any_of(roots, [&](const std::string& root) {
+           std::error_code error;
+           return fs::equivalent(fs::path(root) / ObjectFile(name), path, error);
+         });
 }
 
 bool TryBuiltin(Search& search, const std::string& name) {
@@ -124,6 +137,7 @@ std::string Resolve(const std::string& name, const std::string& directory) {
   if (search.TryFile(path)) return search.found();
   for (const std::string& root : ModelPathRoots()) {
     if (search.TryBelow(root, name)) return search.found();
+    if (IsPlainName(name) && search.TryBelow(root, ObjectFile(name))) return search.found();
   }
   if (!IsPlainName(name)) {
     const std::string near = NeighbourHint(name, search.looked().front());
@@ -142,6 +156,7 @@ constexpr size_t kVersionLength = 17;  // "-" and 16 digits: the Menagerie's fol
 
 bool Means(const std::string& name, const fs::path& path) {
   if (!internal::Environment(OverrideVariable(name).c_str()).empty()) return false;  // here only
+  if (IsUsersObject(name, path)) return false;
   try {
     std::error_code error;
     return fs::equivalent(Resolve(name), path, error);

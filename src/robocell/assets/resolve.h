@@ -4,6 +4,8 @@
 //   relative/path.xml                    from the referring file's folder, then from the working
 //                                        folder, then below each root of ROBOCELL_MODEL_PATH
 //                                        (folders separated by ':')
+//   my_mug                               a user's object: objects/my_mug/my_mug.xml below one of
+//                                        these roots
 //   rc7, table, tabletop, ...            a built-in model by its name
 // A variable ROBOCELL_OVERRIDE_<NAME> replaces the model of that name by another file:
 // ROBOCELL_OVERRIDE_KINOVA_GEN3 is the file that `menagerie:kinova_gen3` means,
@@ -50,6 +52,11 @@ std::vector<std::string> BuiltinObjects();
 std::vector<std::string> BuiltinEquipment();
 std::vector<std::string> BuiltinScenes();
 std::vector<std::string> BuiltinModels();  // all of these
+
+// Returns the folders of the objects that tasks can draw, by name: those of users, which are
+// objects/NAME below a root of ROBOCELL_MODEL_PATH and hide built-in ones of the same name, and
+// models/objects.
+std::map<std::string, std::string> ObjectFolders();
 // Returns the YAML file of a built-in robot. Throws NotFoundError with the nearest names.
 std::string BuiltinRobotFile(const std::string& name);
 

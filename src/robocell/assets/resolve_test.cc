@@ -160,12 +160,33 @@ TEST_F(Resolving, AVariableOverridesAModelFile) {
 
 TEST_F(Resolving, EquipmentIsFoundByNameAndIsNotPickable) {
   EXPECT_THAT(BuiltinEquipment(),
-              ::testing::ElementsAre("cabinet", "d405", "fr3_duo_mount", "ft_sensor", "green_cube",
-                                     "open_bottle", "parallel_hand", "receiver",
-                                     "robotiq_d405_mount", "table", "tray"));
+              ::testing::ElementsAre("button_panel", "cabinet", "d405", "drawer_unit", "faucet",
+                                     "fr3_duo_mount", "ft_sensor", "green_cube", "laptop",
+                                     "lid_box", "microwave", "open_bottle", "parallel_hand",
+                                     "receiver", "robotiq_d405_mount", "table", "tray"));
   EXPECT_EQ(Resolve("cabinet"), ModelsRoot() + "/equipment/cabinet/cabinet.xml");
   EXPECT_THAT(BuiltinObjects(), ::testing::Not(Contains("cabinet")));
   EXPECT_THAT(BuiltinModels(), ::testing::IsSupersetOf({"rc7", "mug", "cabinet", "tabletop"}));
+}
+
+TEST_F(Resolving, AUsersObjectIsFoundByNameBeforeBuiltInOnes) {
+  const std::string mine = Write("root/objects/my_mug/my_mug.xml");
+  const std::string bottle = Write("root/objects/bottle/bottle.xml");
+  Write("root/objects/no_model/readme.txt");
+  {
+    const ScopedEnv env("ROBOCELL_MODEL_PATH", At("root"));
+    EXPECT_EQ(Resolve("my_mug"), mine);
+    EXPECT_EQ(Resolve("bottle"), bottle);
+    EXPECT_EQ(PortableName(mine), std::nullopt) << "only this machine has it";
+    const std::map<std::string, std::string> folders = ObjectFolders();
+    EXPECT_EQ(folders.at("my_mug"), At("root/objects/my_mug"));
+    EXPECT_EQ(folders.at("bottle"), At("root/objects/bottle"));
+    EXPECT_EQ(folders.at("mug"), ModelsRoot() + "/objects/mug");
+    EXPECT_FALSE(folders.contains("no_model"));
+    ExpectThrow<NotFoundError>([] { Resolve("my_mgu"); }, At("root/objects/my_mgu/my_mgu.xml"));
+  }
+  EXPECT_THROW(Resolve("my_mug"), NotFoundError);
+  EXPECT_EQ(PortableName(Resolve("bottle")), "bottle");
 }
 
 // Both must raise an Error: an earlier version let a foreign exception escape.

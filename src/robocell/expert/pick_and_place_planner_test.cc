@@ -70,7 +70,7 @@ PlaceOutcome RollOutPlace(const RunConfig& run, EpisodeStart& start,
 }
 
 TEST(PickAndPlacePlanner, PlacesEveryKindOnTheTray) {
-  for (const std::string& kind : ObjectKinds()) {
+  for (const std::string& kind : DefaultObjectKinds()) {
     const RunConfig run = RunOf(kind);
     EpisodeStart start = StartWith(run, 3);
     const PlaceOutcome outcome = RollOutPlace(run, start);

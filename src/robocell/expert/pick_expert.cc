@@ -110,7 +110,7 @@ class PickRunValidator {
     const auto shape = GripperShape::Of(robot_.config(), run_.options, scene.timestep());
     scene.Forward();
     const bool is_named = !pick.object.empty();
-    std::vector<std::string> kinds = pick.objects.empty() ? ObjectKinds() : pick.objects.names;
+    std::vector<std::string> kinds = KindsToDraw(pick.objects);
     if (is_named) kinds = {pick.object};
     for (const std::string& kind : kinds) {
       const auto& objects = scene.compiled()->objects();

@@ -24,7 +24,7 @@ void ExpectFree(PlanningScene& planning, const JointPath& path) {
 }
 
 TEST(PlanPick, TheApproachIsCollisionFree) {
-  for (const std::string& kind : ObjectKinds()) {
+  for (const std::string& kind : DefaultObjectKinds()) {
     const PickScene pick = MakePickScene(ObjectOnTheTable(kind));
     PlanningScene planning = pick.planning();
     Rng rng = Rng::Stream(1, kind);

@@ -5,8 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <map>
 #include <mutex>
+#include <optional>
+#include <system_error>
 
 #include "robocell/assets/model_files.h"
 #include "robocell/assets/resolve.h"
@@ -16,6 +20,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/scene.h"
+#include "robocell/spec/yaml.h"
 
 namespace robocell {
 namespace {
@@ -86,13 +91,102 @@ SceneObject Primitive(Shape shape, const std::string& name, Rng& rng) {
   return object;
 }
 
+constexpr const char* kPrimitives = "primitives";  // their category
+
+std::vector<std::string> Primitives() { return {"box", "cylinder", "sphere"}; }
+
+// Returns what object.yaml in a folder says. Each file is read again only when it has changed.
+ObjectInfo InfoIn(const std::string& folder) {
+  struct Known {
+    std::filesystem::file_time_type time;
+    uintmax_t size = 0;
+    ObjectInfo info;
+  };
+  static std::mutex mutex;
+  static std::map<std::string, Known> known;
+  const std::filesystem::path file = std::filesystem::path(folder) / "object.yaml";
+  std::error_code error;
+  const auto time = std::filesystem::last_write_time(file, error);
+  if (error) return {};
+  const uintmax_t size = std::filesystem::file_size(file, error);
+  const std::lock_guard lock(mutex);
+  const auto it = known.find(file.string());
+  if (it != known.end() && it->second.time == time && it->second.size == size)
+    return it->second.info;
+  const Known& read = known[file.string()] = {time, size, LoadYaml<ObjectInfo>(file.string())};
+  return read.info;
+}
+
 }  // namespace
 
 std::vector<std::string> ObjectKinds() {
-  std::vector<std::string> kinds = {"box", "cylinder", "sphere"};
-  const std::vector<std::string> models = assets::BuiltinObjects();
-  kinds.insert(kinds.end(), models.begin(), models.end());
+  std::vector<std::string> kinds = Primitives();
+  for (const auto& [name, folder] : assets::ObjectFolders()) {
+    if (std::ranges::find(kinds, name) == kinds.end()) kinds.push_back(name);
+  }
   return kinds;
+}
+
+std::vector<std::string> DefaultObjectKinds() {
+  std::vector<std::string> kinds = Primitives();
+  for (const auto& [name, folder] : assets::ObjectFolders()) {
+    if (InfoIn(folder).drawn_by_default && std::ranges::find(kinds, name) == kinds.end())
+      kinds.push_back(name);
+  }
+  return kinds;
+}
+
+ObjectInfo ObjectInfoOf(const std::string& kind) {
+  const std::vector<std::string> primitives = Primitives();
+  if (std::ranges::find(primitives, kind) != primitives.end())
+    return {.category = kPrimitives, .grasps = {ObjectGrasp::kTop, ObjectGrasp::kSide}};
+  const std::map<std::string, std::string> folders = assets::ObjectFolders();
+  const auto folder = folders.find(kind);
+  if (folder == folders.end())
+    throw NotFoundError(NoSuchName("the catalogue", "kind", kind, ObjectKinds()));
+  return InfoIn(folder->second);
+}
+
+std::map<std::string, std::vector<std::string>> ObjectCategories() {
+  std::map<std::string, std::vector<std::string>> categories = {{kPrimitives, Primitives()}};
+  for (const auto& [name, folder] : assets::ObjectFolders()) {
+    if (const std::string category = InfoIn(folder).category; !category.empty())
+      categories[category].push_back(name);
+  }
+  return categories;
+}
+
+std::vector<std::string> ObjectKindsOf(const std::vector<std::string>& names) {
+  const std::vector<std::string> kinds = ObjectKinds();
+  std::vector<std::string> chosen;
+  const auto add = [&](const std::string& kind) {
+    if (std::ranges::find(chosen, kind) == chosen.end()) chosen.push_back(kind);
+  };
+  std::optional<std::map<std::string, std::vector<std::string>>> categories;
+  for (const std::string& name : names) {
+    if (std::ranges::find(kinds, name) != kinds.end()) {
+      add(name);
+      continue;
+    }
+    if (!categories) categories = ObjectCategories();
+    const auto category = categories->find(name);
+    if (category == categories->end()) {
+      add(name);
+    } else {
+      std::ranges::for_each(category->second, add);
+    }
+  }
+  return chosen;
+}
+
+std::vector<std::string> KindsToDraw(const NameList& objects) {
+  return objects.empty() ? DefaultObjectKinds() : ObjectKindsOf(objects.names);
+}
+
+std::string WordOfKind(const std::string& kind) {
+  std::string word = kind;
+  std::ranges::replace(word, '_', ' ');
+  return word;
 }
 
 SceneObject MakeCatalogueObject(const std::string& kind, const std::string& name, Rng& rng) {

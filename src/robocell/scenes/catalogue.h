@@ -1,5 +1,5 @@
-// The kinds of objects that tasks can use: primitives with random sizes and the built-in mesh
-// objects.
+// The kinds of objects that tasks can use: primitives with random sizes, the built-in mesh objects
+// and those of users. Their categories, words and grasps are in object.yaml beside the model.
 #pragma once
 
 #include <map>
@@ -7,12 +7,37 @@
 #include <vector>
 
 #include "robocell/base/rng.h"
+#include "robocell/spec/containers.h"
+#include "robocell/spec/object_info.h"
 #include "robocell/spec/scene_object.h"
 
 namespace robocell {
 
-// Returns "box", "cylinder", "sphere" and the built-in models/objects.
+// Returns all kinds: "box", "cylinder", "sphere", and the objects of models/objects and of users
+// (assets::ObjectFolders).
 std::vector<std::string> ObjectKinds();
+
+// Returns the kinds that tasks draw unless they name some: the primitives, and the objects whose
+// object.yaml has `drawn_by_default`. They do not grow with the catalogue, so that the same seed
+// keeps its draws.
+std::vector<std::string> DefaultObjectKinds();
+
+// Returns the words, the size and the grasps of a kind, from object.yaml beside its model; defaults
+// without that file. Throws NotFoundError for an unknown kind and SpecError for a file with faults.
+ObjectInfo ObjectInfoOf(const std::string& kind);
+
+// Returns the categories of the catalogue and the kinds of each.
+std::map<std::string, std::vector<std::string>> ObjectCategories();
+
+// Replaces categories by their kinds; each kind comes once. A name that is a kind stands for that,
+// and unknown names stay.
+std::vector<std::string> ObjectKindsOf(const std::vector<std::string>& names);
+
+// Returns the kinds that a task with this field `objects` draws.
+std::vector<std::string> KindsToDraw(const NameList& objects);
+
+// Returns a kind as a word of instructions: "milk carton" for "milk_carton".
+std::string WordOfKind(const std::string& kind);
 
 // Returns an object of that kind with sizes, colour, mass and friction drawn from `rng`; no pose.
 // Throws NotFoundError that lists the kinds.

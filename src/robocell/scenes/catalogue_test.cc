@@ -3,10 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
+#include <map>
+
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/scene/scene.h"
 #include "robocell/spec/validate.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/scoped_env.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -18,21 +24,81 @@ TEST(Catalogue, HasPrimitivesAndTheBuiltInModels) {
 
 TEST(Catalogue, EveryKindIsAValidObjectThatBuilds) {
   SceneSpec spec{.name = "catalogue", .timestep = 0.002, .add_floor = true, .add_skybox = false};
+  const std::vector<std::string> defaults = DefaultObjectKinds();
   for (const std::string& kind : ObjectKinds()) {
+    const bool is_default = std::ranges::find(defaults, kind) != defaults.end();
     for (int i = 0; i < 20; ++i) {
       Rng rng = Rng::Stream(1, kind, i);
       const SceneObject object = MakeCatalogueObject(kind, kind + std::to_string(i), rng);
       EXPECT_NO_THROW(RequireValid(object, kind));
       const ObjectSize size = ObjectSizes().Of(object);
       EXPECT_GT(size.radius, 0) << kind;
-      EXPECT_LT(size.radius, 0.12) << kind;
+      EXPECT_LT(size.radius, is_default ? 0.12 : 0.2) << kind;
       EXPECT_GT(size.height, 0) << kind;
-      if (i == 0) spec.objects.push_back(object);
+      if (i > 0) continue;
+      spec.objects.push_back(object);
+      spec.objects[spec.objects.size() - 1].pos =
+          Vec3{0.5 * static_cast<double>(spec.objects.size()), 0, 0.3};
     }
   }
   const Scene scene = Scene::Build(spec);
   for (const ObjectRecord& object : scene.compiled()->objects())
     EXPECT_TRUE(object.free_joint) << object.name;
+}
+
+// The same seed keeps its draws however the catalogue grows.
+TEST(Catalogue, TheDefaultKindsStayTheSame) {
+  EXPECT_THAT(DefaultObjectKinds(), testing::ElementsAre("box", "cylinder", "sphere", "bottle",
+                                                         "bracket", "mug", "nut", "spool"));
+  EXPECT_EQ(KindsToDraw({}), DefaultObjectKinds());
+}
+
+TEST(Catalogue, CategoriesStandForTheirKinds) {
+  const std::map<std::string, std::vector<std::string>> categories = ObjectCategories();
+  EXPECT_THAT(categories.at("fruit"),
+              testing::ElementsAre("apple", "banana", "lemon", "orange", "pear"));
+  EXPECT_THAT(categories.at("primitives"), testing::ElementsAre("box", "cylinder", "sphere"));
+  EXPECT_THAT(ObjectKindsOf({"mug", "fruit", "apple", "mug"}),
+              testing::ElementsAre("mug", "apple", "banana", "lemon", "orange", "pear"));
+  EXPECT_THAT(ObjectKindsOf({"mgu"}), testing::ElementsAre("mgu"));
+  // A category is no kind: `objects: [bottle]` means the one of that name.
+  const std::vector<std::string> kinds = ObjectKinds();
+  for (const auto& [category, members] : categories) {
+    EXPECT_EQ(std::ranges::count(kinds, category), 0) << category;
+    for (const std::string& kind : members) EXPECT_EQ(std::ranges::count(kinds, kind), 1) << kind;
+  }
+}
+
+TEST(Catalogue, EveryKindHasWordsAndTheSizeOfItsModel) {
+  for (const std::string& kind : ObjectKinds()) {
+    const ObjectInfo info = ObjectInfoOf(kind);
+    EXPECT_NE(info.category, "") << kind;
+    if (!info.size) continue;
+    EXPECT_NE(info.colour, "") << kind;
+    const ObjectSize size = ObjectSizes().Of({.name = kind, .mjcf_path = kind});
+    EXPECT_NEAR(size.height + size.top, (*info.size)[2], 0.004) << kind;
+  }
+  EXPECT_EQ(WordOfKind("milk_carton"), "milk carton");
+  EXPECT_THROW(ObjectInfoOf("mugg"), NotFoundError);
+}
+
+TEST(Catalogue, UsersObjectsAreKinds) {
+  TempDir temp;
+  const std::string folder = temp / "objects/my_ball";
+  std::filesystem::create_directories(folder);
+  AtomicWrite(
+      folder + "/my_ball.xml",
+      "<mujoco><worldbody><body><freejoint/><geom size='.02'/></body></worldbody></mujoco>");
+  const ScopedEnv env("ROBOCELL_MODEL_PATH", temp.path().string());
+  EXPECT_THAT(ObjectKinds(), testing::Contains("my_ball"));
+  EXPECT_EQ(ObjectInfoOf("my_ball").category, "") << "object.yaml may be missing";
+  AtomicWrite(folder + "/object.yaml", "category: toys\nsynonyms: [marble]\n");
+  EXPECT_THAT(ObjectKindsOf({"toys"}), testing::Contains("my_ball"));
+  EXPECT_THAT(DefaultObjectKinds(), testing::Not(testing::Contains("my_ball")));
+  Rng rng = Rng::Stream(1, "x");
+  EXPECT_EQ(MakeCatalogueObject("my_ball", "x", rng).mjcf_path, "my_ball");
+  AtomicWrite(folder + "/object.yaml", "category: toys\ncolor: red   # it changed\n");
+  ExpectThrow<SpecError>([] { ObjectInfoOf("my_ball"); }, "object.yaml:2:1: color");
 }
 
 TEST(Catalogue, ASizeFollowsTheModelsFile) {

@@ -14,6 +14,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/scene.h"
+#include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/free_floor.h"
 #include "robocell/scenes/hollows.h"
 
@@ -101,7 +102,14 @@ class Derivation {
     const std::string category = object.mjcf_path.empty()
                                      ? std::string(ToString(object.shape.value_or(Shape::kBox)))
                                      : std::filesystem::path(object.mjcf_path).stem().string();
-    return {.object = object.name, .category = category, .words = {category}};
+    ObjectWords words = {.object = object.name, .category = category, .words = {category}};
+    const std::vector<std::string> kinds = ObjectKinds();
+    if (std::ranges::find(kinds, object.mjcf_path) == kinds.end()) return words;
+    const ObjectInfo info = ObjectInfoOf(object.mjcf_path);
+    if (!info.colour.empty())
+      words.words.push_back(info.colour + " " + WordOfKind(object.mjcf_path));
+    words.words.insert(words.words.end(), info.synonyms.begin(), info.synonyms.end());
+    return words;
   }
   SceneLight LightOf(int light) const {
     const mjData* d = scene_.data();

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "robocell/spec/env_config.h"
+#include "robocell/spec/object_info.h"
 #include "robocell/spec/spec_file.h"
 #include "robocell/spec/yaml_reader.h"
 #include "robocell/spec/yaml_writer.h"
@@ -72,6 +73,7 @@ ROBOCELL_YAML_FILE(CameraSpec)
 ROBOCELL_YAML_FILE(CameraSystemConfig)
 ROBOCELL_YAML_FILE(AttachmentSpec)
 ROBOCELL_YAML_FILE(EnvConfig)
+ROBOCELL_YAML_FILE(ObjectInfo)
 
 ROBOCELL_YAML(SceneSpec)
 ROBOCELL_YAML(SimOptions)
@@ -104,6 +106,7 @@ ROBOCELL_YAML(CameraAdderConfig)
 ROBOCELL_YAML(ObjectVariation)
 ROBOCELL_YAML(SimSettings)
 ROBOCELL_YAML(WrapperConfig)
+ROBOCELL_YAML(ObjectInfo)
 #undef ROBOCELL_YAML_FILE
 #undef ROBOCELL_YAML
 

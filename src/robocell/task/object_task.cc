@@ -40,17 +40,19 @@ ObjectTask::ObjectTask(ObjectOfTask object)
       draws_objects_(fields_.name.empty()),
       all_(fields_.all.value_or(std::vector<std::string>{fields_.name})) {
   if (draws_objects_) all_.clear();
+  fields_.kinds = ObjectKindsOf(fields_.kinds);
 }
 
 std::vector<std::string> ObjectTask::ChooseKinds(Rng& rng) {
   if (is_prepared_once()) {
     if (!fields_.kinds.empty()) return fields_.kinds;
-    std::vector<std::string> kinds = ObjectKinds();
+    std::vector<std::string> kinds = DefaultObjectKinds();
     rng.Shuffle(kinds);
     kinds.resize(std::min(kinds.size(), 1 + kMostBeside));
     return kinds;
   }
-  const std::vector<std::string> allowed = fields_.kinds.empty() ? ObjectKinds() : fields_.kinds;
+  const std::vector<std::string> allowed =
+      fields_.kinds.empty() ? DefaultObjectKinds() : fields_.kinds;
   std::vector<std::string> kinds = {turn().Choose(allowed)};
   // The other objects are of other kinds: "pick up the mug" has to mean one object.
   std::vector<std::string> others = allowed;
@@ -70,7 +72,7 @@ void ObjectTask::Prepare(SceneSpec& spec, Rng& rng) {
                               : NameInRun(i);
   };
   fields_.name = name(0);
-  fields_.word = kinds.front();
+  fields_.word = WordOfKind(kinds.front());
   all_.clear();
   kinds_.clear();
   for (size_t i = 0; i < kinds.size(); ++i) {
@@ -166,7 +168,7 @@ void ObjectTask::Choose(size_t candidate) {
   const Candidate& target = candidates_.at(candidate);
   chosen_ = candidate;
   fields_.name = target.name;
-  fields_.word = target.kind;
+  fields_.word = WordOfKind(target.kind);
   object_ = target.body;
   Stand(internal::kTarget, target.name);
   size_t beside = 0;

@@ -29,7 +29,7 @@ struct ObjectOfTask {
   double lift_height = 0;  // metres
   Vec2 spread = {0, 0};    // random offset of its position, metres
   bool rotate = false;     // about the vertical at its place
-  // Kinds of the catalogue that objects are drawn from; empty for all.
+  // Kinds and categories of the catalogue that objects are drawn from; empty for the default kinds.
   std::vector<std::string> kinds = {};
   // Objects whose poses are observed; {name} unless set.
   std::optional<std::vector<std::string>> all = {};

@@ -101,13 +101,13 @@ TEST(ObjectTask, KindsAlternateAndOthersAreOfDifferentKinds) {
                          start.object_kinds.front()),
               1);
   }
-  for (const std::string& kind : ObjectKinds()) EXPECT_GE(counts[kind], 2) << kind;
+  for (const std::string& kind : DefaultObjectKinds()) EXPECT_GE(counts[kind], 2) << kind;
 }
 
 // A policy must not be able to infer the distance from the kind.
 TEST(ObjectTask, EachKindCoversTheWholeRange) {
   RunConfig run = Demo();
-  const std::vector<std::string> all = ObjectKinds();
+  const std::vector<std::string> all = DefaultObjectKinds();
   for (const size_t count : {2, 3, 4, 8}) {
     run.task.As<PickTaskConfig>().objects.names.assign(
         all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count));

@@ -44,7 +44,7 @@ std::vector<std::string> NamedObjects(const PickAndPlaceTaskConfig& fields) {
 }  // namespace
 
 std::vector<std::string> PickAndPlaceTask::GoalKindsOf(const PickAndPlaceTaskConfig& task) {
-  return task.goals.empty() ? std::vector<std::string>{kTray} : task.goals.names;
+  return task.goals.empty() ? std::vector<std::string>{kTray} : ObjectKindsOf(task.goals.names);
 }
 
 std::vector<std::string> PickAndPlaceTask::AllGoalKinds() {
@@ -421,7 +421,7 @@ double PickAndPlaceTask::Progress() const {
 
 std::string PickAndPlaceTask::instruction() const {
   return fmt::format("pick up the {} and put it {}", word(),
-                     has_goal_object() ? "on the " + goal_word_ : "down at the goal");
+                     has_goal_object() ? "on the " + WordOfKind(goal_word_) : "down at the goal");
 }
 
 std::vector<Feature> PickAndPlaceTask::signals() const {

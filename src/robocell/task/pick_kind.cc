@@ -129,7 +129,7 @@ void RequireRestAtGoal(const PickAndPlaceTaskConfig& task, const Scene& scene, P
   std::vector<std::string> wrong;
   std::string why;
   const auto& objects = scene.compiled()->objects();
-  for (const std::string& kind : task.objects.empty() ? ObjectKinds() : task.objects.names) {
+  for (const std::string& kind : KindsToDraw(task.objects)) {
     const auto object = std::ranges::find(objects, kind, &ObjectRecord::name);
     if (object == objects.end() || !object->free_joint) continue;  // the scene's own has the name
     PickAndPlaceTaskConfig one = task;
@@ -159,13 +159,20 @@ void RequireMetres(const char* field, double length, Problems& problems) {
                                     length, length / 1000));
 }
 
-void RequireKinds(const char* field, const NameList& chosen, const std::vector<std::string>& known,
+// Requires kinds or categories. `kinds` are the allowed ones.
+void RequireKinds(const char* field, const NameList& chosen, const std::vector<std::string>& kinds,
                   Problems& problems) {
+  if (chosen.empty()) return;
   const Problems::Scope scope(problems, field);
+  std::vector<std::string> categories;
+  for (const auto& [category, members] : ObjectCategories()) categories.push_back(category);
+  std::vector<std::string> known = kinds;
+  known.insert(known.end(), categories.begin(), categories.end());
   for (size_t i = 0; i < chosen.size(); ++i) {
     if (std::ranges::find(known, chosen[i]) != known.end()) continue;
     const Problems::Scope item(problems, i);
-    problems.Add(NoSuchName("", "kind of object", chosen[i], known));
+    problems.Add(NoSuchName("", "kind of object", chosen[i], known) +
+                 " Categories, which stand for all their kinds: " + ListNames(categories, 20));
   }
 }
 
@@ -182,8 +189,7 @@ class KindOfPick : public TaskKindOf<Config, T> {
   void ValidateEnv(const EnvConfig& env, Problems& problems) const override {
     const auto& task = env.task->As<Config>();
     if (task.object.empty())
-      RequireFreeNames(env, kTarget, task.objects.empty() ? ObjectKinds() : task.objects.names,
-                       "object", problems);
+      RequireFreeNames(env, kTarget, KindsToDraw(task.objects), "object", problems);
     const Problems::Scope scope(problems, "task");
     ValidateTask(task, problems);
     if (!task.object.empty()) RequireRigObject(env, "object", task.object, problems);
@@ -217,7 +223,7 @@ class KindOfPick : public TaskKindOf<Config, T> {
   // Returns the drawn objects that a start may have; one without any if the task names its object.
   static std::vector<StartContents> Picks(const Config& task) {
     if (!task.object.empty()) return {StartContents()};
-    return ObjectTask::PossibleContents(task.objects.empty() ? ObjectKinds() : task.objects.names);
+    return ObjectTask::PossibleContents(KindsToDraw(task.objects));
   }
 };
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,6 +21,7 @@
 #include "robocell/spec/testing/pour_task.h"
 #include "robocell/spec/yaml.h"
 #include "robocell/task/base_placement.h"
+#include "robocell/task/pick_task.h"
 #include "robocell/task/pick_task_config.h"
 #include "robocell/task/start_sampler.h"
 #include "robocell/task/task_kind.h"
@@ -143,16 +145,34 @@ TEST(PickKind, ReportsUnknownObjectKindsAtTheirPlace) {
                             "[try]}\n");
   EXPECT_THAT(error, HasSubstr("yaml:4:45: task.objects[1]: no kind of object 'mgu'"));
   EXPECT_THAT(error, HasSubstr("Did you mean 'mug'?"));
+  EXPECT_THAT(error, HasSubstr("Categories, which stand for all their kinds: blocks, books"));
   EXPECT_THAT(error, HasSubstr("task.goals[0]: no kind of object 'try'"));
 }
 
 TEST(PickKind, HasOneObjectOfEachKind) {
   RunConfig run = ExampleRun("demo.yaml");
-  EXPECT_EQ(FindTaskKind("pick")->Contents(run).size(), ObjectKinds().size());
+  EXPECT_EQ(FindTaskKind("pick")->Contents(run).size(), DefaultObjectKinds().size());
   run.task.As<PickTaskConfig>().objects = {"mug"};
   const std::vector<SceneObject> contents = FindTaskKind("pick")->Contents(run);
   ASSERT_EQ(contents.size(), 1u);
   EXPECT_EQ(contents[0].name, "mug");
+}
+
+TEST(PickKind, DrawsTheKindsOfACategory) {
+  RunConfig run = ExampleRun("demo.yaml");
+  run.task.As<PickTaskConfig>().objects = {"fruit", "milk_carton"};
+  EXPECT_EQ(FindTaskKind("pick")->Contents(run).size(), 6u);
+  std::set<std::string> kinds;
+  for (int i = 0; i < 40; ++i) {
+    PickTask task(run.task.As<PickTaskConfig>());
+    Rng rng = Rng::Stream(1, "fruit", i);
+    SceneSpec spec;
+    task.Prepare(spec, rng);
+    for (const std::string& object : task.objects()) kinds.insert(task.kind_of(object));
+    EXPECT_EQ(task.instruction(), "pick up the " + WordOfKind(task.kind_of("target")));
+  }
+  EXPECT_THAT(kinds, testing::UnorderedElementsAre("apple", "banana", "lemon", "milk_carton",
+                                                   "orange", "pear"));
 }
 
 // A source whose scenes have a cube on a table, and scene 1 a ball instead.

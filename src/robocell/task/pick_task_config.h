@@ -34,8 +34,8 @@ void PickedObjectFields(V&& v) {
 template <class T, class V>
 void DrawnObjectFields(V&& v) {
   v("objects", &T::objects,
-    "Without `object`: kinds that it is drawn from, by their names in the catalogue. Unset: all of "
-    "them, in an environment three.");
+    "Without `object`: kinds and categories of the catalogue that it is drawn from. Unset: the "
+    "default kinds, in an environment three of them.");
 }
 
 struct PickTaskConfig {
@@ -91,7 +91,7 @@ struct PickAndPlaceTaskConfig {
       Bound::kNonNegative);
     v("goals", &T::goals,
       "Without `goal` and `goal_object`: kinds of objects that the goal is drawn from, of the "
-      "catalogue or built-in equipment with a free joint. Unset: `tray`.");
+      "catalogue, also by category, or built-in equipment with a free joint. Unset: `tray`.");
     DrawnObjectFields<T>(v);
   }
 };

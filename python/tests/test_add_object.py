@@ -1,0 +1,232 @@
+"""`robocell add-object`: models of users become kinds of the catalogue."""
+
+from __future__ import annotations
+
+import random
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import pytest
+import trimesh
+from typer.testing import CliRunner
+
+import robocell as rc
+from robocell._adding.convex import convex_parts, hull_of, volume_of
+from robocell._adding.meshes import AddObjectError, read_shape
+from robocell._cli import load
+
+MUTANTS = 20  # of each format
+
+
+def box(half: tuple[float, float, float]) -> trimesh.Trimesh:
+    return trimesh.creation.box(extents=2 * np.array(half))
+
+
+def corner() -> trimesh.Trimesh:
+    """An L of two boxes with one closed surface: no convex shape."""
+    outline = [(0, 0), (0.08, 0), (0.08, 0.03), (0.03, 0.03), (0.03, 0.08), (0, 0.08)]
+    n = len(outline)
+    vertices = np.array([(x, y, z) for z in (0, 0.04) for x, y in outline])
+    cap = [(0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5)]
+    faces = [(c, b, a) for a, b, c in cap] + [(a + n, b + n, c + n) for a, b, c in cap]
+    for k in range(n):
+        j = (k + 1) % n
+        faces += [(k, j, n + j), (k, n + j, n + k)]
+    return trimesh.Trimesh(vertices, faces, process=False)
+
+
+@pytest.fixture
+def add(tmp_path, monkeypatch):
+    """Runs the command in this process; returns the exit code and all that it prints."""
+    monkeypatch.setenv("ROBOCELL_MODEL_PATH", str(tmp_path / "mine"))
+    monkeypatch.setenv("COLUMNS", "200")
+
+    def run(*arguments: object, code: int = 0) -> str:
+        words = ["add-object", *map(str, arguments)]
+        result = CliRunner().invoke(load(words), words)
+        assert result.exit_code == code, (result.output, result.exception)
+        return result.output
+
+    return run
+
+
+def saved(mesh: trimesh.Trimesh, path: Path) -> Path:
+    path.parent.mkdir(exist_ok=True, parents=True)
+    mesh.export(path)
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".stl", ".glb"])
+def test_a_mesh_of_any_format_becomes_the_same_shape(tmp_path, suffix):
+    mesh = box((0.03, 0.02, 0.01))
+    mesh.apply_translation([1, 2, 3])
+    shape = read_shape(saved(mesh, tmp_path / f"brick{suffix}"), up="z")
+    assert shape.is_watertight
+    assert shape.volume == pytest.approx(0.06 * 0.04 * 0.02, rel=1e-5)
+    points = shape.points()
+    np.testing.assert_allclose(points.max(0), [0.03, 0.02, 0.01], atol=1e-6)
+    np.testing.assert_allclose(points.min(0), [-0.03, -0.02, -0.01], atol=1e-6)
+
+
+def test_a_glb_stands_on_its_y_axis(tmp_path):
+    shape = read_shape(saved(box((0.01, 0.03, 0.02)), tmp_path / "tall.glb"))
+    np.testing.assert_allclose(shape.points().max(0), [0.01, 0.02, 0.03], atol=1e-6)
+
+
+def test_hulls_have_the_volume_of_their_points():
+    points = np.random.default_rng(1).normal(size=(200, 3)) * [0.02, 0.03, 0.05]
+    expected = trimesh.Trimesh(points).convex_hull if hasattr(trimesh, "convex") else None
+    hull = hull_of(points, "points")
+    inside = trimesh.Trimesh(*hull, process=False)
+    assert inside.is_watertight
+    assert inside.volume == pytest.approx(volume_of(hull), rel=1e-9)
+    assert len(hull[0]) <= 64
+    if expected is not None:
+        assert 0.85 * expected.volume < volume_of(hull) <= expected.volume * 1.0001
+
+
+def test_a_shape_that_is_not_convex_is_split_into_its_parts(tmp_path):
+    shape = read_shape(saved(corner(), tmp_path / "corner.obj"))
+    assert shape.is_watertight
+    whole = convex_parts(shape, "corner", split=False)
+    parts = convex_parts(shape, "corner")
+    assert (len(whole), len(parts)) == (1, 2)
+    assert sum(map(volume_of, parts)) == pytest.approx(shape.volume, rel=0.06)
+    assert volume_of(whole[0]) > 1.2 * shape.volume
+
+
+def test_an_added_object_is_drawn_like_any_kind(add, tmp_path):
+    brick = saved(box((0.03, 0.02, 0.015)), tmp_path / "My Brick.stl")
+    told = add(brick, "--density", 1000, "--category", "bricks", "--colour", "red",
+               "--synonym", "red brick", "--material", "clay")  # fmt: skip
+    assert "my_brick" in told
+    assert "60 x 40 x 30" in told
+    assert "as it is" in told
+    assert "ROBOCELL_MODEL_PATH" not in told, "it is set"
+    folder = tmp_path / "mine" / "objects" / "my_brick"
+    assert (folder / "my_brick.png").read_bytes().startswith(b"\x89PNG")
+    model = mujoco.MjModel.from_xml_path(str(folder / "my_brick.xml"))
+    assert model.body("my_brick").mass[0] == pytest.approx(1000 * 0.06 * 0.04 * 0.03, rel=1e-3)
+    assert rc.models.resolve("my_brick") == str(folder / "my_brick.xml")
+    assert "my_brick" in rc.tasks.object_kinds()
+    assert "my_brick" not in rc.tasks.default_object_kinds()
+    assert rc.tasks.object_kinds_of(["bricks"]) == ["my_brick"]
+    info = rc.tasks.object_info("my_brick")
+    assert (info["colour"], info["material"], info["synonyms"]) == ("red", "clay", ["red brick"])
+    np.testing.assert_allclose(info["size"], [0.06, 0.04, 0.03], atol=1e-4)
+    rng = rc.tasks.Rng.stream(0, "object")
+    assert rc.tasks.make_object("my_brick", "target", rng).mjcf_path == "my_brick"
+    spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=False)
+    spec.objects.append(rc.SceneObject(name="b", mjcf_path="my_brick", pos=[0, 0, 0.02]))
+    scene = rc.Scene.build(spec)
+    assert scene.step_n(300).ok
+    assert scene.data.joint(0).qpos[2] == pytest.approx(0.015, abs=1e-3)
+
+    assert "there is an object 'my_brick'" in add(brick, code=2)
+    add(brick, "--replace", "--mass", 0.2)
+    model = mujoco.MjModel.from_xml_path(str(folder / "my_brick.xml"))
+    assert model.body("my_brick").mass[0] == pytest.approx(0.2, rel=1e-4)
+
+
+def test_a_model_comes_with_its_files_and_a_dry_run_writes_nothing(add, tmp_path):
+    given = tmp_path / "given"
+    saved(box((0.02, 0.02, 0.02)), given / "meshes" / "cube.stl")
+    (given / "cube.xml").write_text(
+        "<mujoco><compiler meshdir='meshes'/><asset><mesh name='c' file='cube.stl'/></asset>"
+        "<worldbody><body name='cube'><freejoint/><geom type='mesh' mesh='c' mass='0.1'/></body>"
+        "</worldbody></mujoco>"
+    )
+    assert "cube" in add(given, "--dry-run")
+    assert not (tmp_path / "mine").exists()
+    assert "40 x 40 x 40" in add(given)
+    folder = tmp_path / "mine" / "objects" / "cube"
+    assert sorted(str(p.relative_to(folder)) for p in folder.rglob("*.*")) == [
+        "cube.png",
+        "cube.xml",
+        "meshes/cube.stl",
+        "object.yaml",
+    ]
+    assert (folder / "cube.xml").read_text() == (given / "cube.xml").read_text()
+    assert "--mass is for mesh files" in add(given, "--mass", 1, "--replace", code=2)
+
+
+def test_mistakes_are_named_with_the_next_step(add, tmp_path, monkeypatch):
+    cube = box((20, 20, 20))
+    large = saved(cube, tmp_path / "large.stl")
+    assert "is 40 m large, and lengths are in metres. Is it in millimetres?" in add(large, code=1)
+    assert "40 x 40 x 40" in add(large, "--scale", 0.001, "--dry-run")
+    assert "Give --scale" in add(large, "--scale", 1e-6, code=1)
+    assert "--scale is 0; it is a number above 0" in add(large, "--scale", 0, code=2)
+    assert "no file" in add(tmp_path / "none.obj", code=2)
+    assert "has no model" in add(saved(cube, tmp_path / "a" / "b" / "c.stl").parent.parent, code=2)
+    assert "'mug' is a built-in model" in add(large, "--name", "mug", code=2)
+    assert "'fruit' is a category" in add(large, "--name", "fruit", code=2)
+    assert "starts with a letter" in add(large, "--name", "3d", code=2)
+    assert "is no single word" in add(large, "--category", "my things", code=2)
+    flat = trimesh.Trimesh([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], [[0, 1, 2]])
+    assert "is flat" in add(saved(flat, tmp_path / "flat.obj"), code=1)
+    (tmp_path / "empty.obj").write_text("")
+    assert "is empty" in add(tmp_path / "empty.obj", code=1)
+    (tmp_path / "two.xml").write_text(
+        "<mujoco><worldbody><body><geom size='.1'/></body><body><geom size='.1'/></body>"
+        "</worldbody></mujoco>"
+    )
+    assert "has 2 bodies in its worldbody" in add(tmp_path / "two.xml", code=1)
+    (tmp_path / "bad.xml").write_text("<mujoco><worldbod/></mujoco>")
+    assert "MuJoCo cannot load it" in add(tmp_path / "bad.xml", code=1)
+    monkeypatch.delenv("ROBOCELL_MODEL_PATH")
+    assert "no folder for objects: give --into FOLDER" in add(large, code=2)
+    assert not (tmp_path / "mine" / "objects").exists() or not list(
+        (tmp_path / "mine" / "objects").iterdir()
+    )
+
+
+def test_an_object_that_is_not_watertight_is_reported(add, tmp_path):
+    mesh = box((0.03, 0.03, 0.03))
+    mesh.update_faces(np.arange(2, len(mesh.faces)))  # without its lid
+    told = " ".join(add(saved(mesh, tmp_path / "open.obj"), "--one-hull", "--dry-run").split())
+    assert "is not watertight: its mass is that of its convex hull; give --mass" in told
+    assert "no" in told.split()
+
+
+def test_what_tips_over_is_told(add, tmp_path):
+    leaning = box((0.01, 0.01, 0.04))
+    leaning.vertices[:, 0] += leaning.vertices[:, 2]
+    assert "turned by" in add(saved(leaning, tmp_path / "leaning.obj"), "--dry-run")
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".stl", ".glb"])
+def test_a_broken_file_is_read_or_named(tmp_path, suffix):
+    """Bytes are flipped, cut out and repeated: each file is a shape or one of our errors."""
+    good = saved(corner(), tmp_path / f"good{suffix}").read_bytes()
+    rng = random.Random(7)
+    read = 0
+    for i in range(MUTANTS):
+        data = bytearray(good)
+        for _ in range(rng.randint(1, 6)):
+            at = rng.randrange(len(data))
+            match rng.randrange(4):
+                case 0:
+                    data[at] = rng.randrange(256)
+                case 1:
+                    del data[at : at + rng.randint(1, 40)]
+                case 2:
+                    data[at:at] = data[at : at + rng.randint(1, 60)]
+                case 3:
+                    data[at : at + 2] = rng.choice([b"-9", b"\xff\xff", b"e9", b"\n\n"])
+        path = tmp_path / f"mutant_{i}{suffix}"
+        path.write_bytes(data)
+        problem = ""
+        try:
+            shape = read_shape(path)
+            hulls = convex_parts(shape, str(path), split=False)
+        except AddObjectError as error:
+            problem = str(error)
+        if problem:
+            assert str(path) in problem
+            continue
+        read += 1
+        assert np.all(np.isfinite(shape.points()))
+        assert volume_of(hulls[0]) > 0
+    assert read > 0, "some changes do no harm"
