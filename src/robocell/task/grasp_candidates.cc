@@ -193,7 +193,7 @@ class CandidateSearch {
                         2 * std::max(0.0, std::abs(at.z() - com_.z()) - 0.01) +
                         0.3 * (1 - squeeze.square) + 0.05 * (1 - squeeze.cover) +
                         3 * std::max(0.0, 0.012 - width) + 0.3 * width;
-    const double aside = Aside(width);
+    const double aside = AsideFor(shape_, width);
     const Eigen::Vector3d held = shape_.PadAt(width) + aside * Eigen::Vector3d::UnitY();
     for (const double flip : {0.0, internal::kPi}) {  // either finger may be left
       const Eigen::Matrix3d axes = TopDown(yaw + flip);
@@ -201,15 +201,6 @@ class CandidateSearch {
       found_.push_back(
           {.tcp_in_world = tcp, .width = width, .aside = std::abs(aside), .cost = cost});
     }
-  }
-
-  // Returns how far the object is from the middle of the pads, along the closing direction, so that
-  // it is clear of both pads of the open hand: 0 if both open.
-  double Aside(double width) const {
-    const double half = (shape_.open_gap() - width) / 2;
-    const double moved = shape_.PadAt(shape_.open_gap()).y() - shape_.PadAt(width).y();
-    return std::max(kJawClearance - (half - moved), 0.0) -
-           std::max(kJawClearance - (half + moved), 0.0);
   }
 
   const mjModel* m_;
@@ -239,6 +230,13 @@ std::vector<GraspCandidate> FindGrasps(const mjModel* m, const mjData* d, int ob
   std::stable_sort(grasps.begin(), grasps.end(),
                    [](const auto& a, const auto& b) { return a.cost < b.cost; });
   return grasps;
+}
+
+double AsideFor(const GripperShape& shape, double width) {
+  const double half = (shape.open_gap() - width) / 2;
+  const double moved = shape.PadAt(shape.open_gap()).y() - shape.PadAt(width).y();
+  return std::max(kJawClearance - (half - moved), 0.0) -
+         std::max(kJawClearance - (half + moved), 0.0);
 }
 
 HeldWidths WidthsHeld(double closed_gap, double open_gap) {

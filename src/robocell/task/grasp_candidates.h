@@ -38,6 +38,9 @@ struct HeldWidths {
   double least, most;
 };
 HeldWidths WidthsHeld(double closed_gap, double open_gap);
+// Returns how far an object of this width has to be from the middle of the pads, along the closing
+// direction, so that it is clear of both pads of the open hand, m: 0 if both open.
+double AsideFor(const GripperShape& shape, double width);
 // Returns "holds from 0.007 to 0.078 m", or, for a gripper that opens too little, why it holds
 // nothing.
 std::string DescribeHeldWidths(double closed_gap, double open_gap);
