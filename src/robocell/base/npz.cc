@@ -1,8 +1,8 @@
 #include "robocell/base/npz.h"
 
+#include <zlib.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <bit>
@@ -101,18 +101,19 @@ std::map<std::string, std::string> Unzip(const fs::path& path) {
     if (total > kMostBytes) fault.Throw("its arrays are larger than 2 GiB when unpacked");
     fault.Require(local + kLocalSize <= all.size() && Little<uint32_t>(all, local) == kLocal,
                   "an array is missing");
-    const size_t begin = local + kLocalSize + Little<uint16_t>(all, local + 26) +
-                         Little<uint16_t>(all, local + 28);
+    const size_t begin =
+        local + kLocalSize + Little<uint16_t>(all, local + 26) + Little<uint16_t>(all, local + 28);
     fault.Require(begin + packed <= all.size(), "an array is cut off");
     const std::string_view bytes = std::string_view(all).substr(begin, packed);
     if (method != 0 && method != 8)
-      fault.Throw(fmt::format("'{}' is packed by method {}, which is not read; write the file again "
-                              "with numpy.savez_compressed",
-                              name, method));
+      fault.Throw(
+          fmt::format("'{}' is packed by method {}, which is not read; write the file again "
+                      "with numpy.savez_compressed",
+                      name, method));
     fault.Require(method != 0 || packed == size, "the sizes of an array differ");
     std::string content = method == 0 ? std::string(bytes) : Inflate(bytes, size, fault);
-    const auto sum = crc32(0, reinterpret_cast<const Bytef*>(content.data()),
-                           static_cast<uInt>(content.size()));
+    const auto sum =
+        crc32(0, reinterpret_cast<const Bytef*>(content.data()), static_cast<uInt>(content.size()));
     fault.Require(sum == checksum, "the checksum of an array is wrong");
     files[name] = std::move(content);
   }
@@ -197,7 +198,7 @@ void AppendUtf8(uint32_t code, std::string* out) {
     return;
   }
   const int more = code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;
-  out->push_back(static_cast<char>((0xf00 >> more & 0xff) | code >> (6 * more)));
+  out->push_back(static_cast<char>((0xff00 >> (more + 1) & 0xff) | code >> (6 * more)));
   for (int i = more - 1; i >= 0; --i)
     out->push_back(static_cast<char>(0x80 | (code >> (6 * i) & 0x3f)));
 }
@@ -243,8 +244,8 @@ NpzArray ParseArray(const std::string& name, const std::string& file, const Faul
                       !(kind == 'f' && width == 1)) ||
                      ((kind == 'U' || kind == 'S') && width < 1 << 20);
   if (!known) {
-    fault.Throw(fmt::format("array '{}' has the type '{}'{}; numbers, bools and texts are read", name,
-                            header.type, kind == 'O' ? " (Python objects)" : ""));
+    fault.Throw(fmt::format("array '{}' has the type '{}'{}; numbers, bools and texts are read",
+                            name, header.type, kind == 'O' ? " (Python objects)" : ""));
   }
   size_t count = 1;
   for (const size_t n : header.shape) count *= n;

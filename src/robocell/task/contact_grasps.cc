@@ -22,12 +22,12 @@ constexpr std::array kRings = {0.5, 0.95};  // shares of the radius
 constexpr int kLinesOnRing = 8;
 constexpr double kFlat = 1e-3;   // m: what a cup bridges, below the highest line
 constexpr double kPress = 1e-3;  // m: a cup presses into the object
-const double kLevel = std::cos(std::numbers::pi / 18);  // cosine of normals to the cup's axis
+const double kLevel = std::cos(std::numbers::pi / 18);   // cosine of normals to the cup's axis
 constexpr double kPushRadius = 0.006, kPushFlat = 2e-3;  // m: of the face that a tip pushes
-constexpr double kJustApart = 5e-4;    // m between a pushing hand and the object
-constexpr double kHookDepth = 0.01;    // m: the tip reaches beyond the bar's middle
-constexpr double kMostBar = 0.06;      // m: thickness of a bar that is hooked
-constexpr double kTipPart = 0.02;      // m: the part of the hand behind the bar
+constexpr double kJustApart = 5e-4;                      // m between a pushing hand and the object
+constexpr double kHookDepth = 0.01;  // m: the tip reaches beyond the bar's middle
+constexpr double kMostBar = 0.06;    // m: thickness of a bar that is hooked
+constexpr double kTipPart = 0.02;    // m: the part of the hand behind the bar
 constexpr int kHandPoints = 400;
 
 // Returns the height of the highest point of a face over a disc, above `point`; unset if the face is
@@ -79,14 +79,13 @@ std::vector<GraspProposal> ProposeSuctionGrasps(const GraspTarget& target, const
     if (reference.cross(z).norm() < 0.3) reference = Vector3d::UnitY();
     reference = (reference - reference.dot(z) * z).normalized();
     const Matrix3d axes = GraspAxes(Eigen::AngleAxisd(turn, z) * reference, z);
-    found.push_back(
-        {.grasp = {.tcp_in_body =
-                       Pose(middle - axes * shape.PadAt(0), axes) * shape.grasp_in_tcp().inverse(),
-                   .kind = GraspKind::kSuction,
-                   .approach = z,
-                   .approach_length = options.approach_length,
-                   .score = NearCom(target, point->at, point->normal)},
-         .press = 2 * kPress});
+    found.push_back({.grasp = {.tcp_in_body = Pose(middle - axes * shape.PadAt(0), axes) *
+                                              shape.grasp_in_tcp().inverse(),
+                               .kind = GraspKind::kSuction,
+                               .approach = z,
+                               .approach_length = options.approach_length,
+                               .score = NearCom(target, point->at, point->normal)},
+                     .press = 2 * kPress});
   }
   return found;
 }

@@ -26,9 +26,9 @@ bool ConvexSolid::Supports(const mjModel* m, int geom) {
 
 ConvexSolid::ConvexSolid(const mjModel* m, const mjData* d, int geom, const Pose& frame)
     : geom_(geom), type_(m->geom_type[geom]), size_(m->geom_size + 3 * geom) {
-  const Pose in_frame = RoundedPose(
-      frame.inverse() *
-      Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * geom, d->geom_xmat + 9 * geom));
+  const Pose in_frame =
+      RoundedPose(frame.inverse() *
+                  Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * geom, d->geom_xmat + 9 * geom));
   axes_ = in_frame.rotation();
   origin_ = in_frame.translation();
   const double* box = m->geom_aabb + 6 * geom;
@@ -51,7 +51,8 @@ ConvexSolid::ConvexSolid(const mjModel* m, const mjData* d, int geom, const Pose
 bool ConvexSolid::Through(const Vector3d& from, const Vector3d& direction, SolidSpan* span) const {
   const Vector3d to = centre_ - from;
   const double along = to.dot(direction);
-  if (to.squaredNorm() - along * along > (radius_ + kTouching) * (radius_ + kTouching)) return false;
+  if (to.squaredNorm() - along * along > (radius_ + kTouching) * (radius_ + kTouching))
+    return false;
   const Vector3d p = axes_.transpose() * (from - origin_), d = axes_.transpose() * direction;
   if (!ThroughLocal(p, d, span)) return false;
   span->begin_normal = axes_ * span->begin_normal;
@@ -142,7 +143,8 @@ bool ConvexSolid::ThroughCapsule(const Vector3d& p, const Vector3d& d, SolidSpan
   }
   const double a = d.head<2>().squaredNorm();
   if (half > 0 && a > kParallel) {
-    const double b = p.head<2>().dot(d.head<2>()), root = b * b - a * (p.head<2>().squaredNorm() - r * r);
+    const double b = p.head<2>().dot(d.head<2>()),
+                 root = b * b - a * (p.head<2>().squaredNorm() - r * r);
     if (root > 0) {
       for (const double t : {(-b - std::sqrt(root)) / a, (-b + std::sqrt(root)) / a})
         if (std::abs(p.z() + t * d.z()) <= half) add(t, t);
@@ -166,7 +168,8 @@ bool ConvexSolid::ThroughCylinder(const Vector3d& p, const Vector3d& d, SolidSpa
   bool begin_at_cap = false, end_at_cap = false;
   const double a = d.head<2>().squaredNorm();
   if (a > kParallel) {
-    const double b = p.head<2>().dot(d.head<2>()), root = b * b - a * (p.head<2>().squaredNorm() - r * r);
+    const double b = p.head<2>().dot(d.head<2>()),
+                 root = b * b - a * (p.head<2>().squaredNorm() - r * r);
     if (root <= 0) return false;
     begin = (-b - std::sqrt(root)) / a;
     end = (-b + std::sqrt(root)) / a;

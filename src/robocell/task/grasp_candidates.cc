@@ -12,6 +12,7 @@
 #include "robocell/base/units.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/task/grasp_library.h"
 #include "robocell/task/suction_grasps.h"
 #include "robocell/task/top_down.h"
 
@@ -216,6 +217,7 @@ class CandidateSearch {
 };
 
 constexpr double kTurnCost = 0.02;  // per radian
+constexpr int kOtherSamples = 600, kMostOthers = 60;
 
 }  // namespace
 
@@ -226,6 +228,28 @@ std::vector<GraspCandidate> FindGrasps(const mjModel* m, const mjData* d, int ob
                                            : CandidateSearch(m, d, object_body, shape).Run();
   for (GraspCandidate& grasp : grasps) {
     grasp.cost += kTurnCost * AngleBetween(tcp_now.quaternion(), grasp.tcp_in_world.quaternion());
+  }
+  std::stable_sort(grasps.begin(), grasps.end(),
+                   [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  return grasps;
+}
+
+std::vector<GraspCandidate> FindOtherGrasps(const Robot& robot, const std::string& object_body,
+                                            const GripperShape& shape, const Pose& tcp_now) {
+  if (shape.is_suction()) return {};
+  const GraspSet set =
+      GraspsOf(robot, object_body, {.samples = kOtherSamples, .most = kMostOthers}, false);
+  const Pose body_in_world = robot.scene().body_pose(set.body);
+  std::vector<GraspCandidate> grasps;
+  for (const Grasp& grasp : set.grasps) {
+    const Pose tcp = body_in_world * grasp.tcp_in_body;
+    grasps.push_back(
+        {.tcp_in_world = tcp,
+         .width = grasp.width,
+         .aside = grasp.aside,
+         .cost = 1 - grasp.score + kTurnCost * AngleBetween(tcp_now.quaternion(), tcp.quaternion()),
+         .opening = grasp.opening,
+         .approach = Rotate(body_in_world.quaternion(), grasp.approach)});
   }
   std::stable_sort(grasps.begin(), grasps.end(),
                    [](const auto& a, const auto& b) { return a.cost < b.cost; });

@@ -26,6 +26,8 @@ std::optional<Refusal> GraspCheck::Check(const Scene& scene, const Robot& robot,
       FindGrasps(planning.model(), planning.data(), planning.target_body(), planning.shape(),
                  robot.tcp_in_world());
   if (candidates.empty())
+    candidates = FindOtherGrasps(planning.robot(), body, planning.shape(), robot.tcp_in_world());
+  if (candidates.empty())
     return Refusal{.reason = kNoGrasp,
                    .detail = "the object is too large, too small or too flat for the gripper: " +
                              SizesForGrasp(planning.model(), planning.data(),

@@ -49,9 +49,9 @@ std::vector<GraspKind> KindsFor(const GraspOptions& options, const GripperShape&
   for (const GraspKind kind : options.kinds) {
     const bool of_cup = kind == kSuction;
     if (kind == kPush || kind == kHook || of_cup == shape.is_suction()) continue;
-    throw ArgumentError(fmt::format(
-        "{}: grasps of kind '{}' need {}", place, ToString(kind),
-        of_cup ? "a suction gripper, and this one has fingers" : "fingers, and this is a suction gripper"));
+    throw ArgumentError(fmt::format("{}: grasps of kind '{}' need {}", place, ToString(kind),
+                                    of_cup ? "a suction gripper, and this one has fingers"
+                                           : "fingers, and this is a suction gripper"));
   }
   return options.kinds;
 }
@@ -65,9 +65,8 @@ class GraspFilter {
       : hand_(hand), all_(std::move(geoms)), options_(options) {}
 
   std::vector<Grasp> Run(std::vector<GraspProposal> proposals) {
-    std::stable_sort(proposals.begin(), proposals.end(), [](const auto& a, const auto& b) {
-      return a.grasp.score > b.grasp.score;
-    });
+    std::stable_sort(proposals.begin(), proposals.end(),
+                     [](const auto& a, const auto& b) { return a.grasp.score > b.grasp.score; });
     std::vector<Grasp> kept;
     for (const GraspProposal& proposal : proposals) {
       if (kept.size() >= static_cast<size_t>(options_.most)) break;
@@ -96,15 +95,17 @@ class GraspFilter {
       if (!hand_.IsFree({.tcp_in_world = at(0), .gap = grasp.opening}, all_)) return false;
     } else {
       // Beside the object, the open hand keeps the clearance; just before contact it is free.
-      if (!hand_.IsFree({.tcp_in_world = at(0), .gap = grasp.opening, .clearance = options_.clearance},
-                        all_) ||
+      if (!hand_.IsFree(
+              {.tcp_in_world = at(0), .gap = grasp.opening, .clearance = options_.clearance},
+              all_) ||
           !hand_.IsFree({.tcp_in_world = at(0), .gap = proposal.gap_before}, all_))
         return false;
     }
     for (int k = 1; k <= kApproachSteps; ++k) {
       const double back = grasp.approach_length * k / kApproachSteps;
       const double clearance = closed || suction ? 0 : options_.clearance;
-      if (!hand_.IsFree({.tcp_in_world = at(back), .gap = grasp.opening, .clearance = clearance}, all_))
+      if (!hand_.IsFree({.tcp_in_world = at(back), .gap = grasp.opening, .clearance = clearance},
+                        all_))
         return false;
     }
     return true;
@@ -150,10 +151,11 @@ GraspSet GenerateGrasps(const Robot& robot, const std::string& body, const Grasp
   for (const std::string& name : options.geoms) {
     const int g = RequireId(m, mjOBJ_GEOM, name, place);
     if (std::ranges::find(grasped.geoms, g) == grasped.geoms.end()) {
-      throw ArgumentError(fmt::format(
-          "{}: {} is not a colliding part of the body, or of what is fixed to it. Name the body that "
-          "carries it",
-          place, Describe(m, mjOBJ_GEOM, g)));
+      throw ArgumentError(
+          fmt::format("{}: {} is not a colliding part of the body, or of what is fixed to it. Name "
+                      "the body that "
+                      "carries it",
+                      place, Describe(m, mjOBJ_GEOM, g)));
     }
     chosen.push_back(g);
     target.is_handle[static_cast<size_t>(g)] = 1;
@@ -166,9 +168,8 @@ GraspSet GenerateGrasps(const Robot& robot, const std::string& body, const Grasp
   target.all = internal::BodySolids(m, d, body_in_world, grasped.geoms);
   if (target.all.empty()) return {.robot = robot.name(), .body = grasped.name, .grasps = {}};
   // Rounded, like the geometry: the same wherever the object is.
-  target.com = internal::RoundedPose(
-                   Pose(body_in_world.inverse() *
-                        Eigen::Vector3d(d->subtree_com + 3 * grasped.body)))
+  target.com = internal::RoundedPose(Pose(body_in_world.inverse() *
+                                          Eigen::Vector3d(d->subtree_com + 3 * grasped.body)))
                    .translation();
   const auto want = [&](const std::vector<int>& geoms) {
     target.is_wanted.assign(static_cast<size_t>(m->ngeom), 0);

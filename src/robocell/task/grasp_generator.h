@@ -34,8 +34,8 @@ struct GraspOptions {
   // Full names of the geoms to grasp; empty: of kHandle and kHook those whose names contain handle or
   // knob, of the others all of the body.
   std::vector<std::string> geoms = {};
-  int samples = 3000;             // points drawn on the surface
-  int most = 200;                 // grasps kept, the best
+  int samples = 3000;  // points drawn on the surface
+  int most = 200;      // grasps kept, the best
   uint64_t seed = 0;
   double friction = 0.5;          // coefficient: normals may differ by its angle from the force
   double clearance = 0.001;       // m between hand and object before contact

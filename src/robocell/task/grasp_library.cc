@@ -66,9 +66,13 @@ const NpzArray* FindArray(const fs::path& path, const NpzArrays& arrays, const s
       width > 1 ? std::vector<size_t>{rows, width} : std::vector<size_t>{rows};
   if (array.shape != shape || (rows > 0 && array.texts.empty() == texts))
     Fail(path, fmt::format("'{}' does not have one {} for each of the {} transforms", name,
-                           texts ? "text" : width > 1 ? "vector" : "number", rows));
+                           texts       ? "text"
+                           : width > 1 ? "vector"
+                                       : "number",
+                           rows));
   for (const double number : array.numbers)
-    if (!std::isfinite(number)) Fail(path, fmt::format("'{}' has numbers that are not finite", name));
+    if (!std::isfinite(number))
+      Fail(path, fmt::format("'{}' has numbers that are not finite", name));
   return &array;
 }
 
@@ -79,7 +83,7 @@ struct Library {
 
 struct Libraries {
   std::mutex mutex;
-  std::vector<Library> all;                   // the latest last
+  std::vector<Library> all;                    // the latest last
   std::map<std::string, GraspSet> remembered;  // generated in this process, by key
 };
 Libraries& TheLibraries() {
@@ -108,8 +112,8 @@ std::vector<std::string> NamesOf(const Scene& scene, const internal::GraspedBody
 std::vector<std::string> FilesOf(const Scene& scene, const internal::GraspedBody& grasped,
                                  const std::string& object) {
   const mjModel* m = scene.model();
-  const bool jointed = m->body_jntnum[grasped.body] > 0 &&
-                       m->jnt_type[m->body_jntadr[grasped.body]] != mjJNT_FREE;
+  const bool jointed =
+      m->body_jntnum[grasped.body] > 0 && m->jnt_type[m->body_jntadr[grasped.body]] != mjJNT_FREE;
   if (!jointed) return {"grasps.npz", object + "_grasps_filtered.npz"};
   std::vector<std::string> files;
   const std::string full = ElementName(m, mjOBJ_JOINT, m->body_jntadr[grasped.body]);
@@ -165,8 +169,8 @@ std::string KeyText(const internal::HandGeometry& hand, const internal::GraspedB
     for (const int g : *geoms) {
       internal::AppendGeomShape(m, g, &text);
       internal::AppendPose(
-          internal::RoundedPose(frame * Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g,
-                                                                       d->geom_xmat + 9 * g)),
+          internal::RoundedPose(
+              frame * Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g)),
           &text);
       const std::string name = grasped.OwnName(ElementName(m, mjOBJ_GEOM, g));
       text += internal::IsHandleName(name) ? "h" : "-";
@@ -177,8 +181,7 @@ std::string KeyText(const internal::HandGeometry& hand, const internal::GraspedB
     text += "|";
   }
   internal::AppendPose(
-      internal::RoundedPose(
-          Pose(frame * Eigen::Vector3d(d->subtree_com + 3 * grasped.body))),
+      internal::RoundedPose(Pose(frame * Eigen::Vector3d(d->subtree_com + 3 * grasped.body))),
       &text);
   for (const GraspKind kind : options.kinds) text += ToString(kind) + " ";
   internal::AppendNumbers(
@@ -263,9 +266,9 @@ void SaveGrasps(const fs::path& path, const std::vector<Grasp>& grasps) {
   std::error_code error;
   if (path.has_parent_path()) fs::create_directories(path.parent_path(), error);
   if (error)
-    throw IoError(fmt::format("cannot create '{}': {}", path.parent_path().string(),
-                              error.message()),
-                  error.value());
+    throw IoError(
+        fmt::format("cannot create '{}': {}", path.parent_path().string(), error.message()),
+        error.value());
   WriteNpz(path, {{"transforms", NpzArray::Numbers({rows, 4, 4}, std::move(poses))},
                   {"approaches", NpzArray::Numbers({rows, 3}, std::move(ways))},
                   {"openings", NpzArray::Numbers({rows}, std::move(openings))},
@@ -280,10 +283,10 @@ void RegisterGraspLibrary(const std::string& name, const fs::path& folder) {
   if (name.empty()) throw ArgumentError("register_grasp_library: the name is empty");
   std::error_code error;
   if (!fs::is_directory(folder, error)) {
-    throw NotFoundError(fmt::format(
-        "register_grasp_library('{}'): '{}' is not a folder. Give the folder with "
-        "<object>/<robot>/grasps.npz",
-        name, folder.string()));
+    throw NotFoundError(
+        fmt::format("register_grasp_library('{}'): '{}' is not a folder. Give the folder with "
+                    "<object>/<robot>/grasps.npz",
+                    name, folder.string()));
   }
   const fs::path absolute = fs::absolute(folder);
   Libraries& known = TheLibraries();

@@ -57,9 +57,10 @@ const SceneObject& FreeObject(const Scene& scene, const std::string& body) {
   }
   std::string names;
   for (const std::string& name : free) names += (names.empty() ? "" : ", ") + name;
-  throw ArgumentError(fmt::format("proving grasps of '{}': only objects that move freely can be "
-                                  "shaken. Free objects of the scene: {}",
-                                  body, names.empty() ? "none" : names));
+  throw ArgumentError(
+      fmt::format("proving grasps of '{}': only objects that move freely can be "
+                  "shaken. Free objects of the scene: {}",
+                  body, names.empty() ? "none" : names));
 }
 
 class Shaker {
@@ -160,9 +161,10 @@ std::vector<GraspProof> ProveGrasps(const Robot& robot, const GraspSet& grasps,
                                     const ShakeOptions& options) {
   for (const Grasp& grasp : grasps.grasps) {
     if (grasp.kind != GraspKind::kPush && grasp.kind != GraspKind::kHook) continue;
-    throw ArgumentError(fmt::format("proving grasps of '{}': a grasp of kind '{}' does not hold "
-                                    "anything; leave these out",
-                                    grasps.body, ToString(grasp.kind)));
+    throw ArgumentError(
+        fmt::format("proving grasps of '{}': a grasp of kind '{}' does not hold "
+                    "anything; leave these out",
+                    grasps.body, ToString(grasp.kind)));
   }
   Shaker shaker(robot, FreeObject(robot.scene(), grasps.body), options);
   std::vector<GraspProof> proofs;

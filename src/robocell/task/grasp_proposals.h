@@ -15,8 +15,8 @@ namespace robocell::internal {
 
 // What is grasped, in the frame of its body.
 struct GraspTarget {
-  BodySolids all;      // the body and what is rigidly fixed to it
-  BodySolids wanted;   // the geoms to grasp
+  BodySolids all;               // the body and what is rigidly fixed to it
+  BodySolids wanted;            // the geoms to grasp
   std::vector<char> is_wanted;  // per geom of the model
   std::vector<char> is_handle;  // per geom, by its name
   Eigen::Vector3d com = Eigen::Vector3d::Zero();
@@ -25,8 +25,8 @@ struct GraspTarget {
 // A proposal with the gap at which the fingers nearly touch.
 struct GraspProposal {
   Grasp grasp;
-  double gap_before = 0;     // m: the hand must be free at this gap too
-  double press = 0;          // m that it may be inside the object at contact
+  double gap_before = 0;  // m: the hand must be free at this gap too
+  double press = 0;       // m that it may be inside the object at contact
 };
 
 // Proposes grasps between two fingers, or the first finger and the others.

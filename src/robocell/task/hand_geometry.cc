@@ -24,8 +24,7 @@ namespace {
 
 void WriteGeom(mjData* d, int geom, const Pose& at) {
   Eigen::Map<Eigen::Vector3d>(d->geom_xpos + 3 * geom) = at.translation();
-  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(d->geom_xmat + 9 * geom) =
-      at.rotation();
+  Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(d->geom_xmat + 9 * geom) = at.rotation();
 }
 
 }  // namespace
@@ -52,9 +51,8 @@ HandGeometry::HandGeometry(const Robot& robot, std::shared_ptr<const GripperShap
     Guarded("hand geometry: kinematics", d, [&] { mj_kinematics(m, d); });
     std::vector<Pose>& poses = in_tcp_.emplace_back();
     for (const int g : geoms_) {
-      poses.push_back(RoundedPose(
-          world_in_tcp *
-          Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g)));
+      poses.push_back(RoundedPose(world_in_tcp * Pose::FromTranslationAndMatrix(
+                                                     d->geom_xpos + 3 * g, d->geom_xmat + 9 * g)));
     }
   }
   Update();

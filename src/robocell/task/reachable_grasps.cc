@@ -24,7 +24,8 @@ namespace {
 
 constexpr size_t kBatch = 8;  // solved at once: usually one of the first is taken
 constexpr int kRestarts = 40;
-constexpr double kAlmostTouching = 0.003;  // m: fingers stop this far before they close on the object
+constexpr double kAlmostTouching =
+    0.003;  // m: fingers stop this far before they close on the object
 
 class ReachSearch {
  public:
@@ -74,9 +75,7 @@ class ReachSearch {
     double cost = 0;
   };
 
-  std::string planning_name() const {
-    return internal::FindGraspedBody(scene_, grasps_.body).name;
-  }
+  std::string planning_name() const { return internal::FindGraspedBody(scene_, grasps_.body).name; }
   bool Enough() const { return report_.found.size() >= static_cast<size_t>(options_.most); }
 
   void Sort() {
@@ -144,8 +143,8 @@ class ReachSearch {
   void Follow(const Candidate& candidate, const JointVector& q) {
     const Grasp& grasp = GraspOf(candidate);
     const Chain& chain = robot_.chain();
-    const Pose tcp = internal::HasFewJoints(chain) ? chain.Fk(q)
-                                                   : world_in_base_ * candidate.tcp_in_world;
+    const Pose tcp =
+        internal::HasFewJoints(chain) ? chain.Fk(q) : world_in_base_ * candidate.tcp_in_world;
     const Eigen::Vector3d back =
         -(Rotate(world_in_base_.quaternion(), Rotate(body_in_world_.quaternion(), grasp.approach)));
     JointPath way = {q}, up;
@@ -167,17 +166,18 @@ class ReachSearch {
     }
     const bool touches = grasp.kind == GraspKind::kSuction;
     const bool closes = grasp.width > 0;
-    const double before = std::min(grasp.opening, grasp.width + grasp.aside +
-                                                      shape_->closed_gap() + kAlmostTouching);
+    const double before =
+        std::min(grasp.opening, grasp.width + grasp.aside + shape_->closed_gap() + kAlmostTouching);
     const auto is_free = [&](const JointVector& at, double gap, bool touch) {
-      return planning_.IsFree(
-          at, {.gap = gap, .clearance = options_.clearance, .touch_target = touch});
+      return planning_.IsFree(at,
+                              {.gap = gap, .clearance = options_.clearance, .touch_target = touch});
     };
     // Beside the object, the hand is nearer to it than to everything else.
     bool free = is_free(q, grasp.opening, true) && (!closes || is_free(q, before, true)) &&
                 (touches || planning_.IsFree(q, {.gap = grasp.opening}));
     for (size_t i = 1; i < way.size() && free; ++i)
-      free = planning_.IsFree(way[i], {.gap = grasp.opening}) && is_free(way[i], grasp.opening, true);
+      free =
+          planning_.IsFree(way[i], {.gap = grasp.opening}) && is_free(way[i], grasp.opening, true);
     for (size_t i = 1; i < up.size() && free; ++i)
       free = is_free(up[i], closes ? grasp.width : grasp.opening, true);
     if (!free) {

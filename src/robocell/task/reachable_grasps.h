@@ -24,26 +24,26 @@ namespace robocell {
 
 // Lower is better. A grasp costs the sum of these.
 struct GraspCosts {
-  double score = 1;      // for a score of 0; nothing for 1
-  double turn = 0.05;    // per rad between the present TCP and the grasp
-  double distance = 0.1; // per m between them
-  double level = 0.1;    // for a level approach; nothing from above, twice as much from below
+  double score = 1;       // for a score of 0; nothing for 1
+  double turn = 0.05;     // per rad between the present TCP and the grasp
+  double distance = 0.1;  // per m between them
+  double level = 0.1;     // for a level approach; nothing from above, twice as much from below
 };
 
 struct ReachOptions {
-  int most = 1;             // stops after so many are found
-  int tried = 200;          // solved at most, in the order of their cost
-  double clearance = 0;     // m between the robot and everything but the object
-  double lift = 0;          // m that the robot must be able to move up with the object; 0: none
+  int most = 1;          // stops after so many are found
+  int tried = 200;       // solved at most, in the order of their cost
+  double clearance = 0;  // m between the robot and everything but the object
+  double lift = 0;       // m that the robot must be able to move up with the object; 0: none
   GraspCosts costs = {};
 };
 
 struct ReachableGrasp {
   Grasp grasp;
-  int index = -1;         // in the set
-  Pose tcp_in_world;      // at contact
-  JointPath way;          // joint positions of the arm: the begin of the approach ... contact
-  JointPath up;           // contact ... lifted; empty without lift
+  int index = -1;     // in the set
+  Pose tcp_in_world;  // at contact
+  JointPath way;      // joint positions of the arm: the begin of the approach ... contact
+  JointPath up;       // contact ... lifted; empty without lift
   double cost = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <vector>
 #include <Eigen/Geometry>
 
 #include "robocell/task/grasp_candidates.h"
@@ -16,9 +17,12 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int kDirections = 8;       // of the approach around the closing direction
+constexpr int kDirections = 8;  // of the approach around the closing direction
 constexpr int kHandPoints = 160;
-constexpr double kInside = 5e-4;     // m: points of the hand that are deeper collide
+constexpr int kOpenings = 8;         // gaps of the fingers that are tried
+constexpr double kBeside = 0.006;    // m: beside the object when the hand is open, per finger
+constexpr double kLeastGrip = 5e-4;  // m: wider than the closed hand
+constexpr double kInside = 5e-4;        // m: points of the hand that are deeper collide
 constexpr int kAcross = 3, kAlong = 3;  // lines over the pads
 constexpr int kLeastHits = 3;
 constexpr double kTouchDepth = 0.0015;  // m: lines this near to the first touch end under the pad
@@ -28,7 +32,13 @@ constexpr double kJustBefore = 0.003;   // m between the pads and the object jus
 constexpr double kShallow = 0.6;        // share of the pad's half height of a shallower grasp
 constexpr double kWall = 0.35;          // a wall is thinner than this share of the vessel
 constexpr double kTopCosine = 0.7071, kSideSine = 0.5;  // of 45 and 30 degrees
-constexpr double kNearCom = 0.01;       // m
+constexpr double kNearCom = 0.01;                       // m
+
+// The hand at one gap.
+struct Opening {
+  double gap = 0;
+  Eigen::Matrix3Xd points;  // of its surface, in the TCP's frame
+};
 
 struct Squeeze {
   double left = 0, right = 0;  // along the closing direction from the middle
@@ -45,9 +55,15 @@ class TwoFingerSearch {
         rng_(rng),
         least_square_(std::cos(std::atan(options.friction))),
         widths_(WidthsHeld(shape_.closed_gap(), shape_.open_gap())),
-        points_(hand.SurfacePoints(shape_.open_gap(), kHandPoints)),
         half_height_(shape_.pad_half_height()),
-        half_width_(std::min(0.8 * shape_.pad_half_width(), kMostPadUsed)) {}
+        half_width_(std::min(0.8 * shape_.pad_half_width(), kMostPadUsed)) {
+    widths_.least = std::max(shape_.closed_gap() + kLeastGrip, kLeastGrip);
+    for (int i = 1; i <= kOpenings; ++i) {
+      const double gap =
+          shape_.closed_gap() + (shape_.open_gap() - shape_.closed_gap()) * i / kOpenings;
+      openings_.push_back({gap, hand.SurfacePoints(gap, kHandPoints)});
+    }
+  }
 
   std::vector<GraspProposal> Run() {
     if (widths_.most <= widths_.least) return {};
@@ -58,7 +74,8 @@ class TwoFingerSearch {
       // Most closing directions are normals; the others lean within the friction cone.
       Vector3d closing = -point->normal;
       if (i % 3 == 2) closing = (closing + 0.5 * options_.friction * RandomInBall()).normalized();
-      FromPoint(*point, closing, i % 2 == 0 ? 0 : rng_.Uniform(0, 2 * std::numbers::pi / kDirections));
+      FromPoint(*point, closing,
+                i % 2 == 0 ? 0 : rng_.Uniform(0, 2 * std::numbers::pi / kDirections));
     }
     return std::move(found_);
   }
@@ -101,20 +118,32 @@ class TwoFingerSearch {
       // Either finger may be on either side.
       const Vector3d y = rng_.Uniform() < 0.5 ? closing : Vector3d(-closing);
       const Matrix3d axes = GraspAxes(y, approach);
-      for (const double back : {0.0, kShallow * half_height_}) {
-        if (Add(middle, axes, width, back, wall, handle)) break;
-      }
+      TryOpenings(middle, GraspAxes(y, approach), width, wall, handle);
     }
   }
 
-  bool Add(const Vector3d& middle, const Matrix3d& axes, double width, double back, bool wall,
-           bool handle) {
+  // Tries the fully open hand, then the one that is just wide enough: it fits into vessels.
+  void TryOpenings(const Vector3d& middle, const Matrix3d& axes, double width, bool wall,
+                   bool handle) {
+    const auto narrow = std::ranges::find_if(
+        openings_, [&](const Opening& opening) { return opening.gap >= width + 2 * kBeside; });
+    if (narrow == openings_.end()) return;
+    for (const Opening* opening : {&openings_.back(), &*narrow}) {
+      for (const double back : {0.0, kShallow * half_height_}) {
+        if (Add(middle, axes, *opening, width, back, wall, handle)) return;
+      }
+      if (opening == &*narrow) return;
+    }
+  }
+
+  bool Add(const Vector3d& middle, const Matrix3d& axes, const Opening& opening, double width,
+           double back, bool wall, bool handle) {
     const Vector3d pads = middle - back * axes.col(2);
     const double aside = AsideFor(shape_, width);
     const Vector3d held = shape_.PadAt(width) + aside * Vector3d::UnitY();
     const Pose tcp = Pose(pads - axes * held, axes) * shape_.grasp_in_tcp().inverse();
-    if (HitsObject(tcp)) return false;
-    const std::optional<Squeeze> squeeze = SqueezeAt(pads, axes);
+    if (HitsObject(tcp, opening.points)) return false;
+    const std::optional<Squeeze> squeeze = SqueezeAt(pads, axes, opening.gap);
     if (!squeeze || squeeze->square < least_square_) return false;
     const double real_width = squeeze->left - squeeze->right;
     if (std::abs(real_width - width) > kSameWidth || real_width > widths_.most) return false;
@@ -122,14 +151,14 @@ class TwoFingerSearch {
     if (off > kSameWidth) return false;
     Grasp grasp{.tcp_in_body = tcp,
                 .kind = KindOf(axes.col(2), wall, handle),
-                .opening = shape_.open_gap(),
+                .opening = opening.gap,
                 .width = real_width,
                 .aside = std::abs(aside),
                 .approach = axes.col(2),
                 .approach_length = options_.approach_length,
                 .score = Score(*squeeze, real_width, middle, handle)};
     const double before = real_width + std::abs(aside) + shape_.closed_gap() + kJustBefore;
-    found_.push_back({.grasp = grasp, .gap_before = std::min(before, shape_.open_gap())});
+    found_.push_back({.grasp = grasp, .gap_before = std::min(before, opening.gap)});
     return true;
   }
 
@@ -148,19 +177,19 @@ class TwoFingerSearch {
     return 0.4 * square + 0.25 * squeeze.cover + 0.25 * near + 0.1 * room;
   }
 
-  bool HitsObject(const Pose& tcp) const {
+  bool HitsObject(const Pose& tcp, const Eigen::Matrix3Xd& points) const {
     const Matrix3d axes = tcp.rotation();
-    for (Eigen::Index i = 0; i < points_.cols(); ++i) {
-      const Vector3d point = axes * points_.col(i) + tcp.translation();
+    for (Eigen::Index i = 0; i < points.cols(); ++i) {
+      const Vector3d point = axes * points.col(i) + tcp.translation();
       if (target_.all.Contains(point, kInside)) return true;
     }
     return false;
   }
 
   // Finds where the pads touch first; unset if they find too little between them.
-  std::optional<Squeeze> SqueezeAt(const Vector3d& middle, const Matrix3d& axes) {
+  std::optional<Squeeze> SqueezeAt(const Vector3d& middle, const Matrix3d& axes, double gap) {
     std::array<double, kAcross * kAlong> left, right, left_square, right_square;
-    const double half = shape_.open_gap() / 2;
+    const double half = gap / 2;
     size_t hits = 0;
     for (int i = 0; i < kAcross; ++i) {
       for (int k = 0; k < kAlong; ++k) {
@@ -170,7 +199,8 @@ class TwoFingerSearch {
         bool hit = false;
         for (const SolidSpan& span : spans_) {
           if (span.end < -half || span.begin > half) continue;
-          if (!hit) right[hits] = span.begin, right_square[hits] = -span.begin_normal.dot(axes.col(1));
+          if (!hit)
+            right[hits] = span.begin, right_square[hits] = -span.begin_normal.dot(axes.col(1));
           left[hits] = span.end;
           left_square[hits] = span.end_normal.dot(axes.col(1));
           hit = true;
@@ -198,7 +228,7 @@ class TwoFingerSearch {
   Rng rng_;
   double least_square_;
   HeldWidths widths_;
-  Eigen::Matrix3Xd points_;  // of the open hand, in the TCP's frame
+  std::vector<Opening> openings_;  // by increasing gap
   double half_height_, half_width_;
   std::vector<SolidSpan> spans_;
   std::vector<GraspProposal> found_;
