@@ -25,7 +25,7 @@ struct GraspCandidate {
   double width = 0;  // object width between the pads, metres
   // Distance of the object from a pad that does not move, to which the other one pushes it, metres.
   double aside = 0;
-  double cost = 0;  // lower is better
+  double cost = 0;     // lower is better
   double opening = 0;  // free distance of the fingers during the approach, m; 0: fully open
   // The way of the hand to the grasp: a unit vector in the world.
   Eigen::Vector3d approach = -Eigen::Vector3d::UnitZ();

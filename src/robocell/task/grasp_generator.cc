@@ -4,7 +4,9 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,6 +28,8 @@ using internal::HandGeometry;
 
 constexpr double kSameTurn = 0.15, kSamePlace = 0.004;  // rad and m: nearer grasps count as one
 constexpr int kApproachSteps = 4;
+constexpr int kLeastFingers = 3;          // that touch in an enclosing grasp
+constexpr double kMostUnbalanced = 0.45;  // length of the mean of their normals
 
 void RequireOptions(const GraspOptions& options, const std::string& place) {
   const auto require = [&](bool ok, const char* field, const std::string& rule) {
@@ -44,7 +48,7 @@ std::vector<GraspKind> KindsFor(const GraspOptions& options, const GripperShape&
   using enum GraspKind;
   if (options.kinds.empty()) {
     if (shape.is_suction()) return {kSuction};
-    return {kTop, kSide, kAntipodal, kRim, kHandle};
+    return {kTop, kSide, kAntipodal, kRim, kHandle, kEnclosing};
   }
   for (const GraspKind kind : options.kinds) {
     const bool of_cup = kind == kSuction;
@@ -75,7 +79,12 @@ class GraspFilter {
             return k.tcp_in_body.is_close(grasp.tcp_in_body, kSameTurn, kSamePlace);
           }))
         continue;
-      if (IsFree(proposal)) kept.push_back(grasp);
+      if (!IsFree(proposal)) continue;
+      if (grasp.kind != GraspKind::kEnclosing) {
+        kept.push_back(grasp);
+      } else if (const std::optional<Grasp> closed = Close(grasp)) {
+        kept.push_back(*closed);
+      }
     }
     return kept;
   }
@@ -109,6 +118,27 @@ class GraspFilter {
         return false;
     }
     return true;
+  }
+
+  // Closes the fingers one by one. Unset unless three of them, or all, touch and their normals
+  // balance: no side of the object is free.
+  std::optional<Grasp> Close(const Grasp& grasp) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    double gap = 0;
+    int touching = 0;
+    for (const internal::FingerStop& stop : hand_.Close(grasp.tcp_in_body, grasp.opening, all_)) {
+      if (!stop.touches) continue;
+      ++touching;
+      sum += stop.normal;
+      gap += stop.gap;
+    }
+    if (touching < kLeastFingers) return std::nullopt;
+    const double unbalanced = sum.norm() / touching;
+    if (unbalanced > kMostUnbalanced) return std::nullopt;
+    Grasp closed = grasp;
+    closed.width = gap / touching;
+    closed.score = 0.5 * grasp.score + 0.5 * (1 - unbalanced);
+    return closed;
   }
 
   HandGeometry& hand_;
@@ -193,6 +223,10 @@ GraspSet GenerateGrasps(const Robot& robot, const std::string& body, const Grasp
     want(handles);
     add(internal::ProposeTwoFingerGrasps(target, hand, options, rng.Fork("handles")));
   }
+  if (wants(kEnclosing) && hand.finger_count() >= kLeastFingers) {
+    want(whole);
+    add(internal::ProposeEnclosingGrasps(target, hand, options, rng.Fork("enclosing")));
+  }
   if (wants(kSuction)) {
     want(whole);
     add(internal::ProposeSuctionGrasps(target, hand, options, rng.Fork("suction")));
@@ -210,7 +244,9 @@ GraspSet GenerateGrasps(const Robot& robot, const std::string& body, const Grasp
     if (!hand.is_robot()[static_cast<size_t>(g)]) object.push_back(g);
   hand.PlaceIn(body_in_world, object);
   GraspFilter filter(hand, std::move(object), options);
-  return {.robot = robot.name(), .body = grasped.name, .grasps = filter.Run(std::move(proposals))};
+  std::vector<Grasp> grasps = filter.Run(std::move(proposals));
+  std::ranges::stable_sort(grasps, std::ranges::greater(), &Grasp::score);  // closing changed some
+  return {.robot = robot.name(), .body = grasped.name, .grasps = std::move(grasps)};
 }
 
 }  // namespace robocell

@@ -33,6 +33,10 @@ struct GraspProposal {
 std::vector<GraspProposal> ProposeTwoFingerGrasps(const GraspTarget& target,
                                                   const HandGeometry& hand,
                                                   const GraspOptions& options, Rng rng);
+// Proposes places of a hand with three fingers or more around the object.
+std::vector<GraspProposal> ProposeEnclosingGrasps(const GraspTarget& target,
+                                                  const HandGeometry& hand,
+                                                  const GraspOptions& options, Rng rng);
 std::vector<GraspProposal> ProposeSuctionGrasps(const GraspTarget& target, const HandGeometry& hand,
                                                 const GraspOptions& options, Rng rng);
 std::vector<GraspProposal> ProposePushes(const GraspTarget& target, const HandGeometry& hand,

@@ -15,6 +15,8 @@
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/robot/finger.h"
+#include "robocell/robot/gripper_group.h"
 #include "robocell/task/convex_solid.h"
 #include "robocell/task/geometry_text.h"
 #include "robocell/task/surface_points.h"
@@ -39,6 +41,7 @@ HandGeometry::HandGeometry(const Robot& robot, std::shared_ptr<const GripperShap
   for (const int g : robot.collision_geom_ids()) {
     if (IsCollisionGeom(m, g) && IsInSubtree(m, m->geom_bodyid[g], last)) geoms_.push_back(g);
   }
+  FindFingers();
   data_ = MakeData(m);
   Update();
   std::vector<int> addresses;
@@ -56,6 +59,33 @@ HandGeometry::HandGeometry(const Robot& robot, std::shared_ptr<const GripperShap
     }
   }
   Update();
+}
+
+// Fingers are the branches of the hand's tree that carry a gripping part.
+void HandGeometry::FindFingers() {
+  finger_of_.assign(geoms_.size(), -1);
+  const auto* gripper = dynamic_cast<const ActuatedGripper*>(&robot_.gripper());
+  if (!gripper) return;
+  const mjModel* m = model_;
+  const int hand = gripper->hand_body();
+  const auto branch_of = [&](int body) {
+    while (body > 0 && m->body_parentid[body] != hand) body = m->body_parentid[body];
+    return body;
+  };
+  std::vector<int> branches;
+  for (const int side : {0, 1}) {
+    const Finger& finger = gripper->finger(side);
+    for (const int g : finger.geoms) {
+      const int branch = branch_of(m->geom_bodyid[g]);
+      if (branch > 0 && std::ranges::find(branches, branch) == branches.end())
+        branches.push_back(branch);
+    }
+  }
+  finger_count_ = static_cast<int>(branches.size());
+  for (size_t i = 0; i < geoms_.size(); ++i) {
+    const auto at = std::ranges::find(branches, branch_of(m->geom_bodyid[geoms_[i]]));
+    if (at != branches.end()) finger_of_[i] = static_cast<int>(at - branches.begin());
+  }
 }
 
 void HandGeometry::Update() {
@@ -128,6 +158,54 @@ bool HandGeometry::IsFree(const HandPlace& place, const std::vector<int>& others
     }
   }
   return true;
+}
+
+double HandGeometry::FingerDistance(int finger, size_t row, const Pose& tcp,
+                                    const std::vector<int>& others, Eigen::Vector3d* normal) {
+  constexpr double kHorizon = 0.02;  // m
+  const mjModel* m = model_;
+  mjData* d = data_.get();
+  double least = kHorizon;
+  for (size_t i = 0; i < geoms_.size(); ++i) {
+    if (finger_of_[i] != finger) continue;
+    WriteGeom(d, geoms_[i], tcp * in_tcp_[row][i]);
+    for (const int other : others) {
+      const double far = m->geom_rbound[other] + m->geom_rbound[geoms_[i]] + kHorizon;
+      if (m->geom_rbound[other] > 0 &&
+          mju_dist3(d->geom_xpos + 3 * geoms_[i], d->geom_xpos + 3 * other) > far)
+        continue;
+      mjtNum segment[6];
+      const double distance = Guarded("hand geometry: distance of a finger", d, [&] {
+        return mj_geomDistance(m, d, geoms_[i], other, kHorizon, segment);
+      });
+      if (distance >= least) continue;
+      least = distance;
+      const Eigen::Map<const Eigen::Vector3d> from(segment), to(segment + 3);
+      const Eigen::Vector3d way = distance > 0 ? from - to : to - from;
+      if (way.norm() > 1e-9) *normal = way.normalized();
+    }
+  }
+  return least;
+}
+
+std::vector<FingerStop> HandGeometry::Close(const Pose& tcp, double gap,
+                                            const std::vector<int>& others) {
+  const std::vector<GripperShape::Row>& rows = shape_->rows();
+  const auto above = std::ranges::upper_bound(rows, gap + 1e-9, {}, &GripperShape::Row::gap);
+  const auto first = static_cast<size_t>(std::max<ptrdiff_t>(above - rows.begin() - 1, 0));
+  std::vector<FingerStop> stops(static_cast<size_t>(finger_count_));
+  for (int finger = 0; finger < finger_count_; ++finger) {
+    FingerStop& stop = stops[static_cast<size_t>(finger)];
+    for (size_t row = first + 1; row-- > 0;) {
+      Eigen::Vector3d normal = stop.normal;
+      const double distance = FingerDistance(finger, row, tcp, others, &normal);
+      stop.gap = rows[row].gap;
+      stop.normal = normal;
+      stop.touches = distance <= 0;
+      if (stop.touches) break;
+    }
+  }
+  return stops;
 }
 
 Eigen::Matrix3Xd HandGeometry::SurfacePoints(double gap, int count) const {

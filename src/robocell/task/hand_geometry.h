@@ -27,6 +27,13 @@ struct HandPlace {
   double clearance = 0;  // least distance, m
 };
 
+// Where a finger stops that closes until it touches.
+struct FingerStop {
+  bool touches = false;
+  double gap = 0;                                    // of the hand, if all fingers stopped there
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();  // from the object to the finger
+};
+
 class HandGeometry {
  public:
   HandGeometry(const Robot& robot, std::shared_ptr<const GripperShape> shape);
@@ -51,11 +58,21 @@ class HandGeometry {
   // Returns the geom that was too near when IsFree last returned false, of the others.
   int obstacle() const { return obstacle_; }
 
+  // Returns the number of fingers that close; 0 for a hand without any.
+  int finger_count() const { return finger_count_; }
+  // Closes each finger from a gap on, until it touches one of the others or is closed.
+  std::vector<FingerStop> Close(const Pose& tcp_in_world, double gap,
+                                const std::vector<int>& others);
+
   // Returns points on the hand's surface in the TCP's frame, one in each column, spread evenly.
   Eigen::Matrix3Xd SurfacePoints(double gap, int count) const;
 
  private:
+  void FindFingers();
   void PlaceGeoms(const Pose& tcp_in_world, double gap) const;
+  // Returns the smallest distance of a finger to the others at a row of the shape, and its direction.
+  double FingerDistance(int finger, size_t row, const Pose& tcp_in_world,
+                        const std::vector<int>& others, Eigen::Vector3d* normal);
 
   Robot robot_;
   std::shared_ptr<const GripperShape> shape_;
@@ -64,6 +81,8 @@ class HandGeometry {
   std::vector<int> geoms_;
   std::vector<char> is_robot_;
   std::vector<std::vector<Pose>> in_tcp_;  // per row of the shape, per geom
+  std::vector<int> finger_of_;  // per geom of geoms_: index of its finger, -1 for the palm
+  int finger_count_ = 0;
   int obstacle_ = -1;
 };
 

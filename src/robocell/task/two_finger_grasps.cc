@@ -19,9 +19,9 @@ using Eigen::Vector3d;
 
 constexpr int kDirections = 8;  // of the approach around the closing direction
 constexpr int kHandPoints = 160;
-constexpr int kOpenings = 8;         // gaps of the fingers that are tried
-constexpr double kBeside = 0.006;    // m: beside the object when the hand is open, per finger
-constexpr double kLeastGrip = 5e-4;  // m: wider than the closed hand
+constexpr int kOpenings = 8;            // gaps of the fingers that are tried
+constexpr double kBeside = 0.006;       // m: beside the object when the hand is open, per finger
+constexpr double kLeastGrip = 5e-4;     // m: wider than the closed hand
 constexpr double kInside = 5e-4;        // m: points of the hand that are deeper collide
 constexpr int kAcross = 3, kAlong = 3;  // lines over the pads
 constexpr int kLeastHits = 3;
@@ -117,7 +117,6 @@ class TwoFingerSearch {
       const Vector3d approach = Eigen::AngleAxisd(angle, closing) * reference;
       // Either finger may be on either side.
       const Vector3d y = rng_.Uniform() < 0.5 ? closing : Vector3d(-closing);
-      const Matrix3d axes = GraspAxes(y, approach);
       TryOpenings(middle, GraspAxes(y, approach), width, wall, handle);
     }
   }

@@ -49,6 +49,39 @@ move_groups:
   return (folder / "hand.yaml").string();
 }
 
+// Writes a hand with three fingers that slide towards its middle.
+inline std::string WriteThreeFingers(Rng& rng, const TempDir& folder) {
+  const double stroke = rng.Uniform(0.03, 0.05), length = rng.Uniform(0.02, 0.04);
+  std::string fingers, actuators;
+  for (int i = 0; i < 3; ++i) {
+    const double turn = 1.5708 + 2.0944 * i;
+    fingers += fmt::format(
+        R"(<body name="finger{0}" euler="0 0 {1}"><joint name="finger{0}" type="slide" axis="-1 0 0" range="0 {2}" damping="20"/>
+        <geom name="pad{0}" type="box" size=".004 .007 {3}" pos="{4} 0 {5}" mass=".05" friction="1.2 .05 .001" condim="4"/></body>)",
+        i, turn, stroke, length, stroke + 0.006, 0.02 + length);
+    actuators += fmt::format(
+        R"(<position name="finger{0}" joint="finger{0}" kp="600" forcerange="-20 20" ctrlrange="0 {1}"/>)",
+        i, stroke);
+  }
+  AtomicWrite(
+      folder / "hand.xml",
+      fmt::format(
+          R"(<mujoco><compiler angle="radian"/><option integrator="implicitfast"/><worldbody><body name="base"><geom type="box" size=".03 .03 .03" mass="1"/>
+      <body name="hand" pos="0 0 .2"><joint name="turn" axis="0 0 1" range="-2 2" damping="5"/>
+        <geom type="cylinder" size="{} .02" mass=".5"/><site name="tcp" pos="0 0 {}"/>{}</body></body></worldbody>
+      <actuator><position name="turn" joint="turn" kp="500" ctrlrange="-2 2"/>{}</actuator></mujoco>)",
+          stroke + 0.02, 0.02 + 1.6 * length, fingers, actuators));
+  AtomicWrite(folder / "hand.yaml", R"(name: hand
+model: hand.xml
+root_body: base
+move_groups:
+  arm: {kind: arm, joints: turn, actuators: turn, leaf: {site: tcp}}
+  gripper: {kind: gripper, joints: [finger0, finger1, finger2], actuators: [finger0, finger1, finger2],
+            leaf: {site: tcp}, fingers: [pad0, pad1, pad2]}
+)");
+  return (folder / "hand.yaml").string();
+}
+
 // Returns a box, cylinder or sphere "thing" of a random size that fits between such fingers.
 inline SceneObject RandomPrimitive(Rng& rng) {
   const auto small = [&] { return rng.Uniform(0.008, 0.02); };
