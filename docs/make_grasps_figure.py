@@ -11,8 +11,8 @@ from figures import save
 import robocell as rc
 
 SIZE = (960, 480)  # width, height in pixels; drawn at twice the size
-MOST = 14  # grasps drawn on each object
-APART_M, APART_RAD = 0.012, 0.6  # of the grasps that are drawn
+MOST = 4  # grasps drawn of each kind
+RADIAN_M = 0.03  # a turn by one radian counts like this distance
 HEIGHT = 0.3  # m, of the objects
 COLOURS = {
     "top": [0.20, 0.45, 0.75, 1],
@@ -27,7 +27,7 @@ def scene_of(objects: list[rc.SceneObject]) -> rc.Scene:
     """Objects in front of the built-in arm."""
     spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=True)
     config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-    spec.robots.append(rc.RobotSpec(name="rc7", config=config, pos=[-1.5, 0, 0]))
+    spec.robots.append(rc.RobotSpec(name="rc7", config=config, pos=[2, 0, 0]))
     for each in objects:
         spec.objects.append(each)
     scene = rc.Scene.build(spec)
@@ -41,27 +41,26 @@ def thing(name: str, y: float) -> rc.SceneObject:
 
 
 def spread(grasps: rc.tasks.GraspSet) -> list[rc.tasks.Grasp]:
-    """Grasps that differ, of all kinds."""
-    chosen: list[rc.tasks.Grasp] = []
-    kinds = dict.fromkeys(COLOURS, 0)
-    for grasp in grasps:
-        pose = grasp.tcp_in_body
-        near = any(
-            pose.is_close(other.tcp_in_body, APART_RAD, 1)
-            and pose.is_close(other.tcp_in_body, 4, APART_M * 4)
-            or pose.is_close(other.tcp_in_body, 4, APART_M)
-            for other in chosen
-        )
-        if near or kinds[grasp.kind] >= MOST / 3:
-            continue
-        kinds[grasp.kind] += 1
-        chosen.append(grasp)
-    return chosen[:MOST]
+    """The best grasp, and then each time the one that is farthest from those before."""
+    chosen = [grasps[0]] if len(grasps) else []
+
+    def apart(grasp: rc.tasks.Grasp) -> float:
+        return min(distance(grasp.tcp_in_body, other.tcp_in_body) for other in chosen)
+
+    while chosen and len(chosen) < MOST:
+        chosen.append(max(grasps, key=apart))
+    return chosen
+
+
+def distance(a: rc.Pose, b: rc.Pose) -> float:
+    """Metres, where a radian counts like some centimetres."""
+    step = a.inverse() * b
+    return float(np.linalg.norm(step.translation)) + RADIAN_M * step.angle
 
 
 def fork(name: str, tcp: rc.Pose, grasp: rc.tasks.Grasp) -> list[rc.SceneObject]:
     """Two fingers, what carries them, and the approach, as thin bars."""
-    half, length, thin = grasp.opening / 2, 0.02, 0.0015
+    half, length, thin = grasp.width / 2 + 0.003, 0.02, 0.0012
     bars = [
         ([0, half, -length / 2], [thin, thin, length / 2]),
         ([0, -half, -length / 2], [thin, thin, length / 2]),
@@ -84,13 +83,14 @@ def main() -> None:
     scene = scene_of(objects)
     forks = []
     for each in objects:
-        grasps = rc.tasks.grasps(scene.robot("rc7"), each.name, most=400)
-        for i, grasp in enumerate(spread(grasps)):
-            tcp = scene.body_pose(grasps.body) * grasp.tcp_in_body
-            forks += fork(f"{each.name}_grasp_{i}", tcp, grasp)
+        for kind in COLOURS:
+            grasps = rc.tasks.grasps(scene.robot("rc7"), each.name, kinds=kind)
+            for i, grasp in enumerate(spread(grasps)):
+                tcp = scene.body_pose(grasps.body) * grasp.tcp_in_body
+                forks += fork(f"{each.name}_{kind}_{i}", tcp, grasp)
     drawn = scene_of(objects + forks)
     view = rc.render.OrbitCamera(
-        lookat=(0, 0, HEIGHT + 0.01), distance=0.62, azimuth=180, elevation=-22, fovy=34
+        lookat=(0, 0, HEIGHT + 0.01), distance=0.5, azimuth=180, elevation=-25, fovy=26
     )
     renderer = rc.render.Renderer(drawn, shadows=True, multisamples=4, shadow_size=8192)
     large = renderer.render(view, width=2 * SIZE[0], height=2 * SIZE[1])

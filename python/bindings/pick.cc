@@ -198,4 +198,3 @@ void BindPick(nb::module_& m) {
 }
 
 }  // namespace robocell::python
-#include "grasps.inc"

@@ -17,7 +17,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -362,4 +362,4 @@ void WriteNpz(const fs::path& path, const NpzArrays& arrays) {
   AtomicWrite(path, all);
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-namespace robocell {
+namespace robocell::internal {
 
 struct NpzArray {
   static NpzArray Numbers(std::vector<size_t> shape, std::vector<double> numbers);
@@ -34,4 +34,4 @@ NpzArrays ReadNpz(const std::filesystem::path& path);
 // The same arrays give the same bytes.
 void WriteNpz(const std::filesystem::path& path, const NpzArrays& arrays);
 
-}  // namespace robocell
+}  // namespace robocell::internal

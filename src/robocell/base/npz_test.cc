@@ -12,7 +12,7 @@
 #include "robocell/base/rng.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 TEST(Npz, ReadsWhatItWrote) {
@@ -58,4 +58,4 @@ TEST(Npz, DamagedFilesAreErrorsThatNameThePath) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

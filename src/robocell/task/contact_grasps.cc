@@ -17,18 +17,18 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int kTurns = 8;                   // of a cup about its axis: it has no closing direction
-constexpr std::array kRings = {0.5, 0.95};  // shares of the radius
-constexpr int kLinesOnRing = 8;
-constexpr double kFlat = 1e-3;   // m: what a cup bridges, below the highest line
-constexpr double kPress = 1e-3;  // m: a cup presses into the object
-const double kLevel = std::cos(std::numbers::pi / 18);   // cosine of normals to the cup's axis
-constexpr double kPushRadius = 0.006, kPushFlat = 2e-3;  // m: of the face that a tip pushes
-constexpr double kJustApart = 5e-4;                      // m between a pushing hand and the object
+constexpr int kCupTurns = 8;  // of a cup about its axis: it has no closing direction
+constexpr std::array kCupRings = {0.5, 0.95};  // shares of the radius
+constexpr int kCupLinesOnRing = 8;
+constexpr double kCupFlat = 1e-3;   // m: what a cup bridges, below the highest line
+constexpr double kCupPress = 1e-3;  // m: a cup presses into the object
+const double kCupLevel = std::cos(std::numbers::pi / 18);  // cosine of normals to the cup's axis
+constexpr double kPushRadius = 0.006, kPushFlat = 2e-3;    // m: of the face that a tip pushes
+constexpr double kJustApart = 5e-4;  // m between a pushing hand and the object
 constexpr double kHookDepth = 0.01;  // m: the tip reaches beyond the bar's middle
 constexpr double kMostBar = 0.06;    // m: thickness of a bar that is hooked
 constexpr double kTipPart = 0.02;    // m: the part of the hand behind the bar
-constexpr int kHandPoints = 400;
+constexpr int kTipPoints = 400;
 
 // Returns the height of the highest point of a face over a disc, above `point`; unset if the face is
 // not flat within `flat`, or ends.
@@ -38,12 +38,12 @@ std::optional<double> FaceHeight(const BodySolids& solids, const SurfacePoint& p
   const double away = 2 * solids.radius() + 0.01;
   double lowest = 0, highest = 0;
   std::vector<SolidSpan> spans;
-  for (const double ring : kRings) {
-    for (int k = 0; k < kLinesOnRing; ++k) {
-      const double angle = 2 * std::numbers::pi * k / kLinesOnRing;
+  for (const double ring : kCupRings) {
+    for (int k = 0; k < kCupLinesOnRing; ++k) {
+      const double angle = 2 * std::numbers::pi * k / kCupLinesOnRing;
       const Vector3d at = point.at + ring * radius * (std::cos(angle) * x + std::sin(angle) * y);
       solids.Through(at + away * point.normal, -point.normal, &spans);
-      if (spans.empty() || spans.front().begin_normal.dot(point.normal) < kLevel)
+      if (spans.empty() || spans.front().begin_normal.dot(point.normal) < kCupLevel)
         return std::nullopt;
       const double height = away - spans.front().begin;
       lowest = std::min(lowest, height);
@@ -71,10 +71,11 @@ std::vector<GraspProposal> ProposeSuctionGrasps(const GraspTarget& target, const
   for (int i = 0; i < options.samples; ++i) {
     const std::optional<SurfacePoint> point = sampler.Next();
     if (!point) break;
-    const std::optional<double> height = FaceHeight(target.all, *point, radius, kFlat);
+    const std::optional<double> height = FaceHeight(target.all, *point, radius, kCupFlat);
     if (!height) continue;
-    const Vector3d z = -point->normal, middle = point->at + (*height - kPress) * point->normal;
-    const double turn = 2 * std::numbers::pi * static_cast<double>(rng.UniformInt(kTurns)) / kTurns;
+    const Vector3d z = -point->normal, middle = point->at + (*height - kCupPress) * point->normal;
+    const double turn =
+        2 * std::numbers::pi * static_cast<double>(rng.UniformInt(kCupTurns)) / kCupTurns;
     Vector3d reference = Vector3d::UnitX();
     if (reference.cross(z).norm() < 0.3) reference = Vector3d::UnitY();
     reference = (reference - reference.dot(z) * z).normalized();
@@ -85,7 +86,7 @@ std::vector<GraspProposal> ProposeSuctionGrasps(const GraspTarget& target, const
                                .approach = z,
                                .approach_length = options.approach_length,
                                .score = NearCom(target, point->at, point->normal)},
-                     .press = 2 * kPress});
+                     .press = 2 * kCupPress});
   }
   return found;
 }
@@ -95,7 +96,7 @@ std::vector<GraspProposal> ProposePushes(const GraspTarget& target, const HandGe
   const GripperShape& shape = hand.shape();
   const double closed = shape.closed_gap();
   // The tip of the closed hand may be beside the pads' centre.
-  const Eigen::Matrix3Xd points = hand.SurfacePoints(closed, kHandPoints);
+  const Eigen::Matrix3Xd points = hand.SurfacePoints(closed, kTipPoints);
   const Pose tcp_in_grasp = shape.grasp_in_tcp().inverse();
   Vector3d tip = Vector3d::Constant(-std::numeric_limits<double>::infinity());
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
@@ -132,7 +133,7 @@ std::vector<GraspProposal> ProposeHooks(const GraspTarget& target, const HandGeo
   const GripperShape& shape = hand.shape();
   const double closed = shape.closed_gap();
   const Pose tcp_in_grasp = shape.grasp_in_tcp().inverse();
-  const Eigen::Matrix3Xd points = hand.SurfacePoints(closed, kHandPoints);
+  const Eigen::Matrix3Xd points = hand.SurfacePoints(closed, kTipPoints);
   double tip = -std::numeric_limits<double>::infinity();
   for (Eigen::Index i = 0; i < points.cols(); ++i)
     tip = std::max(tip, (tcp_in_grasp * Vector3d(points.col(i))).z());

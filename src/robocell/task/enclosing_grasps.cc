@@ -16,10 +16,10 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int kHandPoints = 160;
-constexpr double kInside = 5e-4;   // m: points of the hand that are deeper collide
-constexpr double kDeepest = 0.05;  // m: of the pads' centre below the face
-constexpr double kNearCom = 0.01;  // m
+constexpr int kOpenHandPoints = 160;
+constexpr double kInsideObject = 5e-4;  // m: points of the hand that are deeper collide
+constexpr double kDeepest = 0.05;       // m: of the pads' centre below the face
+constexpr double kNearMiddle = 0.01;    // m
 
 }  // namespace
 
@@ -29,7 +29,7 @@ std::vector<GraspProposal> ProposeEnclosingGrasps(const GraspTarget& target,
   const GripperShape& shape = hand.shape();
   const double open = shape.open_gap();
   const Vector3d pads = shape.PadAt((open + shape.closed_gap()) / 2);
-  const Eigen::Matrix3Xd points = hand.SurfacePoints(open, kHandPoints);
+  const Eigen::Matrix3Xd points = hand.SurfacePoints(open, kOpenHandPoints);
   std::vector<GraspProposal> found;
   std::vector<SolidSpan> spans;
   SurfaceSampler sampler(target.wanted, target.all, rng);
@@ -49,9 +49,9 @@ std::vector<GraspProposal> ProposeEnclosingGrasps(const GraspTarget& target,
     const Matrix3d turned = tcp.rotation();
     bool hits = false;
     for (Eigen::Index k = 0; k < points.cols() && !hits; ++k)
-      hits = target.all.Contains(turned * points.col(k) + tcp.translation(), kInside);
+      hits = target.all.Contains(turned * points.col(k) + tcp.translation(), kInsideObject);
     if (hits) continue;
-    const double far = (middle - target.com).norm() / (0.3 * target.all.radius() + kNearCom);
+    const double far = (middle - target.com).norm() / (0.3 * target.all.radius() + kNearMiddle);
     found.push_back({.grasp = {.tcp_in_body = tcp,
                                .kind = GraspKind::kEnclosing,
                                .opening = open,

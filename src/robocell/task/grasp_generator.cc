@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -12,6 +13,7 @@
 #include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/motion/gripper_shape.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
@@ -26,12 +28,13 @@ using internal::GraspProposal;
 using internal::GraspTarget;
 using internal::HandGeometry;
 
-constexpr double kSameTurn = 0.15, kSamePlace = 0.004;  // rad and m: nearer grasps count as one
+constexpr double kSameGraspTurn = 0.15,
+                 kSameGraspPlace = 0.004;  // rad and m: nearer grasps count as one
 constexpr int kApproachSteps = 4;
 constexpr int kLeastFingers = 3;          // that touch in an enclosing grasp
 constexpr double kMostUnbalanced = 0.45;  // length of the mean of their normals
 
-void RequireOptions(const GraspOptions& options, const std::string& place) {
+void RequireGraspOptions(const GraspOptions& options, const std::string& place) {
   const auto require = [&](bool ok, const char* field, const std::string& rule) {
     if (!ok) throw ArgumentError(fmt::format("{}: {} must be {}", place, field, rule));
   };
@@ -63,7 +66,6 @@ std::vector<GraspKind> KindsFor(const GraspOptions& options, const GripperShape&
 // Selects among proposals, best first, with the hand's real geometry.
 class GraspFilter {
  public:
-  // `geoms`: of the object.
   // `geoms`: of the object, which `hand` has in the frame of the body.
   GraspFilter(HandGeometry& hand, std::vector<int> geoms, const GraspOptions& options)
       : hand_(hand), all_(std::move(geoms)), options_(options) {}
@@ -71,25 +73,45 @@ class GraspFilter {
   std::vector<Grasp> Run(std::vector<GraspProposal> proposals) {
     std::stable_sort(proposals.begin(), proposals.end(),
                      [](const auto& a, const auto& b) { return a.grasp.score > b.grasp.score; });
-    std::vector<Grasp> kept;
-    for (const GraspProposal& proposal : proposals) {
-      if (kept.size() >= static_cast<size_t>(options_.most)) break;
-      const Grasp& grasp = proposal.grasp;
-      if (std::ranges::any_of(kept, [&](const Grasp& k) {
-            return k.tcp_in_body.is_close(grasp.tcp_in_body, kSameTurn, kSamePlace);
-          }))
-        continue;
-      if (!IsFree(proposal)) continue;
-      if (grasp.kind != GraspKind::kEnclosing) {
-        kept.push_back(grasp);
-      } else if (const std::optional<Grasp> closed = Close(grasp)) {
-        kept.push_back(*closed);
+    // Half of them are shared evenly between the kinds, the others are the best of all.
+    std::map<GraspKind, size_t> counts;
+    for (const GraspProposal& proposal : proposals) ++counts[proposal.grasp.kind];
+    const size_t most = static_cast<size_t>(options_.most);
+    const size_t share = counts.size() > 1 ? most / (2 * counts.size()) : 0;
+    std::vector<char> looked_at(proposals.size(), 0);
+    for (auto& [kind, count] : counts) {
+      count = 0;
+      for (size_t i = 0; i < proposals.size() && count < share; ++i) {
+        if (proposals[i].grasp.kind != kind) continue;
+        looked_at[i] = 1;
+        count += Keep(proposals[i]);
       }
     }
-    return kept;
+    for (size_t i = 0; i < proposals.size() && kept_.size() < most; ++i) {
+      if (!looked_at[i]) Keep(proposals[i]);
+    }
+    // Closing changed some scores.
+    std::ranges::stable_sort(kept_, std::ranges::greater(), &Grasp::score);
+    return std::move(kept_);
   }
 
  private:
+  // Returns true if the grasp was kept.
+  bool Keep(const GraspProposal& proposal) {
+    const Grasp& grasp = proposal.grasp;
+    const bool known = std::ranges::any_of(kept_, [&](const Grasp& other) {
+      return other.tcp_in_body.is_close(grasp.tcp_in_body, kSameGraspTurn, kSameGraspPlace);
+    });
+    if (known || !IsFree(proposal)) return false;
+    if (grasp.kind != GraspKind::kEnclosing) {
+      kept_.push_back(grasp);
+      return true;
+    }
+    const std::optional<Grasp> closed = Close(grasp);
+    if (closed) kept_.push_back(*closed);
+    return closed.has_value();
+  }
+
   bool IsFree(const GraspProposal& proposal) {
     const Grasp& grasp = proposal.grasp;
     const bool suction = grasp.kind == GraspKind::kSuction;
@@ -144,6 +166,7 @@ class GraspFilter {
   HandGeometry& hand_;
   std::vector<int> all_;
   const GraspOptions& options_;
+  std::vector<Grasp> kept_;
 };
 
 }  // namespace
@@ -163,7 +186,7 @@ GraspSet GenerateGrasps(const Robot& robot, const std::string& body, const Grasp
   const Scene scene = robot.scene();
   const mjModel* m = scene.model();
   const std::string place = "grasps of '" + body + "' by robot '" + robot.name() + "'";
-  RequireOptions(options, place);
+  RequireGraspOptions(options, place);
   const std::shared_ptr<const GripperShape> shape =
       GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
   const std::vector<GraspKind> kinds = KindsFor(options, *shape, place);
@@ -244,9 +267,7 @@ GraspSet GenerateGrasps(const Robot& robot, const std::string& body, const Grasp
     if (!hand.is_robot()[static_cast<size_t>(g)]) object.push_back(g);
   hand.PlaceIn(body_in_world, object);
   GraspFilter filter(hand, std::move(object), options);
-  std::vector<Grasp> grasps = filter.Run(std::move(proposals));
-  std::ranges::stable_sort(grasps, std::ranges::greater(), &Grasp::score);  // closing changed some
-  return {.robot = robot.name(), .body = grasped.name, .grasps = std::move(grasps)};
+  return {.robot = robot.name(), .body = grasped.name, .grasps = filter.Run(std::move(proposals))};
 }
 
 }  // namespace robocell

@@ -18,12 +18,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "robocell/motion/gripper_shape.h"
 #include "robocell/robot/robot.h"
+#include "robocell/scene/scene.h"
 #include "robocell/task/grasp.h"
 
 namespace robocell {

@@ -31,19 +31,21 @@ namespace robocell {
 namespace {
 
 namespace fs = std::filesystem;
+using internal::NpzArray;
+using internal::NpzArrays;
 
 constexpr int kFormat = 1;  // of the method: a new number makes all grasps again
 constexpr size_t kMostRemembered = 256;
 constexpr double kRotationError = 1e-3;  // largest entry of R R^T - 1 that rounding explains
 
-[[noreturn]] void Fail(const fs::path& path, const std::string& what) {
+[[noreturn]] void FailFile(const fs::path& path, const std::string& what) {
   throw IoError(fmt::format("{}: {}", path.string(), what));
 }
 
 Pose PoseOfRow(const fs::path& path, size_t row, const double* numbers) {
   const Eigen::Map<const Eigen::Matrix<double, 4, 4, Eigen::RowMajor>> x(numbers);
   const auto fail = [&](const char* what) {
-    Fail(path, fmt::format("transforms[{}] {}", row, what));
+    FailFile(path, fmt::format("transforms[{}] {}", row, what));
   };
   if (!x.allFinite()) fail("has numbers that are not finite");
   const Eigen::Matrix3d r = x.topLeftCorner<3, 3>();
@@ -65,14 +67,14 @@ const NpzArray* FindArray(const fs::path& path, const NpzArrays& arrays, const s
   const std::vector<size_t> shape =
       width > 1 ? std::vector<size_t>{rows, width} : std::vector<size_t>{rows};
   if (array.shape != shape || (rows > 0 && array.texts.empty() == texts))
-    Fail(path, fmt::format("'{}' does not have one {} for each of the {} transforms", name,
-                           texts       ? "text"
-                           : width > 1 ? "vector"
-                                       : "number",
-                           rows));
+    FailFile(path, fmt::format("'{}' does not have one {} for each of the {} transforms", name,
+                               texts       ? "text"
+                               : width > 1 ? "vector"
+                                           : "number",
+                               rows));
   for (const double number : array.numbers)
     if (!std::isfinite(number))
-      Fail(path, fmt::format("'{}' has numbers that are not finite", name));
+      FailFile(path, fmt::format("'{}' has numbers that are not finite", name));
   return &array;
 }
 
@@ -196,18 +198,18 @@ std::string KeyText(const internal::HandGeometry& hand, const internal::GraspedB
 }  // namespace
 
 std::vector<Grasp> LoadGrasps(const fs::path& path) {
-  const NpzArrays arrays = ReadNpz(path);
+  const NpzArrays arrays = internal::ReadNpz(path);
   const auto found = arrays.find("transforms");
   if (found == arrays.end()) {
     std::vector<std::string> names;
     for (const auto& [name, array] : arrays) names.push_back(name);
-    Fail(path, "has no array 'transforms' with the poses of the TCP. Its arrays: " +
-                   (names.empty() ? "none" : ListNames(names)));
+    FailFile(path, "has no array 'transforms' with the poses of the TCP. Its arrays: " +
+                       (names.empty() ? "none" : ListNames(names)));
   }
   const NpzArray& poses = found->second;
   if (poses.shape.size() != 3 || poses.shape[1] != 4 || poses.shape[2] != 4 || !poses.texts.empty())
-    Fail(path, fmt::format("'transforms' must be (N, 4, 4) numbers, got ({})",
-                           fmt::join(poses.shape, ", ")));
+    FailFile(path, fmt::format("'transforms' must be (N, 4, 4) numbers, got ({})",
+                               fmt::join(poses.shape, ", ")));
   const size_t rows = poses.shape[0];
   std::vector<Grasp> grasps(rows);
   for (size_t i = 0; i < rows; ++i) {
@@ -220,7 +222,8 @@ std::vector<Grasp> LoadGrasps(const fs::path& path) {
     const NpzArray* array = FindArray(path, arrays, name, rows, 1, false);
     for (size_t i = 0; array && i < rows; ++i) {
       if (array->numbers[i] < least)
-        Fail(path, fmt::format("{}[{}] is {:g}, below {:g}", name, i, array->numbers[i], least));
+        FailFile(path,
+                 fmt::format("{}[{}] is {:g}, below {:g}", name, i, array->numbers[i], least));
       grasps[i].*member = array->numbers[i];
     }
   };
@@ -234,14 +237,15 @@ std::vector<Grasp> LoadGrasps(const fs::path& path) {
       try {
         grasps[i].kind = GraspKindOf(kinds->texts[i]);
       } catch (const NotFoundError& error) {
-        Fail(path, fmt::format("kinds[{}]: {}", i, error.what()));
+        FailFile(path, fmt::format("kinds[{}]: {}", i, error.what()));
       }
     }
   }
   if (const NpzArray* ways = FindArray(path, arrays, "approaches", rows, 3, false)) {
     for (size_t i = 0; i < rows; ++i) {
       const Eigen::Map<const Eigen::Vector3d> way(ways->numbers.data() + 3 * i);
-      if (way.norm() < 1e-9) Fail(path, fmt::format("approaches[{}] is no direction: it is 0", i));
+      if (way.norm() < 1e-9)
+        FailFile(path, fmt::format("approaches[{}] is no direction: it is 0", i));
       grasps[i].approach = way.normalized();
     }
   }
@@ -269,14 +273,14 @@ void SaveGrasps(const fs::path& path, const std::vector<Grasp>& grasps) {
     throw IoError(
         fmt::format("cannot create '{}': {}", path.parent_path().string(), error.message()),
         error.value());
-  WriteNpz(path, {{"transforms", NpzArray::Numbers({rows, 4, 4}, std::move(poses))},
-                  {"approaches", NpzArray::Numbers({rows, 3}, std::move(ways))},
-                  {"openings", NpzArray::Numbers({rows}, std::move(openings))},
-                  {"widths", NpzArray::Numbers({rows}, std::move(widths))},
-                  {"asides", NpzArray::Numbers({rows}, std::move(asides))},
-                  {"approach_lengths", NpzArray::Numbers({rows}, std::move(lengths))},
-                  {"scores", NpzArray::Numbers({rows}, std::move(scores))},
-                  {"kinds", NpzArray::Texts(std::move(kinds))}});
+  internal::WriteNpz(path, {{"transforms", NpzArray::Numbers({rows, 4, 4}, std::move(poses))},
+                            {"approaches", NpzArray::Numbers({rows, 3}, std::move(ways))},
+                            {"openings", NpzArray::Numbers({rows}, std::move(openings))},
+                            {"widths", NpzArray::Numbers({rows}, std::move(widths))},
+                            {"asides", NpzArray::Numbers({rows}, std::move(asides))},
+                            {"approach_lengths", NpzArray::Numbers({rows}, std::move(lengths))},
+                            {"scores", NpzArray::Numbers({rows}, std::move(scores))},
+                            {"kinds", NpzArray::Texts(std::move(kinds))}});
 }
 
 void RegisterGraspLibrary(const std::string& name, const fs::path& folder) {

@@ -20,6 +20,8 @@ namespace robocell {
 namespace {
 
 namespace fs = std::filesystem;
+using internal::NpzArray;
+using internal::WriteNpz;
 using testing::HasSubstr;
 
 std::vector<double> Identity() { return {1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1}; }

@@ -22,8 +22,8 @@
 namespace robocell {
 namespace {
 
-constexpr size_t kBatch = 8;  // solved at once: usually one of the first is taken
-constexpr int kRestarts = 40;
+constexpr size_t kReachBatch = 8;  // solved at once: usually one of the first is taken
+constexpr int kReachRestarts = 40;
 constexpr double kAlmostTouching =
     0.003;  // m: fingers stop this far before they close on the object
 
@@ -55,7 +55,8 @@ class ReachSearch {
     size_t next = 0;
     while (next < order_.size() && tried_ < options_.tried && !Enough()) {
       std::vector<Candidate> batch;
-      for (; next < order_.size() && batch.size() < kBatch && tried_ < options_.tried; ++next) {
+      for (; next < order_.size() && batch.size() < kReachBatch && tried_ < options_.tried;
+           ++next) {
         ++tried_;
         if (HandIsFree(order_[next])) {
           batch.push_back(order_[next]);
@@ -118,7 +119,7 @@ class ReachSearch {
     IkBatchOptions options;
     options.ik.tolerance = internal::kLineIkTolerance;
     options.ik.prefer = IkPrefer::kSeed;
-    options.ik.max_restarts = kRestarts;
+    options.ik.max_restarts = kReachRestarts;
     const Chain& chain = robot_.chain();
     const IkBatchResult result = IkBatch(chain, targets, present_, options);
     for (int b = 0; b < result.size && !Enough(); ++b) {

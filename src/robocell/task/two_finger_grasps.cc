@@ -22,17 +22,19 @@ constexpr int kHandPoints = 160;
 constexpr int kOpenings = 8;            // gaps of the fingers that are tried
 constexpr double kBeside = 0.006;       // m: beside the object when the hand is open, per finger
 constexpr double kLeastGrip = 5e-4;     // m: wider than the closed hand
-constexpr double kInside = 5e-4;        // m: points of the hand that are deeper collide
-constexpr int kAcross = 3, kAlong = 3;  // lines over the pads
-constexpr int kLeastHits = 3;
-constexpr double kTouchDepth = 0.0015;  // m: lines this near to the first touch end under the pad
-constexpr double kMostPadUsed = 0.008;  // m: half width of the pad that lines are spread over
-constexpr double kSameWidth = 0.004;    // m: curved faces touch the pads' edges first
-constexpr double kJustBefore = 0.003;   // m between the pads and the object just before contact
-constexpr double kShallow = 0.6;        // share of the pad's half height of a shallower grasp
-constexpr double kWall = 0.35;          // a wall is thinner than this share of the vessel
+constexpr double kInsideTarget = 5e-4;  // m: points of the hand that are deeper collide
+constexpr int kAcross = 3;  // lines over the pads, and where they are along the approach:
+constexpr std::array kAlong = {-0.95, -0.6, 0.0, 0.6, 0.95};  // shares of the half height
+constexpr int kLeastPadHits = 3;
+constexpr double kUnderPad = 0.0015;      // m: lines this near to the first touch end under the pad
+constexpr double kPadSpread = 0.008;      // m: half width of the pad that lines are spread over
+constexpr double kSameWidth = 0.004;      // m: curved faces touch the pads' edges first
+constexpr double kBeforeContact = 0.003;  // m between the pads and the object just before contact
+constexpr double kShallow = 0.6;          // share of the pad's half height of a shallower grasp
+constexpr double kWall = 0.35;            // a wall is thinner than this share of the vessel
 constexpr double kTopCosine = 0.7071, kSideSine = 0.5;  // of 45 and 30 degrees
-constexpr double kNearCom = 0.01;                       // m
+constexpr double kEnoughRoom = 0.01;  // m: beyond the widest and the thinnest object
+constexpr double kNearCom = 0.01;     // m
 
 // The hand at one gap.
 struct Opening {
@@ -40,7 +42,7 @@ struct Opening {
   Eigen::Matrix3Xd points;  // of its surface, in the TCP's frame
 };
 
-struct Squeeze {
+struct PadSqueeze {
   double left = 0, right = 0;  // along the closing direction from the middle
   double square = 0, cover = 0;
 };
@@ -56,7 +58,7 @@ class TwoFingerSearch {
         least_square_(std::cos(std::atan(options.friction))),
         widths_(WidthsHeld(shape_.closed_gap(), shape_.open_gap())),
         half_height_(shape_.pad_half_height()),
-        half_width_(std::min(0.8 * shape_.pad_half_width(), kMostPadUsed)) {
+        half_width_(std::min(0.8 * shape_.pad_half_width(), kPadSpread)) {
     widths_.least = std::max(shape_.closed_gap() + kLeastGrip, kLeastGrip);
     for (int i = 1; i <= kOpenings; ++i) {
       const double gap =
@@ -142,7 +144,7 @@ class TwoFingerSearch {
     const Vector3d held = shape_.PadAt(width) + aside * Vector3d::UnitY();
     const Pose tcp = Pose(pads - axes * held, axes) * shape_.grasp_in_tcp().inverse();
     if (HitsObject(tcp, opening.points)) return false;
-    const std::optional<Squeeze> squeeze = SqueezeAt(pads, axes, opening.gap);
+    const std::optional<PadSqueeze> squeeze = SqueezeAt(pads, axes, opening.gap);
     if (!squeeze || squeeze->square < least_square_) return false;
     const double real_width = squeeze->left - squeeze->right;
     if (std::abs(real_width - width) > kSameWidth || real_width > widths_.most) return false;
@@ -156,7 +158,7 @@ class TwoFingerSearch {
                 .approach = axes.col(2),
                 .approach_length = options_.approach_length,
                 .score = Score(*squeeze, real_width, middle, handle)};
-    const double before = real_width + std::abs(aside) + shape_.closed_gap() + kJustBefore;
+    const double before = real_width + std::abs(aside) + shape_.closed_gap() + kBeforeContact;
     found_.push_back({.grasp = grasp, .gap_before = std::min(before, opening.gap)});
     return true;
   }
@@ -168,11 +170,13 @@ class TwoFingerSearch {
     return std::abs(approach.z()) <= kSideSine ? GraspKind::kSide : GraspKind::kAntipodal;
   }
 
-  double Score(const Squeeze& squeeze, double width, const Vector3d& middle, bool handle) const {
+  double Score(const PadSqueeze& squeeze, double width, const Vector3d& middle, bool handle) const {
     const double square = (squeeze.square - least_square_) / (1 - least_square_);
     const double far = (middle - target_.com).norm() / (0.3 * target_.all.radius() + kNearCom);
     const double near = handle ? 1 : std::exp(-far);
-    const double room = std::clamp((widths_.most - width) / 0.01, 0.0, 1.0);
+    // Servos press less the nearer the fingers are to closed.
+    const double room = std::clamp(
+        std::min(widths_.most - width, width - shape_.closed_gap()) / kEnoughRoom, 0.0, 1.0);
     return 0.4 * square + 0.25 * squeeze.cover + 0.25 * near + 0.1 * room;
   }
 
@@ -180,20 +184,20 @@ class TwoFingerSearch {
     const Matrix3d axes = tcp.rotation();
     for (Eigen::Index i = 0; i < points.cols(); ++i) {
       const Vector3d point = axes * points.col(i) + tcp.translation();
-      if (target_.all.Contains(point, kInside)) return true;
+      if (target_.all.Contains(point, kInsideTarget)) return true;
     }
     return false;
   }
 
   // Finds where the pads touch first; unset if they find too little between them.
-  std::optional<Squeeze> SqueezeAt(const Vector3d& middle, const Matrix3d& axes, double gap) {
-    std::array<double, kAcross * kAlong> left, right, left_square, right_square;
+  std::optional<PadSqueeze> SqueezeAt(const Vector3d& middle, const Matrix3d& axes, double gap) {
+    std::array<double, kAcross * kAlong.size()> left, right, left_square, right_square;
     const double half = gap / 2;
     size_t hits = 0;
     for (int i = 0; i < kAcross; ++i) {
-      for (int k = 0; k < kAlong; ++k) {
-        const Vector3d from = middle + half_width_ * (i - 1) * axes.col(0) +
-                              0.95 * half_height_ * (k - 1) * axes.col(2);
+      for (const double along : kAlong) {
+        const Vector3d from =
+            middle + half_width_ * (i - 1) * axes.col(0) + along * half_height_ * axes.col(2);
         target_.all.Through(from, axes.col(1), &spans_);
         bool hit = false;
         for (const SolidSpan& span : spans_) {
@@ -207,17 +211,18 @@ class TwoFingerSearch {
         hits += hit;
       }
     }
-    if (hits < kLeastHits) return std::nullopt;
-    Squeeze squeeze{.left = *std::max_element(left.begin(), left.begin() + hits),
-                    .right = *std::min_element(right.begin(), right.begin() + hits)};
+    if (hits < kLeastPadHits) return std::nullopt;
+    PadSqueeze squeeze{.left = *std::max_element(left.begin(), left.begin() + hits),
+                       .right = *std::min_element(right.begin(), right.begin() + hits)};
     double on_left = 0, on_right = 0;
     int left_count = 0, right_count = 0;
     for (size_t i = 0; i < hits; ++i) {
-      if (left[i] > squeeze.left - kTouchDepth) on_left += left_square[i], ++left_count;
-      if (right[i] < squeeze.right + kTouchDepth) on_right += right_square[i], ++right_count;
+      if (left[i] > squeeze.left - kUnderPad) on_left += left_square[i], ++left_count;
+      if (right[i] < squeeze.right + kUnderPad) on_right += right_square[i], ++right_count;
     }
     squeeze.square = std::min(on_left / left_count, on_right / right_count);
-    squeeze.cover = std::min(left_count, right_count) / double{kAcross * kAlong};
+    squeeze.cover =
+        std::min(left_count, right_count) / static_cast<double>(kAcross * kAlong.size());
     return squeeze;
   }
 

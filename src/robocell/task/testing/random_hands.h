@@ -2,12 +2,19 @@
 #pragma once
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <string>
+#include <vector>
 
 #include "robocell/base/files.h"
 #include "robocell/base/rng.h"
 #include "robocell/math/pose.h"
+#include "robocell/motion/geom_extent.h"
+#include "robocell/motion/gripper_shape.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
 #include "robocell/spec/yaml.h"
@@ -124,6 +131,32 @@ inline Scene HandBeside(const std::string& hand, const SceneObject& object,
   scene.Reset();
   scene.SetBodyPose(scene.compiled()->object("thing").root_body, pose);
   return scene;
+}
+
+// Moves the object into the hand, opens the fingers by the joints of the gap, and returns the smallest
+// distance of hand and object: the engine's own kinematics and distances.
+inline double DistanceInHand(Scene scene, const Robot& robot, const std::string& body,
+                             const Pose& tcp_in_body, double gap) {
+  const mjModel* m = scene.model();
+  const auto shape = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
+  std::vector<double> joints(shape->joint_names().size());
+  shape->JointsAt(gap, joints);
+  for (size_t i = 0; i < joints.size(); ++i) {
+    const int j = FindId(m, mjOBJ_JOINT, robot.prefix() + shape->joint_names()[i]);
+    scene.data()->qpos[m->jnt_qposadr[j]] = joints[i];
+  }
+  scene.Forward();
+  scene.SetBodyPose(body, robot.tcp_in_world() * tcp_in_body.inverse());
+  const std::vector<int> object = internal::CollisionGeomsOf(m, FindId(m, mjOBJ_BODY, body));
+  const int last = m->jnt_bodyid[FindId(m, mjOBJ_JOINT, robot.joint_names().back())];
+  double least = 1;
+  for (const int own : robot.geom_ids()) {
+    if (!internal::IsCollisionGeom(m, own) || !internal::IsInSubtree(m, m->geom_bodyid[own], last))
+      continue;
+    for (const int other : object)
+      least = std::min(least, mj_geomDistance(m, scene.data(), own, other, 1, nullptr));
+  }
+  return least;
 }
 
 }  // namespace robocell

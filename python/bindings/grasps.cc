@@ -16,12 +16,12 @@
 
 #include "arrays.h"
 #include "bindings.h"
+#include "values.h"
 #include "robocell/task/grasp.h"
 #include "robocell/task/grasp_generator.h"
 #include "robocell/task/grasp_library.h"
 #include "robocell/task/grasp_proof.h"
 #include "robocell/task/reachable_grasps.h"
-#include "values.h"
 
 namespace nb = nanobind;
 
@@ -80,8 +80,9 @@ GraspSet SelectGrasps(const GraspSet& set, nb::handle which) {
   return chosen;
 }
 
-GraspOptions GraspOptionsFrom(nb::handle kinds, nb::handle geoms, int samples, int most, uint64_t seed,
-                       double friction, double clearance, double approach_length) {
+GraspOptions GraspOptionsFrom(nb::handle kinds, nb::handle geoms, int samples, int most,
+                              uint64_t seed, double friction, double clearance,
+                              double approach_length) {
   GraspOptions options{.geoms = ToTexts(geoms, FieldPath("geoms")),
                        .samples = samples,
                        .most = most,
@@ -146,17 +147,20 @@ void BindSetNumbers(nb::class_<GraspSet>& set) {
           "__getitem__",
           [](const GraspSet& s, Py_ssize_t index) { return s.grasps[GraspIndex(s, index)]; },
           "index"_a)
-      .def("__iter__",
-           [](nb::handle self) {
-             const GraspSet& s = nb::cast<const GraspSet&>(self);
-             nb::list items;
-             for (const Grasp& grasp : s.grasps) items.append(grasp);
-             return nb::iter(items);
-           },
-           nb::sig("def __iter__(self) -> Iterator[Grasp]"))
+      .def(
+          "__iter__",
+          [](nb::handle self) {
+            const GraspSet& s = nb::cast<const GraspSet&>(self);
+            nb::list items;
+            for (const Grasp& grasp : s.grasps) items.append(grasp);
+            return nb::iter(items);
+          },
+          nb::sig("def __iter__(self) -> Iterator[Grasp]"))
       .def(
           "__array__",
-          [](const GraspSet& s, nb::args, const nb::kwargs&) { return GraspMatrices(GraspPoses(s)); },
+          [](const GraspSet& s, nb::args, const nb::kwargs&) {
+            return GraspMatrices(GraspPoses(s));
+          },
           nb::sig("def __array__(self, dtype: numpy.typing.DTypeLike | None = None, copy: bool | "
                   "None = None) -> numpy.typing.NDArray[numpy.float64]"),
           "Returns `tcp_in_body`.")
@@ -224,7 +228,9 @@ void BindSet(nb::module_& m) {
           "Returns the poses of the TCP in the world (N, 4, 4) for the body's present pose.")
       .def(
           "goals",
-          [](const GraspSet& s, const Scene& scene, int most) { return GoalsBefore(scene, s, most); },
+          [](const GraspSet& s, const Scene& scene, int most) {
+            return GoalsBefore(scene, s, most);
+          },
           "scene"_a, "most"_a = 32,
           "Returns goals for `robot.plan`: the TCP where the approach of each grasp begins.")
       .def(
@@ -253,8 +259,8 @@ void BindSet(nb::module_& m) {
                                 .most_slip = most_slip,
                                 .most_turn = most_turn});
           },
-          "robot"_a, nb::kw_only(), "acceleration"_a = 5.0, "seconds"_a = 0.2,
-          "most_slip"_a = 0.02, "most_turn"_a = 0.5,
+          "robot"_a, nb::kw_only(), "acceleration"_a = 5.0, "seconds"_a = 0.2, "most_slip"_a = 0.02,
+          "most_turn"_a = 0.5,
           "Simulates the hand alone with the object: it closes without gravity, and shakes to six "
           "sides, each for `seconds` with `acceleration` (m/s^2). Returns a GraspProof for each.")
       .def(
@@ -275,25 +281,28 @@ void BindGrasps(nb::module_& m) {
       [](const Robot& robot, const std::string& object, nb::handle kinds, nb::handle geoms,
          int samples, int most, uint64_t seed, double friction, double clearance,
          double approach_length, bool stored) {
-        const GraspOptions options =
-            GraspOptionsFrom(kinds, geoms, samples, most, seed, friction, clearance, approach_length);
+        const GraspOptions options = GraspOptionsFrom(kinds, geoms, samples, most, seed, friction,
+                                                      clearance, approach_length);
         const nb::gil_scoped_release release;
         return GraspsOf(robot, object, options, stored);
       },
       "robot"_a, "object"_a, nb::kw_only(), "kinds"_a = nb::make_tuple(),
       "geoms"_a = nb::make_tuple(), "samples"_a = 3000, "most"_a = 200, "seed"_a = 0,
       "friction"_a = 0.5, "clearance"_a = 0.001, "approach_length"_a = 0.08, "stored"_a = true,
-      nb::sig("def grasps(robot: Robot, object: str, *, kinds: str | Sequence[str] = (), geoms: str "
-              "| Sequence[str] = (), samples: int = 3000, most: int = 200, seed: int = 0, friction: "
-              "float = 0.5, clearance: float = 0.001, approach_length: float = 0.08, stored: bool "
-              "= True) -> GraspSet"),
-      "Returns grasps of an object by a robot's hand: those of a registered library, else generated "
+      nb::sig(
+          "def grasps(robot: Robot, object: str, *, kinds: str | Sequence[str] = (), geoms: str "
+          "| Sequence[str] = (), samples: int = 3000, most: int = 200, seed: int = 0, friction: "
+          "float = 0.5, clearance: float = 0.001, approach_length: float = 0.08, stored: bool "
+          "= True) -> GraspSet"),
+      "Returns grasps of an object by a robot's hand: those of a registered library, else "
+      "generated "
       "from the geometry of both, and stored in the cache folder unless `stored` is False."
       "\n\nArgs:\n"
       "    object: An object of the scene, or the full name of a body: a door, a drawer.\n"
       "    kinds: \"top\", \"side\", \"antipodal\", \"rim\", \"handle\", \"suction\", \"push\", "
       "\"hook\". Default: all that hold.\n"
-      "    geoms: Full names of the geoms to grasp. Default: of handles and hooks those whose names "
+      "    geoms: Full names of the geoms to grasp. Default: of handles and hooks those whose "
+      "names "
       "contain handle or knob, of the others all.\n"
       "    samples: Points drawn on the surface. most: Grasps returned. seed: Of the points.\n"
       "    friction: Coefficient between fingers and object.\n"
