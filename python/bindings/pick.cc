@@ -2,6 +2,7 @@
 #include <nanobind/nanobind.h>
 
 #include "bindings.h"
+#include "grasps.h"
 #include "rng.h"
 #include "task_trampolines.h"
 #include "robocell/expert/pick_and_place_planner.h"
@@ -193,6 +194,7 @@ void BindPick(nb::module_& m) {
       "    ...     def check_start(self, scene):\n"
       "    ...         return rc.tasks.check_grasps(scene, scene.robot(\"rc7\"), \"cup\")");
   BindPlanners(m);
+  BindGrasps(m);
 }
 
 }  // namespace robocell::python

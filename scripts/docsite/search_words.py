@@ -53,6 +53,7 @@ WORDS = {
         "speed",
         "safety",
     ],
+    "grasps.md": ["grasping", "antipodal", "graspnet", "suction", "npz", "handle", "rim"],
     "motion.md": ["motion planning", "rrt", "collision avoidance", "obstacle", "moveit", "ompl"],
     "howto/move_to_pose.md": ["inverse kinematics", "ik", "cartesian", "end-effector", "tcp"],
     "howto/read_without_robocell.md": ["h5py", "hdf5", "open", "load"],

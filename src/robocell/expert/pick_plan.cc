@@ -3,6 +3,11 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <string>
+#include <utility>
+
+#include "robocell/mujoco/names.h"
+#include "robocell/task/grasp_candidates.h"
 
 namespace robocell {
 namespace {
@@ -92,21 +97,29 @@ void RemoveFailed(std::vector<GraspCandidate>& candidates, const std::vector<Pos
 }  // namespace
 
 PickPlanResult PlanPick(PlanningScene& planning, const PickPlanRequest& request, Rng& rng) {
-  std::vector<GraspCandidate> candidates = FindGrasps(
-      planning.model(), planning.data(), planning.target_body(), planning.shape(), request.tcp_now);
-  RemoveFailed(candidates, request.avoid, planning);
-  if (candidates.empty()) return {.plan = {}, .failure = "no grasp on the object"};
-  GraspMotions motions(planning, std::move(candidates), request.home, request.motion);
   Approach approach(planning, request, rng);
+  bool any = false;
   int searches = 0;
-  while (searches < kMostPathSearches) {
-    std::optional<GraspMotion> motion = motions.Next();
-    if (!motion) break;
-    ++searches;
-    if (auto path = approach.Find(*motion)) {
-      return {.plan = PickPlan{std::move(*motion), std::move(*path)}, .failure = {}};
+  const auto find = [&](std::vector<GraspCandidate> candidates) -> std::optional<PickPlan> {
+    RemoveFailed(candidates, request.avoid, planning);
+    any = any || !candidates.empty();
+    GraspMotions motions(planning, std::move(candidates), request.home, request.motion);
+    for (int i = 0; i < kMostPathSearches; ++i) {
+      std::optional<GraspMotion> motion = motions.Next();
+      if (!motion) break;
+      ++searches;
+      if (auto path = approach.Find(*motion)) return PickPlan{std::move(*motion), std::move(*path)};
     }
-  }
+    return std::nullopt;
+  };
+  if (auto plan = find(FindGrasps(planning.model(), planning.data(), planning.target_body(),
+                                  planning.shape(), request.tcp_now)))
+    return {.plan = std::move(plan), .failure = {}};
+  // From above there is no way: from the sides there may be one.
+  const std::string body = ElementName(planning.model(), mjOBJ_BODY, planning.target_body());
+  if (auto plan = find(FindOtherGrasps(planning.robot(), body, planning.shape(), request.tcp_now)))
+    return {.plan = std::move(plan), .failure = {}};
+  if (!any) return {.plan = {}, .failure = "no grasp on the object"};
   return {.plan = {}, .failure = searches > 0 ? "no free path to a grasp" : "no grasp in reach"};
 }
 

@@ -99,6 +99,7 @@ void PickPlanner::Enter(Phase phase) {
       }
       break;
     case Phase::kPregrasp:
+      opening_ = ApproachOpening();
       retreat_ = arm_->target();
       for (size_t i = 1; i < plan_->approach.size(); ++i) {
         arm_->AddLeg({plan_->approach[i]}, options_.free_speed, kLeastFreeSeconds);
@@ -231,8 +232,17 @@ Action PickPlanner::Command() const {
 }
 
 double PickPlanner::Gap() const { return robot_->gripper().inter_finger_dist(); }
+double PickPlanner::ApproachOpening() const {
+  const double wanted = plan_->motion.grasp.opening;
+  const double range = shape_->open_gap() - shape_->closed_gap();
+  if (wanted <= 0 || range <= 0) return 1;
+  return std::clamp((wanted - shape_->closed_gap()) / range, 0.0, 1.0);
+}
 bool PickPlanner::HandIsEmpty() const {
-  if (!shape_->is_suction()) return Gap() < shape_->closed_gap() + kEmptyGap;
+  // The gap of the fingers does not show a thin wall between them.
+  const bool thin = plan_ && plan_->motion.grasp.width <
+                                 WidthsHeld(shape_->closed_gap(), shape_->open_gap()).least;
+  if (!shape_->is_suction() && !thin) return Gap() < shape_->closed_gap() + kEmptyGap;
   const Scene scene = robot_->scene();
   return !robot_->gripper().is_grasping(scene.compiled()->object(target_object_).root_body);
 }

@@ -5,13 +5,20 @@
 
 #include <functional>
 #include <map>
+#include <string>
+#include <utility>
 
+#include "robocell/base/files.h"
+#include "robocell/task/grasp_candidates.h"
+#include "robocell/task/grasp_check.h"
+#include "robocell/task/grasp_motion.h"
 #include "robocell/task/pick_task.h"
 #include "robocell/task/pick_task_config.h"
 #include "robocell/task/start_sampler.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/pick_scene.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell {
 namespace {
@@ -72,6 +79,10 @@ struct Bench {
       : pick(MakePickScene(ObjectOnTheTable(kind), "demo.yaml", distance)),
         task("target", kind, {"target"}, 0.01),
         planner("rc7", "target", pick.run.options) {}
+  explicit Bench(SceneObject object)
+      : pick(MakePickScene(std::move(object))),
+        task("target", "thing", {"target"}, 0.01),
+        planner("rc7", "target", pick.run.options) {}
   Outcome Run(const Meddle& meddle = {}) { return RollOut(pick.scene, task, planner, rng, meddle); }
 
   PickScene pick;
@@ -79,6 +90,37 @@ struct Bench {
   PickPlanner planner;
   Rng rng = Rng::Stream(1, "planner");
 };
+
+SceneObject ModelOnTheTable(const std::string& path) {
+  SceneObject object{.name = "target", .mjcf_path = path};
+  object.pos = {0, 0, 0.4505 + ObjectSizes().Of(object).height};
+  return object;
+}
+
+// From above both are too wide: a bowl is held by its rim, a mushroom by its stem.
+TEST(PickPlanner, PicksByTheRimAndFromTheSideWhatIsTooWideFromAbove) {
+  const TempDir folder;
+  AtomicWrite(folder / "mushroom.xml",
+              R"(<mujoco><default><geom friction="1 .02 .001" condim="4"/></default>
+      <worldbody><body name="mushroom"><freejoint/>
+      <geom type="cylinder" size=".045 .006" pos="0 0 .006" mass=".15"/>
+      <geom type="cylinder" size=".015 .06" pos="0 0 .072" mass=".03"/>
+      <geom type="cylinder" size=".05 .01" pos="0 0 .142" mass=".03"/></body></worldbody></mujoco>)");
+  for (const std::string& path : {std::string("receiver"), (folder / "mushroom.xml").string()}) {
+    Bench bench(ModelOnTheTable(path));
+    PlanningScene planning = bench.pick.planning();
+    GraspMotions from_above(planning,
+                            FindGrasps(planning.model(), planning.data(), planning.target_body(),
+                                       *bench.pick.shape(), bench.pick.robot.tcp_in_world()),
+                            bench.pick.home());
+    ASSERT_FALSE(from_above.Next()) << path;
+    EXPECT_FALSE(
+        GraspCheck().Check(bench.pick.scene, bench.pick.robot, bench.pick.target_body, 0.01))
+        << path;
+    const Outcome outcome = bench.Run();
+    EXPECT_TRUE(outcome.success) << path << ": " << outcome.failure;
+  }
+}
 
 TEST(PickPlanner, PicksEveryKindAtTheFirstGrasp) {
   for (const std::string& kind : DefaultObjectKinds()) {

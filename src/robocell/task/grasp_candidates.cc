@@ -12,6 +12,7 @@
 #include "robocell/base/units.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/task/grasp_library.h"
 #include "robocell/task/suction_grasps.h"
 #include "robocell/task/top_down.h"
 
@@ -193,7 +194,7 @@ class CandidateSearch {
                         2 * std::max(0.0, std::abs(at.z() - com_.z()) - 0.01) +
                         0.3 * (1 - squeeze.square) + 0.05 * (1 - squeeze.cover) +
                         3 * std::max(0.0, 0.012 - width) + 0.3 * width;
-    const double aside = Aside(width);
+    const double aside = AsideFor(shape_, width);
     const Eigen::Vector3d held = shape_.PadAt(width) + aside * Eigen::Vector3d::UnitY();
     for (const double flip : {0.0, internal::kPi}) {  // either finger may be left
       const Eigen::Matrix3d axes = TopDown(yaw + flip);
@@ -201,15 +202,6 @@ class CandidateSearch {
       found_.push_back(
           {.tcp_in_world = tcp, .width = width, .aside = std::abs(aside), .cost = cost});
     }
-  }
-
-  // Returns how far the object is from the middle of the pads, along the closing direction, so that
-  // it is clear of both pads of the open hand: 0 if both open.
-  double Aside(double width) const {
-    const double half = (shape_.AcrossAt(shape_.open_gap()) - shape_.AcrossAt(width)) / 2;
-    const double moved = shape_.PadAt(shape_.open_gap()).y() - shape_.PadAt(width).y();
-    return std::max(kJawClearance - (half - moved), 0.0) -
-           std::max(kJawClearance - (half + moved), 0.0);
   }
 
   const mjModel* m_;
@@ -225,6 +217,7 @@ class CandidateSearch {
 };
 
 constexpr double kTurnCost = 0.02;  // per radian
+constexpr int kOtherSamples = 600, kMostOthers = 60;
 
 }  // namespace
 
@@ -239,6 +232,35 @@ std::vector<GraspCandidate> FindGrasps(const mjModel* m, const mjData* d, int ob
   std::stable_sort(grasps.begin(), grasps.end(),
                    [](const auto& a, const auto& b) { return a.cost < b.cost; });
   return grasps;
+}
+
+std::vector<GraspCandidate> FindOtherGrasps(const Robot& robot, const std::string& object_body,
+                                            const GripperShape& shape, const Pose& tcp_now) {
+  if (shape.is_suction()) return {};
+  const GraspSet set =
+      GraspsOf(robot, object_body, {.samples = kOtherSamples, .most = kMostOthers}, false);
+  const Pose body_in_world = robot.scene().body_pose(set.body);
+  std::vector<GraspCandidate> grasps;
+  for (const Grasp& grasp : set.grasps) {
+    const Pose tcp = body_in_world * grasp.tcp_in_body;
+    grasps.push_back(
+        {.tcp_in_world = tcp,
+         .width = grasp.width,
+         .aside = grasp.aside,
+         .cost = 1 - grasp.score + kTurnCost * AngleBetween(tcp_now.quaternion(), tcp.quaternion()),
+         .opening = grasp.opening,
+         .approach = Rotate(body_in_world.quaternion(), grasp.approach)});
+  }
+  std::stable_sort(grasps.begin(), grasps.end(),
+                   [](const auto& a, const auto& b) { return a.cost < b.cost; });
+  return grasps;
+}
+
+double AsideFor(const GripperShape& shape, double width) {
+  const double half = (shape.AcrossAt(shape.open_gap()) - shape.AcrossAt(width)) / 2;
+  const double moved = shape.PadAt(shape.open_gap()).y() - shape.PadAt(width).y();
+  return std::max(kJawClearance - (half - moved), 0.0) -
+         std::max(kJawClearance - (half + moved), 0.0);
 }
 
 HeldWidths WidthsHeld(double closed_gap, double open_gap) {

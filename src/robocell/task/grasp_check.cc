@@ -22,29 +22,39 @@ std::optional<Refusal> GraspCheck::Check(const Scene& scene, const Robot& robot,
     shape_ = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
   robot_ = robot.name();
   PlanningScene planning(scene, robot, body, shape_);
-  std::vector<GraspCandidate> candidates =
-      FindGrasps(planning.model(), planning.data(), planning.target_body(), planning.shape(),
-                 robot.tcp_in_world());
-  if (candidates.empty())
-    return Refusal{.reason = kNoGrasp,
-                   .detail = "the object is too large, too small or too flat for the gripper: " +
-                             SizesForGrasp(planning.model(), planning.data(),
-                                           planning.target_body(), planning.shape()),
-                   .holds_everywhere = true};
-  const std::vector<double> home = robot.arm().joint_pos();
-  GraspMotions motions(planning, std::move(candidates), JointVector(std::span<const double>(home)),
-                       GraspMotionsToLift(lift_height));
-  std::optional<Refusal> of_no_use;
-  for (int i = 0; i < kMostGrasps; ++i) {
-    const std::optional<GraspMotion> motion = motions.Next();
-    if (!motion) break;
-    of_no_use = refuse ? refuse(planning, *motion) : std::nullopt;
-    if (!of_no_use) return std::nullopt;
-    planning.Update();
-  }
-  if (of_no_use) return of_no_use;
-  return Refusal{motions.MostCollide() ? kGraspsInCollision : Refusal::kNoReachableBasePose,
-                 "grasps: " + motions.Reasons()};
+  const JointVector home(std::span<const double>(robot.arm().joint_pos()));
+  // Returns why none of them can be used.
+  bool most_collide = false;
+  const auto refusal_of = [&](std::vector<GraspCandidate> candidates) -> std::optional<Refusal> {
+    if (candidates.empty())
+      return Refusal{.reason = kNoGrasp,
+                     .detail = "the object is too large, too small or too flat for the gripper: " +
+                               SizesForGrasp(planning.model(), planning.data(),
+                                             planning.target_body(), planning.shape()),
+                     .holds_everywhere = true};
+    GraspMotions motions(planning, std::move(candidates), home, GraspMotionsToLift(lift_height));
+    std::optional<Refusal> of_no_use;
+    for (int i = 0; i < kMostGrasps; ++i) {
+      const std::optional<GraspMotion> motion = motions.Next();
+      if (!motion) break;
+      of_no_use = refuse ? refuse(planning, *motion) : std::nullopt;
+      if (!of_no_use) return std::nullopt;
+      planning.Update();
+    }
+    if (of_no_use) return of_no_use;
+    most_collide = motions.MostCollide();
+    return Refusal{most_collide ? kGraspsInCollision : Refusal::kNoReachableBasePose,
+                   "grasps: " + motions.Reasons()};
+  };
+  const std::optional<Refusal> refusal =
+      refusal_of(FindGrasps(planning.model(), planning.data(), planning.target_body(),
+                            planning.shape(), robot.tcp_in_world()));
+  // Out of reach from above is out of reach from the sides.
+  if (!refusal || (refusal->reason != kNoGrasp && !most_collide)) return refusal;
+  std::vector<GraspCandidate> others =
+      FindOtherGrasps(planning.robot(), body, planning.shape(), robot.tcp_in_world());
+  if (!others.empty() && !refusal_of(std::move(others))) return std::nullopt;
+  return refusal;
 }
 
 }  // namespace robocell

@@ -88,7 +88,7 @@ bool GraspMotions::MostCollide() const {
 std::optional<GraspMotion> GraspMotions::TryCandidate(const GraspCandidate& grasp,
                                                       const JointVector& q) {
   const GripperShape& shape = planning_.shape();
-  const double open = shape.open_gap();
+  const double open = grasp.opening > 0 ? grasp.opening : shape.open_gap();
   // Nothing but the pads may arrive first. The named fingers need not be the innermost geoms, and
   // the gap of the closed gripper is measured between the named fingers.
   const double before =
@@ -102,7 +102,8 @@ std::optional<GraspMotion> GraspMotions::TryCandidate(const GraspCandidate& gras
   // The rotation that few joints reach is a little off.
   const Pose tcp =
       internal::HasFewJoints(chain) ? chain.Fk(q) : world_in_base_ * grasp.tcp_in_world;
-  JointPath down = internal::LineAbove(chain, tcp, q, up_in_base_, options_.above);
+  const Eigen::Vector3d back = -Rotate(world_in_base_.quaternion(), grasp.approach);
+  JointPath down = internal::LineAbove(chain, tcp, q, back, options_.above);
   JointPath up = internal::LineAbove(chain, tcp, q, up_in_base_, options_.lift);
   if (const double missing = internal::MissingShare(down); missing > 0)
     return no_way_down_.Add(missing * options_.above), std::nullopt;

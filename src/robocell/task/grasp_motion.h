@@ -1,5 +1,6 @@
-// Turns grasp candidates into joint motions: selects those that the arm can reach from straight
-// above and leave straight up without touching anything that it should not.
+// Turns grasp candidates into joint motions: selects those that the arm can reach straight along their
+// approach, which is down for those from above, and leave straight up without touching anything that
+// it should not.
 //
 //   GraspMotions motions(planning, candidates, home);
 //   while (std::optional<GraspMotion> motion = motions.Next()) ...
@@ -25,7 +26,7 @@ struct GraspMotion {
 };
 
 struct GraspMotionOptions {
-  double above = 0.08;  // height of the pregrasp, metres
+  double above = 0.08;  // distance of the pregrasp back along the approach, metres
   double lift = 0.10;   // metres
   int most = 60;        // candidates tried at most
 };

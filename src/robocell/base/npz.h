@@ -1,0 +1,37 @@
+// NumPy's .npz files: named arrays of numbers and texts in a zip archive.
+//
+//   NpzArrays arrays = ReadNpz("grasps.npz");
+//   const NpzArray& poses = arrays.at("transforms");       // shape {N, 4, 4}
+//   WriteNpz("copy.npz", {{"transforms", NpzArray::Numbers({2, 3}, values)}});
+//
+// Reads what numpy.savez and numpy.savez_compressed write: numbers of any size, bools and texts, of
+// either byte order and memory order. Objects, which need pickle, are rejected. Throws IoError with
+// path and array for a damaged file, and for one that is larger than 2 GiB when unpacked. Any thread.
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace robocell::internal {
+
+struct NpzArray {
+  static NpzArray Numbers(std::vector<size_t> shape, std::vector<double> numbers);
+  static NpzArray Texts(std::vector<std::string> texts);
+
+  std::vector<size_t> shape{};
+  // One of the two, in C order.
+  std::vector<double> numbers{};
+  std::vector<std::string> texts{};
+};
+
+using NpzArrays = std::map<std::string, NpzArray>;
+
+NpzArrays ReadNpz(const std::filesystem::path& path);
+// Writes numbers as float64 and texts as UTF-32, like numpy, in one step: the old file or the new one.
+// The same arrays give the same bytes.
+void WriteNpz(const std::filesystem::path& path, const NpzArrays& arrays);
+
+}  // namespace robocell::internal

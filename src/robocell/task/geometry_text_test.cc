@@ -1,0 +1,31 @@
+#include "robocell/task/geometry_text.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "robocell/testing/random_values.h"
+
+namespace robocell::internal {
+namespace {
+
+// The pose of B in A does not depend on where both are, to the bit.
+TEST(RoundedPose, IsTheSameWhereverBothBodiesAre) {
+  Rng rng = Rng::Stream(1, "rounded");
+  for (int i = 0; i < 200; ++i) {
+    const Pose b_in_a(RandomVector(rng, 0.1), RandomQuaternion(rng));
+    const Pose exact = RoundedPose(b_in_a);
+    EXPECT_TRUE(exact.is_close(b_in_a, 1e-6, 1e-6));
+    EXPECT_EQ(RoundedPose(exact), exact);
+    const Pose a = RandomPose(rng), b = a * exact;
+    const Pose again = RoundedPose(a.inverse() * b);
+    EXPECT_EQ(again, exact);
+    std::string first, second;
+    AppendPose(exact, &first);
+    AppendPose(again, &second);
+    EXPECT_EQ(first, second);
+  }
+}
+
+}  // namespace
+}  // namespace robocell::internal

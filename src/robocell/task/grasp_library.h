@@ -1,0 +1,56 @@
+// Stored grasps: generated once for each hand and object, or brought by the user.
+//
+//   GraspSet grasps = GraspsOf(robot, "mug");                        // a library's, else generated
+//   RegisterGraspLibrary("mine", "/data/grasps");                    // .../mug/panda/grasps.npz
+//   SaveGrasps("mug/panda/grasps.npz", grasps.grasps);
+//
+// Files are NumPy's .npz (base/npz.h): `transforms` (N, 4, 4) are poses of the TCP in the frame of
+// the object's root body, the best first; in joint_grasps_<joint>.npz in the frame of the body that
+// the joint moves. Files of robocell have more arrays, which a file may lack: `kinds`, `openings`,
+// `widths`, `asides`, `approaches` (N, 3), `approach_lengths`, `scores`. Without them the hand opens
+// fully and comes along its own approach direction.
+//
+// A library is a folder with <object>/<robot>/grasps.npz, <object>/grasps.npz or
+// <object>/<object>_grasps_filtered.npz, and for joints joint_grasps_<joint>.npz or
+// <joint>_grasps_filtered.npz there. <object> is the object's name in the scene, or the name of its
+// model's file or folder; <robot> is the name in its configuration; <joint> is the joint's full name
+// or its name in the model.
+//
+// Errors: IoError with path and row for files that are no grasps. Any thread may register libraries.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "robocell/robot/robot.h"
+#include "robocell/task/grasp.h"
+#include "robocell/task/grasp_generator.h"
+
+namespace robocell {
+
+// Reads a file. Grasps without an `opening` have -1, those without an approach the zero vector.
+std::vector<Grasp> LoadGrasps(const std::filesystem::path& path);
+// Writes all arrays; creates the folder.
+void SaveGrasps(const std::filesystem::path& path, const std::vector<Grasp>& grasps);
+
+// Adds a library, or replaces the one of that name; the latest is looked at first. Throws
+// NotFoundError for a folder that does not exist, ArgumentError for an empty name.
+void RegisterGraspLibrary(const std::string& name, const std::filesystem::path& folder);
+// Throws NotFoundError with the names.
+void UnregisterGraspLibrary(const std::string& name);
+std::vector<std::string> GraspLibraryNames();
+
+// Returns ROBOCELL_CACHE_DIR, else the user's cache folder and "robocell"; in it "grasps".
+std::filesystem::path GraspCacheFolder();
+// Returns the key of generated grasps: hexadecimal digits, the same for the same version of
+// robocell, geometry of hand and object, and options, wherever the object is.
+std::string GraspKey(const Robot& robot, const std::string& body, const GraspOptions& options = {});
+
+// Returns a body's grasps: of the latest library that has a file for it, else of the cache, else
+// generated and stored there. A cache that cannot be written costs a warning in the log. Without
+// `stored` libraries count, and the memory of this process, but no file of the cache.
+GraspSet GraspsOf(const Robot& robot, const std::string& body, const GraspOptions& options = {},
+                  bool stored = true);
+
+}  // namespace robocell
