@@ -11,7 +11,7 @@
 namespace robocell::internal {
 namespace {
 
-constexpr double kLeastRoomSide = 2.9;  // metres, of a room up to the middles of its walls
+constexpr double kLeastRoomSide = 2.6;  // metres, of a room up to the middles of its walls
 constexpr double kDoorMargin = 0.25;    // between a door and the end of its wall
 constexpr double kLeastWindowWall = 1.8;
 constexpr double kExtraDoor = 0.3;  // chance of a door more than is needed
@@ -149,7 +149,7 @@ std::string_view NameOf(RoomKind kind) {
 
 FloorPlan MakeFloorPlan(const PlanOptions& options, Rng& rng) {
   const int count = std::max(1, options.rooms);
-  const double area = count * rng.Uniform(13.0, 17.0);
+  const double area = count * rng.Uniform(14.0, 18.0);
   const double aspect = rng.Uniform(1.0, 1.5);
   const double length = std::max(Rounded(std::sqrt(area * aspect)), kLeastRoomSide + 0.6);
   const double width = std::max(Rounded(area / length), kLeastRoomSide + 0.4);

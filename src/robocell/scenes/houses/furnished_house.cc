@@ -460,6 +460,20 @@ class Filler {
   Rng& rng_;
 };
 
+// Returns them with two surfaces before each container, as long as there are both.
+std::vector<FilledSlot> Mixed(std::vector<FilledSlot> all) {
+  std::vector<FilledSlot> surfaces, containers, mixed;
+  for (FilledSlot& slot : all)
+    (slot.slot.is_container ? containers : surfaces).push_back(std::move(slot));
+  size_t surface = 0, container = 0;
+  while (mixed.size() < all.size()) {
+    for (int i = 0; i < 2 && surface < surfaces.size(); ++i)
+      mixed.push_back(std::move(surfaces[surface++]));
+    if (container < containers.size()) mixed.push_back(std::move(containers[container++]));
+  }
+  return mixed;
+}
+
 }  // namespace
 
 std::vector<Box2> DoorAreas(const FloorPlan& plan, size_t room) {
@@ -492,11 +506,13 @@ FurnishedHouse Furnish(FloorPlan plan, const FurnishingOptions& options, Rng& rn
     namer.Name(house.pieces[i]);
     CollectSlots(house.pieces[i].thing.body, Pose(), i, all);
   }
-  // One object for each slot first, surfaces and containers mixed; then more on the surfaces.
+  // Two surfaces for each container, which cannot be seen into.
   object_rng.Shuffle(all);
+  all = Mixed(std::move(all));
   Filler filler(house, object_rng);
-  const int slots = static_cast<int>(all.size());
-  int spare = std::max(0, options.most_objects - slots);
+  // Some surfaces hold more than one object.
+  int spare =
+      std::max(options.most_objects / 3, options.most_objects - static_cast<int>(all.size()));
   for (FilledSlot& slot : all) {
     const int left = options.most_objects - static_cast<int>(house.objects.size());
     if (left <= 0) break;

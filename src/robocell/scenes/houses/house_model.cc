@@ -17,6 +17,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
 #include "robocell/scenes/houses/house_textures.h"
+#include "robocell/spec/types.h"
 
 namespace robocell::internal {
 namespace {
@@ -137,6 +138,7 @@ class Writer {
       std::copy_n(material.rgba, 4, added->rgba);
       added->specular = material.specular;
       added->shininess = material.shininess;
+      added->emission = material.emission;
       if (*material.texture == 0) continue;
       mjs_setInStringVec(added->textures, mjTEXROLE_RGB, material.texture);
       added->texuniform = 1;
@@ -144,7 +146,7 @@ class Writer {
     }
     mjVisual& visual = spec_->visual;
     for (int i = 0; i < 3; ++i) {
-      visual.headlight.ambient[i] = 0.34F;
+      visual.headlight.ambient[i] = 0.4F;
       visual.headlight.diffuse[i] = 0.14F;
       visual.headlight.specular[i] = 0.05F;
     }
@@ -224,10 +226,10 @@ class Writer {
         ceiling.name = room.name + "_ceiling";
         AddPart(body, ceiling, PartClass::kStructure)->castshadow = 0;
       }
-      AddLight(room.name + "_light", middle, half);
+      AddLight(room.name + "_light", middle);
     }
   }
-  void AddLight(const std::string& name, const Vector2d& middle, const Vector2d& half) {
+  void AddLight(const std::string& name, const Vector2d& middle) {
     mjsLight* light = mjs_addLight(world_, nullptr);
     mjs_setName(light->element, name.c_str());
     const double pos[3] = {middle.x(), middle.y(), kWallHeight - 0.06}, down[3] = {0, 0, -1};
@@ -235,12 +237,10 @@ class Writer {
     std::copy_n(down, 3, light->dir);
     light->type = mjLIGHT_SPOT;
     light->castshadow = 1;
-    // The cone reaches the foot of the walls.
-    light->cutoff = static_cast<float>(
-        std::min(85.0, std::atan2(half.norm(), kWallHeight - 0.9) * 180 / kPi + 12));
-    light->exponent = 1;
+    light->cutoff = 80;  // walls are lit up to their upper part, where the light fades
+    light->exponent = 1.5F;
     const float attenuation[3] = {0.7F, 0.05F, 0.03F};
-    const float diffuse[3] = {0.62F, 0.6F, 0.56F};
+    const float diffuse[3] = {0.72F, 0.7F, 0.66F};
     std::copy_n(attenuation, 3, light->attenuation);
     std::copy_n(diffuse, 3, light->diffuse);
     for (float& value : light->specular) value = 0.12F;

@@ -108,7 +108,7 @@ const std::vector<HouseMaterial>& HouseMaterials() {
       {"floor_carpet", "fabric", {0.68F, 0.68F, 0.7F, 1}, 2.0F, 0, 0},
       {"floor_concrete", "concrete", {0.78F, 0.78F, 0.77F, 1}, 0.5F, 0.1F, 0.1F},
       {"wall", "plaster", {0.95F, 0.93F, 0.89F, 1}, 1.0F, 0, 0},
-      {"ceiling", "plaster", {0.98F, 0.98F, 0.97F, 1}, 1.0F, 0, 0},
+      {"ceiling", "plaster", {0.98F, 0.98F, 0.97F, 1}, 1.0F, 0, 0, 0.4F},
       {"frame", "", {0.96F, 0.96F, 0.95F, 1}, 1},
       {"door", "wood", {0.93F, 0.88F, 0.8F, 1}, 1.0F},
       {"glass", "", {0.75F, 0.87F, 0.93F, 0.3F}, 1, 0.8F, 0.9F},

@@ -22,6 +22,7 @@ struct HouseMaterial {
   float rgba[4];
   float repeat;  // of the texture, per metre
   float specular = 0.2F, shininess = 0.2F;
+  float emission = 0;
 };
 const std::vector<HouseMaterial>& HouseMaterials();
 
