@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 import robocell as rc
-from robocell.scenes import FilesScenes
+from robocell.scenes import FilesScenes, HousesScenes
 
 PAGE = Path(__file__).parent / "spec_fields.md"
 SCENES = (rc.SceneSpec, rc.RobotSpec, rc.SceneObject, rc.scene.SimOptions)
@@ -25,6 +25,7 @@ RUNS = (
     rc.scenes.ObjectPlace,
     rc.scenes.SceneSourceSpec,
     FilesScenes,
+    HousesScenes,
     rc.render.CameraSystemConfig,
     rc.render.CameraConfig,
     rc.render.RendererConfig,

@@ -2,13 +2,20 @@
 // call them: each call takes the GIL.
 #include "robocell/scenes/scene_source.h"
 
+#include <fmt/format.h>
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/pair.h>
 
 #include "bindings.h"
 #include "scene_cycles.h"
+#include "spec_class.h"
 #include "spec_fields.h"
 #include "task_trampolines.h"
+#include "robocell/base/error.h"
+#include "robocell/scenes/houses/houses_config.h"
+#include "robocell/scenes/houses/make_houses.h"
 #include "robocell/scenes/spatial_relation.h"
 
 namespace nb = nanobind;
@@ -248,10 +255,50 @@ void BindAnnotations(nb::module_& m) {
            "first. Raises NotFoundError with the names.")
       .def_ro("objects", &A::objects, "Names of the objects.")
       .def_ro("lights", &A::lights, "Lights of the scene.");
-  m.def("derive_annotations", &DeriveAnnotations, "spec"_a,
+  m.def("derive_annotations", nb::overload_cast<const SceneSpec&>(&DeriveAnnotations), "spec"_a,
         nb::call_guard<nb::gil_scoped_release>(),
         "Derives annotations from the geometry of a SceneSpec, which is compiled: level faces, "
         "hollows, joints with the geoms that are named handles or knobs, objects and lights.");
+}
+
+void BindHouses(nb::module_& m) {
+  BindSpecClass<HousesScenes>(m, "The fields of a scene source of kind `houses`.");
+  nb::class_<HouseSummary>(m, "HouseSummary", "What a generated house has.")
+      .def_ro("name", &HouseSummary::name, "Name of its files, without the ending.")
+      .def_ro("rooms", &HouseSummary::rooms, "Number of rooms.")
+      .def_ro("pieces", &HouseSummary::pieces, "Number of pieces of furniture.")
+      .def_ro("objects", &HouseSummary::objects, "Number of objects that can be moved.")
+      .def_ro("slots", &HouseSummary::slots, "Surfaces and containers that hold objects.")
+      .def_ro("joints", &HouseSummary::joints, "Number of doors and drawers.")
+      .def_ro("removed", &HouseSummary::removed, "Objects left out, since they did not rest.");
+  nb::class_<HouseOptions>(m, "HouseOptions",
+                           "Options of generated houses: the seed, the smallest and largest number "
+                           "of rooms, and the largest number of objects.")
+      .def(
+          "__init__",
+          [](HouseOptions* self, uint64_t seed, const std::pair<int, int>& rooms,
+             int most_objects) {
+            if (rooms.first < 1 || rooms.second < rooms.first || rooms.second > 40)
+              throw ArgumentError(
+                  fmt::format("rooms: {} to {}; give 1 to 40, the smaller number first",
+                              rooms.first, rooms.second));
+            if (most_objects < 0 || most_objects > 1000)
+              throw ArgumentError(fmt::format("most_objects: {}; give 0 to 1000", most_objects));
+            new (self) HouseOptions{.seed = seed,
+                                    .least_rooms = rooms.first,
+                                    .most_rooms = rooms.second,
+                                    .most_objects = most_objects};
+          },
+          nb::kw_only(), "seed"_a = 0, "rooms"_a = std::pair{3, 6}, "most_objects"_a = 40);
+  m.def("prepare_house_folder", &PrepareHouseFolder, "folder"_a, "options"_a,
+        "Makes the folder, with the textures that its houses share. Raises ArgumentError if it has "
+        "houses of other options.");
+  m.def("has_house", &HasHouse, "folder"_a, "options"_a, "index"_a,
+        "Returns True if the folder has the complete house.");
+  m.def("make_house", &MakeHouseFiles, "folder"_a, "options"_a, "index"_a,
+        nb::call_guard<nb::gil_scoped_release>(),
+        "Makes the files of one house in a prepared folder: the model with and without a ceiling, "
+        "the map, the metadata. The same options and index give the same bytes.");
 }
 
 }  // namespace
@@ -259,13 +306,14 @@ void BindAnnotations(nb::module_& m) {
 void BindSceneSources(nb::module_& m) {
   BindRelations(m);
   BindAnnotations(m);
-  nb::class_<SceneSource, PySceneSource>(
+  BindHouses(m);
+  nb::class_<SceneSource, PySceneSource> source(
       m, "SceneSource",
       "Numbered scenes for episodes. Subclasses define size() -> int | None and\nmake(index) -> "
       "SceneSpec, and annotations(index) -> SceneAnnotations | None if the source\nknows more than "
       "the geometry. The same index must always give the same "
-      "scene.\n`@register_scene_source('lab')` registers a subclass by name.")
-      .def(nb::init<>())
+      "scene.\n`@register_scene_source('lab')` registers a subclass by name.");
+  source.def(nb::init<>())
       .def("size", &SceneSource::size,
            "Returns the number of scenes, counted from 0; None for an unlimited number.")
       .def(
@@ -290,6 +338,9 @@ void BindSceneSources(nb::module_& m) {
           "index"_a, nb::call_guard<nb::gil_scoped_release>(),
           "Returns the annotations of a scene: derived from its geometry, unless the source knows "
           "more.");
+  source.def("why_not", &SceneSource::WhyNot, "index"_a, nb::call_guard<nb::gil_scoped_release>(),
+             "Returns why runs leave a scene out, such as a blacklisted house; \"\" for one that "
+             "can be used.");
   m.def("make_scene_source", &MakeSceneSource, "run"_a, "Returns the SceneSource of a run.");
   m.def(
       "base_scene", [](const RunConfig& run, int index) { return MakeBaseScene(run, index); },

@@ -30,6 +30,7 @@ COMMANDS = (
     "serve-policy",
     "init",
     "convert",
+    "make-houses",
     "check",
     "gripper-range",
     "ik-test",

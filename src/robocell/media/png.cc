@@ -69,7 +69,8 @@ struct Format {
   int color;
 };
 
-bool Encode(Channel* channel, Format format, const uint8_t* pixels, size_t row_bytes) {
+bool Encode(Channel* channel, Format format, const uint8_t* pixels, size_t row_bytes,
+            const png_text* texts, int text_count) {
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, channel, OnError, OnWarning);
   png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
   if (info == nullptr || setjmp(png_jmpbuf(png))) {
@@ -80,6 +81,7 @@ bool Encode(Channel* channel, Format format, const uint8_t* pixels, size_t row_b
   png_set_compression_level(png, 6);
   png_set_IHDR(png, info, format.width, format.height, format.depth, format.color,
                PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  if (text_count > 0) png_set_text(png, info, texts, text_count);
   png_write_info(png, info);
   if (format.depth == 16) png_set_swap(png);  // the file is big-endian
   for (int y = 0; y < format.height; ++y) png_write_row(png, pixels + row_bytes * y);
@@ -88,11 +90,22 @@ bool Encode(Channel* channel, Format format, const uint8_t* pixels, size_t row_b
   return true;
 }
 
-std::vector<uint8_t> Encode(Format format, const uint8_t* pixels, size_t row_bytes) {
+std::vector<uint8_t> Encode(Format format, const uint8_t* pixels, size_t row_bytes,
+                            const PngTexts& texts = {}) {
   std::vector<uint8_t> bytes;
   Channel channel;
   channel.output = &bytes;
-  if (!Encode(&channel, format, pixels, row_bytes)) {
+  std::vector<png_text> chunks;
+  for (const auto& [keyword, text] : texts) {
+    png_text chunk{};
+    chunk.compression = PNG_TEXT_COMPRESSION_NONE;
+    chunk.key = const_cast<char*>(keyword.c_str());
+    chunk.text = const_cast<char*>(text.c_str());
+    chunk.text_length = text.size();
+    chunks.push_back(chunk);
+  }
+  if (!Encode(&channel, format, pixels, row_bytes, chunks.data(),
+              static_cast<int>(chunks.size()))) {
     throw Error(fmt::format("cannot encode a PNG: {}", channel.message));
   }
   return bytes;
@@ -137,6 +150,25 @@ class Decoder {
     if (!ReadRows(rows.data())) Fail(channel_.message);
   }
 
+  void RequireAtMost(uint64_t pixels) const {
+    const Format size = format();
+    if (uint64_t{1} * size.width * size.height <= pixels) return;
+    Fail(fmt::format("it has {}x{} pixels, and at most {} are read", size.width, size.height,
+                     pixels));
+  }
+  // Reads the pixels for the texts behind them.
+  PngTexts ReadTexts() {
+    if (!Transform(false)) Fail(channel_.message);
+    std::vector<uint8_t> row(png_get_rowbytes(png_, info_));
+    if (!ReadToTheEnd(row.data(), static_cast<int>(png_get_image_height(png_, info_))))
+      Fail(channel_.message);
+    PngTexts texts;
+    png_textp chunks = nullptr;
+    const png_uint_32 count = png_get_text(png_, info_, &chunks, nullptr);
+    for (png_uint_32 i = 0; i < count; ++i) texts[chunks[i].key] = chunks[i].text;
+    return texts;
+  }
+
   [[noreturn]] void Fail(const std::string& reason) const {
     throw IoError(fmt::format("PNG '{}': {}", path_.string(), reason));
   }
@@ -162,6 +194,16 @@ class Decoder {
       png_set_swap(png_);
     }
     png_read_update_info(png_, info_);
+    return true;
+  }
+  // Rows of interlaced files are read as often as they have passes.
+  bool ReadToTheEnd(uint8_t* row, int height) {
+    if (setjmp(png_jmpbuf(png_))) return false;
+    const int passes = png_get_interlace_type(png_, info_) == PNG_INTERLACE_NONE ? 1 : 7;
+    for (int pass = 0; pass < passes; ++pass) {
+      for (int y = 0; y < height; ++y) png_read_row(png_, row, nullptr);
+    }
+    png_read_end(png_, info_);
     return true;
   }
   bool ReadRows(uint8_t** rows) {
@@ -194,9 +236,10 @@ std::string_view AsText(const std::vector<uint8_t>& bytes) {
 
 }  // namespace
 
-std::vector<uint8_t> EncodePng(int width, int height, std::span<const uint8_t> rgb) {
+std::vector<uint8_t> EncodePng(int width, int height, std::span<const uint8_t> rgb,
+                               const PngTexts& texts) {
   RequirePixels(width, height, 3, rgb.size());
-  return Encode({width, height, 8, PNG_COLOR_TYPE_RGB}, rgb.data(), size_t{3} * width);
+  return Encode({width, height, 8, PNG_COLOR_TYPE_RGB}, rgb.data(), size_t{3} * width, texts);
 }
 
 std::vector<uint8_t> EncodePng(int width, int height, std::span<const uint16_t> gray) {
@@ -215,14 +258,22 @@ void WritePng(const std::filesystem::path& path, const GrayImage16& image) {
   AtomicWrite(path, AsText(EncodePng(image.width, image.height, image.pixels)));
 }
 
-RgbImage ReadPngRgb(const std::filesystem::path& path) {
+RgbImage ReadPngRgb(const std::filesystem::path& path, uint64_t most_pixels) {
   const std::string file = internal::ReadRealFile(path, kMostFileBytes);
   Decoder decoder(path, file);
+  decoder.RequireAtMost(most_pixels);
   const Format format = decoder.format();
   RgbImage image{format.width, format.height,
                  std::vector<uint8_t>(size_t{3} * format.width * format.height)};
   decoder.ReadPixels(image.pixels.data(), size_t{3} * format.width, true);
   return image;
+}
+
+PngTexts ReadPngTexts(const std::filesystem::path& path, uint64_t most_pixels) {
+  const std::string file = internal::ReadRealFile(path, kMostFileBytes);
+  Decoder decoder(path, file);
+  decoder.RequireAtMost(most_pixels);
+  return decoder.ReadTexts();
 }
 
 GrayImage16 ReadPngGray16(const std::filesystem::path& path) {

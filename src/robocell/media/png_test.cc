@@ -54,6 +54,24 @@ TEST(Png, SamePixelsGiveSameBytes) {
   EXPECT_EQ(EncodePng(33, 17, Picture().pixels), EncodePng(33, 17, Picture().pixels));
 }
 
+TEST(Png, TextsRoundTrip) {
+  TempDir folder;
+  const PngTexts texts = {{"px_per_m", "50.0"}, {"world_to_map", "[[1, 2], [3, 4]]"}};
+  const std::vector<uint8_t> png = EncodePng(33, 17, Picture().pixels, texts);
+  AtomicWrite(folder / "a.png", std::string(png.begin(), png.end()));
+  EXPECT_EQ(ReadPngTexts(folder / "a.png"), texts);
+  EXPECT_EQ(ReadPngRgb(folder / "a.png").pixels, Picture().pixels);
+  WritePng(folder / "b.png", Picture());
+  EXPECT_TRUE(ReadPngTexts(folder / "b.png").empty());
+}
+
+TEST(Png, ReadsNoMorePixelsThanAllowed) {
+  TempDir folder;
+  WritePng(folder / "a.png", Picture());
+  ExpectThrow<IoError>([&] { ReadPngRgb(folder / "a.png", 500); }, "33x17 pixels, and at most 500");
+  ExpectThrow<IoError>([&] { ReadPngTexts(folder / "a.png", 500); }, "at most 500");
+}
+
 TEST(Png, AColourImageIsNotDepth) {
   TempDir folder;
   WritePng(folder / "a.png", Picture());

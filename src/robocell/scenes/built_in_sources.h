@@ -9,6 +9,8 @@ namespace robocell::internal {
 
 // `files`: MJCF files, one scene each.
 std::shared_ptr<const SceneSourceKind> MakeFilesKind();
+// `houses`: houses from files (houses/house_folder.h), and the built-in ones.
+std::shared_ptr<const SceneSourceKind> MakeHousesKind();
 // `tabletop`: the built-in table on a floor, as often as requested.
 std::shared_ptr<const SceneSourceKind> MakeTabletopKind();
 

@@ -14,6 +14,7 @@
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/scenes/free_rectangles.h"
 
 namespace robocell::internal {
 namespace {
@@ -144,44 +145,16 @@ class Grid {
 
   // Returns the largest free rectangle and marks it; unset if none is large enough.
   std::optional<FloorArea> TakeLargest() {
-    // The classic sweep: per row the heights of free columns, and the largest rectangle under them.
-    std::vector<int> heights(static_cast<size_t>(nx_), 0);
-    int best = 0, best_i = 0, best_j = 0, best_width = 0, best_height = 0;
-    const int least = static_cast<int>(kLeastSide / kCell);
-    for (int j = 0; j < ny_; ++j) {
-      for (int i = 0; i < nx_; ++i) {
-        int& height = heights[static_cast<size_t>(i)];
-        height = taken_[Index(i, j)] ? 0 : height + 1;
-      }
-      std::vector<int> open;  // open columns, in order of increasing height
-      for (int i = 0; i <= nx_; ++i) {
-        const int height = i < nx_ ? heights[static_cast<size_t>(i)] : 0;
-        while (!open.empty() && heights[static_cast<size_t>(open.back())] >= height) {
-          const int top = heights[static_cast<size_t>(open.back())];
-          open.pop_back();
-          const int first = open.empty() ? 0 : open.back() + 1;
-          const int width = i - first;
-          if (std::min(width, top) >= least && width * top > best) {
-            best = width * top;
-            best_i = first;
-            best_j = j - top + 1;
-            best_width = width;
-            best_height = top;
-          }
-        }
-        open.push_back(i);
-      }
-    }
-    if (best == 0) return std::nullopt;
-    for (int i = best_i; i < best_i + best_width; ++i) {
-      for (int j = best_j; j < best_j + best_height; ++j) taken_[Index(i, j)] = true;
-    }
+    const std::optional<CellRectangle> best =
+        internal::TakeLargest(taken_, nx_, ny_, static_cast<int>(kLeastSide / kCell));
+    if (!best) return std::nullopt;
     const Eigen::Vector2d middle =
-        (Middle(best_i, best_j) + Middle(best_i + best_width - 1, best_j + best_height - 1)) / 2;
+        (Middle(best->i, best->j) + Middle(best->i + best->width - 1, best->j + best->height - 1)) /
+        2;
     return FloorArea{
         .frame_to_world = floor_.frame_to_world * Pose(Eigen::Vector3d(middle.x(), middle.y(), 0)),
-        .half_x = best_width * kCell / 2,
-        .half_y = best_height * kCell / 2};
+        .half_x = best->width * kCell / 2,
+        .half_y = best->height * kCell / 2};
   }
 
  private:
@@ -193,27 +166,6 @@ class Grid {
   }
   static int CellAt(double at, int count) {
     return std::clamp(static_cast<int>(std::floor(at / kCell + count / 2.0)), 0, count - 1);
-  }
-  // Returns the hull counter-clockwise (Andrew 1979).
-  static std::vector<Eigen::Vector2d> ConvexHull(std::vector<Eigen::Vector2d> points) {
-    std::ranges::sort(points, [](const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
-      return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
-    });
-    std::vector<Eigen::Vector2d> hull;
-    const auto turn = [](const Eigen::Vector2d& a, const Eigen::Vector2d& b,
-                         const Eigen::Vector2d& c) {
-      return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
-    };
-    const auto add = [&](const Eigen::Vector2d& point, size_t least) {
-      while (hull.size() >= least && turn(hull[hull.size() - 2], hull.back(), point) <= 0)
-        hull.pop_back();
-      hull.push_back(point);
-    };
-    for (const Eigen::Vector2d& point : points) add(point, 2);
-    const size_t lower = hull.size() + 1;
-    for (auto point = points.rbegin() + 1; point != points.rend(); ++point) add(*point, lower);
-    hull.pop_back();
-    return hull;
   }
   static bool IsNear(const std::vector<Eigen::Vector2d>& hull, const Eigen::Vector2d& at,
                      double reach) {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <limits>
 #include <set>
+#include <utility>
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
@@ -34,8 +35,8 @@ bool IsHandleName(const std::string& name) {
 // The annotations derived from one compiled scene.
 class Derivation {
  public:
-  explicit Derivation(const SceneSpec& spec)
-      : scene_(Scene::Build(spec)), m_(scene_.model()), of_robots_(internal::MovedBodies(scene_)) {}
+  explicit Derivation(Scene scene)
+      : scene_(std::move(scene)), m_(scene_.model()), of_robots_(internal::MovedBodies(scene_)) {}
 
   SceneAnnotations Result() {
     SceneAnnotations found;
@@ -126,7 +127,10 @@ class Derivation {
 
 }  // namespace
 
-SceneAnnotations DeriveAnnotations(const SceneSpec& spec) { return Derivation(spec).Result(); }
+SceneAnnotations DeriveAnnotations(const SceneSpec& spec) {
+  return DeriveAnnotations(Scene::Build(spec));
+}
+SceneAnnotations DeriveAnnotations(const Scene& scene) { return Derivation(scene).Result(); }
 
 std::vector<FloorArea> FreeFloorOf(const SceneAnnotations& annotations, const std::string& name) {
   std::vector<FloorArea> areas;

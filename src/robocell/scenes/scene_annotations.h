@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "robocell/math/pose.h"
+#include "robocell/scene/scene.h"
 #include "robocell/scenes/support.h"
 #include "robocell/spec/scene_spec.h"
 #include "robocell/spec/types.h"
@@ -96,6 +97,8 @@ struct SceneAnnotations {
 // or shapes, its lights, and rectangles of free floor, but no rooms. The scene is compiled; throws
 // the errors of Scene::Build.
 SceneAnnotations DeriveAnnotations(const SceneSpec& spec);
+// Derives them from a built scene in its present state.
+SceneAnnotations DeriveAnnotations(const Scene& scene);
 
 // Returns the free areas of one floor, by the name of floor or room, largest first. Throws
 // NotFoundError with the names.

@@ -1,12 +1,19 @@
 #include "robocell/scenes/scene_source.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <cstddef>
+#include <map>
+#include <mutex>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
 #include "robocell/scenes/built_in_sources.h"
+#include "robocell/scenes/houses/houses_config.h"
 #include "robocell/spec/spec_bytes.h"
 
 namespace robocell {
@@ -29,6 +36,41 @@ std::string ProblemOfSize(const RunConfig& run, int size) {
       run.scenes.kind(), size, kMostScenes);
 }
 
+// The scenes that a run leaves out, by their reasons.
+class LeftOut {
+ public:
+  void Add(int index, const std::string& why_not) {
+    ++count_;
+    std::vector<int>& of_reason = indices_[why_not];
+    if (of_reason.size() < kShown) of_reason.push_back(index);
+  }
+  size_t count() const { return count_; }
+  std::string Text(size_t of) const {
+    std::string text =
+        fmt::format("{} of {} scenes {} left out", count_, of, count_ == 1 ? "is" : "are");
+    size_t shown = 0;
+    for (const auto& [reason, indices] : indices_) {
+      if (++shown > kShown)
+        return text + fmt::format("; and {} more reasons", indices_.size() - kShown);
+      text += fmt::format("{} {} ({})", shown == 1 ? ":" : ";", fmt::join(indices, ", "), reason);
+    }
+    return text;
+  }
+
+ private:
+  static constexpr size_t kShown = 8;
+  size_t count_ = 0;
+  std::map<std::string, std::vector<int>> indices_;
+};
+
+// A run asks for its scenes several times.
+void WarnOnce(const std::string& text) {
+  static std::mutex mutex;
+  static std::set<std::string> warned;
+  const std::lock_guard lock(mutex);
+  if (warned.insert(text).second) LogWarn(text);
+}
+
 }  // namespace
 
 KindRegistry& SceneSourceRegistry() {
@@ -37,7 +79,9 @@ KindRegistry& SceneSourceRegistry() {
       {{TabletopScenes::kKind,
         {std::make_shared<KindFieldsOf<TabletopScenes>>(), internal::MakeTabletopKind()}},
        {FilesScenes::kKind,
-        {std::make_shared<KindFieldsOf<FilesScenes>>(), internal::MakeFilesKind()}}});
+        {std::make_shared<KindFieldsOf<FilesScenes>>(), internal::MakeFilesKind()}},
+       {HousesScenes::kKind,
+        {std::make_shared<KindFieldsOf<HousesScenes>>(), internal::MakeHousesKind()}}});
   return registry;
 }
 
@@ -125,13 +169,33 @@ void RequireSameAgain(const RunConfig& run, SceneSource& source, int index,
 }
 
 std::vector<int> SceneIndices(const RunConfig& run) {
-  if (!run.scenes.houses.empty()) return run.scenes.houses.values;
-  const auto count = MakeSceneSource(run)->size().value_or(1);
-  if (const std::string problem = ProblemOfSize(run, count); !problem.empty())
-    throw SpecError(fmt::format("run '{}': scenes: {}", run.run, problem));
-  std::vector<int> all(static_cast<size_t>(count));
-  std::iota(all.begin(), all.end(), 0);
-  return all;
+  const std::shared_ptr<SceneSource> source = MakeSceneSource(run);
+  std::vector<int> chosen = run.scenes.houses.values;
+  const std::optional<int> size = source->size();
+  if (chosen.empty()) {
+    const int count = size.value_or(1);
+    if (const std::string problem = ProblemOfSize(run, count); !problem.empty())
+      throw SpecError(fmt::format("run '{}': scenes: {}", run.run, problem));
+    chosen.resize(static_cast<size_t>(count));
+    std::iota(chosen.begin(), chosen.end(), 0);
+  }
+  std::vector<int> usable;
+  LeftOut left_out;
+  for (const int index : chosen) {
+    // Numbers outside of the source are reported where they are validated.
+    const bool exists = index >= 0 && (!size || index < *size);
+    const std::string why_not = exists ? source->WhyNot(index) : "";
+    if (why_not.empty())
+      usable.push_back(index);
+    else
+      left_out.Add(index, why_not);
+  }
+  if (left_out.count() == 0) return usable;
+  const std::string text = fmt::format("run '{}': scenes: source '{}': {}", run.run,
+                                       run.scenes.kind(), left_out.Text(chosen.size()));
+  if (usable.empty()) throw SpecError(text);
+  WarnOnce(text);
+  return usable;
 }
 
 void ValidateHouses(const RunConfig& run, Problems& problems) {

@@ -35,6 +35,9 @@ class SceneSource {
   std::optional<SceneAnnotations> CheckedAnnotations(int index);
   // Returns its own annotations, checked, else the derived ones.
   SceneAnnotations Annotations(int index);
+  // Returns why a scene of the source cannot be used, such as a blacklisted house or one without its
+  // files; "" if it can. Runs leave these scenes out and log the reasons.
+  virtual std::string WhyNot(int /*index*/) { return ""; }
   // Derives all annotations from the geometry of a scene, which is compiled (DeriveAnnotations).
   SceneAnnotations Derive(int index);
 
@@ -91,8 +94,10 @@ SceneSpec MakeBaseScene(const RunConfig& run, int index);
 // same scene `index` as `scene`: otherwise neither resuming nor a second worker makes the same
 // episodes.
 void RequireSameAgain(const RunConfig& run, SceneSource& source, int index, const SceneSpec& scene);
-// Returns the scenes of a run by their numbers in the source, in the order of `scenes.houses`.
-// Throws SpecError for a source with an invalid size, or with more scenes than a run can take.
+// Returns the scenes of a run by their numbers in the source, in the order of `scenes.houses`,
+// without those that the source cannot use (SceneSource::WhyNot), which are logged once. Throws
+// SpecError for a source with an invalid size, or with more scenes than a run can take, and if none
+// is left.
 std::vector<int> SceneIndices(const RunConfig& run);
 // Adds a problem for each of `scenes.houses` that the source does not have.
 void ValidateHouses(const RunConfig& run, Problems& problems);

@@ -79,6 +79,13 @@ std::string TargetOf(Task& task, const StartContents& contents, std::vector<std:
   return target;
 }
 
+bool IsOnFloor(const Eigen::Vector3d& at, const std::vector<FloorArea>& floor) {
+  return std::ranges::any_of(floor, [&](const FloorArea& area) {
+    const Eigen::Vector3d on = area.frame_to_world.inverse() * at;
+    return std::abs(on.x()) <= area.half_x && std::abs(on.y()) <= area.half_y;
+  });
+}
+
 // Returns the world poses of the objects that keep theirs.
 std::vector<std::optional<Pose>> OwnPosesOf(const std::vector<SceneObject>& objects,
                                             const Scene& scene) {
@@ -345,7 +352,10 @@ std::optional<Refusal> StartSampler::PutObjects(
 std::optional<Pose> StartSampler::ProposeBasePose(const Robot& robot, const Support& support,
                                                   const Pose& target,
                                                   const BasePlacement& placement, Rng& rng) {
-  return robocell::ProposeBasePose(robot, support, target, placement, run_.start, rng);
+  std::optional<Pose> base =
+      robocell::ProposeBasePose(robot, support, target, placement, run_.start, rng);
+  if (base && !free_floor_.empty() && !IsOnFloor(base->translation(), free_floor_)) return {};
+  return base;
 }
 
 std::optional<Refusal> StartSampler::ValidateBasePose(Scene& scene, Robot& robot,
@@ -417,8 +427,9 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
   if (!base) {
     return Refusal{Refusal::kBaseInCollision,
                    fmt::format("{:.2f} m from the target and {:.2f} m above it the robot overlaps "
-                               "the support wherever the target lies",
-                               placement.distance, placement.height)}
+                               "the support{} wherever the target lies",
+                               placement.distance, placement.height,
+                               free_floor_.empty() ? "" : ", or is beside the free floor,")}
         .MadeBy(Refusal::kBaseStage);
   }
   for (size_t i = 0; i < setup.objects.size(); ++i) {
@@ -519,6 +530,8 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   SceneSpec spec = MakeBaseScene(request.scene);
   Rng support_rng = rng.Fork("support");
   const Support support = FindSupportOf(spec, request.scene, support_rng);
+  const std::optional<SceneAnnotations> known = RequireSource().CheckedAnnotations(request.scene);
+  free_floor_ = known ? known->free_floor : std::vector<FloorArea>();
   const size_t own = spec.objects.size();
   StartContents contents = AddContents(request, spec, rng);
   const StartContents placed = TakePlaced(spec, own);

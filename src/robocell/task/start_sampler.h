@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "robocell/scenes/catalogue.h"
+#include "robocell/scenes/scene_annotations.h"
 #include "robocell/scenes/support.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/task/base_placement.h"
@@ -70,7 +71,7 @@ class StartSampler : public TaskSampler {
   virtual BasePlacement ChooseBasePlacement(const SampleRequest& request, Rng& rng);
   // Returns a pose for the robot's base (the bottom of its pedestal) around the target, facing it,
   // in which the robot's present configuration keeps clear of the support; unset if there is none.
-  // The objects are then placed again.
+  // Where the source annotates free floor, the base stands on it. The objects are then placed again.
   virtual std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support,
                                               const Pose& target_in_world,
                                               const BasePlacement& placement, Rng& rng);
@@ -126,6 +127,7 @@ class StartSampler : public TaskSampler {
   std::map<std::string, std::shared_ptr<const internal::Landmarks>> landmarks_;
   std::map<std::string, std::shared_ptr<const SceneAnnotations>> annotations_;
   std::map<int, std::set<std::string>> possible_names_;
+  std::vector<FloorArea> free_floor_;  // of the base scene in use, from the source; empty if unknown
   std::unique_ptr<ObjectSizes> sizes_;  // renewed in each Sample: models may change on the disk
 };
 

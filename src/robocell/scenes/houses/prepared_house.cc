@@ -1,0 +1,234 @@
+#include "robocell/scenes/houses/prepared_house.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <system_error>
+#include <utility>
+
+#include "robocell/assets/model_files.h"
+#include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/base/hash.h"
+#include "robocell/base/real_file.h"
+#include "robocell/base/suggestions.h"
+#include "robocell/base/version.h"
+#include "robocell/mujoco/compile.h"
+#include "robocell/mujoco/engine_exception.h"
+#include "robocell/scene/scene_cache.h"
+#include "robocell/scenes/houses/house_metadata.h"
+
+namespace robocell::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr uint64_t kMostModelBytes = uint64_t{128} << 20;  // of the model's text
+constexpr uint64_t kMostAssetBytes = uint64_t{8} << 30;    // of all files of a house
+constexpr size_t kMostFiles = 50'000;
+constexpr double kLeastMass = 1e-6, kLeastInertia = 1e-9;  // kg and kg m^2, of a mended body
+constexpr size_t kMostListed = 3;
+
+bool IsBelow(const fs::path& path, const fs::path& root) {
+  const fs::path relative = path.lexically_normal().lexically_relative(root);
+  return !relative.empty() && *relative.begin() != "..";
+}
+
+std::string Shortened(const std::vector<std::string>& all) {
+  const size_t shown = std::min(all.size(), kMostListed);
+  std::string text;
+  for (size_t i = 0; i < shown; ++i) text += (i ? ", " : "") + all[i];
+  if (shown < all.size()) text += fmt::format(" and {} more", all.size() - shown);
+  return text;
+}
+
+// Returns why the files of a house cannot be used; "" if they can.
+std::string WhyNotFiles(const HouseFiles& files, const HouseFolder& folder) {
+  std::error_code error;
+  const uint64_t bytes = fs::file_size(files.model, error);
+  if (error) return "its model cannot be read";
+  if (bytes > kMostModelBytes)
+    return fmt::format("its model has {} MB; {} MB are read at most", bytes >> 20,
+                       kMostModelBytes >> 20);
+  const ModelFiles found = FindModelFiles(files.model);
+  if (!found.no_files.empty())
+    return fmt::format("its model names '{}', which is no file", found.no_files.front().name);
+  std::vector<std::string> missing, outside;
+  for (const MissingFile& file : found.missing) missing.push_back(file.name);
+  if (!missing.empty())
+    return fmt::format("{} of its assets {} missing: {}", missing.size(),
+                       missing.size() == 1 ? "is" : "are", Shortened(missing));
+  uint64_t total = 0;
+  for (const fs::path& file : found.files) {
+    total += fs::file_size(file, error);
+    const bool is_inside = std::ranges::any_of(
+        folder.roots(), [&](const fs::path& root) { return IsBelow(file, root); });
+    if (!is_inside) outside.push_back(file.string());
+  }
+  if (!outside.empty())
+    return fmt::format(
+        "its model names files outside of '{}': {}; set ROBOCELL_SCENE_PATH to a "
+        "folder that has both",
+        folder.path().string(), Shortened(outside));
+  if (found.files.size() > kMostFiles || total > kMostAssetBytes)
+    return fmt::format("it has {} files with {} MB; {} and {} MB are read at most",
+                       found.files.size(), total >> 20, kMostFiles, kMostAssetBytes >> 20);
+  return "";
+}
+
+// Principal moments of inertia have to be positive, and none larger than the others together.
+bool AreMoments(const double moments[3]) {
+  std::array<double, 3> sorted = {moments[0], moments[1], moments[2]};
+  for (const double moment : sorted) {
+    if (!std::isfinite(moment)) return false;
+  }
+  std::ranges::sort(sorted);
+  return sorted[0] > 0 && sorted[0] + sorted[1] >= sorted[2];
+}
+
+// Returns the principal moments of a body with an explicit inertia.
+std::array<double, 3> MomentsOf(const mjsBody* body) {
+  const double* full = body->fullinertia;  // xx yy zz xy xz yz
+  if (std::isnan(full[0])) return {body->inertia[0], body->inertia[1], body->inertia[2]};
+  const double matrix[9] = {full[0], full[3], full[4], full[3], full[1],
+                            full[5], full[4], full[5], full[2]};
+  double moments[3], axes[9], quat[4];
+  mju_eig3(moments, axes, quat, matrix);
+  return {moments[0], moments[1], moments[2]};
+}
+
+// Edits the description of a house.
+class Mending {
+ public:
+  Mending(mjSpec* spec, const HouseFiles& files) : spec_(spec), files_(files) {}
+
+  // Makes explicit inertias possible: the mean of the moments, at least the smallest mass.
+  void MendInertias() {
+    std::vector<std::string> names;
+    for (mjsElement* e = mjs_firstElement(spec_, mjOBJ_BODY); e; e = mjs_nextElement(spec_, e)) {
+      mjsBody* body = mjs_asBody(e);
+      if (!body->explicitinertial || mjs_getId(e) == 0) continue;
+      const std::array<double, 3> moments = MomentsOf(body);
+      const bool has_mass = std::isfinite(body->mass) && body->mass > 0;
+      if (has_mass && AreMoments(moments.data())) continue;
+      if (!has_mass) body->mass = kLeastMass;
+      double mean = 0;
+      for (const double moment : moments) mean += std::isfinite(moment) ? std::abs(moment) / 3 : 0;
+      mju_fill(body->inertia, std::max(mean, kLeastInertia), 3);
+      body->fullinertia[0] = NAN;
+      names.push_back(mjs_getString(mjs_getName(e)));
+    }
+    if (names.empty()) return;
+    notes_.push_back(
+        fmt::format("impossible inertias of {} were balanced: {}",
+                    names.size() == 1 ? "one body" : std::to_string(names.size()) + " bodies",
+                    Shortened(names)));
+  }
+  // Removes the bodies whose name contains one of the entries, or whose asset is one of them.
+  void Remove(const std::vector<std::string>& entries) {
+    if (entries.empty()) return;
+    std::map<std::string, HouseObject> objects;
+    if (!files_.metadata.empty()) {
+      try {
+        objects = ReadHouseMetadata(files_.metadata).objects;
+      } catch (const IoError&) {  // the annotations report it
+      }
+    }
+    const auto is_listed = [&](const std::string& name) {
+      const auto object = objects.find(name);
+      return std::ranges::any_of(entries, [&](const std::string& entry) {
+        return name == entry || (entry.size() >= 16 && name.find(entry) != std::string::npos) ||
+               (object != objects.end() &&
+                (object->second.asset == entry || object->second.id == entry));
+      });
+    };
+    std::vector<std::string> names;
+    for (mjsElement* e = mjs_firstElement(spec_, mjOBJ_BODY); e;) {
+      const std::string name = mjs_getString(mjs_getName(e));
+      if (mjs_getId(e) == 0 || !is_listed(name)) {
+        e = mjs_nextElement(spec_, e);
+        continue;
+      }
+      if (Tried("leaving out body '" + name + "'", [&] { return mjs_delete(spec_, e); }) != 0)
+        throw SpecError(
+            fmt::format("body '{}' cannot be left out. MuJoCo: {}", name, mjs_getError(spec_)));
+      names.push_back(name);
+      e = mjs_firstElement(spec_, mjOBJ_BODY);  // the tree below it went too
+    }
+    if (names.empty()) return;
+    while (mjsElement* key = mjs_firstElement(spec_, mjOBJ_KEY)) mjs_delete(spec_, key);
+    notes_.push_back(
+        fmt::format("left out {}: {}", Counted(names.size(), "object"), Shortened(names)));
+  }
+  const std::vector<std::string>& notes() const { return notes_; }
+
+ private:
+  mjSpec* spec_;
+  const HouseFiles& files_;
+  std::vector<std::string> notes_;
+};
+
+// Lets relative names of assets start at the house's own folder.
+void MakeFoldersAbsolute(mjSpec* spec, const fs::path& folder) {
+  for (mjString* name : {spec->compiler.meshdir, spec->compiler.texturedir})
+    mjs_setString(name, (folder / mjs_getString(name)).lexically_normal().string().c_str());
+}
+
+fs::path WriteMended(mjSpec* spec, const HouseFiles& files, const std::string& context,
+                     const std::vector<std::string>& notes) {
+  MakeFoldersAbsolute(spec, files.model.parent_path());
+  std::string key = files.model.string() + "\n" + Fingerprint(ReadRealFile(files.model)) + "\n" +
+                    std::string(Version()) + "\n";
+  for (const std::string& note : notes) key += note + "\n";
+  const fs::path file = HousesCacheFolder() / "mended" /
+                        fmt::format("{}_{}.xml", Fingerprint(key), files.model.stem().string());
+  if (CanReadFile(file)) return file;
+  Compile(spec, nullptr, context, nullptr, JacobianGuard::kOff);
+  std::error_code error;
+  fs::create_directories(file.parent_path(), error);
+  AtomicWrite(file, SaveXmlString(spec, context));
+  return file;
+}
+
+PreparedHouse Prepare(const HouseFiles& files, const HouseFolder& folder) {
+  const std::string context = fmt::format("house '{}'", files.model.string());
+  PreparedHouse house{.why_not = WhyNotFiles(files, folder), .model = files.model, .notes = {}};
+  if (!house.why_not.empty()) return house;
+  try {
+    const SpecPtr spec = ParseXmlFile(files.model, context);
+    Mending mending(spec.get(), files);
+    mending.MendInertias();
+    mending.Remove(folder.without());
+    house.notes = mending.notes();
+    if (!house.notes.empty()) house.model = WriteMended(spec.get(), files, context, house.notes);
+  } catch (const Error& error) {
+    house.why_not = error.what();
+  }
+  return house;
+}
+
+}  // namespace
+
+fs::path HousesCacheFolder() { return SceneCacheFolder().parent_path() / "houses"; }
+
+PreparedHouse PrepareHouse(const HouseFiles& files, const HouseFolder& folder) {
+  static std::mutex mutex;
+  static std::map<std::string, PreparedHouse> known;
+  std::string key = FileIdentity(files.model) + "\n" + FileIdentity(files.metadata) + "\n";
+  for (const std::string& entry : folder.without()) key += entry + "\n";
+  for (const fs::path& root : folder.roots()) key += root.string() + "\n";
+  key += HousesCacheFolder().string();
+  const std::lock_guard lock(mutex);
+  const auto it = known.find(key);
+  if (it != known.end() && (!it->second.why_not.empty() || CanReadFile(it->second.model)))
+    return it->second;
+  return known[key] = Prepare(files, folder);
+}
+
+}  // namespace robocell::internal
