@@ -55,7 +55,7 @@ def lerobot(
     found = {}
     for mode, peer in PEERS.items():
         side = Path(__file__).with_name("lerobot_writer_side.py")
-        options = [*shape, str(repetitions), mode, folder / "lerobot_peer"]
+        options: list[str | Path] = [*shape, str(repetitions), mode, folder / "lerobot_peer"]
         said = run([*on_one_core(), python, "-I", side, frames, *options])
         found[peer] = json.loads(said.splitlines()[-1])
     frames.unlink()
