@@ -48,16 +48,20 @@ def rows(folder: Path, repetitions: int = REPETITIONS) -> list[Row]:
 def lerobot(
     python: Path, robot_file: Path, folder: Path, repetitions: int
 ) -> dict[str, list[float]]:
-    """Seconds for each image of LeRobot's writer, by the peer's name."""
+    """Seconds for each image that LeRobot's writer is given, by the peer's name."""
     frames = folder / "frames.rgb"
     said = run([PROGRAMS / "dataset_writer_bench", "--frames", frames, robot_file])
     shape = said.split()  # rows, cameras, width, height
     found = {}
     for mode, peer in PEERS.items():
         side = Path(__file__).with_name("lerobot_writer_side.py")
-        options = [*shape, str(repetitions), mode, folder / "lerobot_peer"]
+        options: list[str | Path] = [*shape, str(repetitions), mode, folder / "lerobot_peer"]
         said = run([*on_one_core(), python, "-I", side, frames, *options])
-        found[peer] = json.loads(said.splitlines()[-1])
+        result = json.loads(said.splitlines()[-1])
+        if missing := result["missing"]:
+            given = repetitions * int(shape[0]) * int(shape[1])
+            peer += f", which dropped {missing} of {given} frames"
+        found[peer] = result["seconds"]
     frames.unlink()
     return found
 

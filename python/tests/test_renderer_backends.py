@@ -9,6 +9,7 @@ import sys
 import time
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -115,3 +116,40 @@ def test_a_run_whose_drawing_service_is_killed_has_the_same_videos(tmp_path: Pat
     assert killed
     assert videos[0]
     assert videos[0] == videos[1]
+
+
+# Sizes that fill no whole block of 4x4 pixels, one pixel, and one that is larger than a screen.
+@pytest.mark.parametrize("size", [(1, 1), (65, 17), (3, 641), (4096, 2160)])
+def test_soft_draws_images_of_any_size(size: tuple[int, int]):
+    """Depth at random pixels is that of the engine's rays; threads change no byte."""
+    width, height = size
+    spec = rc.SceneSpec(name="room", timestep=0.002, add_floor=True, add_skybox=True)
+    config = rc.RobotConfig.load(rc.models.robot_file("rc7"))
+    spec.robots.append(rc.RobotSpec(name="arm", config=config))
+    scene = rc.Scene.build(spec)
+    view = rc.render.OrbitCamera(lookat=(0, 0, 0.4), distance=1.6, azimuth=130, elevation=-30)
+    drawn = [
+        rc.render.Renderer(scene, backend="soft", quality="standard", threads=threads).render(
+            view, width, height, depth=True, segmentation=True
+        )
+        for threads in (1, 3)
+    ]
+    image = drawn[0]
+    for kind in ("rgb", "depth", "segmentation"):
+        assert np.array_equal(drawn[0][kind], drawn[1][kind]), kind
+    to_world = np.linalg.inv(image["extrinsics"])
+    rng = np.random.default_rng(width)
+    rows, columns = rng.integers(height, size=40), rng.integers(width, size=40)
+    pixels = np.stack([columns, rows, np.ones(40)])
+    rays = to_world[:3, :3] @ np.linalg.inv(image["intrinsics"]) @ pixels
+    visible = np.array([1, 1, 1, 0, 0, 0], np.uint8)
+    hit = [
+        mujoco.mj_ray(
+            scene.model, scene.data, to_world[:3, 3], ray, visible, 1, -1, np.zeros(1, np.int32)
+        )
+        for ray in rays.T
+    ]
+    expected = np.maximum(hit, 0)  # rays have the length of one metre of depth
+    near = np.abs(image["depth"][rows, columns] - expected) < 1e-3 + 1e-4 * expected
+    assert np.mean(near) >= 0.95  # facets of round shapes differ at their edges
+    assert np.any(expected > 0)
