@@ -269,7 +269,6 @@ def test_an_evaluation_of_an_earlier_version_is_still_read(tmp_path: Path):
 
 
 BATCHED = """
-import json
 import numpy as np
 from pathlib import Path
 from robocell.policy import Policy
@@ -291,6 +290,7 @@ class Turns(Policy):
         self.context = context
 
     def act(self, observation):
+        Path(__file__).with_name("alone.txt").touch()
         return self.act_batch([observation], [self.context])[0]
 """
 
@@ -300,11 +300,13 @@ def test_workers_share_a_connection_and_the_rollouts_are_the_same(run: Path, tmp
     policy.write_text(BATCHED)
     options: dict[str, Any] = {"episodes": 3, "cameras": False, "max_steps": 6}
     alone = evaluate(run, f"{policy}:Turns", output=tmp_path / "alone", **options)
-    (tmp_path / "sizes.txt").unlink()
+    for name in ("sizes.txt", "alone.txt"):
+        (tmp_path / name).unlink()
     with served(f"{policy}:Turns", run) as url:
         together = evaluate(run, url, output=tmp_path / "together", workers=2, **options)
     sizes = [int(line) for line in (tmp_path / "sizes.txt").read_text().split()]
     assert sum(sizes) == 3 * 6
+    assert not (tmp_path / "alone.txt").exists(), "every observation came in a batch"
     assert (together.policy, together.server["batch"]) == (url, 64)
     assert together.outcomes == alone.outcomes
     for one, other in zip(
