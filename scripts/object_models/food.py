@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from object_models.parts import (
 from object_models.shapes import Mesh, lathe, loft, sweep
 
 # Fruit rolls a little and comes to rest.
-ROLLING = {"friction": "0.8 0.02 0.003", "condim": 6}
+ROLLING: dict[str, Any] = {"friction": "0.8 0.02 0.003", "condim": 6}
 BROWN = "0.33 0.22 0.12 1"
 GREEN = "0.30 0.50 0.20 1"
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +33,7 @@ from object_models.shapes import (
 STEEL = "0.74 0.76 0.78 1"
 BLACK = "0.10 0.10 0.11 1"
 CREAM = "0.93 0.90 0.82 1"
-SHINY = {"specular": 0.9, "shininess": 0.85}
+SHINY: dict[str, Any] = {"specular": 0.9, "shininess": 0.85}
 
 
 def bowl() -> Kind:

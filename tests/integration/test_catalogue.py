@@ -88,6 +88,16 @@ def test_the_catalogue_has_forty_kinds_and_their_categories():
     assert defaults == ["bottle", "bracket", "mug", "nut", "spool"]
 
 
+def test_the_list_of_models_has_each_kind_with_its_size():
+    rows = (MODELS / "README.md").read_text().splitlines()
+    for name in OBJECTS:
+        row = next(row for row in rows if f"| `{name}` |" in row)
+        if not words(name).get("drawn_by_default"):
+            assert " × ".join(f"{1000 * side:.0f}" for side in words(name)["size"]) in row, name
+            assert (", ".join(words(name)["grasps"]) or "–") in row, name
+        assert (folder(name) / f"{name}.png").is_file()
+
+
 @pytest.mark.parametrize("name", OBJECTS)
 def test_an_object_has_its_size_and_words(name):
     model = alone(name)

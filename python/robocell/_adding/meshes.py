@@ -70,9 +70,10 @@ def read_shape(path: Path, *, scale: float = 1.0, up: str = "") -> Shape:
     scene, lost = _load(path)
     parts: list[Coloured] = []
     whole = []
-    for mesh in scene.dump():
+    geometries: list[Any] = list(scene.dump())
+    for mesh in geometries:
         if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
-            continue
+            continue  # points and lines
         rgba, has_texture = _colour_of(mesh)
         if has_texture:
             lost.append("textures: each part gets their main colour")
