@@ -271,8 +271,8 @@ def pliers() -> Kind:
 
 
 def tape_roll() -> Kind:
-    """A roll of tape, 64 mm wide and 24 mm high, lying flat."""
-    outer, inner, h = 0.032, 0.020, 0.012
+    """A roll of tape, 62 mm wide and 24 mm high, lying flat."""
+    outer, inner, h = 0.031, 0.019, 0.012
     tape = lathe(
         [
             (inner + 0.003, -h),
@@ -286,7 +286,7 @@ def tape_roll() -> Kind:
     core = lathe([(inner, -h), (inner + 0.003, -h), (inner + 0.003, h), (inner, h)])
     lines = [
         lathe([(r, h), (r + 0.0004, h), (r + 0.0004, h + 0.0001), (r, h + 0.0001)])
-        for r in (0.0255, 0.0280, 0.0302)
+        for r in (0.0248, 0.0272, 0.0294)
     ]
     end = rounded_box((0.0004, 0.004, h), 0.0003).at(outer, 0, 0)
     sides, geoms = 14, []
