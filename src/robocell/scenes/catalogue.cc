@@ -142,6 +142,9 @@ ObjectInfo ObjectInfoOf(const std::string& kind) {
     return {.category = kPrimitives, .grasps = {ObjectGrasp::kTop, ObjectGrasp::kSide}};
   const std::map<std::string, std::string> folders = assets::ObjectFolders();
   const auto folder = folders.find(kind);
+  const std::vector<std::string> equipment = assets::BuiltinEquipment();
+  if (folder == folders.end() && std::ranges::find(equipment, kind) != equipment.end())
+    return InfoIn(assets::ModelsRoot() + "/equipment/" + kind);
   if (folder == folders.end())
     throw NotFoundError(NoSuchName("the catalogue", "kind", kind, ObjectKinds()));
   return InfoIn(folder->second);

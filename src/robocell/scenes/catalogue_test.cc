@@ -80,6 +80,8 @@ TEST(Catalogue, EveryKindHasWordsAndTheSizeOfItsModel) {
   }
   EXPECT_EQ(WordOfKind("milk_carton"), "milk carton");
   EXPECT_THROW(ObjectInfoOf("mugg"), NotFoundError);
+  EXPECT_EQ(ObjectInfoOf("lid_box").category, "containers") << "equipment has words, too";
+  EXPECT_EQ(ObjectInfoOf("table").category, "") << "or none";
 }
 
 TEST(Catalogue, UsersObjectsAreKinds) {
