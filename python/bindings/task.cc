@@ -513,15 +513,15 @@ void BindTask(nb::module_& m) {
         "\n\nExamples:\n"
         "    >>> rc.tasks.object_kinds_of([\"mug\", \"fruit\"])[:2]\n"
         "    ['mug', 'apple']");
-  m.def(
-      "object_info", &InfoDict, "kind"_a,
-      nb::sig("def object_info(kind: str) -> dict[str, typing.Any]"),
-      "Returns what object.yaml beside the model of a kind says: `category`, `colour`, `material`, "
-      "`synonyms`, `size` (metres, or None), `grasps` and `drawn_by_default`."
-      "\n\nRaises NotFoundError for an unknown kind, and SpecError for a file with faults."
-      "\n\nExamples:\n"
-      "    >>> rc.tasks.object_info(\"apple\")[\"category\"]\n"
-      "    'fruit'");
+  m.def("object_info", &InfoDict, "kind"_a,
+        nb::sig("def object_info(kind: str) -> dict[str, typing.Any]"),
+        "Returns what object.yaml beside the model of a kind or of equipment says: `category`, "
+        "`colour`, `material`, "
+        "`synonyms`, `size` (metres, or None), `grasps` and `drawn_by_default`."
+        "\n\nRaises NotFoundError for an unknown kind, and SpecError for a file with faults."
+        "\n\nExamples:\n"
+        "    >>> rc.tasks.object_info(\"apple\")[\"category\"]\n"
+        "    'fruit'");
   m.def(
       "make_object",
       [](const std::string& kind, const std::string& name, PythonRng& rng) {

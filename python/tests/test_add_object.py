@@ -15,6 +15,7 @@ import robocell as rc
 from robocell._adding.convex import convex_parts, hull_of, volume_of
 from robocell._adding.meshes import AddObjectError, read_shape
 from robocell._cli import load
+from robocell.gym import pick_cube_config
 
 MUTANTS = 20  # of each format
 
@@ -230,3 +231,29 @@ def test_a_broken_file_is_read_or_named(tmp_path, suffix):
         assert np.all(np.isfinite(shape.points()))
         assert volume_of(hulls[0]) > 0
     assert read > 0, "some changes do no harm"
+
+
+def test_runs_draw_an_added_object_by_its_category(add, tmp_path):
+    brick = saved(box((0.03, 0.02, 0.02)), tmp_path / "my_brick.obj")
+    add(brick, "--category", "bricks", "--mass", 0.1)
+    run = rc.RunConfig.load(Path(__file__).parents[2] / "examples" / "demo.yaml")
+    run.cameras.streams.clear()
+    run.task = {"kind": "pick", "objects": ["bricks"]}
+    run.output, run.episodes = str(tmp_path / "out"), 1
+    rc.generate.prepare_dataset(run)
+    (item,) = rc.generate.make_plan(run)
+    result = rc.generate.Runner(run).run(item)
+    assert result.success, result.failures
+    assert result.object_kind == "my_brick"
+    env = rc.envs.RunEnv(run)
+    env.reset(0)
+    assert env.object_kinds == ["my_brick"]
+
+
+def test_an_environment_has_an_added_object(add, tmp_path):
+    add(saved(box((0.03, 0.02, 0.02)), tmp_path / "my_brick.obj"), "--mass", 0.1)
+    env = rc.Env(pick_cube_config(task={"kind": "pick", "objects": ["my_brick", "mug"]}))
+    env.reset(seed=0)
+    assert {"target_my_brick", "target_mug"} <= {
+        each.name for each in env.scene.copy_spec().objects
+    }

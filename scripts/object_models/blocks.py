@@ -374,7 +374,7 @@ def ring_tower() -> Kind:
         "red",
         "wood",
         ["stacking rings", "toy tower"],
-        ["top", "side"],
+        ["top"],
     )
 
 

@@ -34,8 +34,8 @@ def _bottle(
 
 
 def water_bottle() -> Kind:
-    """A water bottle of plastic, 64 mm wide and 200 mm high."""
-    r, h = 0.032, 0.10
+    """A water bottle of plastic, 62 mm wide and 200 mm high."""
+    r, h = 0.031, 0.10
     profile = [
         (0, -h),
         *arc(r - 0.006, -h + 0.006, 0.006, -90, 0, 4),
@@ -76,13 +76,13 @@ def water_bottle() -> Kind:
         "blue",
         "plastic",
         ["plastic bottle"],
-        ["top", "side"],
+        ["side"],
     )
 
 
 def wine_bottle() -> Kind:
-    """A wine bottle, 68 mm wide and 260 mm high."""
-    r, h = 0.034, 0.13
+    """A wine bottle, 62 mm wide and 260 mm high."""
+    r, h = 0.031, 0.13
     profile = [
         (0, -h),
         *arc(r - 0.004, -h + 0.004, 0.004, -90, 0, 4),
@@ -124,9 +124,7 @@ def wine_bottle() -> Kind:
         "0.08 0.22 0.13 1",
         0.9,
     )
-    return Kind(
-        body, "A wine bottle.", "bottles", "green", "glass", ["bottle of wine"], ["top", "side"]
-    )
+    return Kind(body, "A wine bottle.", "bottles", "green", "glass", ["bottle of wine"], ["side"])
 
 
 def sauce_bottle() -> Kind:
@@ -169,7 +167,7 @@ def sauce_bottle() -> Kind:
         "red",
         "plastic",
         ["ketchup", "ketchup bottle", "squeeze bottle"],
-        ["top", "side"],
+        ["side"],
     )
 
 

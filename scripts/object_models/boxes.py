@@ -9,8 +9,8 @@ KRAFT = "0.72 0.56 0.38 1"
 
 
 def cardboard_box() -> Kind:
-    """A closed box of 120 x 65 x 60 mm."""
-    half = (0.060, 0.0325, 0.030)
+    """A closed box of 120 x 62 x 60 mm."""
+    half = (0.060, 0.031, 0.030)
     tape = "0.86 0.77 0.58 1"
     looks = [
         Look(rounded_box(half, 0.0012, 1), KRAFT, 0.1, 0.2),
@@ -123,7 +123,7 @@ def crate() -> Kind:
         "brown",
         "wood",
         ["wooden crate", "open box"],
-        ["rim", "handle"],
+        ["handle"],
     )
 
 

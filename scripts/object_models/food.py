@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from object_models.parts import (
 from object_models.shapes import Mesh, lathe, loft, sweep
 
 # Fruit rolls a little and comes to rest.
-ROLLING = {"friction": "0.8 0.02 0.003", "condim": 6}
+ROLLING: dict[str, Any] = {"friction": "0.8 0.02 0.003", "condim": 6}
 BROWN = "0.33 0.22 0.12 1"
 GREEN = "0.30 0.50 0.20 1"
 
@@ -49,12 +50,12 @@ def _foot(name: str, radius: float, z: float) -> Geom:
 
 
 def apple() -> Kind:
-    """An apple of 70 mm."""
-    r, points = 0.034, []
+    """An apple of 62 mm."""
+    r, points = 0.030, []
     for t in np.linspace(-math.pi / 2, math.pi / 2, 17):
         c, s = math.cos(t), math.sin(t)
         radius = r * c**0.82 * (1 + 0.04 * s)
-        z = 0.033 * s - (
+        z = 0.030 * s - (
             0.009 * math.exp(-((radius / 0.011) ** 2))
             if s > 0
             else -0.005 * math.exp(-((radius / 0.011) ** 2))
@@ -63,24 +64,24 @@ def apple() -> Kind:
     profile = [(0, points[0][1]), *points[1:-1], (0, points[-1][1])]
     low = min(z for _, z in profile)
     stem = sweep(
-        [(0, 0, 0.022), (0.001, 0, 0.030), (0.004, 0, 0.038)],
+        [(0, 0, 0.019), (0.001, 0, 0.027), (0.004, 0, 0.035)],
         [(0.0014, 0.0014), (0.0012, 0.0012), (0.0016, 0.0016)],
         (0, 1, 0),
         8,
     )
     geoms = [
-        ellipsoid_geom("apple_body", (0.0345, 0.0345, 0.031), (0, 0, 0.0005)),
+        ellipsoid_geom("apple_body", (0.0306, 0.0306, 0.0282), (0, 0, 0.0003)),
         _foot("apple_foot", 0.016, low),
-        rod_geom("apple_stem", 0.002, 0.016, (0.002, 0, 0.030)),
+        rod_geom("apple_stem", 0.002, 0.016, (0.002, 0, 0.027)),
     ]
     geoms[2].weight = 0.1
     looks = [
         Look(lathe(profile, 36), "0.76 0.13 0.13 1", 0.5, 0.6),
         Look(stem, BROWN),
-        Look(_leaf(0.002, 0, 0.031, 0.022), GREEN),
+        Look(_leaf(0.002, 0, 0.028, 0.022), GREEN),
     ]
     return Kind(
-        Body("apple", 0.18, geoms, looks),
+        Body("apple", 0.13, geoms, looks),
         "An apple.",
         "fruit",
         "red",
@@ -92,8 +93,8 @@ def apple() -> Kind:
 
 
 def orange() -> Kind:
-    """An orange of 66 mm."""
-    r = 0.033
+    """An orange of 62 mm."""
+    r = 0.031
     t = np.linspace(-math.pi / 2, math.pi / 2, 17)
     profile = [
         (0, -0.0315),

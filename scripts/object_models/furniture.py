@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 
@@ -347,10 +348,10 @@ def laptop() -> Kind:
 
 def faucet() -> Kind:
     """A faucet, 0.24 m high; its lever lifts to open."""
-    steel = {"specular": 0.9, "shininess": 0.9}
+    steel: dict[str, Any] = {"specular": 0.9, "shininess": 0.9}
     a = np.radians(np.linspace(0, 165, 14))
     bend = 0.055
-    path = [(0, 0, 0.10), (0, 0, 0.14)]
+    path: list[Vec] = [(0, 0, 0.10), (0, 0, 0.14)]
     path += [(bend - bend * math.cos(t), 0, 0.17 + bend * math.sin(t)) for t in a]
     end = np.array(path[-1]) + 0.02 * np.array([math.sin(a[-1]), 0, math.cos(a[-1])])
     path.append((float(end[0]), 0, float(end[2])))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from typing import Any
 
 import numpy as np
 
@@ -32,7 +33,7 @@ from object_models.shapes import (
 STEEL = "0.74 0.76 0.78 1"
 BLACK = "0.10 0.10 0.11 1"
 CREAM = "0.93 0.90 0.82 1"
-SHINY = {"specular": 0.9, "shininess": 0.85}
+SHINY: dict[str, Any] = {"specular": 0.9, "shininess": 0.85}
 
 
 def bowl() -> Kind:
@@ -120,8 +121,8 @@ def _tumbler(
 
 def cup() -> Kind:
     """A cup without a handle."""
-    body = _tumbler("cup", 0.025, 0.033, 0.078, 0.0035, 0.13, "0.86 0.42 0.30 1")
-    stripe = lathe([(0.0309, 0.012), (0.0316, 0.012), (0.0326, 0.021), (0.0318, 0.021)], 40)
+    body = _tumbler("cup", 0.025, 0.031, 0.078, 0.0035, 0.13, "0.86 0.42 0.30 1")
+    stripe = lathe([(0.0286, 0.012), (0.0294, 0.012), (0.0301, 0.021), (0.0293, 0.021)], 40)
     body.looks.append(Look(stripe, CREAM, 0.5, 0.7))
     return Kind(
         body,
@@ -137,7 +138,7 @@ def cup() -> Kind:
 def glass() -> Kind:
     """A drinking glass."""
     body = _tumbler(
-        "glass", 0.026, 0.032, 0.115, 0.003, 0.16, "0.70 0.85 0.92 0.45", base=0.010, specular=0.9
+        "glass", 0.026, 0.031, 0.115, 0.003, 0.16, "0.70 0.85 0.92 0.45", base=0.010, specular=0.9
     )
     return Kind(
         body,
@@ -302,7 +303,7 @@ def pot_lid() -> Kind:
 
 def jar() -> Kind:
     """A jam jar with a screw lid."""
-    r, h = 0.033, 0.044
+    r, h = 0.031, 0.044
     glass_ = lathe(
         [
             (0, -h),
@@ -316,8 +317,8 @@ def jar() -> Kind:
     lid = lathe(
         [
             (0, 0.026),
-            (0.030, 0.026),
-            (0.0305, 0.027),
+            (0.029, 0.026),
+            (0.0295, 0.027),
             *arc(0.0295, h - 0.0015, 0.0015, 0, 90, 3),
             (0, h),
         ],
@@ -326,7 +327,7 @@ def jar() -> Kind:
     label = lathe([(r, -0.026), (r + 0.0005, -0.026), (r + 0.0005, 0.008), (r, 0.008)], 40)
     geoms = [
         rod_geom("jar_body", r, 0.068, (0, 0, -h + 0.034)),
-        rod_geom("jar_lid", 0.0305, h - 0.024, (0, 0, (h + 0.024) / 2)),
+        rod_geom("jar_lid", 0.0295, h - 0.024, (0, 0, (h + 0.024) / 2)),
     ]
     geoms[1].weight = 0.5
     looks = [
@@ -347,7 +348,7 @@ def jar() -> Kind:
 
 def can() -> Kind:
     """A tin can."""
-    r, h = 0.033, 0.052
+    r, h = 0.0315, 0.052
     body = [
         (0, -h + 0.002),
         (r - 0.003, -h + 0.002),
@@ -383,7 +384,7 @@ def can() -> Kind:
 
 def milk_carton() -> Kind:
     """A gable-top carton."""
-    a, h, gable, fin = 0.034, 0.075, 0.030, 0.012
+    a, h, gable, fin = 0.031, 0.075, 0.030, 0.012
     body = box((0, 0, -0.0), (a, a, h))
     roof = Mesh(
         np.array(

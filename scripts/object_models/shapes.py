@@ -155,9 +155,9 @@ def rounded_box(half: tuple[float, float, float], radius: float, steps: int = 2)
         point = corner * inner + radius * direction / np.linalg.norm(direction)
         key = tuple(round(v * 1e7) for v in point)
         if key not in number:
-            number[key] = len(vertices)  # type: ignore[index]
+            number[key] = len(vertices)
             vertices.append(point)
-        return number[key]  # type: ignore[index]
+        return number[key]
 
     # A sphere of six square grids, cut along the planes of symmetry and pulled apart.
     for axis in range(3):
@@ -261,7 +261,7 @@ def loft(rings: Sequence[np.ndarray]) -> Mesh:
 
 
 def sweep(
-    path: Sequence[Sequence[float]],
+    path: Sequence[Sequence[float]] | Sequence[np.ndarray],
     radii: Sequence[tuple[float, float]],
     side: Sequence[float] = (0, 1, 0),
     segments: int = 16,

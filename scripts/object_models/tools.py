@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +24,7 @@ from object_models.shapes import (
 
 STEEL = "0.66 0.68 0.70 1"
 DARK = "0.16 0.17 0.18 1"
-SHINY = {"specular": 0.9, "shininess": 0.8}
+SHINY: dict[str, Any] = {"specular": 0.9, "shininess": 0.8}
 
 
 def screwdriver() -> Kind:
@@ -165,17 +166,15 @@ def _ring(cx: float, outer: float, inner: float, height: float, opening: float =
 
 def wrench() -> Kind:
     """A combination wrench of 190 mm: an open end in +x, a ring in -x."""
-    t = 0.013
-    shaft = plate(
-        [(-0.066, -0.008), (0.062, -0.0095), (0.062, 0.0095), (-0.066, 0.008)], 0.8 * t, 0.002
-    )
+    t = 0.016
+    shaft = plate([(-0.066, -0.008), (0.062, -0.0095), (0.062, 0.0095), (-0.066, 0.008)], t, 0.002)
     jaw = _ring(0.078, 0.0205, 0.0105, t, 75)
     turn = np.radians(np.arange(0, 360, 360 / SEGMENTS))
     outer, inner = 0 * turn + 0.0165, 0.0095 / np.cos((turn) % (math.pi / 3) - math.pi / 6) * 0.95
     eye = between([(outer, -t / 2), (outer, t / 2), (inner, t / 2), (inner, -t / 2)], turn).at(
         -0.0785
     )
-    geoms = [box_geom("wrench_handle", (0.062, 0.0085, 0.4 * t), (-0.002, 0, 0))]
+    geoms = [box_geom("wrench_handle", (0.062, 0.0085, t / 2), (-0.002, 0, 0))]
     for k in range(8):
         a = 2 * math.pi * k / 8
         r = 0.013
@@ -215,16 +214,16 @@ def pliers() -> Kind:
         ]
         radii = [
             (0.005, 0.006),
-            (0.006, 0.0065),
-            (0.0070, 0.0070),
-            (0.0070, 0.0070),
-            (0.0065, 0.0065),
+            (0.007, 0.0070),
+            (0.0075, 0.0080),
+            (0.0075, 0.0080),
+            (0.0072, 0.0078),
             (0.003, 0.003),
         ]
         looks.append(Look(sweep(path, radii, (0, 0, 1), 14), "0.18 0.38 0.72 1", 0.4, 0.5))
-        geoms.append(capsule_geom(f"pliers_handle_{side}_0", path[1], path[2], 0.0066))
+        geoms.append(capsule_geom(f"pliers_handle_{side}_0", path[1], path[2], 0.0080))
         geoms.append(
-            capsule_geom(f"pliers_handle_{side}_1", path[2], (-0.0985, sign * 0.0140, 0), 0.0066)
+            capsule_geom(f"pliers_handle_{side}_1", path[2], (-0.0985, sign * 0.0140, 0), 0.0080)
         )
         outline = [
             (0.006, 0.0006),
@@ -235,7 +234,7 @@ def pliers() -> Kind:
             (0.006, 0.0120),
         ]
         points = outline if sign > 0 else [(x, -y) for x, y in outline[::-1]]
-        looks.append(Look(plate(points, 0.011, 0.0012), STEEL, **SHINY))
+        looks.append(Look(plate(points, 0.014, 0.0012), STEEL, **SHINY))
     geoms.append(
         hull_geom(
             "pliers_jaw",
@@ -250,15 +249,15 @@ def pliers() -> Kind:
                     (0.018, 0.013),
                     (0.004, 0.0125),
                 ],
-                0.011,
+                0.014,
             ),
         )
     )
-    geoms.append(rod_geom("pliers_pivot", 0.0125, 0.013, (0.006, 0, 0)))
+    geoms.append(rod_geom("pliers_pivot", 0.0125, 0.0150, (0.006, 0, 0)))
     geoms[-1].weight = geoms[-2].weight = 3
     looks += [
-        Look(rod(0.0125, 0.0125, 0.002, 28).at(0.006), STEEL, **SHINY),
-        Look(rod(0.005, 0.0136, 0.001, 20).at(0.006), DARK),
+        Look(rod(0.0125, 0.0150, 0.002, 28).at(0.006), STEEL, **SHINY),
+        Look(rod(0.005, 0.0160, 0.001, 20).at(0.006), DARK),
     ]
     return Kind(
         Body("pliers", 0.21, geoms, looks),
@@ -272,8 +271,8 @@ def pliers() -> Kind:
 
 
 def tape_roll() -> Kind:
-    """A roll of tape, 64 mm wide and 24 mm high, lying flat."""
-    outer, inner, h = 0.032, 0.020, 0.012
+    """A roll of tape, 62 mm wide and 24 mm high, lying flat."""
+    outer, inner, h = 0.031, 0.019, 0.012
     tape = lathe(
         [
             (inner + 0.003, -h),
@@ -287,7 +286,7 @@ def tape_roll() -> Kind:
     core = lathe([(inner, -h), (inner + 0.003, -h), (inner + 0.003, h), (inner, h)])
     lines = [
         lathe([(r, h), (r + 0.0004, h), (r + 0.0004, h + 0.0001), (r, h + 0.0001)])
-        for r in (0.0255, 0.0280, 0.0302)
+        for r in (0.0248, 0.0272, 0.0294)
     ]
     end = rounded_box((0.0004, 0.004, h), 0.0003).at(outer, 0, 0)
     sides, geoms = 14, []

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from object_models.parts import (
@@ -26,16 +28,16 @@ from object_models.shapes import (
 STEEL = "0.74 0.76 0.78 1"
 OAK = "0.72 0.52 0.32 1"
 BLACK = "0.10 0.10 0.11 1"
-SHINY = {"specular": 0.9, "shininess": 0.85}
+SHINY: dict[str, Any] = {"specular": 0.9, "shininess": 0.85}
 
 
 GRIP = [
-    (0.000, 0.0030, 0.0035),
-    (0.012, 0.0055, 0.0062),
-    (0.035, 0.0065, 0.0078),
-    (0.070, 0.0062, 0.0075),
-    (0.092, 0.0058, 0.0085),
-    (0.100, 0.0030, 0.0050),
+    (0.000, 0.0045, 0.0040),
+    (0.012, 0.0075, 0.0064),
+    (0.035, 0.0085, 0.0078),
+    (0.070, 0.0082, 0.0075),
+    (0.092, 0.0076, 0.0082),
+    (0.100, 0.0040, 0.0050),
 ]
 
 
@@ -43,7 +45,7 @@ def _cutlery(name: str, look: Mesh, geoms: list[Geom], mass: float, synonyms: li
     """Cutlery that lies along x: a grip of 100 mm that hands can take, and a head in +x."""
     path = [(x - 0.100, 0, 0) for x, _, _ in GRIP]
     grip = sweep(path, [(a, b) for _, a, b in GRIP], (0, 1, 0), 16)
-    grip_geom = box_geom(f"{name}_handle", (0.048, 0.0072, 0.0062), (-0.051, 0, 0))
+    grip_geom = box_geom(f"{name}_handle", (0.048, 0.0072, 0.0083), (-0.051, 0, 0))
     grip_geom.weight = 0.3
     neck = box_geom(f"{name}_neck", (0.022, 0.003, 0.002), (0.020, 0, 0))
     root = Body(

@@ -14,6 +14,8 @@ MODELS = Path(__file__).resolve().parents[2] / "models"
 OBJECTS = sorted(p.parent.name for p in MODELS.glob("objects/*/object.yaml"))
 ARTICULATED = sorted(p.parent.name for p in MODELS.glob("equipment/*/object.yaml"))
 CATEGORIES = {"kitchen", "tools", "boxes", "fruit", "bottles", "blocks", "toys", "books"}
+OPEN_M, OPEN_CLEARANCE_M = 0.075, 0.0055  # of the hand that `grasps` are about, and per finger
+TALLEST_PALM_M = 0.035  # what a hand beside an object needs above the table
 SAMPLES = 4000  # points in each geom
 RNG_SEED = 3
 
@@ -86,6 +88,16 @@ def test_the_catalogue_has_forty_kinds_and_their_categories():
     assert len(ARTICULATED) >= 7
     defaults = [name for name in OBJECTS if words(name).get("drawn_by_default")]
     assert defaults == ["bottle", "bracket", "mug", "nut", "spool"]
+
+
+def test_the_list_of_models_has_each_kind_with_its_size():
+    rows = (MODELS / "README.md").read_text().splitlines()
+    for name in OBJECTS:
+        row = next(row for row in rows if f"| `{name}` |" in row)
+        if not words(name).get("drawn_by_default"):
+            assert " × ".join(f"{1000 * side:.0f}" for side in words(name)["size"]) in row, name
+            assert (", ".join(words(name)["grasps"]) or "–") in row, name
+        assert (folder(name) / f"{name}.png").is_file()
 
 
 @pytest.mark.parametrize("name", OBJECTS)
@@ -173,6 +185,21 @@ def test_mass_and_inertia_are_those_of_the_shapes_that_collide(name):
     told = turn @ np.diag(model.body_inertia[1]) @ turn.T
     np.testing.assert_allclose(inertia, told, atol=0.04 * np.trace(told) / 2)
     assert 40 < mass / volume < 9000, f"{mass / volume:.0f} kg/m^3"
+
+
+@pytest.mark.parametrize("name", [name for name in OBJECTS if "side" in words(name)["grasps"]])
+def test_what_is_taken_from_a_side_is_narrow_and_tall_enough(name):
+    size = words(name)["size"]
+    assert min(size[:2]) <= OPEN_M - 2 * OPEN_CLEARANCE_M
+    assert size[2] >= TALLEST_PALM_M
+
+
+@pytest.mark.parametrize("name", [name for name in OBJECTS if "rim" in words(name)["grasps"]])
+def test_a_rim_is_a_thin_wall(name):
+    model = alone(name)
+    rims = [geom for geom in range(model.ngeom) if "rim" in model.geom(geom).name]
+    assert rims
+    assert all(2 * model.geom_size[geom].min() < 0.01 for geom in rims)
 
 
 @pytest.mark.parametrize("name", [name for name in OBJECTS if "handle" in words(name)["grasps"]])

@@ -8,7 +8,7 @@ from __future__ import annotations
 import warnings
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -70,9 +70,9 @@ def read_shape(path: Path, *, scale: float = 1.0, up: str = "") -> Shape:
     scene, lost = _load(path)
     parts: list[Coloured] = []
     whole = []
-    for mesh in scene.dump():
-        if not isinstance(mesh, trimesh.Trimesh) or len(mesh.faces) == 0:
-            continue
+    for mesh in cast("list[Any]", scene.dump()):
+        if len(getattr(mesh, "faces", ())) == 0:
+            continue  # points or lines
         rgba, has_texture = _colour_of(mesh)
         if has_texture:
             lost.append("textures: each part gets their main colour")
@@ -89,7 +89,7 @@ def read_shape(path: Path, *, scale: float = 1.0, up: str = "") -> Shape:
             "enough. Simplify it in the program that made it (in Blender: Decimate)"
         )
     _place(path, parts, scale, up or ("y" if path.suffix.lower() == ".glb" else "z"))
-    joined = trimesh.util.concatenate(whole) if len(whole) > 1 else whole[0]
+    joined: Any = trimesh.util.concatenate(whole) if len(whole) > 1 else whole[0]
     mesh = trimesh.Trimesh(_all_points(parts), joined.faces, process=False)
     mesh.merge_vertices(merge_tex=True, merge_norm=True)
     volume = abs(float(mesh.volume)) if mesh.is_watertight else _hull_volume(path, mesh)

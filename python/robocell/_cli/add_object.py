@@ -97,6 +97,7 @@ def add_object(
     table = Table("kind", "size, mm", "mass, g", "convex parts", "watertight", "rests", box=None)
     rejected = 0
     with needed_by("robocell add-object", "objects"):
+        import coacd  # noqa: F401
         import trimesh  # noqa: F401
     from robocell._adding.entry import Words
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string_view>
 #include <vector>
@@ -82,9 +83,18 @@ std::string MenagerieHint(const std::string& name) {
   return " Did you mean '" + std::string(kMenagerie) + near[0] + name.substr(slash) + "'?";
 }
 
+// Returns true if a robot of the Menagerie has the name as one of its words: "panda" of
+// "franka_emika_panda".
+bool IsWordOfARobot(const std::string& name) {
+  const std::map<std::string, std::string> robots = menagerie::RobotFolders();
+  return std::ranges::any_of(robots, [&](const auto& robot) {
+    return ("_" + robot.first + "_").find("_" + name + "_") != std::string::npos;
+  });
+}
+
 std::string BuiltinHint(const std::string& name) {
   const std::vector<std::string> names = BuiltinModels();
-  const std::string near = DidYouMean(name, names);
+  const std::string near = IsWordOfARobot(name) ? "" : DidYouMean(name, names);
   return "Built-in models: " + ListNames(names) + "." + (near.empty() ? MenagerieHint(name) : near);
 }
 

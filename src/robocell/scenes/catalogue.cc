@@ -129,9 +129,12 @@ std::vector<std::string> ObjectKinds() {
 
 std::vector<std::string> DefaultObjectKinds() {
   std::vector<std::string> kinds = Primitives();
+  const std::string built_in = assets::ModelsRoot() + "/objects/";
   for (const auto& [name, folder] : assets::ObjectFolders()) {
-    if (InfoIn(folder).drawn_by_default && std::ranges::find(kinds, name) == kinds.end())
-      kinds.push_back(name);
+    // A user's mug in the place of the built-in one is drawn as that was.
+    const bool is_drawn =
+        InfoIn(folder).drawn_by_default || InfoIn(built_in + name).drawn_by_default;
+    if (is_drawn && std::ranges::find(kinds, name) == kinds.end()) kinds.push_back(name);
   }
   return kinds;
 }
@@ -142,6 +145,9 @@ ObjectInfo ObjectInfoOf(const std::string& kind) {
     return {.category = kPrimitives, .grasps = {ObjectGrasp::kTop, ObjectGrasp::kSide}};
   const std::map<std::string, std::string> folders = assets::ObjectFolders();
   const auto folder = folders.find(kind);
+  const std::vector<std::string> equipment = assets::BuiltinEquipment();
+  if (folder == folders.end() && std::ranges::find(equipment, kind) != equipment.end())
+    return InfoIn(assets::ModelsRoot() + "/equipment/" + kind);
   if (folder == folders.end())
     throw NotFoundError(NoSuchName("the catalogue", "kind", kind, ObjectKinds()));
   return InfoIn(folder->second);

@@ -22,8 +22,8 @@ std::vector<std::string> ObjectKinds();
 // keeps its draws.
 std::vector<std::string> DefaultObjectKinds();
 
-// Returns the words, the size and the grasps of a kind, from object.yaml beside its model; defaults
-// without that file. Throws NotFoundError for an unknown kind and SpecError for a file with faults.
+// Returns the words, the size and the grasps of a kind or of built-in equipment, from object.yaml
+// beside its model; defaults without that file. Throws NotFoundError for an unknown kind and SpecError for a file with faults.
 ObjectInfo ObjectInfoOf(const std::string& kind);
 
 // Returns the categories of the catalogue and the kinds of each.

@@ -53,6 +53,18 @@ TEST(Catalogue, TheDefaultKindsStayTheSame) {
   EXPECT_EQ(KindsToDraw({}), DefaultObjectKinds());
 }
 
+TEST(Catalogue, AUsersMugIsDrawnInThePlaceOfTheBuiltInOne) {
+  TempDir temp;
+  std::filesystem::create_directories(temp.path() / "objects/mug");
+  AtomicWrite(
+      temp / "objects/mug/mug.xml",
+      "<mujoco><worldbody><body><freejoint/><geom size='.03'/></body></worldbody></mujoco>");
+  const std::vector<std::string> before = DefaultObjectKinds();
+  const ScopedEnv env("ROBOCELL_MODEL_PATH", temp.path().string());
+  EXPECT_EQ(DefaultObjectKinds(), before);
+  EXPECT_NEAR(ObjectSizes().Of({.name = "mug", .mjcf_path = "mug"}).height, 0.03, 1e-9);
+}
+
 TEST(Catalogue, CategoriesStandForTheirKinds) {
   const std::map<std::string, std::vector<std::string>> categories = ObjectCategories();
   EXPECT_THAT(categories.at("fruit"),
@@ -80,6 +92,8 @@ TEST(Catalogue, EveryKindHasWordsAndTheSizeOfItsModel) {
   }
   EXPECT_EQ(WordOfKind("milk_carton"), "milk carton");
   EXPECT_THROW(ObjectInfoOf("mugg"), NotFoundError);
+  EXPECT_EQ(ObjectInfoOf("lid_box").category, "containers") << "equipment has words, too";
+  EXPECT_EQ(ObjectInfoOf("table").category, "") << "or none";
 }
 
 TEST(Catalogue, UsersObjectsAreKinds) {

@@ -11,6 +11,7 @@
 
 #include "robocell/base/files.h"
 #include "robocell/spec/env_config.h"
+#include "robocell/spec/object_info.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_spec.h"
 #include "robocell/spec/yaml.h"
@@ -80,6 +81,7 @@ Parser ParserFor(const std::string& text) {
   const YAML::Node root = YAML::Load(text);
   if (root["run"]) return Parse<RunConfig>;
   if (root["model"]) return Parse<RobotConfig>;
+  if (root["category"]) return Parse<ObjectInfo>;
   return root["robots"] && root["robots"].IsMap() ? Parse<EnvConfig> : Parse<SceneSpec>;
 }
 

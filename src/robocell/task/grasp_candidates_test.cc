@@ -98,8 +98,9 @@ TEST(FindGrasps, FindsGraspsFromAboveForEveryKindThatHasThem) {
     if (!from_above || std::ranges::find(defaults, kind) != defaults.end()) continue;
     const PickScene pick = MakePickScene(ObjectOnTheTable(kind));
     const std::vector<GraspCandidate> found = GraspsOf(pick);
-    EXPECT_FALSE(found.empty()) << kind;
-    for (const GraspCandidate& grasp : found) EXPECT_LE(grasp.width, 0.075) << kind;
+    EXPECT_TRUE(std::ranges::any_of(found, [](const GraspCandidate& grasp) {
+      return grasp.width <= 0.075 - 0.011;
+    })) << kind;
   }
 }
 

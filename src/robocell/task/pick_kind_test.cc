@@ -171,8 +171,8 @@ TEST(PickKind, DrawsTheKindsOfACategory) {
     for (const std::string& object : task.objects()) kinds.insert(task.kind_of(object));
     EXPECT_EQ(task.instruction(), "pick up the " + WordOfKind(task.kind_of("target")));
   }
-  EXPECT_THAT(kinds, testing::UnorderedElementsAre("apple", "banana", "lemon", "milk_carton",
-                                                   "orange", "pear"));
+  EXPECT_THAT(kinds, ::testing::UnorderedElementsAre("apple", "banana", "lemon", "milk_carton",
+                                                     "orange", "pear"));
 }
 
 // A source whose scenes have a cube on a table, and scene 1 a ball instead.
