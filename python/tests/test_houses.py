@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 import robocell as rc
-from command_line import robocell_command
+from command_line import robocell_command, write_run
 from robocell.scenes import HouseOptions, HousesScenes, make_house, prepare_house_folder
 
 ROOT = Path(__file__).parents[2]
@@ -240,12 +240,9 @@ def test_a_map_that_contradicts_itself_is_not_used(copy: Path):
 
 def test_runs_leave_unusable_houses_out(copy: Path):
     (copy / "train_0_assets/Bowl_1.obj").unlink()
-    run = run_of(root=str(copy), houses=[0, 3])
-    file = copy.parent / "run.yaml"
-    run.episodes_per_scene = 1
-    run.output = str(copy.parent / "out")
-    file.write_text(run.to_yaml())
-    result = robocell_command("generate", file, "--dry-run", "--no-report")
+    scenes = {"source": "houses", "root": str(copy), "houses": [0, 3]}
+    file = write_run(copy.parent, scenes=scenes, episodes_per_scene=1)
+    result = robocell_command("generate", file, "--dry-run")
     text = result.stdout + result.stderr
     assert "1 of 2 scenes is left out: 0 (1 of its assets is missing: Bowl_1.obj)" in text
     assert "episodes: 1 planned" in text

@@ -23,13 +23,6 @@
 
 namespace robocell {
 
-void HousesScenes::Validate(Problems& problems) const {
-  if (dataset && dataset->empty()) problems.AddAt("dataset", "is empty");
-  if (root && root->empty()) problems.AddAt("root", "is empty");
-  if (!dataset && !root && split)
-    problems.AddAt("split", "the built-in houses have no splits; name a `dataset` or a `root`");
-}
-
 namespace internal {
 namespace {
 
