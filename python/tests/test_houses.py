@@ -85,15 +85,20 @@ def test_a_named_set_is_found_below_the_scene_path(monkeypatch: pytest.MonkeyPat
     monkeypatch.setenv("ROBOCELL_SCENE_PATH", f"/nowhere:{FIXTURES}")
     assert source_of(dataset="procthor-10k").size() == 4
     assert source_of(dataset="procthor-10k", split="train").size() == 4
-    with pytest.raises(rc.NotFoundError, match=r"split 'val'.*procthor-10k-val.*ROBOCELL_SCENE_PATH"):
+    with pytest.raises(
+        rc.NotFoundError, match=r"split 'val'.*procthor-10k-val.*ROBOCELL_SCENE_PATH"
+    ):
         source_of(dataset="procthor-10k", split="val")
-    with pytest.raises(rc.NotFoundError, match=r"dataset 'ithor'.*Folders there: procthor-10k-train"):
+    with pytest.raises(
+        rc.NotFoundError, match=r"dataset 'ithor'.*Folders there: procthor-10k-train"
+    ):
         source_of(dataset="ithor")
 
 
 def test_a_set_that_is_nowhere_says_how_to_point_to_it():
     with pytest.raises(
-        rc.NotFoundError, match=r"ROBOCELL_SCENE_PATH is not set.*Set ROBOCELL_SCENE_PATH to the folder"
+        rc.NotFoundError,
+        match=r"ROBOCELL_SCENE_PATH is not set.*Set ROBOCELL_SCENE_PATH to the folder",
     ):
         source_of(dataset="procthor-10k")
     with pytest.raises(rc.ArgumentError, match="name of a set"):
@@ -104,7 +109,9 @@ def test_a_set_that_is_nowhere_says_how_to_point_to_it():
 
 def test_annotations_come_from_map_and_metadata():
     known = source_of(root=str(SET)).annotations(0)
-    words = {entry.object: (entry.category, list(entry.words), entry.room) for entry in known.objects}
+    words = {
+        entry.object: (entry.category, list(entry.words), entry.room) for entry in known.objects
+    }
     assert words["Mug|2|2"] == ("Mug", ["mug"], "room|2")
     assert words["DiningTable|2|0|1"] == ("DiningTable", ["dining table"], "room|2")
     assert "GarbageCan|3|9" not in words  # not in the model
@@ -168,7 +175,7 @@ def test_impossible_inertias_are_balanced():
         if model.body_dofnum[body] == 0:
             continue
         a, b, c = sorted(model.body_inertia[body])
-        assert 0 < a
+        assert a > 0
         assert c <= a + b
     assert model.body("Statue|0|2").mass == pytest.approx(0.4)
 
@@ -214,7 +221,9 @@ def test_files_outside_of_the_set_are_refused(copy: Path, tmp_path: Path):
         ("train_0_ceiling.xml", b"<mujoco><worldbody>", "XML"),
     ],
 )
-def test_damaged_files_leave_a_house_or_a_reason(copy: Path, name: str, content: bytes, reason: str):
+def test_damaged_files_leave_a_house_or_a_reason(
+    copy: Path, name: str, content: bytes, reason: str
+):
     (copy / name).write_bytes(content)
     source = source_of(root=str(copy))
     if name.endswith("xml"):
