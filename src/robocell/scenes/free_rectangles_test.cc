@@ -33,7 +33,8 @@ int LargestByTrying(const std::vector<bool>& taken, int nx, int ny, int least) {
 TEST(FreeRectangles, AreTheLargestOnes) {
   Rng rng = Rng::Stream(1, "grids");
   for (int trial = 0; trial < 60; ++trial) {
-    const int nx = 3 + static_cast<int>(rng.UniformInt(6)), ny = 3 + static_cast<int>(rng.UniformInt(6));
+    const int nx = 3 + static_cast<int>(rng.UniformInt(6)),
+              ny = 3 + static_cast<int>(rng.UniformInt(6));
     std::vector<bool> taken(static_cast<size_t>(nx * ny));
     for (auto&& cell : taken) cell = rng.Uniform(0, 1) < 0.3;
     const std::vector<bool> before = taken;

@@ -19,8 +19,8 @@ using ::testing::HasSubstr;
 TEST(PreparedHouse, BalancesInertiasInACopy) {
   const TempDir cache;
   const ScopedEnv env("ROBOCELL_CACHE_DIR", cache.path().string());
-  const HouseFolder folder = HouseFolder::Find(
-      {.root = SourceDir() + "/tests/houses/scenes/procthor-10k-train"}, "");
+  const HouseFolder folder =
+      HouseFolder::Find({.root = SourceDir() + "/tests/houses/scenes/procthor-10k-train"}, "");
   const PreparedHouse whole = PrepareHouse(folder.houses().at(0), folder);
   EXPECT_EQ(whole.why_not, "");
   EXPECT_EQ(whole.model, folder.houses().at(0).model);
