@@ -73,7 +73,7 @@ def main() -> None:
             make_house(path, OPTIONS, index)
         views = [from_above(path / f"train_{index}.xml") for index in HOUSES]
         save(sheet([views]), "houses_top.png", 1200)
-        save(kitchen(path / f"train_{HOUSES[0]}_ceiling.xml"), "houses_kitchen.png")
+        save(kitchen(path / f"train_{HOUSES[1]}_ceiling.xml"), "houses_kitchen.png")
 
 
 if __name__ == "__main__":

@@ -67,8 +67,11 @@ class LeftOut {
 void WarnOnce(const std::string& text) {
   static std::mutex mutex;
   static std::set<std::string> warned;
-  const std::lock_guard lock(mutex);
-  if (warned.insert(text).second) LogWarn(text);
+  const bool is_new = [&] {
+    const std::lock_guard lock(mutex);
+    return warned.insert(text).second;
+  }();
+  if (is_new) LogWarn(text);  // without the lock: a sink may wait for one of the caller's
 }
 
 }  // namespace

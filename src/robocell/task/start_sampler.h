@@ -127,7 +127,8 @@ class StartSampler : public TaskSampler {
   std::map<std::string, std::shared_ptr<const internal::Landmarks>> landmarks_;
   std::map<std::string, std::shared_ptr<const SceneAnnotations>> annotations_;
   std::map<int, std::set<std::string>> possible_names_;
-  std::vector<FloorArea> free_floor_;  // of the base scene in use, from the source; empty if unknown
+  std::vector<FloorArea>
+      free_floor_;  // of the base scene in use, from the source; empty if unknown
   std::unique_ptr<ObjectSizes> sizes_;  // renewed in each Sample: models may change on the disk
 };
 

@@ -1,9 +1,12 @@
 #include "robocell/scenes/houses/built_in_houses.h"
 
+#include <fmt/format.h>
+
 #include <filesystem>
 #include <string>
 #include <vector>
 
+#include "robocell/base/error.h"
 #include "robocell/base/version.h"
 #include "robocell/scenes/houses/make_houses.h"
 #include "robocell/scenes/houses/prepared_house.h"
@@ -36,8 +39,15 @@ HouseFiles BuiltInHouse(int index, bool ceiling) {
       HousesCacheFolder() / ("built-in-" + std::string(Version()) + "-" + kRevision);
   const HouseOptions options = OptionsOf(index);
   if (!HasHouse(folder, options, index)) {
-    PrepareHouseFolder(folder, options);
-    MakeHouseFiles(folder, options, index);
+    try {
+      PrepareHouseFolder(folder, options);
+      MakeHouseFiles(folder, options, index);
+    } catch (const IoError& error) {
+      throw IoError(fmt::format(
+          "built-in house {} is made in the cache when it is first used, which failed: {}. Set "
+          "ROBOCELL_CACHE_DIR to a folder that can be written",
+          index, error.what()));
+    }
   }
   const std::string stem = options.prefix + std::to_string(index);
   return {.model = folder / (stem + (ceiling ? "_ceiling.xml" : ".xml")),

@@ -15,6 +15,8 @@
 namespace robocell::internal {
 namespace {
 
+constexpr double kPixel = 0.02;  // metres, to which edges are exact
+
 // Two rooms of 3 by 2 m side by side along x, with a taken square in the first.
 HouseMap TwoRooms() {
   HouseMap map = MakeHouseMap({-1, -1}, {7, 3}, 50);
@@ -72,8 +74,8 @@ TEST(HouseMap, FreeFloorIsFreeAndNearlyAllOfIt) {
     EXPECT_EQ(area.room, middle.x() < 3 ? "room|1" : "hall");
     for (double u = -1; u <= 1; u += 0.1) {
       for (double v = -1; v <= 1; v += 0.1) {
-        const double x = middle.x() + u * area.half_x * 0.99,
-                     y = middle.y() + v * area.half_y * 0.99;
+        const double x = middle.x() + u * (area.half_x - kPixel),
+                     y = middle.y() + v * (area.half_y - kPixel);
         EXPECT_TRUE(map.IsFree(x, y)) << x << " " << y;
       }
     }

@@ -240,7 +240,7 @@ class Writer {
     light->cutoff = 80;  // walls are lit up to their upper part, where the light fades
     light->exponent = 1.5F;
     const float attenuation[3] = {0.7F, 0.05F, 0.03F};
-    const float diffuse[3] = {0.72F, 0.7F, 0.66F};
+    const float diffuse[3] = {0.6F, 0.58F, 0.55F};
     std::copy_n(attenuation, 3, light->attenuation);
     std::copy_n(diffuse, 3, light->diffuse);
     for (float& value : light->specular) value = 0.12F;

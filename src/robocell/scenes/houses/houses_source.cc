@@ -23,26 +23,23 @@
 
 namespace robocell {
 
-void HousesScenes::Validate(Problems& problems) const {
-  if (dataset && dataset->empty()) problems.AddAt("dataset", "is empty");
-  if (root && root->empty()) problems.AddAt("root", "is empty");
-  if (!dataset && !root && split)
-    problems.AddAt("split", "the built-in houses have no splits; name a `dataset` or a `root`");
-}
-
 namespace internal {
 namespace {
 
 constexpr double kAnyTimestep = 0.002;  // irrelevant for annotations
 
-// Each note about a house is logged once in a process.
+// Each note about a house is logged once in a process. No lock is held while it is logged: a sink may
+// wait for one of the caller's.
 void NoteOnce(const HouseFiles& files, const std::vector<std::string>& notes) {
   static std::mutex mutex;
   static std::set<std::string> noted;
   for (const std::string& note : notes) {
     const std::string text = fmt::format("house '{}': {}", files.model.string(), note);
-    const std::lock_guard lock(mutex);
-    if (noted.insert(text).second) LogInfo(text);
+    const bool is_new = [&] {
+      const std::lock_guard lock(mutex);
+      return noted.insert(text).second;
+    }();
+    if (is_new) LogInfo(text);
   }
 }
 
@@ -56,15 +53,19 @@ class KnownHouses {
     static std::map<std::string, std::shared_ptr<const SceneAnnotations>> known;
     const std::string key =
         FileIdentity(model) + "\n" + FileIdentity(files.map) + "\n" + FileIdentity(files.metadata);
-    const std::lock_guard lock(mutex);
-    if (const auto it = known.find(key); it != known.end()) return it->second;
-    if (known.size() >= kMost) known.clear();
+    {
+      const std::lock_guard lock(mutex);
+      if (const auto it = known.find(key); it != known.end()) return it->second;
+    }
+    // Compiled without the lock, because it may log.
     SceneSpec spec = SpecOf(model);
     spec.timestep = kAnyTimestep;
     std::vector<std::string> notes;
-    auto annotations =
-        std::make_shared<const SceneAnnotations>(AnnotateHouse(Scene::Build(spec), files, notes));
+    auto annotations = std::make_shared<const SceneAnnotations>(
+        AnnotateHouse(Scene::Build(spec), files, notes));
     NoteOnce(files, notes);
+    const std::lock_guard lock(mutex);
+    if (known.size() >= kMost) known.clear();
     return known[key] = std::move(annotations);
   }
   static SceneSpec SpecOf(const std::filesystem::path& model) {

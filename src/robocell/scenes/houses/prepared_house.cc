@@ -224,11 +224,15 @@ PreparedHouse PrepareHouse(const HouseFiles& files, const HouseFolder& folder) {
   for (const std::string& entry : folder.without()) key += entry + "\n";
   for (const fs::path& root : folder.roots()) key += root.string() + "\n";
   key += HousesCacheFolder().string();
+  {
+    const std::lock_guard lock(mutex);
+    const auto it = known.find(key);
+    if (it != known.end() && CanReadFile(it->second.model)) return it->second;
+  }
+  PreparedHouse house = Prepare(files, folder);  // without the lock, because it may log
+  if (!house.why_not.empty()) return house;  // its files may come later
   const std::lock_guard lock(mutex);
-  const auto it = known.find(key);
-  if (it != known.end() && (!it->second.why_not.empty() || CanReadFile(it->second.model)))
-    return it->second;
-  return known[key] = Prepare(files, folder);
+  return known[key] = std::move(house);
 }
 
 }  // namespace robocell::internal

@@ -1,0 +1,45 @@
+#include "robocell/scenes/houses/house_annotations.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+
+#include "robocell/testing/source_dir.h"
+
+namespace robocell::internal {
+namespace {
+
+TEST(HouseAnnotations, SupportsAreTheFreePartsOfFurniture) {
+  const HouseFolder folder =
+      HouseFolder::Find({.root = SourceDir() + "/tests/houses/scenes/procthor-10k-train"}, "");
+  const HouseFiles& files = folder.houses().at(0);
+  const Scene scene = Scene::Build({.base = files.model.string(), .timestep = 0.002});
+  std::vector<std::string> notes;
+  const SceneAnnotations house = AnnotateHouse(scene, files, notes);
+  EXPECT_TRUE(notes.empty());
+  const auto table = std::ranges::find(house.supports, "DiningTable|2|0|1", &SupportFace::body);
+  ASSERT_NE(table, house.supports.end());
+  EXPECT_EQ(table->room, "room|2");
+  for (const char* name : {"Mug|2|2", "bowl_0123456789abcdef0123456789abcdef_1_0_2"}) {
+    const Eigen::Vector3d at =
+        table->face.frame_to_world.inverse() * scene.body_pose(name).translation();
+    EXPECT_TRUE(std::abs(at.x()) > table->face.half_x || std::abs(at.y()) > table->face.half_y);
+  }
+}
+
+TEST(HouseAnnotations, MissingFilesAreNoted) {
+  const HouseFolder folder =
+      HouseFolder::Find({.root = SourceDir() + "/tests/houses/scenes/procthor-10k-train"}, "");
+  const Scene scene =
+      Scene::Build({.base = folder.houses().at(0).model.string(), .timestep = 0.002});
+  std::vector<std::string> notes;
+  const SceneAnnotations house =
+      AnnotateHouse(scene, {.model = folder.houses().at(0).model}, notes);
+  EXPECT_EQ(notes.size(), 2U);
+  EXPECT_TRUE(house.rooms.empty());
+  EXPECT_FALSE(house.free_floor.empty());
+}
+
+}  // namespace
+}  // namespace robocell::internal
