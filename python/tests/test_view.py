@@ -24,8 +24,9 @@ def colours(picture: Path) -> int:
 
 def scene_file(folder: Path) -> Path:
     spec = rc.SceneSpec(name="room", timestep=0.002, add_floor=True, add_skybox=True)
-    config = rc.RobotConfig.load(RC7)
-    spec.robots.append(rc.RobotSpec(name="arm", config=config))
+    box = rc.SceneObject(name="box", shape=rc.Shape.BOX, size=[0.1, 0.2, 0.3], rgba=[1, 0, 0, 1])
+    box.mass, box.friction, box.pos = 1, [0.8, 0.02, 0.001], [0, 0, 0.3]
+    spec.objects.append(box)
     path = folder / "scene.yaml"
     path.write_text(spec.to_yaml())
     return path
