@@ -258,15 +258,17 @@ while viewer.step():
     )
 
 
-def test_windows_open_and_close_again_and_again(display: Display, tmp_path: Path):
+@pytest.mark.parametrize("times", [8, pytest.param(100, marks=pytest.mark.proof)])
+def test_windows_open_and_close_again_and_again(display: Display, tmp_path: Path, times: int):
     program = (
         START
+        + f"times = {times}"
         + """
 viewer.close()
 def memory():
     return int(open("/proc/self/statm").read().split()[1]) * 4096
-for i in range(25):
-    if i == 5:
+for i in range(times):
+    if i == 4:
         before = memory()
     viewer = rc.viewer.open(scene, "again", 64, 64)
     assert viewer.show()

@@ -13,6 +13,11 @@ TEST_F(Viewers, PanelsSwitchWhatIsShown) {
   EXPECT_TRUE(viewer.view().flags.contacts);
   Click(viewer, "View", "Contacts");
   EXPECT_FALSE(viewer.view().flags.contacts);
+  viewer.view().flags.joints = true;  // by the program
+  viewer.Show();
+  Click(viewer, "View", "Shadows");
+  EXPECT_FALSE(viewer.view().flags.shadows);
+  EXPECT_TRUE(viewer.view().flags.joints) << "another box leaves it";
   viewer.ShowPanels("Frames", "");
   Click(viewer, "Frames", "cube");
   EXPECT_TRUE(viewer.view().ShowsFrame({ViewElement::kBody, "cube"}));

@@ -272,6 +272,15 @@ class Viewer::Impl final : public StepGate {
   void ReadValues() {
     values_.run = paused_ ? 0 : 1;
     values_.factor = pacing_.factor();
+    const ViewFlags& flags = view_.flags;  // programs change them too
+    values_.contacts = flags.contacts;
+    values_.collision = flags.collision_geoms;
+    values_.joint_axes = flags.joints;
+    values_.transparent = flags.transparent;
+    values_.shadows = flags.shadows;
+    values_.frame_labels = flags.labels;
+    values_.frame_length = view_.frame_length();
+    values_.trace_length = view_.traces.length();
     values_.measured = fmt::format("{:.2f}x", pacing_.measured());
     values_.selected = view_.selected().empty() ? "-" : view_.selected();
     values_.video_state = video_.state();
