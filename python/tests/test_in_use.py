@@ -23,6 +23,7 @@ IN_USE = "scene 'cell' is in use by another thread ({}): a scene, with its robot
 WAIT_S = 60
 # These never change.
 ALWAYS = {
+    "Viewer": {"title"},
     "Scene": {"name"},
     "Robot": {"name", "prefix", "scene"},
     "MoveGroup": {"name", "kind"},
