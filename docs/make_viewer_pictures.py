@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tempfile
+
 import numpy as np
 from figures import save
 from PIL import Image
@@ -54,7 +56,7 @@ def main() -> None:
     robot = scene.robot("arm")
     viewer = rc.viewer.open(robot, "cell", *SIZE, on_screen=False)
     viewer.realtime_factor = 0
-    viewer.set_free_camera(1.7, 140, -25, (0.3, 0, 0.25))
+    viewer.set_free_camera(2.1, 140, -22, (0.25, 0, 0.4))
 
     def picture(name: str, left: str, right: str = "View") -> None:
         viewer.show_panels(left, right)
@@ -86,12 +88,14 @@ def main() -> None:
     viewer.show()
     viewer.contacts = False
     viewer.select("")
-    viewer.start_recording("recording.mp4", 30, 320, 240)
+    folder = tempfile.TemporaryDirectory()
+    viewer.start_recording(f"{folder.name}/recording.mp4", 30, 320, 240)
     for _ in range(200):
         robot.update()
         viewer.step()
     picture("recorder", "Recorder")
     viewer.stop_recording()
+    folder.cleanup()
     viewer.collision_geoms = True
     picture("rtf", "RTF")
     viewer.collision_geoms = False

@@ -9,7 +9,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGE = (ROOT / "tests/coverage.md").read_text()
-CHECKS = range(1, 75)
+CHECKS = list(range(1, 75))
 
 
 def rows() -> list[tuple[int, list[str]]]:

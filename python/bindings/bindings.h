@@ -51,5 +51,6 @@ void BindData(nb::module_& m);          // their locks, their verification
 void BindRollout(nb::module_& m);       // plans and the runner
 void BindEnvRecorder(nb::module_& m);   // episodes from environments and back
 void BindDiagnose(nb::module_& m);      // checks of robots and runs
+void BindViewer(nb::module_& m);        // the window
 
 }  // namespace robocell::python

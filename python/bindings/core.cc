@@ -6,10 +6,6 @@
 #include "scene_cycles.h"
 #include "robocell/mujoco/version.h"
 
-namespace robocell::python {
-void BindViewer(nb::module_& m);  // the window
-}
-
 // NOLINTNEXTLINE(clang-diagnostic-reserved-identifier): Python's and nanobind's names
 NB_MODULE(_core, m) {
   using namespace robocell::python;

@@ -20,7 +20,6 @@
 #include "robocell/base/error.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene_cache.h"
-#include "robocell/scene/step_gate.h"
 
 namespace robocell::python {
 namespace {
@@ -128,7 +127,7 @@ void BindStepResult(nb::module_& m) {
           "diverged", [](const StepResult& r) { return r.status == StepResult::kDiverged; },
           "True if a step diverged; `message` describes how.")
       .def_prop_ro(
-          "stopped", [](const StepResult& r) { return r.status == kStepStopped; },
+          "stopped", [](const StepResult& r) { return r.status == StepResult::kStopped; },
           "True if no step was made because the user closed the window of the scene's viewer.")
       .def_ro("steps", &StepResult::steps, "Number of engine steps made, including a diverged one.")
       .def_ro("time", &StepResult::time, "Simulated seconds after the last good step.")

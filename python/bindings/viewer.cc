@@ -138,7 +138,9 @@ void DefLife(nb::class_<Viewer>& c) {
                    "Measured speed of about the last second.")
       .def_prop_rw("paused", &Viewer::paused, &Viewer::set_paused,
                    "True while the simulation is paused, as by Space.")
-      .def("__enter__", [](nb::handle_t<Viewer> self) { return nb::borrow(self); })
+      .def(
+          "__enter__", [](nb::object self) { return self; },
+          nb::sig("def __enter__(self) -> Viewer"))
       .def("__exit__", [](Viewer& v, nb::args) { v.Close(); });
 }
 

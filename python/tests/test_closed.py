@@ -18,6 +18,10 @@ ALWAYS = {
     "Controller": {"kind"},
     "MotionPlanner": {"joint_names"},
     "VideoRecorder": {"finish", "frames"},
+    "Viewer": {
+        *("step", "show", "close", "is_running", "scene", "title", "recording", "stop_recording"),
+        *("paused", "realtime_factor", "measured_factor"),
+    },
     "Env": {"close", "config"},
 }
 GROUP = "robot 'a' / group '{}' is closed: its scene was closed"
@@ -54,6 +58,7 @@ def handles(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, st
             rc.render.VideoRecorder(scene, video, 64, 48),
             SCENE.format("video recorder"),
         ),
+        "viewer": (rc.viewer.open(scene, on_screen=False), SCENE.format("viewer")),
     }
     for kind in ("cartesian_pose", "joint_impedance", "cartesian_impedance"):
         made[kind] = (robot.set_controller("arm", kind), GROUP.format("arm"))
@@ -66,7 +71,7 @@ def handles(tmp_path_factory: pytest.TempPathFactory) -> dict[str, tuple[Any, st
 
 KINDS = [
     *("scene", "robot", "ad hoc robot", "kinematics", "arm", "gripper", "base", "stepper"),
-    *("gripper controller", "position controller", "renderer", "video recorder"),
+    *("gripper controller", "position controller", "renderer", "video recorder", "viewer"),
     *("cartesian_pose", "joint_impedance", "cartesian_impedance", "environment"),
     "motion planner",
 ]

@@ -23,6 +23,7 @@ IN_USE = "scene 'cell' is in use by another thread ({}): a scene, with its robot
 WAIT_S = 60
 # These never change.
 ALWAYS = {
+    "Viewer": {"title"},
     "Scene": {"name"},
     "Robot": {"name", "prefix", "scene"},
     "MoveGroup": {"name", "kind"},
@@ -112,6 +113,7 @@ def test_rejects_every_call_of_a_second_thread(tmp_path: Path):
         "stepper": rc.control.Stepper(scene, [robot]),
         "renderer": rc.render.Renderer(scene),
         "video": rc.render.VideoRecorder(scene, tmp_path / "v.mp4", 64, 48),
+        "viewer": rc.viewer.open(scene, on_screen=False),
     }
     kinds = ["cartesian_pose", "joint_impedance", "cartesian_impedance", "differential_ik"]
     for kind in kinds:

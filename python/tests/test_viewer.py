@@ -223,7 +223,7 @@ while not viewer.selected:
     viewer.step()
 print(viewer.selected, flush=True)
 highest = 0
-while highest < 0.08:
+while highest < 0.045:  # it rests at 0.03
     viewer.step()
     highest = max(highest, scene.body_pose("cube").translation[2])
 print("lifted", flush=True)
@@ -258,15 +258,17 @@ while viewer.step():
     )
 
 
-def test_windows_open_and_close_again_and_again(display: Display, tmp_path: Path):
+@pytest.mark.parametrize("times", [8, pytest.param(100, marks=pytest.mark.proof)])
+def test_windows_open_and_close_again_and_again(display: Display, tmp_path: Path, times: int):
     program = (
         START
+        + f"times = {times}"
         + """
 viewer.close()
 def memory():
     return int(open("/proc/self/statm").read().split()[1]) * 4096
-for i in range(25):
-    if i == 5:
+for i in range(times):
+    if i == 4:
         before = memory()
     viewer = rc.viewer.open(scene, "again", 64, 64)
     assert viewer.show()

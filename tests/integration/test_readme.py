@@ -45,6 +45,7 @@ GIVEN = {
     "robots": "Robot robot",
     "scenes": "Scene scene, Robot robot",
     "spec": "",
+    "viewer": "Robot robot",
 }
 
 

@@ -10,7 +10,7 @@ import typer
 
 from robocell import EnvConfig, Robot, RobotConfig, RobotSpec, RunConfig, Scene, SceneSpec
 from robocell._cli.common import fail, fail_missing, is_dataset, is_yaml
-from robocell.robots import CtrlMode, MoveGroupKind
+from robocell.control import CtrlMode
 from robocell.viewer import Viewer
 
 MODELS = (".xml", ".mjb", ".urdf")
@@ -74,7 +74,7 @@ def show(scene: Scene, title: str, speed: float = 1.0, screenshot: Path | None =
 
 
 def _has_arm(robot: Robot) -> bool:
-    return any(group.kind == MoveGroupKind.ARM for group in robot.config.move_groups.values())
+    return any(robot.group(name).kind == "arm" for name in robot.group_names)
 
 
 def _load(path: Path, index: int) -> Shown:

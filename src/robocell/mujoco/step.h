@@ -22,7 +22,9 @@
 namespace robocell {
 
 struct [[nodiscard]] StepResult {
-  enum Status { kOk, kDiverged };
+  // kStopped: no step was made, since the user closed the window of a viewer that steps the scene
+  // (scene/step_gate.h).
+  enum Status { kOk, kDiverged, kStopped };
 
   Status status = kOk;
   int steps = 0;           // engine steps done, the diverged one included

@@ -99,7 +99,7 @@ StepResult Scene::State::StepThrough(StepGate& gate_now, int n) {
     const StepGate::Answer answer = gate_now.BeforeStep();
     if (answer == StepGate::kHold || !now.data) break;
     if (answer == StepGate::kStop) {
-      result.status = kStepStopped;
+      result.status = StepResult::kStopped;
       result.message = gate_now.StopReason();
       break;
     }

@@ -15,8 +15,6 @@
 
 namespace robocell {
 
-inline constexpr auto kStepStopped = static_cast<StepResult::Status>(2);
-
 class StepGate : public SceneObserver {
  public:
   enum Answer { kGo, kHold, kStop };

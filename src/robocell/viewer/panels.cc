@@ -141,7 +141,7 @@ void Panels::Build(const mjrContext* context, int width, int height, const Range
   Item(l, mjITEM_EDITNUM, "Requested", &v.factor, "1 0 1000", PanelItem::kFactor);
   Item(l, mjITEM_STATIC, "Measured", nullptr, "-", PanelItem::kOther);
   Item(l, mjITEM_BUTTON, "Real time", nullptr, "", PanelItem::kRealTime);
-  Item(l, mjITEM_BUTTON, "As fast as possible", nullptr, "", PanelItem::kUnpaced);
+  Item(l, mjITEM_BUTTON, "Unlimited", nullptr, "", PanelItem::kUnpaced);
 
   section(l, "Frames");
   Item(l, mjITEM_SELECT, "Kind", &v.frame_kind, kinds, PanelItem::kFrameList);
@@ -165,7 +165,7 @@ void Panels::Build(const mjrContext* context, int width, int height, const Range
   Item(l, mjITEM_BUTTON, "Clear", nullptr, "", PanelItem::kClearTraces);
 
   section(l, "Perturb");
-  Item(l, mjITEM_RADIO, "Drag", &v.drag, "Camera\nForce\nTorque", PanelItem::kOther);
+  Item(l, mjITEM_RADIO, "Drag", &v.drag, "View\nPull\nTurn", PanelItem::kOther);
   Item(l, mjITEM_STATIC, "Body", nullptr, "-", PanelItem::kOther);
   Item(l, mjITEM_BUTTON, "Deselect", nullptr, "", PanelItem::kDeselect);
 

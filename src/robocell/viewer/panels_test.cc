@@ -13,6 +13,11 @@ TEST_F(Viewers, PanelsSwitchWhatIsShown) {
   EXPECT_TRUE(viewer.view().flags.contacts);
   Click(viewer, "View", "Contacts");
   EXPECT_FALSE(viewer.view().flags.contacts);
+  viewer.view().flags.joints = true;  // by the program
+  viewer.Show();
+  Click(viewer, "View", "Shadows");
+  EXPECT_FALSE(viewer.view().flags.shadows);
+  EXPECT_TRUE(viewer.view().flags.joints) << "another box leaves it";
   viewer.ShowPanels("Frames", "");
   Click(viewer, "Frames", "cube");
   EXPECT_TRUE(viewer.view().ShowsFrame({ViewElement::kBody, "cube"}));
@@ -20,7 +25,7 @@ TEST_F(Viewers, PanelsSwitchWhatIsShown) {
   Click(viewer, "Trace", "arm");
   EXPECT_TRUE(viewer.view().Traces({ViewElement::kTcp, "arm"}));
   viewer.ShowPanels("RTF", "");
-  Click(viewer, "RTF", "As fast as possible");
+  Click(viewer, "RTF", "Unlimited");
   EXPECT_EQ(viewer.realtime_factor(), 0);
   viewer.ShowPanels("Run", "");
   Click(viewer, "Run", "Close");

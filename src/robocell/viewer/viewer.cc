@@ -37,6 +37,9 @@ double Now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+// A slider has no place for more digits.
+double Rounded(double value) { return std::round(1e4 * value) / 1e4; }
+
 void Sleep(double seconds) {
   if (seconds > 0) std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
 }
@@ -269,6 +272,15 @@ class Viewer::Impl final : public StepGate {
   void ReadValues() {
     values_.run = paused_ ? 0 : 1;
     values_.factor = pacing_.factor();
+    const ViewFlags& flags = view_.flags;  // programs change them too
+    values_.contacts = flags.contacts;
+    values_.collision = flags.collision_geoms;
+    values_.joint_axes = flags.joints;
+    values_.transparent = flags.transparent;
+    values_.shadows = flags.shadows;
+    values_.frame_labels = flags.labels;
+    values_.frame_length = view_.frame_length();
+    values_.trace_length = view_.traces.length();
     values_.measured = fmt::format("{:.2f}x", pacing_.measured());
     values_.selected = view_.selected().empty() ? "-" : view_.selected();
     values_.video_state = video_.state();
@@ -279,9 +291,10 @@ class Viewer::Impl final : public StepGate {
     for (size_t i = 0; i < values_.traces.shown.size(); ++i)
       values_.traces.on[i] = view_.Traces({KindOf(values_.trace_kind), values_.traces.shown[i]});
     for (size_t i = 0; i < values_.joints.shown.size(); ++i)
-      values_.joints.value[i] = internal::JointValue(scene(), values_.joints.shown[i]);
+      values_.joints.value[i] = Rounded(internal::JointValue(scene(), values_.joints.shown[i]));
     for (size_t i = 0; i < values_.controls.shown.size(); ++i)
-      values_.controls.value[i] = internal::ControlValue(scene(), values_.controls.shown[i]);
+      values_.controls.value[i] =
+          Rounded(internal::ControlValue(scene(), values_.controls.shown[i]));
     const auto& cameras = values_.cameras;
     const auto camera = std::find(cameras.begin(), cameras.end(), view_.camera());
     values_.camera = static_cast<int>(camera - cameras.begin());

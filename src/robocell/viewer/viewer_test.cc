@@ -11,7 +11,6 @@
 #include <variant>
 
 #include "robocell/base/error.h"
-#include "robocell/scene/step_gate.h"
 #include "robocell/viewer/testing/users.h"
 
 namespace robocell {
@@ -29,7 +28,7 @@ TEST_F(Viewers, StepsTheSceneUntilTheUserClosesTheWindow) {
   EXPECT_FALSE(viewer.Step());
   Robot robot = Robot::Of(scene_, "arm");
   const double now = scene_.time();
-  EXPECT_EQ(scene_.Step().status, kStepStopped);
+  EXPECT_EQ(scene_.Step().status, StepResult::kStopped);
   EXPECT_FALSE(robot.Step().ok());
   EXPECT_THAT(robot.Step().message, ::testing::HasSubstr("closed the window 'test'"));
   EXPECT_EQ(scene_.time(), now);

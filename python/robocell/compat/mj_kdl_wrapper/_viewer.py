@@ -63,8 +63,7 @@ class SimulateViewer(Forwarding):
     def start_recording(self, path: str, fps: int = 30, width: int = 0, height: int = 0) -> None:
         """Begins a video; 1280 x 720 pixels unless a size is given."""
         self._require_open("start_recording")
-        size = {"width": width or 1280, "height": height or 720}
-        self.viewer.start_recording(str(path), fps, **size)
+        self.viewer.start_recording(str(path), fps, width or 1280, height or 720)
 
     def stop_recording(self) -> Any:
         """Completes the video and returns its path."""
