@@ -46,7 +46,7 @@ def delta() -> str:
     world = (
         "<body name='frame'><geom type='cylinder' size='.08 .05' pos='0 0 .05'/>"
         "<geom type='cylinder' size='.03 .3' pos='0 0 .35'/>"
-        "<body name='slide' pos='0 0 .5'><joint name='lift' type='slide' axis='0 0 1' "
+        "<body name='slide' pos='0 0 .44'><joint name='lift' type='slide' axis='0 0 1' "
         "range='-.3 .2'/><geom type='cylinder' size='.05 .03' mass='2'/>"
         "<body name='turret'><joint name='turn' axis='0 0 1' range='-2.8 2.8'/>"
         "<geom type='cylinder' size='.06 .04' mass='2'/>"
