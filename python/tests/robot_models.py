@@ -16,29 +16,23 @@ from init_models import (
 
 
 def gantry() -> str:
-    """Three slides and a roll over a portal, with a two-finger hand that points down."""
-    portal = "".join(
-        f"<geom type='box' size='.03 .03 .4' pos='{x} {y} .4'/>"
-        for x in ("-.5", ".5")
-        for y in ("-.5", ".5")
-    )
+    """Three slides and a roll on a column, with a two-finger hand that points down."""
     hand = (
-        "<body name='wrist' pos='0 0 -.05' quat='0 1 0 0'>"
+        "<body name='wrist' pos='0 0 -.1' quat='0 1 0 0'>"
         "<joint name='roll' axis='0 0 1' range='-3 3'/>"
         f"<geom type='cylinder' size='.03 .02' mass='.3'/>{two_fingers()}</body>"
     )
     world = (
-        f"<body name='portal'>{portal}"
-        "<body name='bridge' pos='0 0 .8'><joint name='x' type='slide' axis='1 0 0' "
-        "range='-.4 .4'/><geom type='box' size='.03 .5 .03' mass='6'/>"
-        "<body name='carriage'><joint name='y' type='slide' axis='0 1 0' range='-.4 .4'/>"
-        "<geom type='box' size='.05 .05 .05' mass='3'/>"
-        "<body name='ram' pos='.09 0 .1'><joint name='z' type='slide' axis='0 0 1' "
-        "range='-.45 .1'/><geom type='box' size='.02 .02 .2' mass='1'/>"
-        f"<body name='foot' pos='0 0 -.2'><geom size='.02' mass='.1'/>{hand}</body>"
-        "</body></body></body></body>"
+        "<body name='column'><geom type='box' size='.06 .06 .3' pos='0 0 .3'/>"
+        "<body name='bridge' pos='0 0 .63'><joint name='y' type='slide' axis='0 1 0' "
+        "range='-.25 .25'/><geom type='box' size='.04 .3 .03' mass='4'/>"
+        "<body name='boom' pos='0 0 .06'><joint name='x' type='slide' axis='1 0 0' "
+        "range='0 .35'/><geom type='box' size='.2 .02 .02' pos='.1 0 0' mass='2'/>"
+        "<body name='ram' pos='.33 0 0'><joint name='z' type='slide' axis='0 0 1' "
+        "range='-.5 .1'/><geom type='box' size='.015 .015 .25' pos='0 0 .15' mass='1'/>"
+        f"{hand}</body></body></body></body>"
     )
-    gains = {"x": 20000.0, "y": 20000.0, "z": 20000.0, "roll": 200.0}
+    gains = {"y": 20000.0, "x": 20000.0, "z": 20000.0, "roll": 200.0}
     rest = finger_drive() + f"<actuator>{servos(gains, '-3 3')}</actuator>"
     return model("gantry", world, rest)
 
@@ -52,8 +46,8 @@ def delta() -> str:
     world = (
         "<body name='frame'><geom type='cylinder' size='.08 .05' pos='0 0 .05'/>"
         "<geom type='cylinder' size='.03 .3' pos='0 0 .35'/>"
-        "<body name='slide' pos='0 0 .5'><joint name='lift' type='slide' axis='0 0 1' "
-        "range='-.2 .2'/><geom type='cylinder' size='.05 .03' mass='2'/>"
+        "<body name='slide' pos='0 0 .44'><joint name='lift' type='slide' axis='0 0 1' "
+        "range='-.3 .2'/><geom type='cylinder' size='.05 .03' mass='2'/>"
         "<body name='turret'><joint name='turn' axis='0 0 1' range='-2.8 2.8'/>"
         "<geom type='cylinder' size='.06 .04' mass='2'/>"
         "<body name='upper'><joint name='shoulder' axis='0 1 0' range='-1.3 -.2'/>"

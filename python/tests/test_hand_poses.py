@@ -104,7 +104,7 @@ def test_a_task_space_is_a_field_of_an_arm(hand_file: Path):
     robot = robot_of(config)
     target = robot.fk_frame() * rc.Pose(translation=[0, 0, 0.02], rpy=[0.05, 0, 1.5])
     assert robot.apply({"arm": rc.control.GroupCommand.leaf_pose(target)})
-    reached = robot.fk_frame(robot.controller("arm").commanded_joint_pos)
+    reached = robot.fk_frame(robot.controller("arm").target)
     np.testing.assert_allclose(reached.translation, target.translation, atol=2e-5)
     cosine = reached.rotation[:, 2] @ target.rotation[:, 2]
     assert np.arccos(np.clip(cosine, -1, 1)) <= 0.2 + 1e-4

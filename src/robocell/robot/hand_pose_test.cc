@@ -25,15 +25,15 @@ using Values = std::vector<double>;
 // A thumb against two fingers, of two hinges each: positive angles close them.
 constexpr const char* kHand = R"(<compiler angle="radian"/>
   <default><joint damping=".05" armature=".001" range="-1 1"/><position kp="3" kv=".1"/>
-    <geom type="capsule" size=".008" fromto="0 0 0 0 0 .04" mass=".02"/></default>
+    <geom type="capsule" size=".008" mass=".02"/></default>
   <worldbody><body name="palm" pos="0 0 .3"><geom type="box" size=".04 .05 .01" pos="0 0 -.02" mass=".3"/>
     <site name="grasp" pos="0 0 .07"/>
-    <body name="thumb" pos="0 -.04 0"><joint name="t1" axis="-1 0 0"/><geom/>
-      <body name="thumb_tip" pos="0 0 .04"><joint name="t2" axis="-1 0 0"/><geom/></body></body>
-    <body name="index" pos=".015 .04 0"><joint name="i1" axis="1 0 0"/><geom/>
-      <body name="index_tip" pos="0 0 .04"><joint name="i2" axis="1 0 0"/><geom/></body></body>
-    <body name="middle" pos="-.015 .04 0"><joint name="m1" axis="1 0 0"/><geom/>
-      <body name="middle_tip" pos="0 0 .04"><joint name="m2" axis="1 0 0"/><geom/></body></body>
+    <body name="thumb" pos="0 -.04 0"><joint name="t1" axis="-1 0 0"/><geom fromto="0 0 0 0 0 .04"/>
+      <body name="thumb_tip" pos="0 0 .04"><joint name="t2" axis="-1 0 0"/><geom fromto="0 0 0 0 0 .04"/></body></body>
+    <body name="index" pos=".015 .04 0"><joint name="i1" axis="1 0 0"/><geom fromto="0 0 0 0 0 .04"/>
+      <body name="index_tip" pos="0 0 .04"><joint name="i2" axis="1 0 0"/><geom fromto="0 0 0 0 0 .04"/></body></body>
+    <body name="middle" pos="-.015 .04 0"><joint name="m1" axis="1 0 0"/><geom fromto="0 0 0 0 0 .04"/>
+      <body name="middle_tip" pos="0 0 .04"><joint name="m2" axis="1 0 0"/><geom fromto="0 0 0 0 0 .04"/></body></body>
   </body></worldbody>
   <actuator><position name="thumb_1" joint="t1" ctrlrange="-1 1"/>
     <position name="thumb_2" joint="t2" ctrlrange="-1 1"/>
