@@ -57,7 +57,7 @@ TEST(ContactGrasps, CupsStickToFacesFromAllSidesAndHoldWhenShaken) {
   SceneSpec spec = EmptyScene();
   RobotSpec robot_spec;
   robot_spec.name = "lifter";
-  robot_spec.config = {
+  robot_spec.config = RobotConfig{
       .name = "lifter",
       .model = folder.Write("lifter", kSuctionLift),
       .move_groups = {
