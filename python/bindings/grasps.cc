@@ -262,8 +262,8 @@ void BindSet(nb::module_& m) {
                                 .most_slip = most_slip,
                                 .most_turn = most_turn});
           },
-          "robot"_a, nb::kw_only(), "acceleration"_a = 10.0, "seconds"_a = 0.2, "most_slip"_a = 0.02,
-          "most_turn"_a = 0.5,
+          "robot"_a, nb::kw_only(), "acceleration"_a = 10.0, "seconds"_a = 0.2,
+          "most_slip"_a = 0.02, "most_turn"_a = 0.5,
           "Simulates the hand alone with the object: it closes without gravity, and shakes to six "
           "sides, each for `seconds` with `acceleration` (m/s^2). Returns a GraspProof for each.")
       .def(
