@@ -82,6 +82,11 @@ BY_REGISTRY = {
         "start_sampler",
         "start_turn",
         "base_placement",
+        "grasp",
+        "grasp_generator",
+        "grasp_library",
+        "grasp_proof",
+        "reachable_grasps",
     },
     "expert": {"expert", "expert_kind"},
 }

@@ -138,7 +138,10 @@ void BindGrasp(nb::module_& m) {
       .def_prop_ro(
           "up", [](const ReachableGrasp& g) { return JointPathArray(g.up); },
           nb::for_getter(nb::sig("def up(self) -> numpy.typing.NDArray[numpy.float64]")),
-          "Joint positions from the contact up; no rows without `lift`.");
+          "Joint positions from the contact up; no rows without `lift`.")
+      .def("__repr__", [](const ReachableGrasp& g) {
+        return fmt::format("<ReachableGrasp: {}, cost {:.2f}>", ToString(g.grasp.kind), g.cost);
+      });
 }
 
 void BindSetNumbers(nb::class_<GraspSet>& set) {
@@ -259,8 +262,8 @@ void BindSet(nb::module_& m) {
                                 .most_slip = most_slip,
                                 .most_turn = most_turn});
           },
-          "robot"_a, nb::kw_only(), "acceleration"_a = 5.0, "seconds"_a = 0.2, "most_slip"_a = 0.02,
-          "most_turn"_a = 0.5,
+          "robot"_a, nb::kw_only(), "acceleration"_a = 10.0, "seconds"_a = 0.2,
+          "most_slip"_a = 0.02, "most_turn"_a = 0.5,
           "Simulates the hand alone with the object: it closes without gravity, and shakes to six "
           "sides, each for `seconds` with `acceleration` (m/s^2). Returns a GraspProof for each.")
       .def(

@@ -96,8 +96,14 @@ TEST(PlanPick, ExplainsWhyNoPlanExists) {
   PlanningScene far_planning = far.planning();
   EXPECT_EQ(PlanPick(far_planning, RequestFor(far), rng).failure, "no grasp in reach");
 
+  // A flat slab has its thickness to hold, and the table in the way; a large cube has nothing.
   SceneObject slab = ObjectOnTheTable("box");
   slab.size = Vec3{0.06, 0.06, 0.02};
+  const PickScene flat = MakePickScene(slab);
+  PlanningScene flat_planning = flat.planning();
+  EXPECT_EQ(PlanPick(flat_planning, RequestFor(flat), rng).failure, "no grasp in reach");
+  slab.size = Vec3{0.06, 0.06, 0.06};
+  (*slab.pos)[2] = 0.4505 + 0.06;
   const PickScene wide = MakePickScene(slab);
   PlanningScene wide_planning = wide.planning();
   EXPECT_EQ(PlanPick(wide_planning, RequestFor(wide), rng).failure, "no grasp on the object");

@@ -265,6 +265,7 @@ std::vector<SolidSpan> BodySolids::Through(const Vector3d& from, const Vector3d&
 }
 
 bool BodySolids::Contains(const Vector3d& point, double depth) const {
+  if ((point - centre_).squaredNorm() >= radius_ * radius_) return false;
   return std::ranges::any_of(
       solids_, [&](const ConvexSolid& solid) { return solid.Contains(point, depth); });
 }

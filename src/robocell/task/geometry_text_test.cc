@@ -14,14 +14,13 @@ TEST(RoundedPose, IsTheSameWhereverBothBodiesAre) {
   Rng rng = Rng::Stream(1, "rounded");
   for (int i = 0; i < 200; ++i) {
     const Pose b_in_a(RandomVector(rng, 0.1), RandomQuaternion(rng));
-    const Pose exact = RoundedPose(b_in_a);
-    EXPECT_TRUE(exact.is_close(b_in_a, 1e-6, 1e-6));
-    EXPECT_EQ(RoundedPose(exact), exact);
-    const Pose a = RandomPose(rng), b = a * exact;
+    const Pose rounded = RoundedPose(b_in_a);
+    EXPECT_TRUE(rounded.is_close(b_in_a, 1e-6, 1e-6));
+    const Pose a = RandomPose(rng), b = a * b_in_a;
     const Pose again = RoundedPose(a.inverse() * b);
-    EXPECT_EQ(again, exact);
+    EXPECT_EQ(again, rounded);
     std::string first, second;
-    AppendPose(exact, &first);
+    AppendPose(rounded, &first);
     AppendPose(again, &second);
     EXPECT_EQ(first, second);
   }

@@ -53,8 +53,11 @@ std::optional<Refusal> GraspCheck::Check(const Scene& scene, const Robot& robot,
   if (!refusal || (refusal->reason != kNoGrasp && !most_collide)) return refusal;
   std::vector<GraspCandidate> others =
       FindOtherGrasps(planning.robot(), body, planning.shape(), robot.tcp_in_world());
-  if (!others.empty() && !refusal_of(std::move(others))) return std::nullopt;
-  return refusal;
+  if (others.empty()) return refusal;
+  if (!refusal_of(std::move(others))) return std::nullopt;
+  Refusal here = *refusal;
+  here.holds_everywhere = false;  // its sides may be in reach from elsewhere
+  return here;
 }
 
 }  // namespace robocell

@@ -13,8 +13,8 @@
 #include <vector>
 
 #include "robocell/base/error.h"
-#include "robocell/motion/gripper_shape.h"
 #include "robocell/motion/geom_extent.h"
+#include "robocell/motion/gripper_shape.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/task/geometry_text.h"

@@ -1,6 +1,7 @@
 #include "robocell/task/grasp_library.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>

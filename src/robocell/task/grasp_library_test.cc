@@ -92,7 +92,8 @@ TEST(GraspLibrary, BadFilesGetErrorsThatNameTheRow) {
 TEST(GraspLibrary, ARegisteredFileComesBeforeGeneratedGrasps) {
   const TempDir folder;
   Rng rng = Rng::Stream(4, "registered");
-  const Scene scene = HandBeside(WriteRandomHand(rng, folder), RandomPrimitive(rng));
+  const std::string hand = WriteRandomHand(rng, folder);
+  const Scene scene = HandBeside(hand, RandomPrimitive(rng));
   const Robot robot = Robot::Of(scene, "hand");
   fs::create_directories(folder / "library/thing/hand");
   WriteNpz(folder / "library/thing/hand/grasps.npz",

@@ -17,10 +17,10 @@
 namespace robocell {
 
 struct ShakeOptions {
-  double acceleration = 5;  // m/s^2, in six directions one after the other
-  double seconds = 0.2;     // in each direction
-  double most_slip = 0.02;  // m that the object may move in the hand while it is shaken
-  double most_turn = 0.5;   // rad that it may turn
+  double acceleration = 10;  // m/s^2, in six directions one after the other: about gravity
+  double seconds = 0.2;      // in each direction
+  double most_slip = 0.02;   // m that the object may move in the hand while it is shaken
+  double most_turn = 0.5;    // rad that it may turn
 };
 
 struct GraspProof {

@@ -37,7 +37,8 @@ TEST(ProveGrasps, MostGeneratedGraspsOfRandomHandsHold) {
 TEST(ProveGrasps, GraspsThatMissTheObjectFail) {
   Rng rng = Rng::Stream(11, "missed");
   const TempDir folder;
-  const Scene scene = HandBeside(WriteRandomHand(rng, folder), RandomPrimitive(rng));
+  const std::string hand = WriteRandomHand(rng, folder);
+  const Scene scene = HandBeside(hand, RandomPrimitive(rng));
   const Robot robot = Robot::Of(scene, "hand");
   GraspSet set = GenerateGrasps(robot, "thing", {.samples = 150, .most = 2});
   ASSERT_FALSE(set.grasps.empty());
@@ -58,7 +59,8 @@ TEST(ProveGrasps, GraspsThatMissTheObjectFail) {
 TEST(ProveGrasps, RejectsWhatHoldsNothing) {
   Rng rng = Rng::Stream(12, "rejected");
   const TempDir folder;
-  const Scene scene = HandBeside(WriteRandomHand(rng, folder), RandomPrimitive(rng));
+  const std::string hand = WriteRandomHand(rng, folder);
+  const Scene scene = HandBeside(hand, RandomPrimitive(rng));
   const Robot robot = Robot::Of(scene, "hand");
   const auto text = [&](const GraspSet& set) -> std::string {
     try {

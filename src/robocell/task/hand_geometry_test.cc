@@ -20,7 +20,8 @@ namespace {
 TEST(HandGeometry, ClearancesAreThoseOfTheScene) {
   Rng rng = Rng::Stream(4, "clearance");
   const TempDir folder;
-  const Scene scene = HandBeside(WriteRandomHand(rng, folder), RandomPrimitive(rng));
+  const std::string file = WriteRandomHand(rng, folder);
+  const Scene scene = HandBeside(file, RandomPrimitive(rng));
   const Robot robot = Robot::Of(scene, "hand");
   const auto shape = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
   const std::string body = scene.compiled()->object("thing").root_body;
@@ -51,7 +52,8 @@ TEST(HandGeometry, ClearancesAreThoseOfTheScene) {
 TEST(HandGeometry, SurfacePointsAreOnTheHand) {
   Rng rng = Rng::Stream(5, "points");
   const TempDir folder;
-  const Scene scene = HandBeside(WriteThreeFingers(rng, folder), RandomPrimitive(rng));
+  const std::string file = WriteThreeFingers(rng, folder);
+  const Scene scene = HandBeside(file, RandomPrimitive(rng));
   const Robot robot = Robot::Of(scene, "hand");
   const auto shape = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
   const HandGeometry hand(robot, shape);
