@@ -30,7 +30,7 @@ class JointSkill final : public Skill {
         ContactSkillPlan{
             .paths =
                 [this](const Scene& now, const GripperShape& shape) {
-                  return internal::JointPaths(now, stated_, shape);
+                  return internal::JointPaths(now, stated_, shape, settings_.tried > 0);
                 },
             .target_body = ElementName(scene.model(), mjOBJ_BODY, opening.body_id()),
             .follow_phase = presses ? "press" : "follow",

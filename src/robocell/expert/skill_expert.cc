@@ -85,6 +85,7 @@ void SkillExpert::Next(const Scene& scene, Rng& rng) {
       return;
     }
     waited_ = 0;
+    settings_.tried = tries_[goal_] - 1;
     skill_ = SkillFor(*open);
     skill_->Begin(scene, rng);
     if (!skill_->done()) return;

@@ -18,6 +18,11 @@ constexpr double kMostContactStep = 0.35;
 
 }  // namespace
 
+double GapOfClosedHand(const GripperShape& shape) {
+  constexpr double kAjar = 0.004;  // m
+  return std::min(shape.closed_gap() + kAjar, shape.open_gap());
+}
+
 ContactMotions::ContactMotions(PlanningScene& planning, std::vector<ContactPath> paths,
                                const JointVector& home, const ContactMotionOptions& options)
     : planning_(planning),

@@ -26,6 +26,10 @@ struct ContactPath {
   double contact_gap = 0;                           // ... on the path
 };
 
+// Returns the distance of the fingers of a hand that pushes or presses as one: nearly closed, so that
+// the fingers do not touch each other.
+double GapOfClosedHand(const GripperShape& shape);
+
 struct ContactMotion {
   size_t path = 0;   // its index
   JointPath in;      // before ... at the contact

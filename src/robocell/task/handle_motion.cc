@@ -148,7 +148,7 @@ std::optional<Eigen::Vector3d> FrontOf(const Scene& scene, const JointOpening& o
 }
 
 std::vector<ContactPath> HandlePaths(const Scene& scene, const JointOpening& opening,
-                                     const GripperShape& shape, double share) {
+                                     const GripperShape& shape, double share, bool hooks) {
   const std::optional<HandleBar> bar = FindHandle(scene, opening);
   std::vector<ContactPath> paths;
   if (!bar || shape.is_suction()) return paths;
@@ -163,7 +163,9 @@ std::vector<ContactPath> HandlePaths(const Scene& scene, const JointOpening& ope
   const Pose tcp_in_grasp = shape.grasp_in_tcp().inverse();
   // Positive tilts come from above.
   const double up = bar->axis.cross(bar->outward).z() > 0 ? -1 : 1;
-  for (const double tilt : {0.0, 0.4, -0.4, 0.8, -0.8}) {
+  std::vector<double> tilts = {0, 0.4, -0.4, 0.8, -0.8, 1.3, -1.3};
+  if (hooks) tilts = {1.3, -1.3, 0.8, -0.8, 0.4, -0.4, 0};
+  for (const double tilt : tilts) {
     const Eigen::Vector3d from = Pose::FromRotvec({0, 0, 0}, up * tilt * bar->axis) * bar->outward;
     for (const double turn : {1.0, 0.5, 0.0}) {
       if (turn < 1 && !may_turn) continue;
@@ -220,7 +222,7 @@ std::vector<ContactPath> PressPaths(const Scene& scene, const JointOpening& open
   if (!low.allFinite() || joint.is_hinge()) return paths;
   const Eigen::Vector3d face =
       basis * Eigen::Vector3d((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]);
-  const double gap = shape.closed_gap();
+  const double gap = GapOfClosedHand(shape);
   const Eigen::Vector3d pad = shape.PadAt(gap);
   const Eigen::Vector3d tip(pad.x(), pad.y(), std::max(shape.TipAt(gap), pad.z()));
   const double length = std::abs(way) + kPressFurther;
@@ -250,10 +252,10 @@ double ShareFor(const StatedRelation& stated) {
 }
 
 std::vector<ContactPath> JointPaths(const Scene& scene, const StatedRelation& stated,
-                                    const GripperShape& shape) {
+                                    const GripperShape& shape, bool hooks) {
   const JointOpening opening = JointOpening::Of(scene, stated.subject);
   if (stated.relation == "pressed") return PressPaths(scene, opening, shape);
-  return HandlePaths(scene, opening, shape, ShareFor(stated));
+  return HandlePaths(scene, opening, shape, ShareFor(stated), hooks);
 }
 
 std::optional<Refusal> CheckJointGoal(const Scene& scene, const Robot& robot,

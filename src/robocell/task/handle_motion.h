@@ -35,9 +35,11 @@ std::optional<Eigen::Vector3d> FrontOf(const Scene& scene, const JointOpening& o
 
 // Returns the paths of a hand that grips the handle and moves the joint from its present position to
 // a share of its range, best first: along the bar, tilted about it, and turned with the door, half as
-// far, or not at all. Empty without a handle that fits between the fingers.
+// far, or not at all. Empty without a handle that fits between the fingers. `hooks`: fingers in front
+// of the bar and behind it come first, which hold it whatever their force; else fingers on both
+// sides, which have the most room.
 std::vector<ContactPath> HandlePaths(const Scene& scene, const JointOpening& opening,
-                                     const GripperShape& shape, double share);
+                                     const GripperShape& shape, double share, bool hooks = false);
 // Returns the paths of a closed hand that presses the joint's body from its present position to the
 // end of its range.
 std::vector<ContactPath> PressPaths(const Scene& scene, const JointOpening& opening,
@@ -48,7 +50,7 @@ std::vector<ContactPath> PressPaths(const Scene& scene, const JointOpening& open
 double ShareFor(const StatedRelation& stated);
 // Returns the paths that bring about a relation about a joint.
 std::vector<ContactPath> JointPaths(const Scene& scene, const StatedRelation& stated,
-                                    const GripperShape& shape);
+                                    const GripperShape& shape, bool hooks = false);
 // Refuses a start in which the robot cannot follow any of these. Robots without a gripper that can
 // be measured pass.
 std::optional<Refusal> CheckJointGoal(const Scene& scene, const Robot& robot,

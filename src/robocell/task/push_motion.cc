@@ -47,12 +47,12 @@ std::vector<ContactPath> PushPaths(const Scene& scene, const std::string& object
   const double tip_height =
       high.lower + std::clamp(kTipShare * (high.upper - high.lower), kLowestTip, kHighestTip);
   const double apart =
-      std::clamp(kTipsApart * (wide.upper - wide.lower), shape.closed_gap(), shape.open_gap());
+      std::clamp(kTipsApart * (wide.upper - wide.lower), GapOfClosedHand(shape), shape.open_gap());
   const double length = kBehindObject + way.norm();
   const int steps = std::max(2, static_cast<int>(std::ceil(length / kPushStep)));
   for (const bool side_by_side : {true, false}) {
     // One behind the other, the closed fingers push as one.
-    const double gap = side_by_side ? apart : shape.closed_gap();
+    const double gap = side_by_side ? apart : GapOfClosedHand(shape);
     const Eigen::Vector3d pad = shape.PadAt(gap);
     const Eigen::Vector3d tip(pad.x(), pad.y(), std::max(shape.TipAt(gap), pad.z()));
     for (const double side : {1.0, -1.0}) {

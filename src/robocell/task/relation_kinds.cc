@@ -11,6 +11,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/spec/validate.h"
+#include "robocell/task/held_relation.h"
 #include "robocell/task/pick_and_place_task.h"
 #include "robocell/task/relation_task_config.h"
 #include "robocell/task/relation_tasks.h"
@@ -83,6 +84,7 @@ void AddKind(KindRegistry::Kinds& kinds) {
 }  // namespace
 
 void AddRelationKinds(KindRegistry::Kinds& kinds) {
+  RegisterTaskRelations();
   AddKind<RelationsTaskConfig, RelationsTask>(kinds);
   AddKind<StackTaskConfig, StackTask>(kinds);
   AddKind<PlaceNextToTaskConfig, PlaceNextToTask>(kinds);

@@ -113,13 +113,16 @@ std::optional<Refusal> RelationTask::Arrange(Scene& scene, Rng& rng) {
   if (auto refusal = Draw(scene, rng)) return refusal;
   if (auto refusal = ApplyStart(scene, rng)) return refusal;
   BindGoals(scene);
+  std::optional<Refusal> refusal;
   // A robot stands in front of a door that it opens.
   for (const Goal& goal : goals_) {
     if (!is_run_ || !IsJoint(goal.stated) || robots_.empty()) continue;
-    return internal::StandInFront(scene, robots_.front(), names_.empty() ? "" : names_.front(),
-                                  JointOpening::Of(scene, goal.stated.subject), rng);
+    refusal = internal::StandInFront(scene, robots_.front(), names_.empty() ? "" : names_.front(),
+                                     JointOpening::Of(scene, goal.stated.subject), rng);
+    break;
   }
-  return std::nullopt;
+  scene.Forward();
+  return refusal;
 }
 
 // Puts joints and objects into the states of the start that no placement states.

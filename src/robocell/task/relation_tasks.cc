@@ -249,7 +249,8 @@ std::optional<Refusal> JointTask::Draw(Scene& scene, Rng& rng) {
   chosen_ = rng.UniformInt(joints_.size());
   for (const std::string& each : joints_) JointOpening::Of(scene, each).Put(0);
   JointOpening::Of(scene, joint()).Put(rng.Uniform(start_[0], start_[1]));
-  scene.Forward();
+  scene.PosesChanged();
+  scene.SyncPoses();
   return std::nullopt;
 }
 
