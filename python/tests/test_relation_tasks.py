@@ -65,7 +65,9 @@ def test_an_environment_has_the_task_too(kind: str):
         assert 0 <= reward < 1
         assert not terminated
         env.restore(saved)
-    assert env.instruction.startswith({"stack": "put the blue cube on", "press": "press the "}[kind])
+    assert env.instruction.startswith(
+        {"stack": "put the blue cube on", "press": "press the "}[kind]
+    )
 
 
 def test_a_run_presses_a_button_and_records_the_opening(tmp_path: Path):

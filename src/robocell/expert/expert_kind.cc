@@ -8,7 +8,7 @@
 #include "robocell/base/registry.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/expert/pick_expert.h"
-#include "robocell/expert/skill_expert.h"
+#include "robocell/expert/skill_expert_kind.h"
 #include "robocell/task/pick_task_config.h"
 #include "robocell/task/relation_task_config.h"
 #include "robocell/task/task_kind.h"

@@ -8,6 +8,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/expert/pick_expert.h"
+#include "robocell/expert/skill_expert_kind.h"
 #include "robocell/robot/robot.h"
 #include "robocell/robot/unused_groups.h"
 #include "robocell/scenes/relations.h"

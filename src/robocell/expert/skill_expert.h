@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "robocell/expert/expert.h"
-#include "robocell/expert/expert_kind.h"
 #include "robocell/expert/skill.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/task/task_sampler.h"
@@ -43,9 +42,5 @@ class SkillExpert final : public Expert {
   bool finished_ = false;
   std::string setback_, failure_;
 };
-
-namespace internal {
-std::shared_ptr<const ExpertKind> MakeSkillExpertKind();
-}
 
 }  // namespace robocell

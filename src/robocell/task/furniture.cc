@@ -19,6 +19,8 @@ namespace {
 constexpr double kFacingNoise = 0.25;     // rad
 constexpr double kFromRobot = 0.6;        // m, of furniture on the floor
 constexpr double kSideways = 0.1;         // m, largest offset along the edge
+constexpr double kDepthShare = 0.6;       // of the radius of furniture, which is wider than deep
+constexpr double kToEdge = 0.03;          // m from its front to the edge of the support
 constexpr double kOver = 0.0005;          // m above the support
 constexpr double kMostOffFront = 0.6;     // rad between the front and the robot
 constexpr double kStandClearance = 0.01;  // m
@@ -68,9 +70,11 @@ SceneObject PutFurniture(const SceneSpec& spec, const SceneAnnotations& annotati
   if (support != annotations.supports.end()) {
     const Support& face = support->face;
     const bool across = face.half_y < face.half_x;  // its front is over the longer edge
-    const double along = across ? sideways : 0, aside = across ? 0 : sideways;
-    const double yaw = (across ? kPi / 2 : 0) + (opposite ? kPi : 0) + noise;
-    pose = face.frame_to_world * Pose::FromRpy({along, aside, kOver}, {0, 0, yaw});
+    const double yaw = (across ? kPi / 2 : 0) + (opposite ? kPi : 0);
+    const double forward =
+        std::max(0.0, std::min(face.half_x, face.half_y) - kDepthShare * radius - kToEdge);
+    const Pose front = Pose::FromRpy({0, 0, kOver}, {0, 0, yaw});
+    pose = face.frame_to_world * front * Pose::FromRpy({forward, sideways, 0}, {0, 0, noise});
   } else if (!spec.robots.empty()) {
     const Vec3& at = spec.robots[0].pos;
     const double yaw = std::atan2(-at[1], -at[0]) * (std::hypot(at[0], at[1]) > kFromRobot);

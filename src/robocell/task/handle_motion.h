@@ -17,15 +17,13 @@
 #include "robocell/task/contact_motion.h"
 #include "robocell/task/refusal.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // The part of a handle that fingers close on, in the world, as it is now.
 struct HandleBar {
   Eigen::Vector3d middle, axis, outward;  // outward: away from what carries it
   double half_length = 0, radius = 0;     // m
 };
-
-namespace internal {
 
 // Returns the bar of the handle of a joint: the longest of the geoms named handle or knob that the
 // joint moves; unset without one.
@@ -59,5 +57,4 @@ std::optional<Refusal> CheckJointGoal(const Scene& scene, const Robot& robot,
 // A path that is followed in part is of use: the hand grips again from there.
 inline constexpr double kLeastFollowed = 0.35;
 
-}  // namespace internal
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -10,7 +10,6 @@
 #include "robocell/base/error.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/scenes/joint_opening.h"
-#include "robocell/task/furniture.h"
 #include "robocell/task/relation_tasks.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -19,7 +18,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-constexpr double kPressed = 1e-4;  // m, penetration of touching cubes
+constexpr double kStacked = 1e-4;  // m, penetration of touching cubes
 
 SceneObject Cube(const std::string& name, const Vec3& pos) { return BoxObject(name, pos); }
 
@@ -56,7 +55,7 @@ TEST_F(RelationTaskTest, IsDoneOnceAllRelationsHaveHeldForTheTime) {
   EXPECT_FALSE(verdict.success);
   EXPECT_EQ(verdict.subtask, 0);
   EXPECT_NEAR(verdict.progress, 0.5, 1e-9);  // the second relation holds
-  Put("red", {0.3, 0, 0.06 - kPressed});
+  Put("red", {0.3, 0, 0.06 - kStacked});
   EXPECT_FALSE(task.Judge(*scene_).success);
   Wait(0.4);
   EXPECT_FALSE(task.Judge(*scene_).success);
@@ -65,7 +64,7 @@ TEST_F(RelationTaskTest, IsDoneOnceAllRelationsHaveHeldForTheTime) {
   EXPECT_EQ(task.Judge(*scene_).progress, 1);
   Put("red", {0, 0, 0.02});  // undone: the time begins again
   EXPECT_FALSE(task.Judge(*scene_).success);
-  Put("red", {0.3, 0, 0.06 - kPressed});
+  Put("red", {0.3, 0, 0.06 - kStacked});
   EXPECT_FALSE(task.Judge(*scene_).success);
 }
 
@@ -118,30 +117,11 @@ TEST_F(RelationTaskTest, JoinsTheWordsOfItsGoals) {
 }
 
 TEST_F(RelationTaskTest, NamesWhatTheSceneDoesNotHave) {
-  const std::string why = ExpectThrow<NotFoundError>(
-      [&] { Begun({.goal = {"red on blu"}}); }, "goal \"red on blu\"");
+  const std::string why =
+      ExpectThrow<NotFoundError>([&] { Begun({.goal = {"red on blu"}}); }, "goal \"red on blu\"");
   EXPECT_NE(why.find("Did you mean 'blue'?"), std::string::npos) << why;
   ExpectThrow<ArgumentError>([&] { Begun({.goal = {"red inside blue"}}); }, "has no hollow");
   ExpectThrow<ArgumentError>([&] { Begun({.goal = {"panel open"}}); }, "has 3 joints");
-}
-
-TEST(Furniture, StandsOnTheTableWithItsFrontOverAnEdge) {
-  EXPECT_TRUE(internal::IsFurniture("chest"));
-  EXPECT_TRUE(internal::IsFurniture("button_panel"));
-  EXPECT_FALSE(internal::IsFurniture("mug"));
-  EXPECT_FALSE(internal::IsFurniture("tray"));
-  SceneSpec spec = EmptyScene();
-  spec.base = "tabletop";
-  const SceneAnnotations annotations = DeriveAnnotations(spec);
-  for (uint64_t seed = 0; seed < 10; ++seed) {
-    Rng rng = Rng::Stream(seed, "furniture");
-    const SceneObject chest = internal::PutFurniture(spec, annotations, "unit", "chest", rng);
-    const Pose pose = chest.pose();
-    EXPECT_EQ(chest.fixed, true);
-    EXPECT_NEAR(pose.translation().z(), 0.45, 0.001);
-    // The table is longer along y: its longer edges are at the ends of x.
-    EXPECT_GT(std::abs(pose.rotation()(0, 0)), 0.9);
-  }
 }
 
 }  // namespace

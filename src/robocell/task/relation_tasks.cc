@@ -203,7 +203,7 @@ std::vector<std::string> JointTask::DefaultKinds(const std::string& relation) {
 
 BaseRange JointTask::base_range() const {
   // Buttons are pressed from above, and handles are in front of what they are on.
-  const Vec2 distance = relation_ == "pressed" ? Vec2{0.35, 0.5} : Vec2{0.5, 0.65};
+  const Vec2 distance = relation_ == "pressed" ? Vec2{0.4, 0.55} : Vec2{0.5, 0.65};
   return {.distance = distance, .height_offset = -0.25, .height_noise = {-0.1, 0.1}};
 }
 
