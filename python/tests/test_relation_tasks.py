@@ -36,13 +36,13 @@ def test_the_fields_are_attributes_and_survive_yaml():
     [
         ("{kind: relations}", "3:7", "write at least one relation"),
         ("{kind: relations, goal: [mug insde tray]}", "3:32", "Did you mean 'inside'?"),
-        ("{kind: relations, goal: [a on b], start: [a on b, c]}", "3:51", "is no relation"),
-        ("{kind: relations, objects: [mgu], goal: [a on b]}", "3:29", "Did you mean 'mug'?"),
-        ("{kind: stack, cubes: 9}", "3:22", "a stack has 2 to 6 cubes"),
-        ("{kind: open, opening: 0.3, start_opening: [0, 0.4]}", "3:43", "leave something to open"),
-        ("{kind: close, start_opening: [0.1, 0.4]}", "3:30", "leave something to close"),
-        ("{kind: push, distance: [0.01, 0.1]}", "3:24", "within the region"),
-        ("{kind: press, objects: [buton]}", "3:25", "no kind of object 'buton'"),
+        ("{kind: relations, goal: [a on b], start: [a on b, c]}", "3:57", "is no relation"),
+        ("{kind: relations, objects: [mgu], goal: [a on b]}", "3:35", "Did you mean 'mug'?"),
+        ("{kind: stack, cubes: 9}", "3:28", "a stack has 2 to 6 cubes"),
+        ("{kind: open, opening: 0.3, start_opening: [0, 0.4]}", "3:49", "leave something to open"),
+        ("{kind: close, start_opening: [0.1, 0.4]}", "3:36", "leave something to close"),
+        ("{kind: push, distance: [0.01, 0.1]}", "3:30", "within the region"),
+        ("{kind: press, objects: [buton]}", "3:31", "no kind of object 'buton'"),
     ],
 )
 def test_mistakes_are_named_with_their_place(tmp_path: Path, task: str, place: str, text: str):

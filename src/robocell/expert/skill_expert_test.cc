@@ -10,8 +10,9 @@ namespace robocell {
 namespace {
 
 TEST(SkillExpert, RejectsATaskWithoutRelations) {
-  RunConfig run = ExampleRun("pick_and_place.yaml");
-  ExpectThrow<SpecError>([&] { SkillExpert(run, EpisodeStart{}); },
+  const PickScene scene = MakePickScene(ObjectOnTheTable("box"));
+  const EpisodeStart start{.scene = scene.scene, .task = nullptr, .target_object = "target"};
+  ExpectThrow<SpecError>([&] { SkillExpert(scene.run, start); },
                          "demonstrates tasks whose goals are relations");
 }
 

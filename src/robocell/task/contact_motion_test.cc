@@ -7,10 +7,10 @@
 namespace robocell {
 namespace {
 
-ContactPath Over(const Eigen::Vector3d& at, double length) {
+ContactPath Over(const Eigen::Vector3d& at, double length, int steps = 20) {
   ContactPath path{.before = 0.05, .after = 0.05, .free_gap = 0.05, .contact_gap = 0.05};
-  for (int i = 0; i <= 20; ++i) {
-    path.tcp_in_world.emplace_back(at + Eigen::Vector3d(0, length * i / 20, 0),
+  for (int i = 0; i <= steps; ++i) {
+    path.tcp_in_world.emplace_back(at + Eigen::Vector3d(0, length * i / steps, 0),
                                    Quaternion{1, 0, 0, 0});
   }
   return path;
@@ -42,7 +42,7 @@ TEST(ContactMotions, TakesAPartOfAPathIfThatIsOfUse) {
   const PickScene scene = MakePickScene(ObjectOnTheTable("box"));
   PlanningScene planning = scene.planning();
   planning.Update();
-  const std::vector<ContactPath> paths = {Over({0, 0, 0.65}, 3)};
+  const std::vector<ContactPath> paths = {Over({0, 0, 0.65}, 3, 300)};
   EXPECT_FALSE(ContactMotions(planning, paths, scene.home()).Next().has_value());
   const auto part = ContactMotions(planning, paths, scene.home(), {.least_share = 0.05}).Next();
   ASSERT_TRUE(part.has_value());

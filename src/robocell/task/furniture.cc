@@ -17,7 +17,7 @@ namespace robocell::internal {
 namespace {
 
 constexpr double kFacingNoise = 0.25;     // rad
-constexpr double kFromRobot = 0.6;        // m, of furniture on the floor
+constexpr double kFromRobot = 0.45;       // m, of furniture on the floor
 constexpr double kSideways = 0.1;         // m, largest offset along the edge
 constexpr double kDepthShare = 0.6;       // of the radius of furniture, which is wider than deep
 constexpr double kToEdge = 0.03;          // m from its front to the edge of the support

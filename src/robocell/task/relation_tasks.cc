@@ -227,7 +227,8 @@ void JointTask::Found(const Scene& scene, const TaskSetting& /*setting*/) {
     const bool opens = m->jnt_type[j] == mjJNT_HINGE || m->jnt_type[j] == mjJNT_SLIDE;
     if (!opens || !internal::IsInSubtree(m, m->jnt_bodyid[j], root)) continue;
     const std::string name = ElementName(m, mjOBJ_JOINT, j);
-    all.push_back(name);
+    const bool has_prefix = name.starts_with(object_ + "_");
+    all.push_back(has_prefix ? name.substr(object_.size() + 1) : name);
     if (!joint_.empty() && name != joint_ && name != SceneObjectElementName(object_, joint_))
       continue;
     // Of several joints those with a handle are opened, and those without pressed.

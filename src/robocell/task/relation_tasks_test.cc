@@ -64,8 +64,10 @@ TEST(JointTask, NamesJointsThatItCannotUse) {
   ExpectThrow<ArgumentError>([&] { JointTask(OpenTaskConfig{.object = "unit"}).Begin(panel); },
                              "no joint that can be open");
   ExpectThrow<NotFoundError>(
-      [&] { JointTask(PressTaskConfig{.object = "unit", .joint = "red_buton"}).Begin(panel); },
-      "Did you mean");
+      [&] {
+        JointTask(PressTaskConfig{.object = "unit", .joint = "red_buton_slide"}).Begin(panel);
+      },
+      "Did you mean 'red_button_slide'");
 }
 
 }  // namespace
