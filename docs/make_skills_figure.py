@@ -36,9 +36,8 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         strips = [strip(kind, Path(folder)) for kind in KINDS]
     picture = Image.fromarray(np.concatenate(strips))
-    picture.resize((picture.width * 3 // 5, picture.height * 3 // 5)).save(
-        DOCS / "skills.png", optimize=True
-    )
+    small = picture.resize((picture.width * 3 // 5, picture.height * 3 // 5))
+    small.quantize(160).save(DOCS / "skills.png", optimize=True)
 
 
 if __name__ == "__main__":

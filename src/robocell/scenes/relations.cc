@@ -54,7 +54,8 @@ StatedRelation ParseRelation(const std::string& text) {
   }
   StatedRelation stated{.subject = words[0], .relation = words[1]};
   const std::optional<RelationKind> known = Relations().Get(stated.relation);
-  if (!known) Refuse(text, "is no relation: " + NoSuchName("", "relation", stated.relation, RelationNames()));
+  if (!known)
+    Refuse(text, "is no relation: " + NoSuchName("", "relation", stated.relation, RelationNames()));
   const RelationKind& kind = *known;
   const std::string form = "; write: " + FormOf(stated.relation, kind);
   for (size_t i = 2; i < words.size(); ++i) {
