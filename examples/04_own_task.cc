@@ -131,9 +131,10 @@ rc::RgbImage Strip(const rc::Episode& episode, const std::string& name) {
 int main(int argc, char** argv) try {
   const fs::path folder = argc > 1 ? argv[1] : fs::temp_directory_path() / "robocell_example_04";
   rc::RegisterSampler("push", std::make_shared<rc::SamplerKindOf<CubeOnTheFloor>>());
-  rc::RegisterExpert("push", std::make_shared<rc::ExpertKindOf<Pusher>>());
+  rc::RegisterExpert("pusher", std::make_shared<rc::ExpertKindOf<Pusher>>());
   rc::RunConfig run{.run = "push"};
-  run.sampler = run.expert = "push";
+  run.sampler = "push";
+  run.expert = "pusher";
   run.episodes_per_scene = 2;
   run.output = folder / "push";
   fs::remove_all(run.output);

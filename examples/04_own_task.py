@@ -66,7 +66,7 @@ class CubeOnTheFloor(rc.tasks.TaskSampler):
         return rc.tasks.EpisodeStart(scene, Push(), target_object="cube", object_kinds=["box"])
 
 
-@rc.tasks.register_expert("push")
+@rc.tasks.register_expert("pusher")
 class Pusher(rc.tasks.Expert):
     """Leads the closed gripper over, behind and against the cube, 15 mm an action."""
 
@@ -117,7 +117,11 @@ def strip(episode: rc.data.Episode, camera: str) -> np.ndarray:
 def main(folder: Path) -> None:
     """Makes two episodes in `folder`/push, filmed from the side; draws `folder`/picture.png."""
     run = rc.RunConfig(
-        run="push", sampler="push", expert="push", episodes_per_scene=2, output=str(folder / "push")
+        run="push",
+        sampler="push",
+        expert="pusher",
+        episodes_per_scene=2,
+        output=str(folder / "push"),
     )
     shutil.rmtree(run.output, ignore_errors=True)
     run.robot = rc.RobotConfig.load(rc.models.robot_file("rc7"))

@@ -7,7 +7,7 @@ import numpy as np
 import robocell as rc
 
 
-@rc.register_task("stack")
+@rc.register_task("red_on_blue")
 class Stack(rc.tasks.Task):
     """Success: red lies on blue, and nothing else touches it."""
 
@@ -45,7 +45,7 @@ class Stack(rc.tasks.Task):
         return rc.tasks.BaseRange(distance=[0.3, 0.4], height_offset=-0.25)
 
 
-@rc.tasks.register_expert("stack")
+@rc.tasks.register_expert("red_on_blue")
 class Stacker(rc.tasks.PickPlanner):
     """Picks red up as the built-in expert does, then leads it over blue, down, and lets go."""
 

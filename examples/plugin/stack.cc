@@ -15,7 +15,7 @@ namespace {
 // The fields of `task:`.
 struct StackConfig {
   double edge = 0.04;
-  static constexpr const char* kKind = "stack";
+  static constexpr const char* kKind = "red_on_blue";
   static constexpr const char* kTypeName = "StackConfig";
   template <class V>
   static void Fields(V&& v) {

@@ -1,4 +1,5 @@
-// The pick task and the scripted planners. All can be subclassed in Python.
+// The pick task and the scripted planners, which can be subclassed in Python, and the relations of
+// goals.
 #include <nanobind/nanobind.h>
 
 #include "bindings.h"
@@ -7,6 +8,8 @@
 #include "task_trampolines.h"
 #include "robocell/expert/pick_and_place_planner.h"
 #include "robocell/expert/pick_planner.h"
+#include "robocell/scenes/relations.h"
+#include "robocell/spec/task_spec.h"
 #include "robocell/task/grasp_check.h"
 #include "robocell/task/pick_task.h"
 
@@ -172,6 +175,36 @@ void BindPlanners(nb::module_& m) {
       "and picks\nup a slipped object again. It needs a task of kind pick_and_place.");
 }
 
+void BindRelationLanguage(nb::module_& m) {
+  TaskKinds();  // with them `held` is registered
+  m.def("relations", &RelationNames,
+        "Returns the names of the relations of goals and starts: \"on\", \"inside\", ...");
+  m.def(
+      "relation_holds",
+      [](const Scene& scene, const std::string& relation) {
+        scene.SyncPoses();
+        return BindRelation(scene, ParseRelation(relation))->Holds();
+      },
+      "scene"_a, "relation"_a,
+      "Returns True if a relation holds in the scene's present state, such as \"mug on tray\". "
+      "Raises "
+      "ArgumentError for a sentence that is no relation, NotFoundError for unknown names."
+      "\n\nExamples:\n"
+      "    >>> rc.tasks.relation_holds(scene, \"cube next_to base_link 0.1\")\n"
+      "    False");
+  m.def(
+      "relation_poses",
+      [](const Scene& scene, const std::string& relation, PythonRng& rng, int count) {
+        scene.SyncPoses();
+        return BindRelation(scene, ParseRelation(relation))->Sample(rng.get(), count).poses;
+      },
+      "scene"_a, "relation"_a, "rng"_a, "count"_a = 16,
+      nb::sig("def relation_poses(scene: Scene, relation: str, rng: Rng, count: int = 16) -> "
+              "list[Pose]"),
+      "Returns poses of the subject's root in the world in which the relation holds, with "
+      "everything else as it is now. Empty for relations about joints.");
+}
+
 }  // namespace
 
 void BindPick(nb::module_& m) {
@@ -195,6 +228,7 @@ void BindPick(nb::module_& m) {
       "    ...         return rc.tasks.check_grasps(scene, scene.robot(\"rc7\"), \"cup\")");
   BindPlanners(m);
   BindGrasps(m);
+  BindRelationLanguage(m);
 }
 
 }  // namespace robocell::python

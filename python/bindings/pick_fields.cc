@@ -1,4 +1,4 @@
-// The fields of the kinds of tasks pick and pick_and_place as Python classes.
+// The fields of the built-in kinds of tasks as Python classes.
 #include <memory>
 #include <optional>
 
@@ -6,6 +6,7 @@
 #include "spec_kinds.h"
 #include "spec_parts.h"
 #include "robocell/task/pick_task_config.h"
+#include "robocell/task/relation_task_config.h"
 
 namespace robocell::python {
 
@@ -41,6 +42,18 @@ void BindPickSpecs(nb::module_& m) {
       "\n\nExamples:\n"
       "    >>> run.task = rc.tasks.PickTaskConfig(objects=[\"box\", \"nut\"])");
   BindFields<PickAndPlaceTaskConfig>(m, "The fields of a task of kind `pick_and_place`.");
+  BindFields<RelationsTaskConfig>(
+      m,
+      "The fields of a task of kind `relations`, whose start and goal are sentences."
+      "\n\nExamples:\n"
+      "    >>> run.task = rc.tasks.RelationsTaskConfig(objects=[\"mug\", \"tray\"], "
+      "goal=[\"mug on tray\"])");
+  BindFields<StackTaskConfig>(m, "The fields of a task of kind `stack`.");
+  BindFields<PlaceNextToTaskConfig>(m, "The fields of a task of kind `place_next_to`.");
+  BindFields<OpenTaskConfig>(m, "The fields of a task of kind `open`.");
+  BindFields<CloseTaskConfig>(m, "The fields of a task of kind `close`.");
+  BindFields<PressTaskConfig>(m, "The fields of a task of kind `press`.");
+  BindFields<PushTaskConfig>(m, "The fields of a task of kind `push`.");
 }
 
 }  // namespace robocell::python

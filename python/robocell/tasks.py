@@ -2,16 +2,16 @@
 
 They work in run files, environments and on all workers.
 
-    @register_task("stack")
-    class Stack(Task):
+    @register_task("sort")
+    class Sort(Task):
         @dataclass
         class Fields:
             size: float = 0.03  # m
 
         def __init__(self, fields): ...
 
-    @register_expert("stack")
-    class StackExpert(Expert):
+    @register_expert("sort")
+    class SortExpert(Expert):
         def __init__(self, run, start): ...
 
     @register_scene_source("lab")
@@ -22,7 +22,7 @@ They work in run files, environments and on all workers.
     class OnTheFloor(TaskSampler):
         def __init__(self, run): ...
 
-`task: {kind: stack, size: 0.04}` then works like `task: {kind: pick}`, `scenes: {source: lab}` like
+`task: {kind: sort, size: 0.04}` then works like `task: {kind: pick}`, `scenes: {source: lab}` like
 `scenes: {source: tabletop}`, and `robocell generate run.yaml --import my_tasks` makes the dataset.
 """
 
@@ -43,22 +43,29 @@ from robocell._core import (
     ArgumentError,
     BasePlacement,
     BaseRange,
+    CloseTaskConfig,
     EpisodeStart,
     Expert,
     Grasp,
     GraspProof,
     GraspSet,
+    OpenTaskConfig,
     PickAndPlacePlanner,
     PickAndPlaceTaskConfig,
     PickPlanner,
     PickTask,
     PickTaskConfig,
     ReachableGrasp,
+    PlaceNextToTaskConfig,
+    PressTaskConfig,
+    PushTaskConfig,
     Refusal,
     RefusalReason,
+    RelationsTaskConfig,
     Rng,
     SampleRequest,
     SceneSource,
+    StackTaskConfig,
     StartConfig,
     StartSampler,
     StartTurn,
@@ -83,6 +90,9 @@ from robocell._core import (
     object_kinds,
     object_kinds_of,
     register_grasp_library,
+    relation_holds,
+    relation_poses,
+    relations,
     sampler_kinds,
     task_kinds,
     unregister_grasp_library,
@@ -100,21 +110,28 @@ from robocell._registering import (
 __all__ = [
     "BasePlacement",
     "BaseRange",
+    "CloseTaskConfig",
     "EpisodeStart",
     "Expert",
     "Grasp",
     "GraspProof",
     "GraspSet",
+    "OpenTaskConfig",
     "PickAndPlacePlanner",
     "PickAndPlaceTaskConfig",
     "PickPlanner",
     "PickTask",
     "PickTaskConfig",
     "ReachableGrasp",
+    "PlaceNextToTaskConfig",
+    "PressTaskConfig",
+    "PushTaskConfig",
     "Refusal",
     "RefusalReason",
+    "RelationsTaskConfig",
     "Rng",
     "SampleRequest",
+    "StackTaskConfig",
     "StartConfig",
     "StartSampler",
     "StartTurn",
@@ -138,6 +155,9 @@ __all__ = [
     "register_grasp_library",
     "register_sampler",
     "register_task",
+    "relation_holds",
+    "relation_poses",
+    "relations",
     "sampler_kinds",
     "task_kinds",
     "unregister_grasp_library",

@@ -25,7 +25,7 @@ def config() -> rc.EnvConfig:
     finally:
         sys.path.remove(str(EXAMPLES))
     rc7 = rc.RobotConfig.load(rc.models.robot_file("rc7"))
-    return rc.EnvConfig(robots={"rc7": rc7}, task={"kind": "stack"})
+    return rc.EnvConfig(robots={"rc7": rc7}, task={"kind": "red_on_blue"})
 
 
 def places(env: rc.Env) -> np.ndarray:

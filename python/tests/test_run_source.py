@@ -153,7 +153,7 @@ def test_a_missing_configuration_error_lists_the_functions_of_the_module(tmp_pat
 
 def test_an_unknown_kind_names_the_imports_of_the_run_file(tmp_path):
     file = tmp_path / "run.yaml"
-    file.write_text("run: a\nrobot: rc7\ntask: {kind: press}\noutput: out\n")
+    file.write_text("run: a\nrobot: rc7\ntask: {kind: weld}\noutput: out\n")
     with pytest.raises(rc.SpecError, match=r"--import, or in the run file: imports: \[tasks\.py\]"):
         RunSource(str(file)).load()
 

@@ -63,7 +63,7 @@ def test_any_number_of_workers_stacks_cubes(stacked: Path, run_file: Path, tmp_p
     assert len(dataset) == 2
     for episode in dataset:
         assert episode.success
-        assert episode.metadata["task"] == "stack"
+        assert episode.metadata["task"] == "red_on_blue"
         assert episode.metadata["instruction"] == "put the red cube on the blue one"
         red, blue = episode["objects/red/pose"][-1], episode["objects/blue/pose"][-1]
         assert red[2] - blue[2] == pytest.approx(0.04, abs=0.003)
@@ -159,7 +159,7 @@ def test_a_module_can_be_imported_from_the_command_line(run_file: Path, tmp_path
     text = run_file.read_text().replace("imports: [stack_cubes.py]\n", "")
     run_file.write_text(text)
     said = refusal("generate", run_file, "--output", tmp_path / "out")
-    assert "no task 'stack'" in said
+    assert "no task 'red_on_blue'" in said
     assert "--import" in said
     module = run_file.with_name("stack_cubes.py")
     generate(run_file, tmp_path / "out", "--import", module, "--workers", 1, "--episodes", 1)
@@ -173,7 +173,7 @@ def test_a_configuration_can_be_built_in_python(run_file: Path, tmp_path: Path):
         "def config():\n"
         "    run = rc.RunConfig(run='made', episodes_per_scene=1, output='out')\n"
         f"    run.robot = rc.RobotConfig.load({str(RC7)!r})\n"
-        "    run.task = {'kind': 'stack', 'edge': 0.05}\n"
+        "    run.task = {'kind': 'red_on_blue', 'edge': 0.05}\n"
         "    return run\n"
     )
     generate(f"{module}:config", tmp_path / "out", "--workers", 2, "--seed", 3)
@@ -365,7 +365,7 @@ def test_a_missing_task_error_explains_how_to_import_it(stacked: Path):
     code = f"from robocell.envs import from_dataset\nfrom_dataset({str(stacked)!r})"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     for said in (done.stderr, refusal("evaluate", stacked, "--policy", "expert")):
-        assert "no task 'stack'" in said
+        assert "no task 'red_on_blue'" in said
         assert "name it with --import my_tasks.py on the command line" in said
         assert "or with imports=['my_tasks.py'] in Python" in said
 

@@ -158,7 +158,7 @@ def test_a_library_stacks_cubes(plugin: Path, run_file: Path, tmp_path: Path):
     # Readers of the dataset need no plugin; whoever acts in it does.
     assert robocell_command("verify", tmp_path / "two").returncode == 0
     words = ("evaluate", tmp_path / "two", "--policy", "expert", "-n", "1")
-    assert "no task 'stack'" in refusal(*words, "--output", tmp_path / "without")
+    assert "no task 'red_on_blue'" in refusal(*words, "--output", tmp_path / "without")
     said = robocell_command(*words, "--import", plugin, "--output", tmp_path / "with")
     assert said.returncode == 0, said.stderr
 

@@ -8,7 +8,9 @@
 #include "robocell/base/registry.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/expert/pick_expert.h"
+#include "robocell/expert/skill_expert_kind.h"
 #include "robocell/task/pick_task_config.h"
+#include "robocell/task/relation_task_config.h"
 #include "robocell/task/task_kind.h"
 
 namespace robocell {
@@ -17,9 +19,17 @@ namespace {
 using ExpertRegistry = Registry<std::shared_ptr<const ExpertKind>>;
 
 ExpertRegistry& RegisteredExperts() {
+  const std::shared_ptr<const ExpertKind> skills = internal::MakeSkillExpertKind();
   static ExpertRegistry registry(
       "expert", {{PickTaskConfig::kKind, internal::MakePickExpert()},
-                 {PickAndPlaceTaskConfig::kKind, internal::MakePickAndPlaceExpert()}});
+                 {PickAndPlaceTaskConfig::kKind, internal::MakePickAndPlaceExpert()},
+                 {RelationsTaskConfig::kKind, skills},
+                 {StackTaskConfig::kKind, skills},
+                 {PlaceNextToTaskConfig::kKind, skills},
+                 {OpenTaskConfig::kKind, skills},
+                 {CloseTaskConfig::kKind, skills},
+                 {PressTaskConfig::kKind, skills},
+                 {PushTaskConfig::kKind, skills}});
   return registry;
 }
 

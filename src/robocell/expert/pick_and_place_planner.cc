@@ -46,6 +46,15 @@ PickAndPlacePlanner::PickAndPlacePlanner(std::string robot, std::string target_o
       options_(options),
       pick_(robot_name_, target_object_, std::move(sim), options) {}
 
+PickAndPlacePlanner::PickAndPlacePlanner(std::string robot, std::string target_object,
+                                         PlacePoses places, SimOptions sim,
+                                         const PickPlannerOptions& options)
+    : robot_name_(std::move(robot)),
+      target_object_(std::move(target_object)),
+      places_(std::move(places)),
+      options_(options),
+      pick_(robot_name_, target_object_, std::move(sim), options) {}
+
 PickAndPlacePlanner::PickAndPlacePlanner(const RunConfig& run, const EpisodeStart& start)
     : PickAndPlacePlanner(run.robot.config.name, start.target_object, TaskOf(run, start),
                           run.options, PickPlannerOptionsOf(run)) {}
@@ -81,7 +90,10 @@ void PickAndPlacePlanner::PickAgain(const Scene& scene, Rng& rng) {
   phase_ = Phase::kPick;
   replans_ = 0;
   at_rest_ = ObjectInWorld();
-  rise_ = task_->RiseOverGoal(scene);
+  if (task_)
+    rise_ = task_->RiseOverGoal(scene);
+  else
+    goals_ = places_(scene, rng);
   pick_.Begin(scene, rng);
   if (!pick_.failure().empty()) GiveUp(picks_ > 1 ? "the object slipped" : pick_.failure());
 }
@@ -127,12 +139,10 @@ std::string PickAndPlacePlanner::PlanPlace(Rng& rng) {
   const double range = shape.open_gap() - shape.closed_gap();
   opening_step_ = range > 0 ? kOpenSpeed * options_.tick / range : 1;  // a cup lets go at once
   const Pose object = ObjectInWorld();
-  const Eigen::Vector3d place = PlaceOver(task_->GoalInWorld() + rise_ * Eigen::Vector3d::UnitZ());
   std::string why_not;
   for (const Pose& turned : {at_rest_, object}) {
-    PlaceMotions places(planning, robot_->tcp_in_world().inverse() * object,
-                        PosesAbout(place, turned), arm_->target(),
-                        {.above = options_.above, .gap = pick_.held_width()});
+    PlaceMotions places(planning, robot_->tcp_in_world().inverse() * object, GoalsFor(turned),
+                        arm_->target(), {.above = options_.above, .gap = pick_.held_width()});
     why_not = "no way to put the object down";
     for (int i = 0; i < kMostPathSearches; ++i) {
       const std::optional<PlaceMotion> motion = places.Next();
@@ -147,6 +157,19 @@ std::string PickAndPlacePlanner::PlanPlace(Rng& rng) {
     }
   }
   return why_not;
+}
+
+// Returns the poses for an object that is to be turned, up to the vertical, like `turned`.
+std::vector<Pose> PickAndPlacePlanner::GoalsFor(const Pose& turned) const {
+  if (task_) {
+    return PosesAbout(PlaceOver(task_->GoalInWorld() + rise_ * Eigen::Vector3d::UnitZ()), turned);
+  }
+  std::vector<Pose> poses;
+  for (const Pose& goal : goals_) {
+    const Pose tilt(Eigen::Vector3d::Zero(), (at_rest_.inverse() * turned).quaternion());
+    poses.emplace_back(PlaceOver(goal.translation()), (goal * tilt).quaternion());
+  }
+  return poses;
 }
 
 std::optional<JointPath> PickAndPlacePlanner::FindTransfer(const JointVector& goal, Rng& rng) {

@@ -8,6 +8,7 @@
 // failure() is one of few texts.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -20,12 +21,19 @@
 
 namespace robocell {
 
+// Returns poses of the object in the world at which it may be let go, best first. The object is
+// still where it lies.
+using PlacePoses = std::function<std::vector<Pose>(const Scene& scene, Rng& rng)>;
+
 class PickAndPlacePlanner : public Expert {
  public:
   // `task`: the episode's task, after Begin. Names are those in the scene.
   PickAndPlacePlanner(std::string robot, std::string target_object,
                       std::shared_ptr<const PickAndPlaceTask> task, SimOptions sim,
                       const PickPlannerOptions& options = {});
+  // Puts the object down at one of these poses.
+  PickAndPlacePlanner(std::string robot, std::string target_object, PlacePoses places,
+                      SimOptions sim, const PickPlannerOptions& options = {});
   // Makes the planner of a run. Throws SpecError for another task.
   PickAndPlacePlanner(const RunConfig& run, const EpisodeStart& start);
   ~PickAndPlacePlanner() override;
@@ -41,6 +49,7 @@ class PickAndPlacePlanner : public Expert {
   enum class Phase { kPick, kTransfer, kLower, kRelease, kRetreat, kDone };
 
   std::string PlanPlace(Rng& rng);
+  std::vector<Pose> GoalsFor(const Pose& turned) const;
   std::optional<JointPath> FindTransfer(const JointVector& goal, Rng& rng);
   void Enter(Phase phase);
   void Advance(const Scene& scene, Rng& rng);
@@ -52,6 +61,7 @@ class PickAndPlacePlanner : public Expert {
 
   std::string robot_name_, target_object_;
   std::shared_ptr<const PickAndPlaceTask> task_;
+  PlacePoses places_;  // without a task
   PickPlannerOptions options_;
   PickPlanner pick_;
 
@@ -59,9 +69,10 @@ class PickAndPlacePlanner : public Expert {
   std::optional<GuidedArm> arm_;
   std::optional<PlaceMotion> place_;
   JointPath transfer_;
-  double rise_ = 0;     // PickAndPlaceTask::RiseOverGoal of that pose
-  Pose at_rest_;        // the object before it was picked up, in the world
-  Pose object_in_tcp_;  // object pose for which the placement was planned
+  std::vector<Pose> goals_;  // of places_
+  double rise_ = 0;          // PickAndPlaceTask::RiseOverGoal of that pose
+  Pose at_rest_;             // the object before it was picked up, in the world
+  Pose object_in_tcp_;       // object pose for which the placement was planned
   double opening_ = 0;
   double opening_step_ = 1;  // a tick
 

@@ -29,7 +29,7 @@ namespace {
 ObjectSize MeasureModel(const std::string& path) {
   SceneSpec spec{
       .name = "object " + path, .timestep = 0.002, .add_floor = false, .add_skybox = false};
-  spec.objects.push_back({.name = "object", .mjcf_path = path, .fixed = false});
+  spec.objects.push_back({.name = "object", .mjcf_path = path});  // mocap bodies cannot be free
   const Scene scene = Scene::Build(spec);
   const mjModel* m = scene.model();
   ObjectSize size;

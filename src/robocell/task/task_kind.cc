@@ -10,19 +10,23 @@
 #include "robocell/scenes/scene_source.h"
 #include "robocell/task/pick_kind.h"
 #include "robocell/task/pick_task_config.h"
+#include "robocell/task/relation_kinds.h"
 #include "robocell/task/start_sampler.h"
 #include "robocell/task/task_calls.h"
 
 namespace robocell {
 
 KindRegistry& TaskKindRegistry() {
-  static KindRegistry registry(
-      "task", "kind", PickTaskConfig::kKind,
-      {{PickTaskConfig::kKind,
-        {std::make_shared<KindFieldsOf<PickTaskConfig>>(), internal::MakePickKind()}},
-       {PickAndPlaceTaskConfig::kKind,
-        {std::make_shared<KindFieldsOf<PickAndPlaceTaskConfig>>(),
-         internal::MakePickAndPlaceKind()}}});
+  static KindRegistry registry("task", "kind", PickTaskConfig::kKind, [] {
+    KindRegistry::Kinds kinds = {
+        {PickTaskConfig::kKind,
+         {std::make_shared<KindFieldsOf<PickTaskConfig>>(), internal::MakePickKind()}},
+        {PickAndPlaceTaskConfig::kKind,
+         {std::make_shared<KindFieldsOf<PickAndPlaceTaskConfig>>(),
+          internal::MakePickAndPlaceKind()}}};
+    internal::AddRelationKinds(kinds);
+    return kinds;
+  }());
   return registry;
 }
 

@@ -1,0 +1,147 @@
+#include "robocell/expert/skill_expert.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "robocell/base/error.h"
+#include "robocell/expert/pick_expert.h"
+#include "robocell/expert/skill_expert_kind.h"
+#include "robocell/robot/robot.h"
+#include "robocell/robot/unused_groups.h"
+#include "robocell/scenes/relations.h"
+
+namespace robocell {
+namespace {
+
+constexpr int kMostSkillTries = 4;    // of one goal
+constexpr double kStaySeconds = 0.3;  // after the last skill, beside the time that the goal takes
+
+std::shared_ptr<const RelationTask> RelationTaskOf(const RunConfig& run,
+                                                   const EpisodeStart& start) {
+  auto task = std::dynamic_pointer_cast<const RelationTask>(start.task);
+  if (task) return task;
+  throw SpecError(
+      fmt::format("run '{}': this expert demonstrates tasks whose goals are relations, "
+                  "such as `kind: relations`, and the task is '{}'",
+                  run.run, run.task.kind()));
+}
+
+}  // namespace
+
+const std::vector<std::string>& SkillPhases() {
+  static const std::vector<std::string> phases = {
+      "open",    "pregrasp", "grasp",    "close",  "lift",  "transfer", "lower", "release",
+      "retreat", "reach",    "approach", "follow", "press", "push",     "done"};
+  return phases;
+}
+
+SkillExpert::SkillExpert(SkillSettings settings, std::shared_ptr<const RelationTask> task)
+    : settings_(std::move(settings)), task_(std::move(task)) {}
+
+SkillExpert::SkillExpert(const RunConfig& run, const EpisodeStart& start)
+    : SkillExpert(
+          {.robot = run.robot.config.name, .sim = run.options, .tick = run.rates.policy_period()},
+          RelationTaskOf(run, start)) {}
+
+int SkillExpert::phase() const {
+  const std::string name = skill_ ? skill_->phase() : "done";
+  const auto at = std::ranges::find(SkillPhases(), name);
+  return static_cast<int>(at - SkillPhases().begin());
+}
+
+std::unique_ptr<Skill> SkillExpert::SkillFor(const RelationTask::Goal& goal) const {
+  const std::string& relation = goal.stated.relation;
+  if (FindRelation(relation).subject == RelationSubject::kJoint)
+    return MakeJointSkill(settings_, goal);
+  if (relation == "held") return MakeHoldSkill(settings_, goal);
+  if (relation == "in_region" && task_->pushes()) return MakePushSkill(settings_, goal);
+  return MakePlaceSkill(settings_, goal);
+}
+
+void SkillExpert::Begin(const Scene& scene, Rng& rng) {
+  tries_.assign(task_->goals().size(), 0);
+  waited_ = 0;
+  finished_ = false;
+  setback_.clear();
+  failure_.clear();
+  last_.clear();
+  Next(scene, rng);
+}
+
+// Begins the skill of the first goal that does not hold; ends without one.
+void SkillExpert::Next(const Scene& scene, Rng& rng) {
+  scene.SyncPoses();
+  for (;;) {
+    skill_.reset();
+    const std::vector<RelationTask::Goal>& goals = task_->goals();
+    const auto open = std::ranges::find_if(goals, [](const auto& goal) { return !goal.Holds(); });
+    if (open == goals.end()) return;
+    goal_ = static_cast<size_t>(open - goals.begin());
+    if (++tries_[goal_] > kMostSkillTries) {
+      failure_ = setback_.empty() ? "the goal was not reached" : setback_;
+      finished_ = true;
+      return;
+    }
+    waited_ = 0;
+    settings_.tried = tries_[goal_] - 1;
+    skill_ = SkillFor(*open);
+    skill_->Begin(scene, rng);
+    if (!skill_->done()) return;
+    setback_ = skill_->failure();
+  }
+}
+
+Action SkillExpert::Act(const Scene& scene, Rng& rng) {
+  if (finished_) return last_;
+  if (!skill_) {
+    const int wait =
+        static_cast<int>(std::ceil((kStaySeconds + task_->hold_seconds()) / settings_.tick));
+    if (waited_ == 0 || waited_ >= wait) Next(scene, rng);  // has it stayed so?
+    if (!skill_ && !finished_ && ++waited_ > wait) finished_ = true;
+    if (!skill_) return last_;
+  }
+  last_ = skill_->Act(scene, rng);
+  if (skill_->done()) {
+    setback_ = skill_->failure();
+    skill_.reset();
+  }
+  return last_;
+}
+
+namespace internal {
+namespace {
+
+class KindOfSkillExpert final : public ExpertKind {
+ public:
+  std::shared_ptr<Expert> Make(const RunConfig& run, const EpisodeStart& start) const override {
+    return std::make_shared<SkillExpert>(run, start);
+  }
+  bool is_built_in() const override { return true; }
+  void Validate(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
+                Problems& doubts) const override {
+    if (const std::string unused = DescribeUnusedGroups(robot); !unused.empty()) {
+      doubts.AddAt("robot",
+                   "has several arms or grippers, and this expert acts with one of each, "
+                   "the first arm of `move_groups` and its gripper: " +
+                       unused);
+    }
+    const Problems::Scope scope(problems, "robot");
+    ValidatePickRobot(robot, run.options, scene.timestep(), problems);
+  }
+  void ValidateRobot(const Robot& robot, Problems& problems) const override {
+    ValidatePickRobot(robot, robot.scene().compiled()->spec().options, robot.scene().timestep(),
+                      problems);
+  }
+};
+
+}  // namespace
+
+std::shared_ptr<const ExpertKind> MakeSkillExpertKind() {
+  return std::make_shared<KindOfSkillExpert>();
+}
+
+}  // namespace internal
+}  // namespace robocell

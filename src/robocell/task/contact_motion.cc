@@ -1,0 +1,125 @@
+#include "robocell/task/contact_motion.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "robocell/kinematics/ik_batch.h"
+#include "robocell/math/rotation.h"
+#include "robocell/motion/vertical_line.h"
+
+namespace robocell {
+namespace {
+
+constexpr int kContactRestarts = 40;
+// Largest motion of a joint from one pose of a path to the next, rad (m): a solution farther away is
+// on another branch.
+constexpr double kMostContactStep = 0.35;
+
+}  // namespace
+
+double GapOfClosedHand(const GripperShape& shape) {
+  constexpr double kAjar = 0.004;  // m
+  return std::min(shape.closed_gap() + kAjar, shape.open_gap());
+}
+
+ContactMotions::ContactMotions(PlanningScene& planning, std::vector<ContactPath> paths,
+                               const JointVector& home, const ContactMotionOptions& options)
+    : planning_(planning),
+      paths_(std::move(paths)),
+      options_(options),
+      world_in_base_(planning.robot().base_in_world().inverse()) {
+  std::vector<Pose> targets;
+  for (const ContactPath& path : paths_)
+    targets.push_back(world_in_base_ * path.tcp_in_world.front());
+  if (targets.empty()) return;
+  // A solution near home may have no room to follow the path: those in the middle of the limits come
+  // next.
+  std::vector<bool> solved(paths_.size(), false);
+  for (const IkPrefer prefer : {IkPrefer::kSeed, IkPrefer::kAwayFromLimits}) {
+    IkBatchOptions ik;
+    ik.ik.tolerance = internal::kLineIkTolerance;
+    ik.ik.prefer = prefer;
+    ik.ik.max_restarts = kContactRestarts;
+    const IkBatchResult result = IkBatch(planning_.robot().chain(), targets, home, ik);
+    for (int b = 0; b < result.size; ++b) {
+      const auto path = static_cast<size_t>(b);
+      if (!result.success[b]) continue;
+      solved[path] = true;
+      starts_.push_back({path, JointVector(result.row(b))});
+    }
+  }
+  out_of_reach_ = static_cast<int>(std::ranges::count(solved, false));
+  std::ranges::stable_sort(starts_, {}, &Start::path);
+}
+
+std::optional<ContactMotion> ContactMotions::Try(const Start& start) {
+  const ContactPath& path = paths_[start.path];
+  const Chain& chain = planning_.robot().chain();
+  const auto in_base = [&](const Eigen::Vector3d& direction) {
+    return Rotate(world_in_base_.quaternion(), direction);
+  };
+  const auto is_free = [&](const JointVector& q, double gap, bool touch) {
+    if (planning_.IsFree(q, {.gap = gap, .touch_target = touch})) return true;
+    ++in_collision_;
+    obstacles_.Add(planning_.obstacle());
+    return false;
+  };
+  ContactMotion motion{.path = start.path};
+  motion.in = internal::LineAbove(chain, world_in_base_ * path.tcp_in_world.front(), start.q,
+                                  in_base(path.from), path.before);
+  if (internal::MissingShare(motion.in) > 0) return ++no_line_, std::nullopt;
+  for (size_t i = 1; i < motion.in.size(); ++i) {
+    if (!is_free(motion.in[i], path.free_gap, false)) return std::nullopt;
+  }
+  if (!is_free(start.q, path.contact_gap, true)) return std::nullopt;
+  motion.along = {start.q};
+  for (size_t i = 1; i < path.tcp_in_world.size(); ++i) {
+    const IkResult ik = Ik(
+        chain, world_in_base_ * path.tcp_in_world[i],
+        {.tolerance = internal::kLineIkTolerance, .seed = motion.along.back(), .max_restarts = 0});
+    if (!ik.success || JointDistance(ik.q, motion.along.back()) > kMostContactStep) break;
+    if (!planning_.IsFree(ik.q, {.gap = path.contact_gap, .touch_target = true})) {
+      obstacles_.Add(planning_.obstacle());
+      break;
+    }
+    motion.along.push_back(ik.q);
+  }
+  motion.share = paths_[start.path].tcp_in_world.size() < 2
+                     ? 1
+                     : static_cast<double>(motion.along.size() - 1) /
+                           static_cast<double>(path.tcp_in_world.size() - 1);
+  if (motion.share < options_.least_share) return ++no_way_, std::nullopt;
+  const Pose end = world_in_base_ * path.tcp_in_world[motion.along.size() - 1];
+  motion.out = internal::LineAbove(chain, end, motion.along.back(), in_base(path.away), path.after);
+  std::ranges::reverse(motion.in);
+  return motion;
+}
+
+std::optional<ContactMotion> ContactMotions::Next() {
+  while (next_ < starts_.size()) {
+    std::optional<ContactMotion> motion = Try(starts_[next_++]);
+    if (!motion) continue;
+    if (motion->share >= 1) return motion;
+    partial_.push_back(*std::move(motion));
+    std::ranges::stable_sort(partial_, {}, &ContactMotion::share);
+  }
+  if (partial_.empty()) return std::nullopt;
+  ContactMotion best = std::move(partial_.back());
+  partial_.pop_back();
+  return best;
+}
+
+std::string ContactMotions::Reasons() const {
+  std::string text;
+  const auto add = [&](int count, const std::string& what) {
+    if (count > 0) text += fmt::format("{} {} {}", text.empty() ? "" : ",", count, what);
+  };
+  add(out_of_reach_, "out of reach");
+  add(no_line_, "with no straight way to the contact");
+  add(no_way_, "that the arm cannot follow");
+  add(in_collision_, "in collision" + obstacles_.Text(planning_.model()));
+  return fmt::format("of {} ways{}", paths_.size(), text);
+}
+
+}  // namespace robocell

@@ -1,0 +1,63 @@
+#include "robocell/task/contact_motion.h"
+
+#include <gtest/gtest.h>
+
+#include "robocell/testing/pick_scene.h"
+
+namespace robocell {
+namespace {
+
+ContactPath Over(const Eigen::Vector3d& at, double length, int steps = 20) {
+  ContactPath path{.before = 0.05, .after = 0.05, .free_gap = 0.05, .contact_gap = 0.05};
+  for (int i = 0; i <= steps; ++i) {
+    path.tcp_in_world.emplace_back(at + Eigen::Vector3d(0, length * i / steps, 0),
+                                   Quaternion{1, 0, 0, 0});
+  }
+  return path;
+}
+
+TEST(ContactMotions, FollowsItsPathByForwardKinematics) {
+  const PickScene scene = MakePickScene(ObjectOnTheTable("box"));
+  PlanningScene planning = scene.planning();
+  planning.Update();
+  const std::vector<ContactPath> paths = {Over({5, 0, 0.6}, 0.1), Over({0, 0, 0.65}, 0.1)};
+  ContactMotions motions(planning, paths, scene.home());
+  const auto motion = motions.Next();
+  ASSERT_TRUE(motion.has_value()) << motions.Reasons();
+  EXPECT_EQ(motion->path, 1u);  // the first one is out of reach
+  EXPECT_EQ(motion->share, 1);
+  ASSERT_EQ(motion->along.size(), paths[1].tcp_in_world.size());
+  const Pose base = scene.robot.base_in_world();
+  for (size_t i = 0; i < motion->along.size(); ++i) {
+    const Pose tcp = base * scene.robot.chain().Fk(motion->along[i]);
+    EXPECT_TRUE(tcp.is_close(paths[1].tcp_in_world[i], 1e-2, 1e-3));
+  }
+  EXPECT_EQ(JointDistance(motion->in.back(), motion->along.front()), 0);
+  EXPECT_EQ(JointDistance(motion->out.front(), motion->along.back()), 0);
+  const Pose before = base * scene.robot.chain().Fk(motion->in.front());
+  EXPECT_NEAR(before.translation().z(), 0.70, 2e-3);
+}
+
+TEST(ContactMotions, TakesAPartOfAPathIfThatIsOfUse) {
+  const PickScene scene = MakePickScene(ObjectOnTheTable("box"));
+  PlanningScene planning = scene.planning();
+  planning.Update();
+  const std::vector<ContactPath> paths = {Over({0, 0, 0.65}, 3, 300)};
+  EXPECT_FALSE(ContactMotions(planning, paths, scene.home()).Next().has_value());
+  const auto part = ContactMotions(planning, paths, scene.home(), {.least_share = 0.05}).Next();
+  ASSERT_TRUE(part.has_value());
+  EXPECT_GT(part->share, 0.05);
+  EXPECT_LT(part->share, 1);
+}
+
+TEST(ContactMotions, CountsWhyThereIsNone) {
+  const PickScene scene = MakePickScene(ObjectOnTheTable("box"));
+  PlanningScene planning = scene.planning();
+  planning.Update();
+  ContactMotions motions(planning, {Over({5, 0, 0.6}, 0.1)}, scene.home());
+  EXPECT_FALSE(motions.Next().has_value());
+  EXPECT_EQ(motions.Reasons(), "of 1 ways 1 out of reach");
+}
+
+}  // namespace
+}  // namespace robocell

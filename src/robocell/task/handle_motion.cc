@@ -1,0 +1,287 @@
+#include "robocell/task/handle_motion.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "robocell/base/units.h"
+#include "robocell/motion/geom_extent.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/task/grasp_candidates.h"
+#include "robocell/task/grasp_check.h"
+
+namespace robocell::internal {
+namespace {
+
+constexpr double kEntry = 0.03;          // m by which the fingers are wider than the bar
+constexpr double kArcStep = 0.03;        // rad between poses of a path
+constexpr double kLineStep = 0.005;      // m
+constexpr double kBeforeHandle = 0.10;   // m, length of the way to a handle
+constexpr double kOverButton = 0.05;     // m
+constexpr double kPressFurther = 0.003;  // m beyond the end of the button's range
+constexpr double kParallel = 0.9;        // cosine
+constexpr double kMargin = 0.1;          // share by which an expert opens further than required
+constexpr int kSpins = 8;
+constexpr int kRays = 24;
+
+bool IsHandleGeom(const mjModel* m, int geom) {
+  std::string name = ElementName(m, mjOBJ_GEOM, geom);
+  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
+  return name.find("handle") != std::string::npos || name.find("knob") != std::string::npos;
+}
+
+// Returns a geom as a bar, without `outward`; unset for other shapes.
+std::optional<HandleBar> BarOf(const mjModel* m, const mjData* d, int geom) {
+  const Eigen::Map<const Eigen::Vector3d> middle(d->geom_xpos + 3 * geom);
+  const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(d->geom_xmat +
+                                                                            9 * geom);
+  const mjtNum* size = m->geom_size + 3 * geom;
+  HandleBar bar{.middle = middle, .axis = axes.col(2), .outward = Eigen::Vector3d::Zero()};
+  switch (m->geom_type[geom]) {
+    case mjGEOM_CAPSULE:
+    case mjGEOM_CYLINDER:
+      bar.radius = size[0], bar.half_length = size[1];
+      return bar;
+    case mjGEOM_SPHERE:
+      bar.radius = size[0];
+      return bar;
+    case mjGEOM_BOX:
+    case mjGEOM_ELLIPSOID: {
+      Eigen::Index longest, shortest;
+      const Eigen::Vector3d half(size[0], size[1], size[2]);
+      half.maxCoeff(&longest);
+      half.minCoeff(&shortest);
+      bar.axis = axes.col(longest), bar.half_length = half[longest];
+      bar.radius = half.sum() - half[longest] - half[shortest];
+      return bar;
+    }
+    default:
+      return std::nullopt;
+  }
+}
+
+Eigen::Vector3d AnyNormal(const Eigen::Vector3d& axis) {
+  const Eigen::Vector3d other =
+      std::abs(axis.z()) < kParallel ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d::UnitX();
+  return (other - other.dot(axis) * axis).normalized();
+}
+
+Pose Turned(const Eigen::Vector3d& anchor, const Eigen::Vector3d& axis, double angle) {
+  return Pose(anchor) * Pose::FromRotvec({0, 0, 0}, angle * axis) * Pose(-anchor);
+}
+
+// The motion of a joint's body from its present position.
+class JointMotion {
+ public:
+  JointMotion(const Scene& scene, const JointOpening& opening)
+      : is_hinge_(scene.model()->jnt_type[opening.joint_id()] == mjJNT_HINGE),
+        axis_(scene.data()->xaxis + 3 * opening.joint_id()),
+        anchor_(scene.data()->xanchor + 3 * opening.joint_id()) {}
+  Pose After(double way) const {
+    return is_hinge_ ? Turned(anchor_, axis_, way) : Pose(way * axis_);
+  }
+  int Steps(double way, double radius) const {
+    const double steps =
+        is_hinge_ ? std::max(std::abs(way) / kArcStep, std::abs(way) * radius / (2 * kLineStep))
+                  : std::abs(way) / kLineStep;
+    return std::max(2, static_cast<int>(std::ceil(steps)));
+  }
+  bool is_hinge() const { return is_hinge_; }
+  const Eigen::Vector3d& axis() const { return axis_; }
+  double RadiusOf(const Eigen::Vector3d& point) const {
+    return (point - anchor_).cross(axis_).norm();
+  }
+
+ private:
+  bool is_hinge_;
+  Eigen::Vector3d axis_, anchor_;
+};
+
+}  // namespace
+
+std::optional<HandleBar> FindHandle(const Scene& scene, const JointOpening& opening) {
+  scene.SyncPoses();
+  const mjModel* m = scene.model();
+  const mjData* d = scene.data();
+  std::optional<HandleBar> best;
+  for (const int geom : CollisionGeomsOf(m, opening.body_id())) {
+    if (!IsHandleGeom(m, geom)) continue;
+    const std::optional<HandleBar> bar = BarOf(m, d, geom);
+    if (bar && (!best || bar->half_length > best->half_length)) best = bar;
+  }
+  if (!best) return std::nullopt;
+  // What carries the bar is what is nearest to it.
+  std::vector<int> others;
+  for (const int geom : CollisionGeomsOf(m, m->body_rootid[opening.body_id()])) {
+    if (!IsHandleGeom(m, geom)) others.push_back(geom);
+  }
+  const Eigen::Vector3d u = AnyNormal(best->axis), v = best->axis.cross(u);
+  double nearest = std::numeric_limits<double>::infinity();
+  best->outward = Eigen::Vector3d::UnitZ();
+  for (int i = 0; i < kRays; ++i) {
+    const double angle = 2 * kPi * i / kRays;
+    const Eigen::Vector3d direction = std::cos(angle) * u + std::sin(angle) * v;
+    const RayHit hit = CastRay(m, d, others, best->middle, direction);
+    if (hit.distance >= nearest - 1e-6) continue;
+    nearest = hit.distance;
+    best->outward = -direction;
+  }
+  return best;
+}
+
+std::optional<Eigen::Vector3d> FrontOf(const Scene& scene, const JointOpening& opening) {
+  const std::optional<HandleBar> bar = FindHandle(scene, opening);
+  if (!bar) return std::nullopt;
+  Eigen::Vector3d front = bar->outward;
+  if (front.head<2>().norm() < 0.5) {
+    const int root = scene.model()->body_rootid[opening.body_id()];
+    front = bar->middle - Eigen::Vector3d(scene.data()->xpos + 3 * root);
+  }
+  front.z() = 0;
+  if (front.norm() < 1e-6) return std::nullopt;
+  return front.normalized();
+}
+
+std::vector<ContactPath> HandlePaths(const Scene& scene, const JointOpening& opening,
+                                     const GripperShape& shape, double share, bool hooks) {
+  const std::optional<HandleBar> bar = FindHandle(scene, opening);
+  std::vector<ContactPath> paths;
+  if (!bar || shape.is_suction()) return paths;
+  const HeldWidths widths = WidthsHeld(shape.closed_gap(), shape.open_gap());
+  const double width = 2 * bar->radius;
+  if (width < widths.least || width > widths.most) return paths;
+  const JointMotion joint(scene, opening);
+  const double way = opening.PositionAt(share) - opening.position();
+  const int steps = joint.Steps(way, joint.RadiusOf(bar->middle));
+  const double twist = joint.is_hinge() ? joint.axis().dot(bar->axis) : 0;
+  const bool may_turn = std::abs(twist) > kParallel;
+  const Pose tcp_in_grasp = shape.grasp_in_tcp().inverse();
+  // Positive tilts come from above.
+  const double up = bar->axis.cross(bar->outward).z() > 0 ? -1 : 1;
+  std::vector<double> tilts = {0, 0.4, -0.4, 0.8, -0.8, 1.3, -1.3};
+  if (hooks) tilts = {1.3, -1.3, 0.8, -0.8, 0.4, -0.4, 0};
+  for (const double tilt : tilts) {
+    const Eigen::Vector3d from = Pose::FromRotvec({0, 0, 0}, up * tilt * bar->axis) * bar->outward;
+    for (const double turn : {1.0, 0.5, 0.0}) {
+      if (turn < 1 && !may_turn) continue;
+      for (const double along : {0.0, 0.4, -0.4}) {
+        for (const double side : {1.0, -1.0}) {
+          Eigen::Matrix3d axes;
+          axes.col(2) = -from;
+          axes.col(0) = side * bar->axis;
+          axes.col(1) = axes.col(2).cross(axes.col(0));
+          const Eigen::Vector3d at = bar->middle + along * bar->half_length * bar->axis;
+          const Pose grasp(at - axes * shape.PadAt(width), axes);
+          ContactPath path{.from = from,
+                           .before = kBeforeHandle,
+                           .after = kBeforeHandle,
+                           .free_gap = std::min(shape.open_gap(), width + kEntry),
+                           .contact_gap = width};
+          for (int i = 0; i <= steps; ++i) {
+            const double moved = way * i / steps;
+            const Pose after = joint.After(moved);
+            // The fingers turn about the bar by what the hand does not turn with the door.
+            const Pose back = Turned(after * at, joint.axis(), turn < 1 ? -(1 - turn) * moved : 0);
+            path.tcp_in_world.push_back(back * after * grasp * tcp_in_grasp);
+          }
+          path.away = -(path.tcp_in_world.back() * shape.grasp_in_tcp()).rotation().col(2);
+          paths.push_back(std::move(path));
+        }
+      }
+    }
+  }
+  return paths;
+}
+
+std::vector<ContactPath> PressPaths(const Scene& scene, const JointOpening& opening,
+                                    const GripperShape& shape) {
+  scene.SyncPoses();
+  const mjModel* m = scene.model();
+  const mjData* d = scene.data();
+  const JointMotion joint(scene, opening);
+  const double way = opening.open() - opening.position();
+  const Eigen::Vector3d press = joint.axis() * (opening.open() > opening.closed() ? 1 : -1);
+  Eigen::Matrix3d basis;
+  basis.col(2) = press;
+  basis.col(0) = AnyNormal(press);
+  basis.col(1) = basis.col(2).cross(basis.col(0));
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()),
+                  high = -low;
+  for (const int geom : CollisionGeomsOf(m, opening.body_id())) {
+    for (int i = 0; i < 3; ++i) {
+      const Interval extent = GeomExtent(m, d, geom, basis.col(i));
+      low[i] = std::min(low[i], extent.lower), high[i] = std::max(high[i], extent.upper);
+    }
+  }
+  std::vector<ContactPath> paths;
+  if (!low.allFinite() || joint.is_hinge()) return paths;
+  const Eigen::Vector3d face =
+      basis * Eigen::Vector3d((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]);
+  const double gap = GapOfClosedHand(shape);
+  const Eigen::Vector3d pad = shape.PadAt(gap);
+  const Eigen::Vector3d tip(pad.x(), pad.y(), std::max(shape.TipAt(gap), pad.z()));
+  const double length = std::abs(way) + kPressFurther;
+  const int steps = std::max(2, static_cast<int>(std::ceil(length / 0.002)));
+  for (int spin = 0; spin < kSpins; ++spin) {
+    const Eigen::Matrix3d axes =
+        basis * Pose::FromRpy({0, 0, 0}, {0, 0, 2 * kPi * spin / kSpins}).rotation();
+    ContactPath path{.from = -press,
+                     .away = -press,
+                     .before = kOverButton,
+                     .after = kOverButton,
+                     .free_gap = gap,
+                     .contact_gap = gap};
+    for (int i = 0; i <= steps; ++i) {
+      const Pose grasp(face + length * i / steps * press - axes * tip, axes);
+      path.tcp_in_world.push_back(grasp * shape.grasp_in_tcp().inverse());
+    }
+    paths.push_back(std::move(path));
+  }
+  return paths;
+}
+
+double ShareFor(const StatedRelation& stated) {
+  const double share = stated.numbers.at(0);
+  if (stated.relation == "closed") return std::max(0.0, share - kMargin);
+  return std::min(1.0, share + kMargin);
+}
+
+std::vector<ContactPath> JointPaths(const Scene& scene, const StatedRelation& stated,
+                                    const GripperShape& shape, bool hooks) {
+  const JointOpening opening = JointOpening::Of(scene, stated.subject);
+  if (stated.relation == "pressed") return PressPaths(scene, opening, shape);
+  return HandlePaths(scene, opening, shape, ShareFor(stated), hooks);
+}
+
+std::optional<Refusal> CheckJointGoal(const Scene& scene, const Robot& robot,
+                                      const StatedRelation& stated) {
+  if (!robot.has_gripper() || !GripperShape::Supports(robot.gripper())) return std::nullopt;
+  const auto shape = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
+  const JointOpening opening = JointOpening::Of(scene, stated.subject);
+  std::vector<ContactPath> paths = JointPaths(scene, stated, *shape);
+  if (paths.empty()) {
+    const bool has_handle = FindHandle(scene, opening).has_value();
+    return Refusal{.reason = "no grasp of the handle",
+                   .detail = has_handle
+                                 ? "the handle is too thick or too thin: the gripper " +
+                                       DescribeHeldWidths(shape->closed_gap(), shape->open_gap())
+                                 : fmt::format("joint '{}' moves no geom that is named "
+                                               "handle or knob",
+                                               opening.joint()),
+                   .holds_everywhere = true};
+  }
+  PlanningScene planning(scene, robot, ElementName(scene.model(), mjOBJ_BODY, opening.body_id()),
+                         shape);
+  const std::vector<double> home = robot.arm().joint_pos();
+  ContactMotions motions(planning, std::move(paths), JointVector(std::span<const double>(home)),
+                         {.least_share = kLeastFollowed});
+  if (motions.Next()) return std::nullopt;
+  return Refusal{.reason = Refusal::kNoReachableBasePose, .detail = motions.Reasons()};
+}
+
+}  // namespace robocell::internal

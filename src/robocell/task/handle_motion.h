@@ -1,0 +1,60 @@
+// Paths of a hand that moves a joint of the surroundings: it grips the handle of a door, a drawer or
+// a lid and follows its arc or line, or presses a button along its slide.
+//
+//   const std::vector<ContactPath> paths = HandlePaths(scene, opening, *shape, 0.5);
+//   ContactMotions motions(planning, paths, home);   // contact_motion.h
+#pragma once
+
+#include <optional>
+#include <vector>
+#include <Eigen/Core>
+
+#include "robocell/motion/gripper_shape.h"
+#include "robocell/robot/robot.h"
+#include "robocell/scene/scene.h"
+#include "robocell/scenes/joint_opening.h"
+#include "robocell/scenes/relations.h"
+#include "robocell/task/contact_motion.h"
+#include "robocell/task/refusal.h"
+
+namespace robocell::internal {
+
+// The part of a handle that fingers close on, in the world, as it is now.
+struct HandleBar {
+  Eigen::Vector3d middle, axis, outward;  // outward: away from what carries it
+  double half_length = 0, radius = 0;     // m
+};
+
+// Returns the bar of the handle of a joint: the longest of the geoms named handle or knob that the
+// joint moves; unset without one.
+std::optional<HandleBar> FindHandle(const Scene& scene, const JointOpening& opening);
+// Returns the level direction in front of a joint's handle; unset without a handle.
+std::optional<Eigen::Vector3d> FrontOf(const Scene& scene, const JointOpening& opening);
+
+// Returns the paths of a hand that grips the handle and moves the joint from its present position to
+// a share of its range, best first: along the bar, tilted about it, and turned with the door, half as
+// far, or not at all. Empty without a handle that fits between the fingers. `hooks`: fingers in front
+// of the bar and behind it come first, which hold it whatever their force; else fingers on both
+// sides, which have the most room.
+std::vector<ContactPath> HandlePaths(const Scene& scene, const JointOpening& opening,
+                                     const GripperShape& shape, double share, bool hooks = false);
+// Returns the paths of a closed hand that presses the joint's body from its present position to the
+// end of its range.
+std::vector<ContactPath> PressPaths(const Scene& scene, const JointOpening& opening,
+                                    const GripperShape& shape);
+
+// Returns the share of the range to which an expert moves a joint for a relation: somewhat more than
+// it requires.
+double ShareFor(const StatedRelation& stated);
+// Returns the paths that bring about a relation about a joint.
+std::vector<ContactPath> JointPaths(const Scene& scene, const StatedRelation& stated,
+                                    const GripperShape& shape, bool hooks = false);
+// Refuses a start in which the robot cannot follow any of these. Robots without a gripper that can
+// be measured pass.
+std::optional<Refusal> CheckJointGoal(const Scene& scene, const Robot& robot,
+                                      const StatedRelation& stated);
+
+// A path that is followed in part is of use: the hand grips again from there.
+inline constexpr double kLeastFollowed = 0.35;
+
+}  // namespace robocell::internal

@@ -1,0 +1,23 @@
+#include "robocell/task/held_relation.h"
+
+#include <gtest/gtest.h>
+
+#include "robocell/scenes/relations.h"
+#include "robocell/testing/pick_scene.h"
+
+namespace robocell {
+namespace {
+
+TEST(HeldRelation, IsRegisteredOnceAndNeverAStart) {
+  internal::RegisterTaskRelations();
+  internal::RegisterTaskRelations();
+  const PickScene scene = MakePickScene(ObjectOnTheTable("box"));
+  const auto held = BindRelation(scene.scene, ParseRelation("target held"));
+  EXPECT_FALSE(held->Holds());  // it lies on the table
+  Rng rng = Rng::Stream(0, "held");
+  EXPECT_TRUE(held->Sample(rng, 4).poses.empty());
+  EXPECT_EQ(WordsOf(ParseRelation("mug held"), "mug", ""), "pick up the mug");
+}
+
+}  // namespace
+}  // namespace robocell

@@ -1,0 +1,97 @@
+#include "robocell/task/relation_kinds.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "robocell/base/suggestions.h"
+#include "robocell/scenes/catalogue.h"
+#include "robocell/spec/validate.h"
+#include "robocell/task/held_relation.h"
+#include "robocell/task/pick_and_place_task.h"
+#include "robocell/task/relation_task_config.h"
+#include "robocell/task/relation_tasks.h"
+#include "robocell/task/task_kind.h"
+
+namespace robocell::internal {
+namespace {
+
+void RequireKindsOfObjects(const char* field, const NameList& chosen,
+                           const std::vector<std::string>& known, Problems& problems) {
+  const Problems::Scope scope(problems, field);
+  for (size_t i = 0; i < chosen.size(); ++i) {
+    const size_t at = chosen[i].find('=');
+    const std::string kind = at == std::string::npos ? chosen[i] : chosen[i].substr(at + 1);
+    if (std::ranges::find(known, kind) != known.end()) continue;
+    const Problems::Scope item(problems, i);
+    problems.Add(NoSuchName("", "kind of object", kind, known));
+  }
+}
+
+void CheckFields(const RelationsTaskConfig& task, Problems& problems) {
+  RequireKindsOfObjects("objects", task.objects, PickAndPlaceTask::AllGoalKinds(), problems);
+  std::set<std::string> names;
+  const Problems::Scope scope(problems, "objects");
+  for (size_t i = 0; i < task.objects.size(); ++i) {
+    const std::string name = task.objects[i].substr(0, task.objects[i].find('='));
+    const Problems::Scope item(problems, i);
+    if (!names.insert(name).second)
+      problems.Add(
+          fmt::format("has the name '{}' of another one; write `name=kind` to name it", name));
+  }
+}
+void CheckFields(const StackTaskConfig& /*task*/, Problems& /*problems*/) {}
+void CheckFields(const PlaceNextToTaskConfig& task, Problems& problems) {
+  RequireKindsOfObjects("objects", task.objects, ObjectKinds(), problems);
+  RequireKindsOfObjects("references", task.references, PickAndPlaceTask::AllGoalKinds(), problems);
+}
+void CheckFields(const PushTaskConfig& task, Problems& problems) {
+  RequireKindsOfObjects("objects", task.objects, ObjectKinds(), problems);
+}
+template <class JointConfig>
+void CheckFields(const JointConfig& task, Problems& problems) {
+  RequireKindsOfObjects("objects", task.objects, PickAndPlaceTask::AllGoalKinds(), problems);
+  if (!task.object.empty() && !task.objects.empty())
+    problems.AddAt("objects",
+                   "are the kinds that the object is drawn from, and `object` names it "
+                   "already: leave one of them out");
+}
+
+template <class Config, class T>
+class RelationKindOf final : public TaskKindOf<Config, T> {
+ public:
+  bool is_built_in() const override { return true; }
+  void ValidateRun(const RunConfig& run, Problems& problems) const override {
+    const Problems::Scope scope(problems, "task");
+    CheckFields(run.task.As<Config>(), problems);
+  }
+  void ValidateEnv(const EnvConfig& env, Problems& problems) const override {
+    const Problems::Scope scope(problems, "task");
+    CheckFields(env.task->As<Config>(), problems);
+  }
+};
+
+template <class Config, class T>
+void AddKind(KindRegistry::Kinds& kinds) {
+  kinds[Config::kKind] = {std::make_shared<KindFieldsOf<Config>>(),
+                          std::make_shared<RelationKindOf<Config, T>>()};
+}
+
+}  // namespace
+
+void AddRelationKinds(KindRegistry::Kinds& kinds) {
+  RegisterTaskRelations();
+  AddKind<RelationsTaskConfig, RelationsTask>(kinds);
+  AddKind<StackTaskConfig, StackTask>(kinds);
+  AddKind<PlaceNextToTaskConfig, PlaceNextToTask>(kinds);
+  AddKind<OpenTaskConfig, JointTask>(kinds);
+  AddKind<CloseTaskConfig, JointTask>(kinds);
+  AddKind<PressTaskConfig, JointTask>(kinds);
+  AddKind<PushTaskConfig, PushTask>(kinds);
+}
+
+}  // namespace robocell::internal

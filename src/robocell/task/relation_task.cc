@@ -1,0 +1,308 @@
+#include "robocell/task/relation_task.h"
+
+#include <fmt/format.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
+#include "robocell/mujoco/names.h"
+#include "robocell/scenes/catalogue.h"
+#include "robocell/scenes/landmarks.h"
+#include "robocell/task/base_placement.h"
+#include "robocell/task/furniture.h"
+#include "robocell/task/handle_motion.h"
+#include "robocell/task/held.h"
+#include "robocell/task/held_relation.h"
+#include "robocell/task/pick_and_place_task.h"
+#include "robocell/task/place_motion.h"
+#include "robocell/task/push_motion.h"
+
+namespace robocell {
+namespace {
+
+constexpr int kPlaces = 24;  // poses of a goal that are tried when a start is checked
+constexpr const char* kHoldsAlready = "the goal holds already";
+constexpr const char* kNoPlace = "the object cannot be put down at the goal";
+
+bool IsJoint(const StatedRelation& stated) {
+  return FindRelation(stated.relation).subject == RelationSubject::kJoint;
+}
+
+// Returns the relation of a placement (spec/object_place.h) that a sentence states; unset for
+// another relation.
+std::optional<ObjectPlace> PlaceOf(const StatedRelation& stated) {
+  if (stated.relation == "on") return ObjectPlace{.on_top_of = stated.reference};
+  if (stated.relation == "inside") return ObjectPlace{.inside = stated.reference};
+  if (stated.relation == "next_to")
+    return ObjectPlace{.next_to = stated.reference, .gap = {0, stated.numbers[0]}};
+  return std::nullopt;
+}
+
+}  // namespace
+
+RelationTask::RelationTask(double hold_seconds) : hold_seconds_(hold_seconds) {
+  internal::RegisterTaskRelations();
+}
+
+void RelationTask::Prepare(SceneSpec& spec, Rng& rng) {
+  names_.clear();
+  kinds_.clear();
+  AddObjects(spec, rng);
+}
+
+SceneObject& RelationTask::Add(SceneSpec& spec, const std::string& name, const std::string& kind,
+                               Rng& rng) {
+  SceneObject object = internal::IsFurniture(kind)
+                           ? internal::PutFurniture(spec, annotations(), name, kind, rng)
+                           : PickAndPlaceTask::MakeGoalObject(kind, name, rng);
+  spec.objects.push_back(std::move(object));
+  Name(name, kind);
+  return spec.objects[spec.objects.size() - 1];
+}
+
+void RelationTask::Name(const std::string& object, const std::string& kind) {
+  if (std::ranges::find(names_, object) == names_.end()) names_.push_back(object);
+  kinds_[object] = kind;
+}
+
+void RelationTask::Bind(const Scene& scene, const TaskSetting& setting) {
+  place_ = setting.place;
+  is_run_ = setting.is_run;
+  robots_.clear();
+  for (const std::string& robot : setting.robots)
+    robots_.push_back(Robot::Of(scene.inner(), robot));
+  Found(scene, setting);
+  BindGoals(scene);
+}
+
+void RelationTask::BindGoals(const Scene& scene) {
+  goals_.clear();
+  for (const std::string& text : StatedGoal()) {
+    try {
+      const StatedRelation stated = ParseRelation(text);
+      goals_.push_back({.stated = stated,
+                        .bound = BindRelation(scene, stated),
+                        .is_momentary = FindRelation(stated.relation).is_momentary});
+    } catch (const NotFoundError& error) {
+      throw NotFoundError(fmt::format("{}: goal \"{}\": {}", place_, text, error.what()));
+    } catch (const ArgumentError& error) {
+      throw ArgumentError(fmt::format("{}: goal \"{}\": {}", place_, text, error.what()));
+    }
+  }
+}
+
+Map<ObjectPlace> RelationTask::places() const {
+  Map<ObjectPlace> places;
+  for (const std::string& text : StatedStart()) {
+    const StatedRelation stated = ParseRelation(text);
+    if (const auto place = PlaceOf(stated)) places[stated.subject] = *place;
+  }
+  return places;
+}
+
+BaseRange RelationTask::base_range() const {
+  return {.distance = {0.3, 0.5}, .height_offset = -0.25, .height_noise = {-0.1, 0.1}};
+}
+
+std::optional<Refusal> RelationTask::Arrange(Scene& scene, Rng& rng) {
+  if (auto refusal = Draw(scene, rng)) return refusal;
+  if (auto refusal = ApplyStart(scene, rng)) return refusal;
+  BindGoals(scene);
+  std::optional<Refusal> refusal;
+  // A robot stands in front of a door that it opens.
+  for (const Goal& goal : goals_) {
+    if (!is_run_ || !IsJoint(goal.stated) || robots_.empty()) continue;
+    refusal = internal::StandInFront(scene, robots_.front(), names_.empty() ? "" : names_.front(),
+                                     JointOpening::Of(scene, goal.stated.subject), rng);
+    break;
+  }
+  scene.Forward();
+  return refusal;
+}
+
+// Puts joints and objects into the states of the start that no placement states.
+std::optional<Refusal> RelationTask::ApplyStart(Scene& scene, Rng& rng) {
+  for (const std::string& text : StatedStart()) {
+    const StatedRelation stated = ParseRelation(text);
+    if (PlaceOf(stated)) continue;
+    const std::unique_ptr<BoundRelation> bound = BindRelation(scene, stated);
+    if (bound->Holds() && !IsJoint(stated)) continue;
+    const RelationSamples samples = bound->Sample(rng, 1);
+    if (samples.joint) {
+      JointOpening opening = JointOpening::Of(scene, stated.subject);
+      opening.Put((*samples.joint - opening.closed()) / (opening.open() - opening.closed()));
+    } else if (!samples.poses.empty()) {
+      const int body = internal::RequireObjectOrBody(scene, stated.subject);
+      scene.SetBodyPose(ElementName(scene.model(), mjOBJ_BODY, body), samples.poses.front());
+    } else {
+      throw ArgumentError(
+          fmt::format("{}: start \"{}\": '{}' cannot be a start; write it as a goal", place_, text,
+                      stated.relation));
+    }
+    scene.Forward();
+  }
+  return std::nullopt;
+}
+
+std::optional<Refusal> RelationTask::CheckStart(const Scene& scene) {
+  const bool done =
+      std::ranges::all_of(goals_, [](const Goal& goal) { return goal.bound->Holds(); });
+  if (done) return Refusal{.reason = kHoldsAlready, .detail = instruction()};
+  for (const Goal& goal : goals_) {
+    if (goal.bound->Holds()) continue;
+    return CheckGoal(scene, goal);  // later ones depend on what this one changes
+  }
+  return std::nullopt;
+}
+
+// Refuses a start from which no robot can bring about the goal.
+std::optional<Refusal> RelationTask::CheckGoal(const Scene& scene, const Goal& goal) {
+  std::optional<Refusal> refused;
+  for (const Robot& robot : robots_) {
+    std::optional<Refusal> refusal;
+    if (IsJoint(goal.stated)) {
+      refusal = internal::CheckJointGoal(scene, robot, goal.stated);
+    } else if (pushes()) {
+      Rng rng = Rng::Stream(0, "places of a goal", goal.stated.subject);
+      const std::vector<Pose> poses = goal.bound->Sample(rng, 1).poses;
+      refusal = internal::CheckPush(scene, robot, goal.stated.subject,
+                                    poses.front().translation().head<2>());
+    } else if (goal.stated.relation != "upright") {
+      const int body = internal::RequireObjectOrBody(scene, goal.stated.subject);
+      Rng rng = Rng::Stream(0, "places of a goal", goal.stated.subject);
+      std::vector<Pose> poses = goal.bound->Sample(rng, kPlaces).poses;
+      for (Pose& pose : poses) pose = Pose(PlaceOver(pose.translation()), pose.quaternion());
+      const auto refuse = [&](PlanningScene& planning,
+                              const GraspMotion& motion) -> std::optional<Refusal> {
+        if (poses.empty()) return std::nullopt;
+        const Pose object = scene.body_pose(ElementName(scene.model(), mjOBJ_BODY, body));
+        PlaceMotions motions(planning, motion.grasp.tcp_in_world.inverse() * object, poses,
+                             motion.up.back(), {.gap = motion.grasp.width});
+        if (motions.Next()) return std::nullopt;
+        return Refusal{kNoPlace, motions.Reasons()};
+      };
+      refusal = grasps_[robot.name()].Check(
+          scene, robot, ElementName(scene.model(), mjOBJ_BODY, body), 0.05, refuse);
+    }
+    if (!refusal) return std::nullopt;  // one robot is enough
+    if (!refused) refused = std::move(refusal);
+  }
+  return refused;
+}
+
+void RelationTask::Begin(const Scene& scene) {
+  if (goals_.empty()) {
+    TaskSetting setting{.place = "scene '" + scene.name() + "'", .robots = {}};
+    for (const Robot& robot : RobotsOf(scene)) {
+      if (robot.has_arm()) setting.robots.push_back(robot.name());
+    }
+    Bind(scene, setting);
+  }
+  since_ = -1;
+  for (Goal& goal : goals_) goal.has_held = false;
+}
+
+bool RelationTask::IsReleased(const Scene& scene) const {
+  return std::ranges::all_of(goals_, [&](const Goal& goal) {
+    if (IsJoint(goal.stated) || goal.stated.relation == "held") return true;
+    const int body = internal::RequireObjectOrBody(scene, goal.stated.subject);
+    return !internal::TouchingBody(scene, ElementName(scene.model(), mjOBJ_BODY, body)).robot;
+  });
+}
+
+TaskVerdict RelationTask::Judge(const Scene& scene) {
+  TaskVerdict verdict{.subtask = static_cast<int>(goals_.size()) - 1};
+  double progress = 0;
+  bool all = true;
+  for (size_t i = 0; i < goals_.size(); ++i) {
+    Goal& goal = goals_[i];
+    const bool holds = goal.bound->Holds();
+    if (goal.is_momentary) goal.has_held = goal.has_held || holds;
+    progress += goal.Holds() ? 1 : 0.9 * goal.bound->Progress();
+    if (!goal.Holds() && all) verdict.subtask = static_cast<int>(i);
+    all = all && goal.Holds();
+  }
+  all = all && IsReleased(scene);
+  if (!all)
+    since_ = -1;
+  else if (since_ < 0)
+    since_ = scene.time();
+  constexpr double kRounding = 1e-9;
+  verdict.success = all && scene.time() - since_ >= hold_seconds_ - kRounding;
+  verdict.progress = progress / static_cast<double>(goals_.size());
+  if (!verdict.success) verdict.progress = std::min(verdict.progress, 0.99);
+  verdict.reward = verdict.progress;
+  return verdict;
+}
+
+std::string RelationTask::Word(const std::string& name) const {
+  if (const std::string word = WordFor(name); !word.empty()) return word;
+  const auto kind = kinds_.find(name);
+  std::string word = kind == kinds_.end() ? name : kind->second;
+  // A word that several objects share says nothing: their names tell them apart.
+  const auto same = std::ranges::count_if(kinds_, [&](const auto& e) { return e.second == word; });
+  if (kind != kinds_.end() && same > 1) word = name;
+  std::ranges::replace(word, '_', ' ');
+  return word;
+}
+
+std::string RelationTask::instruction() const {
+  std::string text;
+  for (const std::string& sentence : subtasks()) text += (text.empty() ? "" : " and ") + sentence;
+  return text;
+}
+
+std::vector<std::string> RelationTask::subtasks() const {
+  std::vector<std::string> names;
+  for (const std::string& text : StatedGoal()) {
+    const StatedRelation stated = ParseRelation(text);
+    names.push_back(WordsOf(stated, Word(stated.subject), Word(stated.reference)));
+  }
+  return names;
+}
+
+std::string RelationTask::kind_of(const std::string& object) const {
+  const auto kind = kinds_.find(object);
+  return kind == kinds_.end() ? object : kind->second;
+}
+
+std::vector<std::string> RelationTask::resting_objects() const { return {}; }
+
+std::string RelationTask::why_not_done() const {
+  for (const Goal& goal : goals_) {
+    if (!goal.Holds()) return "not done: " + goal.stated.relation;
+  }
+  return "not let go";
+}
+
+std::vector<double> RelationTask::memory() const {
+  std::vector<double> memory = {since_, static_cast<double>(chosen())};
+  for (const Goal& goal : goals_) memory.push_back(goal.has_held ? 1 : 0);
+  return memory;
+}
+
+std::string RelationTask::WhyNotRecalled(std::span<const double> memory) const {
+  if (!std::isfinite(memory[0]))
+    return fmt::format("number 0, the time at which the goal began to hold, is {:g}; it is finite",
+                       memory[0]);
+  const double choice = memory[1];
+  if (choice >= 0 && choice < static_cast<double>(choices()) && choice == std::floor(choice))
+    return "";
+  return fmt::format(
+      "number 1, what the start has drawn, is {:g}; it is a whole number from 0 to {}", choice,
+      choices() - 1);
+}
+
+void RelationTask::Recall(std::span<const double> memory) {
+  since_ = memory[0];
+  Choose(static_cast<size_t>(memory[1]));
+  if (!robots_.empty()) BindGoals(robots_.front().scene());
+  for (size_t i = 0; i < goals_.size(); ++i) goals_[i].has_held = memory[2 + i] != 0;
+}
+
+}  // namespace robocell

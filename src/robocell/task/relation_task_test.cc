@@ -1,0 +1,129 @@
+// Tests when a task whose goal is relations is done. Objects are put in place; nothing is simulated
+// but time.
+#include "robocell/task/relation_task.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <cmath>
+
+#include "robocell/base/error.h"
+#include "robocell/scene/testing/scenes.h"
+#include "robocell/scenes/joint_opening.h"
+#include "robocell/task/relation_tasks.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+using ::testing::ElementsAre;
+
+constexpr double kStacked = 1e-4;  // m, penetration of touching cubes
+
+SceneObject Cube(const std::string& name, const Vec3& pos) { return BoxObject(name, pos); }
+
+// Two cubes and a panel with buttons; no robot.
+class RelationTaskTest : public ::testing::Test {
+ protected:
+  RelationTaskTest() {
+    SceneSpec spec = EmptyScene();
+    spec.objects.push_back(Cube("red", {0, 0, 0.02}));
+    spec.objects.push_back(Cube("blue", {0.3, 0, 0.02}));
+    spec.objects.push_back(
+        {.name = "panel", .mjcf_path = "button_panel", .pos = Vec3{1, 0, 0}, .fixed = true});
+    scene_.emplace(Scene::Build(spec));
+    scene_->Reset();
+  }
+  void Put(const std::string& cube, const Eigen::Vector3d& at) {
+    scene_->SetBodyPose(cube, Pose(at));
+    scene_->Forward();
+  }
+  void Wait(double seconds) { scene_->data()->time += seconds; }
+  RelationsTask Begun(const RelationsTaskConfig& fields) {
+    RelationsTask task(fields);
+    task.Begin(*scene_);
+    return task;
+  }
+
+  std::optional<Scene> scene_;
+};
+
+TEST_F(RelationTaskTest, IsDoneOnceAllRelationsHaveHeldForTheTime) {
+  RelationsTask task =
+      Begun({.goal = {"red on blue", "blue in_region 0.3 0 0.05"}, .hold_seconds = 0.5});
+  TaskVerdict verdict = task.Judge(*scene_);
+  EXPECT_FALSE(verdict.success);
+  EXPECT_EQ(verdict.subtask, 0);
+  EXPECT_NEAR(verdict.progress, 0.5, 1e-9);  // the second relation holds
+  Put("red", {0.3, 0, 0.06 - kStacked});
+  EXPECT_FALSE(task.Judge(*scene_).success);
+  Wait(0.4);
+  EXPECT_FALSE(task.Judge(*scene_).success);
+  Wait(0.1);
+  EXPECT_TRUE(task.Judge(*scene_).success);
+  EXPECT_EQ(task.Judge(*scene_).progress, 1);
+  Put("red", {0, 0, 0.02});  // undone: the time begins again
+  EXPECT_FALSE(task.Judge(*scene_).success);
+  Put("red", {0.3, 0, 0.06 - kStacked});
+  EXPECT_FALSE(task.Judge(*scene_).success);
+}
+
+TEST_F(RelationTaskTest, APressedButtonStaysPressedForTheEpisode) {
+  RelationsTask task = Begun({.goal = {"panel_red_button pressed 0.7"}, .hold_seconds = 0});
+  JointOpening button = JointOpening::Of(*scene_, "panel_red_button");
+  button.Put(0.69);
+  scene_->Forward();
+  EXPECT_FALSE(task.Judge(*scene_).success);
+  button.Put(0.71);
+  scene_->Forward();
+  EXPECT_TRUE(task.Judge(*scene_).success);
+  button.Put(0);
+  scene_->Forward();
+  EXPECT_TRUE(task.Judge(*scene_).success);
+  task.Begin(*scene_);
+  EXPECT_FALSE(task.Judge(*scene_).success);
+}
+
+TEST_F(RelationTaskTest, RemembersWhatHasHeld) {
+  const RelationsTaskConfig fields{.goal = {"panel_red_button pressed", "red on blue"}};
+  RelationsTask task = Begun(fields), other = Begun(fields);
+  JointOpening button = JointOpening::Of(*scene_, "panel_red_button");
+  button.Put(1);
+  scene_->Forward();
+  task.Judge(*scene_);
+  button.Put(0);
+  scene_->Forward();
+  const std::vector<double> memory = task.memory();
+  EXPECT_EQ(other.WhyNotRecalled(memory), "");
+  EXPECT_NE(other.Judge(*scene_).progress, task.Judge(*scene_).progress);
+  other.Recall(memory);
+  EXPECT_EQ(other.Judge(*scene_).progress, task.Judge(*scene_).progress);
+  EXPECT_EQ(other.memory(), task.memory());
+  std::vector<double> wrong = memory;
+  wrong[0] = std::nan("");
+  EXPECT_NE(other.WhyNotRecalled(wrong), "");
+  wrong = memory, wrong[1] = 3;
+  EXPECT_NE(other.WhyNotRecalled(wrong), "");
+}
+
+TEST_F(RelationTaskTest, JoinsTheWordsOfItsGoals) {
+  const RelationsTask task({.objects = {"red=box", "blue=box"},
+                            .goal = {"red next_to blue", "panel_red_button pressed"}});
+  EXPECT_EQ(task.instruction(), "put the red next to the blue and press the panel red button");
+  EXPECT_THAT(task.subtasks(),
+              ElementsAre("put the red next to the blue", "press the panel red button"));
+  EXPECT_EQ(StackTask({.cubes = 3}).instruction(),
+            "put the blue cube on the red cube and put the green cube on the blue cube");
+}
+
+TEST_F(RelationTaskTest, NamesWhatTheSceneDoesNotHave) {
+  const std::string why =
+      ExpectThrow<NotFoundError>([&] { Begun({.goal = {"red on blu"}}); }, "goal \"red on blu\"");
+  EXPECT_NE(why.find("Did you mean 'blue'?"), std::string::npos) << why;
+  ExpectThrow<ArgumentError>([&] { Begun({.goal = {"red inside blue"}}); }, "has no hollow");
+  ExpectThrow<ArgumentError>([&] { Begun({.goal = {"panel open"}}); }, "has 3 joints");
+}
+
+}  // namespace
+}  // namespace robocell
