@@ -91,14 +91,14 @@ StepResult Scene::StepN(int n) {
   return robocell::Step(s.now.model, s.now.data, n, s.context);
 }
 
-StepResult Scene::State::StepThrough(StepGate& gate_now, int n) {
+StepResult Scene::State::StepThrough(internal::StepGate& gate_now, int n) {
   StepResult result;
   result.time = now.data->time;
   int steps = 0;
   while (steps < n && now.data) {  // the gate may close the scene
-    const StepGate::Answer answer = gate_now.BeforeStep();
-    if (answer == StepGate::kHold || !now.data) break;
-    if (answer == StepGate::kStop) {
+    const internal::StepGate::Answer answer = gate_now.BeforeStep();
+    if (answer == internal::StepGate::kHold || !now.data) break;
+    if (answer == internal::StepGate::kStop) {
       result.status = StepResult::kStopped;
       result.message = gate_now.StopReason();
       break;
@@ -160,7 +160,8 @@ const std::shared_ptr<void>& Scene::data_keeper() const { return open().data.kee
 void Scene::AddObserver(std::weak_ptr<SceneObserver> observer, const std::string& key) {
   auto& observers = open().observers;
   std::erase_if(observers, [](const auto& watch) { return watch.observer.expired(); });
-  if (const auto gate = std::dynamic_pointer_cast<StepGate>(observer.lock())) open().gate = gate;
+  if (const auto gate = std::dynamic_pointer_cast<internal::StepGate>(observer.lock()))
+    open().gate = gate;
   observers.push_back({key, std::move(observer)});
 }
 

@@ -35,7 +35,7 @@ struct Scene::State {
     std::weak_ptr<SceneObserver> observer;
   };
   std::vector<Watch> observers;
-  std::weak_ptr<StepGate> gate;
+  std::weak_ptr<internal::StepGate> gate;
   std::weak_ptr<Kept> kept;     // shared by all handles but inner ones
   std::shared_ptr<void> claim;  // claim on the compiled scene
   int solver = 0;               // the model's, when it was last looked at
@@ -54,7 +54,7 @@ struct Scene::State {
   }
   void WarnOfSolver();
   // Makes up to n steps, each with the gate's consent.
-  StepResult StepThrough(StepGate& gate, int n);
+  StepResult StepThrough(internal::StepGate& gate, int n);
   void BindPool();
   internal::PooledObject* FindPooled(const std::string& object);
   // Resets the pool to the spec.

@@ -7,13 +7,14 @@
 // While it holds, StepN() makes no further step and returns the number of steps made. Once it
 // stops, every step returns StepResult::kStopped with the reason. Without a gate a step costs
 // nothing more. Threads: those of the scene.
+// Internal to scene/ and viewer/.
 #pragma once
 
 #include <string>
 
 #include "robocell/scene/scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class StepGate : public SceneObserver {
  public:
@@ -25,4 +26,4 @@ class StepGate : public SceneObserver {
   virtual std::string StopReason() const = 0;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -57,7 +57,7 @@ constexpr const char* kHelpTexts =
 
 }  // namespace
 
-class Viewer::Impl final : public StepGate {
+class Viewer::Impl final : public internal::StepGate {
  public:
   Impl(const Scene& scene, const std::vector<Robot>& robots, const ViewerOptions& options)
       : options_(options),
