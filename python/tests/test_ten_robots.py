@@ -16,7 +16,6 @@ import yaml
 import robocell as rc
 from command_line import robocell_command
 from robocell._cli.ik_answers import reachable_poses, solve_each
-from robocell._cli.robot_scene import RobotScene, load_robot
 from robot_models import TEN
 
 QUICK = "delta"
@@ -46,22 +45,29 @@ def groups_of_kind(file: Path, kind: str) -> list[str]:
     return [name for name, group in groups.items() if group["kind"] == kind]
 
 
-def arms_recover_poses(loaded: RobotScene) -> None:
-    targets = reachable_poses(loaded.robot, IK_TARGETS, np.random.default_rng(5))
-    answers = solve_each(loaded.robot, targets, IK_TOLERANCE)
+def arms_recover_poses(robot: rc.Robot) -> None:
+    targets = reachable_poses(robot, IK_TARGETS, np.random.default_rng(5))
+    answers = solve_each(robot, targets, IK_TOLERANCE)
     assert np.all(answers.solved(IK_TOLERANCE)), np.flatnonzero(~answers.solved(IK_TOLERANCE))
 
 
-def stays_at_home(loaded: RobotScene, arms: list[str], grippers: list[str]) -> None:
-    scene, robot = loaded.scene, loaded.robot
+def at_home(config: rc.RobotConfig) -> rc.Robot:
+    spec = rc.SceneSpec(name="alone", timestep=TIMESTEP_S, add_floor=True, add_skybox=False)
+    spec.robots.append(rc.RobotSpec(name="robot", config=config))
+    scene = rc.Scene.build(spec)
+    scene.reset()
+    return rc.Robot.of(scene, "robot")
+
+
+def stays_at_home(robot: rc.Robot, arms: list[str], grippers: list[str], tolerance: float) -> None:
     homes = {name: np.array(robot.group(name).joint_pos) for name in arms}
     for _ in range(round(1 / TIMESTEP_S)):
         robot.update()
-        result = scene.step()
+        result = robot.scene.step()
         assert result, result.message
     for name, home in homes.items():
         now = robot.group(name).joint_pos
-        np.testing.assert_allclose(now, home, atol=loaded.config.arrival_tolerance)
+        np.testing.assert_allclose(now, home, atol=tolerance)
     for name in grippers:
         gripper = robot.group(name)
         assert isinstance(gripper, rc.robots.GripperGroup)
@@ -76,11 +82,11 @@ def test_a_robot_loads_rests_and_reaches(tmp_path: Path, name: str):
     assert groups_of_kind(file, "gripper") == grippers
     checked = robocell_command("check", file)
     assert checked.stdout.splitlines()[-1] == "no problems found", checked.stdout
-    loaded = load_robot(file)
-    loaded.scene.reset()
-    stays_at_home(loaded, arms, grippers)
+    config = rc.RobotConfig.load(file)
+    robot = at_home(config)
+    stays_at_home(robot, arms, grippers, config.arrival_tolerance)
     if arms:
-        arms_recover_poses(loaded)
+        arms_recover_poses(robot)
 
 
 @pytest.mark.proof
