@@ -117,9 +117,13 @@ def test_a_cavity_stays_one_and_a_solid_inside_out_is_turned():
     beside.invert()
     beside.apply_translation([0.2, 0, 0])
     mesh = trimesh.util.concatenate([hollow, inner, beside])
-    turn = faces_to_turn(np.asarray(mesh.vertices), np.asarray(mesh.faces))
+    vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
+    turn = faces_to_turn(vertices, faces)
     assert turn is not None
     assert turn.tolist() == [False] * 24 + [True] * 12
+    opposite = faces_to_turn(vertices, faces[:, ::-1])
+    assert opposite is not None
+    assert opposite.tolist() == (~turn).tolist(), "all of it inside out"
 
 
 def test_a_surface_without_an_outside_encloses_nothing():

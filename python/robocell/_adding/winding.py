@@ -22,18 +22,20 @@ def faces_to_turn(vertices: Points, faces: Faces) -> NDArray[np.bool_] | None:
     if pairs is None:
         return None
     spread = _Spread(*pairs)
-    surfaces = []
+    surfaces: list[NDArray[np.int64]] = []
     for first in range(len(faces)):
         if not spread.is_reached[first]:
-            members = spread.surface_of(first)
-            if members is None:
+            reached = spread.surface_of(first)
+            if reached is None:
                 return None
-            surfaces.append(np.array(members))
+            surfaces.append(np.array(reached))
     turn = np.array(spread.turn)
     for members in surfaces:
         if np.count_nonzero(turn[members]) > len(members) / 2:
             turn[members] = ~turn[members]  # most of its faces keep their side
     outside = np.where(turn[:, None], faces[:, ::-1], faces)
+    if signed_volume(vertices, outside) < 0:  # all of it is inside out, cavities too
+        turn, outside = ~turn, outside[:, ::-1]
     lows = np.array([vertices[faces[members]].min((0, 1)) for members in surfaces])
     highs = np.array([vertices[faces[members]].max((0, 1)) for members in surfaces])
     for i, members in enumerate(surfaces):
