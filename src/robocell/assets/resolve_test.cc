@@ -189,6 +189,35 @@ TEST_F(Resolving, AUsersObjectIsFoundByNameBeforeBuiltInOnes) {
   EXPECT_EQ(PortableName(Resolve("bottle")), "bottle");
 }
 
+TEST_F(Resolving, AUsersObjectHidesNoRobotEquipmentOrScene) {
+  const std::string mug = Write("root/objects/mug/mug.xml");
+  const std::vector<std::string> taken = {"rc7", "table", "tabletop"};
+  for (const std::string& name : taken) Write("root/objects/" + name + "/" + name + ".xml");
+  const std::map<std::string, std::string> before = ObjectFolders();
+  std::vector<std::string> paths;
+  for (const std::string& name : taken) paths.push_back(Resolve(name));
+  const ScopedEnv env("ROBOCELL_MODEL_PATH", At("root"));
+  std::vector<std::string> warnings;
+  const ScopedLogSink capture(
+      [&](LogLevel, std::string_view text) { warnings.emplace_back(text); });
+  const std::map<std::string, std::string> folders = ObjectFolders();
+  EXPECT_EQ(folders.size(), before.size());
+  for (size_t i = 0; i < taken.size(); ++i) {
+    EXPECT_EQ(Resolve(taken[i]), paths[i]);
+    EXPECT_FALSE(folders.contains(taken[i]));
+    EXPECT_EQ(ObjectFolder(taken[i]), std::nullopt);
+    EXPECT_THAT(warnings, Contains(::testing::HasSubstr(
+                              At("root/objects/" + taken[i]) + " is no object for tasks: '" +
+                              taken[i] + "' is a built-in model that is no object. Rename")));
+  }
+  EXPECT_EQ(Resolve("mug"), mug);
+  for (const auto& [name, folder] : folders) EXPECT_EQ(ObjectFolder(name), folder);
+  for (const char* none : {"", ".", "..", "mug/../mug", "no_such"})
+    EXPECT_EQ(ObjectFolder(none), std::nullopt) << none;
+  ObjectFolders();
+  EXPECT_EQ(warnings.size(), taken.size()) << "each once";
+}
+
 // Both must raise an Error: an earlier version let a foreign exception escape.
 TEST_F(Resolving, LinkCyclesAndUnknownRobotsAreNotFoundErrors) {
   Write("robots/mine/mine.xml");

@@ -104,8 +104,7 @@ class Derivation {
                                      ? std::string(ToString(object.shape.value_or(Shape::kBox)))
                                      : std::filesystem::path(object.mjcf_path).stem().string();
     ObjectWords words = {.object = object.name, .category = category, .words = {category}};
-    const std::vector<std::string> kinds = ObjectKinds();
-    if (std::ranges::find(kinds, object.mjcf_path) == kinds.end()) return words;
+    if (!IsObjectKind(object.mjcf_path)) return words;
     const ObjectInfo info = ObjectInfoOf(object.mjcf_path);
     if (!info.colour.empty())
       words.words.push_back(info.colour + " " + WordOfKind(object.mjcf_path));
