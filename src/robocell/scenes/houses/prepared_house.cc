@@ -125,6 +125,7 @@ class Mending {
       names.push_back(mjs_getString(mjs_getName(e)));
     }
     if (names.empty()) return;
+    Record("balanced", names);
     notes_.push_back(
         fmt::format("impossible inertias of {} were balanced: {}",
                     names.size() == 1 ? "one body" : std::to_string(names.size()) + " bodies",
@@ -162,36 +163,51 @@ class Mending {
       e = mjs_firstElement(spec_, mjOBJ_BODY);  // the tree below it went too
     }
     if (names.empty()) return;
+    Record("left out", names);
     while (mjsElement* key = mjs_firstElement(spec_, mjOBJ_KEY)) mjs_delete(spec_, key);
     notes_.push_back(
         fmt::format("left out {}: {}", Counted(names.size(), "object"), Shortened(names)));
   }
+  // What was changed, for people: long lists of names are shortened.
   const std::vector<std::string>& notes() const { return notes_; }
+  // The same with every name. Two equal ones of the same model give the same house.
+  const std::string& changes() const { return changes_; }
 
  private:
+  void Record(const char* change, const std::vector<std::string>& names) {
+    changes_ += fmt::format("{} {}\n", change, names.size());
+    for (const std::string& name : names) changes_ += fmt::format("{} {}\n", name.size(), name);
+  }
+
   mjSpec* spec_;
   const HouseFiles& files_;
   std::vector<std::string> notes_;
+  std::string changes_;
 };
 
-// Lets relative names of assets start at the house's own folder.
-void MakeFoldersAbsolute(mjSpec* spec, const fs::path& folder) {
-  for (mjString* name : {spec->compiler.meshdir, spec->compiler.texturedir})
-    mjs_setString(name, (folder / mjs_getString(name)).lexically_normal().string().c_str());
+// Lets relative names of assets start at the house's own folder, from a model in `start`. A dataset
+// that keeps both can be moved, because the names stay relative.
+void MakeFoldersRelative(mjSpec* spec, const fs::path& folder, const fs::path& start) {
+  const fs::path from = fs::weakly_canonical(start);
+  for (mjString* name : {spec->compiler.meshdir, spec->compiler.texturedir}) {
+    const fs::path target = fs::weakly_canonical(folder / mjs_getString(name));
+    mjs_setString(name, target.lexically_relative(from).string().c_str());
+  }
 }
 
+// Returns the file in the cache. Its name follows from the model with all its files, and from every
+// change.
 fs::path WriteMended(mjSpec* spec, const HouseFiles& files, const std::string& context,
-                     const std::vector<std::string>& notes) {
-  MakeFoldersAbsolute(spec, files.model.parent_path());
-  std::string key = files.model.string() + "\n" + Fingerprint(ReadRealFile(files.model)) + "\n" +
-                    std::string(Version()) + "\n";
-  for (const std::string& note : notes) key += note + "\n";
+                     const std::string& changes) {
+  std::string key = fmt::format("{}\n{}\n{}", files.model.string(), Version(), changes);
+  for (const fs::path& file : FindModelFiles(files.model).files) key += FileIdentity(file) + "\n";
   const fs::path file = HousesCacheFolder() / "mended" /
                         fmt::format("{}_{}.xml", Fingerprint(key), files.model.stem().string());
   if (CanReadFile(file)) return file;
   Compile(spec, nullptr, context, nullptr, JacobianGuard::kOff);
   std::error_code error;
   fs::create_directories(file.parent_path(), error);
+  MakeFoldersRelative(spec, files.model.parent_path(), file.parent_path());
   AtomicWrite(file, SaveXmlString(spec, context));
   return file;
 }
@@ -206,7 +222,8 @@ PreparedHouse Prepare(const HouseFiles& files, const HouseFolder& folder) {
     mending.MendInertias();
     mending.Remove(folder.without());
     house.notes = mending.notes();
-    if (!house.notes.empty()) house.model = WriteMended(spec.get(), files, context, house.notes);
+    if (!house.notes.empty())
+      house.model = WriteMended(spec.get(), files, context, mending.changes());
   } catch (const Error& error) {
     house.why_not = error.what();
   }
@@ -230,7 +247,7 @@ PreparedHouse PrepareHouse(const HouseFiles& files, const HouseFolder& folder) {
     if (it != known.end() && CanReadFile(it->second.model)) return it->second;
   }
   PreparedHouse house = Prepare(files, folder);  // without the lock, because it may log
-  if (!house.why_not.empty()) return house;  // its files may come later
+  if (!house.why_not.empty()) return house;      // its files may come later
   const std::lock_guard lock(mutex);
   return known[key] = std::move(house);
 }

@@ -1,10 +1,17 @@
 #include "robocell/scenes/houses/prepared_house.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mujoco/mjmodel.h>
 
 #include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
+#include "robocell/base/files.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/scene/scene.h"
 #include "robocell/testing/scoped_env.h"
 #include "robocell/testing/source_dir.h"
@@ -29,6 +36,50 @@ TEST(PreparedHouse, BalancesInertiasInACopy) {
   EXPECT_THAT(mended.notes, ElementsAre(HasSubstr("2 bodies were balanced: Statue|0|2, Cup|0|3")));
   EXPECT_THAT(mended.model.string(), HasSubstr(cache.path().string()));
   Scene::Build({.base = mended.model.string(), .timestep = 0.002});
+}
+
+// A house with the objects a ... e; "e" is in a file of its own.
+struct FiveObjects {
+  TempDir folder, cache;
+  ScopedEnv env{"ROBOCELL_CACHE_DIR", cache.path().string()};
+
+  FiveObjects() {
+    std::string bodies;
+    for (const char* name : {"a", "b", "c", "d"})
+      bodies += fmt::format(R"(<body name="{}"><geom size="0.1"/></body>)", name);
+    AtomicWrite(folder / "train_0.xml",
+                "<mujoco><worldbody>" + bodies + R"(<include file="e.xml"/></worldbody></mujoco>)");
+    WriteLast("e");
+  }
+  void WriteLast(const std::string& name) {
+    AtomicWrite(folder / "e.xml",
+                fmt::format(R"(<mujoco><body name="{}"><geom size="0.1"/></body></mujoco>)", name));
+  }
+  std::vector<std::string> Left(std::vector<std::string> without) {
+    const HouseFolder house =
+        HouseFolder::Find({.root = folder.path().string(), .without = {std::move(without)}}, "");
+    const PreparedHouse prepared = PrepareHouse(house.houses().at(0), house);
+    EXPECT_EQ(prepared.why_not, "");
+    const Scene scene = Scene::Build({.base = prepared.model.string(), .timestep = 0.002});
+    std::vector<std::string> names = ElementNames(scene.model(), mjOBJ_BODY);
+    names.erase(names.begin());  // the world
+    return names;
+  }
+};
+
+TEST(PreparedHouse, EveryListOfObjectsLeftOutHasItsOwnCopy) {
+  FiveObjects house;
+  // Notes name three objects of four, the same ones in both.
+  EXPECT_THAT(house.Left({"a", "b", "c", "d"}), ElementsAre("e"));
+  EXPECT_THAT(house.Left({"a", "b", "c", "e"}), ElementsAre("d"));
+  EXPECT_THAT(house.Left({"a", "b", "c", "d"}), ElementsAre("e"));
+}
+
+TEST(PreparedHouse, ChangedIncludesMakeANewCopy) {
+  FiveObjects house;
+  EXPECT_THAT(house.Left({"a", "b", "c"}), ElementsAre("d", "e"));
+  house.WriteLast("f");
+  EXPECT_THAT(house.Left({"a", "b", "c"}), ElementsAre("d", "f"));
 }
 
 }  // namespace
