@@ -147,7 +147,7 @@ std::vector<std::string> WarningsOf(const std::function<void()>& work) {
   return texts;
 }
 
-std::string Replaced(std::string text, const std::string& old, const std::string& by) {
+std::string Exchanged(std::string text, const std::string& old, const std::string& by) {
   return text.replace(text.find(old), old.size(), by);
 }
 
@@ -233,8 +233,8 @@ TEST_F(HandPose, ValidationNamesWhatIsMissing) {
 // A pose that waves has no distance of its own, which is no fault; fingers that swing are one.
 TEST_F(HandPose, SaysWhyTheFingersOfAPoseWereNotMeasured) {
   RobotConfig config = Config();
-  const std::string swings = Replaced(
-      Replaced(kHand, R"(<joint name="i2")", R"(<joint name="i2" stiffness=".02" damping="0")"),
+  const std::string swings = Exchanged(
+      Exchanged(kHand, R"(<joint name="i2")", R"(<joint name="i2" stiffness=".02" damping="0")"),
       R"(<position name="index_2" joint="i2" ctrlrange="-1 1"/>)",
       R"(<motor name="index_2" joint="i2" ctrlrange="-1 1"/>)");
   config.model = folder_.Write("swings", swings);
@@ -257,7 +257,7 @@ TEST_F(HandPose, SaysWhyTheFingersOfAPoseWereNotMeasured) {
 TEST_F(HandPose, ANameOfAnActuatorAndAJointIsTheActuators) {
   RobotConfig config = Config();
   const std::string same =
-      Replaced(Replaced(kHand, R"(name="middle_1" joint="m1")", R"(name="m1" joint="m1")"),
+      Exchanged(Exchanged(kHand, R"(name="middle_1" joint="m1")", R"(name="m1" joint="m1")"),
                R"(name="index_1" joint="i1")", R"(name="i1" joint="i1")");
   config.model = folder_.Write("same", same);
   MoveGroupConfig& hand = config.move_groups["hand"];
