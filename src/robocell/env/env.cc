@@ -205,7 +205,7 @@ void Env::State::RequireDistances(const internal::ArmDriver& arm) const {
 // Actions that are poses mean something else for them.
 void Env::State::WarnOfFewJoints(const Robot& robot) const {
   if (config_.control_mode == ControlMode::kJoints) return;
-  const internal::TaskSpace task = internal::TaskSpaceOf(robot.config(), robot.arm().name());
+  const internal::TaskSpace task = internal::TaskSpaceOf(robot);
   if (task.is_part()) {
     LogInfo(fmt::format("{} / robot '{}': by its task_space, of actions that are poses {} counts",
                         place(), robot.name(), task.text()));

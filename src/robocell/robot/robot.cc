@@ -15,6 +15,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/measurement_cache.h"
 #include "robocell/robot/robot_state.h"
+#include "robocell/robot/task_space.h"
 #include "robocell/scene/hold_ctrl.h"
 
 namespace robocell {
@@ -302,6 +303,7 @@ Pose Robot::FkFrame(std::span<const double> q) const { return chain().Fk(q); }
 IkResult Robot::Ik(const Pose& tcp_in_robot_base, IkOptions options) const {
   const Chain& arm_chain = chain();
   if (options.seed.empty()) options.seed = Positions(arm());
+  if (!internal::ChoosesPart(options)) internal::TaskSpaceOf(*this).ApplyTo(options);
   return robocell::Ik(arm_chain, tcp_in_robot_base, options);
 }
 
