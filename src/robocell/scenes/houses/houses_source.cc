@@ -61,8 +61,8 @@ class KnownHouses {
     SceneSpec spec = SpecOf(model);
     spec.timestep = kAnyTimestep;
     std::vector<std::string> notes;
-    auto annotations = std::make_shared<const SceneAnnotations>(
-        AnnotateHouse(Scene::Build(spec), files, notes));
+    auto annotations =
+        std::make_shared<const SceneAnnotations>(AnnotateHouse(Scene::Build(spec), files, notes));
     NoteOnce(files, notes);
     const std::lock_guard lock(mutex);
     if (known.size() >= kMost) known.clear();

@@ -230,7 +230,7 @@ PreparedHouse PrepareHouse(const HouseFiles& files, const HouseFolder& folder) {
     if (it != known.end() && CanReadFile(it->second.model)) return it->second;
   }
   PreparedHouse house = Prepare(files, folder);  // without the lock, because it may log
-  if (!house.why_not.empty()) return house;  // its files may come later
+  if (!house.why_not.empty()) return house;      // its files may come later
   const std::lock_guard lock(mutex);
   return known[key] = std::move(house);
 }
