@@ -283,7 +283,7 @@ def check_hidden(text: str) -> Iterator[tuple[int, str]]:
 
 
 # Kinds of tasks whose names mean other things too: their structs tell them apart.
-PLAIN_WORDS = {"open", "close"}
+PLAIN_WORDS = {"close", "open", "press"}
 
 
 def concrete_tasks(root: Path) -> dict[str, str]:

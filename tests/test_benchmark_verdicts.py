@@ -11,8 +11,7 @@ from unittest import mock
 
 import pytest
 
-BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
-sys.path.append(str(BENCHMARKS))
+sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
 import recorded
 from bench_program import Turns
 from floor import Floor
@@ -24,7 +23,8 @@ from record import sections
 from table import Row, markdown
 from verdicts import BEGIN, END, judge, summary, warnings
 
-RESULTS = (Path(__file__).parents[1] / "benchmarks/RESULTS.md").read_text()
+BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
+RESULTS = (BENCHMARKS / "RESULTS.md").read_text()
 SOLVES = "solved 99.40% (beyond limits too: 100.00%) / 90.00%; p50, p99 1.5, 2.8 / 108.1, 217.4 µs"
 
 

@@ -310,7 +310,9 @@ NpzArray NpzArray::Numbers(std::vector<size_t> shape, std::vector<double> number
 }
 
 NpzArray NpzArray::Texts(std::vector<std::string> texts) {
-  return {.shape = {texts.size()}, .texts = std::move(texts)};
+  NpzArray array{.shape = {texts.size()}};
+  array.texts = std::move(texts);
+  return array;
 }
 
 NpzArrays ReadNpz(const fs::path& path) {
@@ -348,7 +350,7 @@ void WriteNpz(const fs::path& path, const NpzArrays& arrays) {
     PutLittle(static_cast<uint32_t>(all.size()), &central);
     central += entry;
     PutLittle(kLocal, &all);
-    all += common + entry + file;
+    all.append(common).append(entry).append(file);
   }
   const size_t start = all.size();
   all += central;

@@ -47,8 +47,8 @@ std::unique_ptr<Skill> MakePlaceSkill(const SkillSettings& settings,
 
 std::unique_ptr<Skill> MakeHoldSkill(const SkillSettings& settings,
                                      const RelationTask::Goal& goal) {
-  return std::make_unique<PlannerSkill<PickPlanner>>(
-      settings.robot, goal.stated.subject, settings.sim, OptionsOf(settings));
+  return std::make_unique<PlannerSkill<PickPlanner>>(settings.robot, goal.stated.subject,
+                                                     settings.sim, OptionsOf(settings));
 }
 
 }  // namespace robocell

@@ -102,7 +102,7 @@ std::vector<double> CtrlOfPose(const GroupCore& group, const MoveGroupConfig& co
   }
   const std::vector<std::string>& actuators = group.names().actuators;
   for (const auto& [element, value] : config.poses.at(pose).entries()) {
-    const std::string field = "poses." + pose + "." + element;
+    const std::string field = fmt::format("poses.{}.{}", pose, element);
     const auto named = std::ranges::find(actuators, RobotOf(group).prefix + element);
     const OneCtrl one = named != actuators.end()
                             ? OneCtrl{static_cast<size_t>(named - actuators.begin()), *value}

@@ -89,7 +89,7 @@ SceneObject PutFurniture(const SceneSpec& spec, const SceneAnnotations& annotati
   return object;
 }
 
-std::optional<Refusal> StandInFront(Scene& scene, Robot robot, const std::string& object,
+std::optional<Refusal> StandInFront(Scene& scene, const Robot& robot, const std::string& object,
                                     const JointOpening& opening, Rng& rng) {
   const std::optional<Eigen::Vector3d> front = FrontOf(scene, opening);
   if (!front) return std::nullopt;

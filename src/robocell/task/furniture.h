@@ -27,7 +27,7 @@ SceneObject PutFurniture(const SceneSpec& spec, const SceneAnnotations& annotati
 // Moves the robot's base around the object to in front of the joint's handle, at the same distance
 // and height; refuses if it stands free nowhere there. A joint that is pressed or lifted from above
 // has no front: the base stays.
-std::optional<Refusal> StandInFront(Scene& scene, Robot robot, const std::string& object,
+std::optional<Refusal> StandInFront(Scene& scene, const Robot& robot, const std::string& object,
                                     const JointOpening& opening, Rng& rng);
 
 }  // namespace robocell::internal

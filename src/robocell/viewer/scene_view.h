@@ -40,7 +40,7 @@ struct ViewElement {
   enum Kind { kBody, kSite, kTcp, kCamera };
   Kind kind = kBody;
   std::string name;
-  auto operator<=>(const ViewElement&) const = default;
+  auto operator<=>(const ViewElement&) const = default;  // NOLINT(modernize-use-nullptr)
 };
 // Returns "body 'cube'", for messages and labels.
 std::string Describe(const ViewElement& element);

@@ -457,8 +457,7 @@ class Viewer::Impl final : public internal::StepGate {
       message_ = handle.problem();
       return;
     }
-    const int move = view_.holds() ? (s.shift ? mjMOUSE_MOVE_H : mjMOUSE_MOVE_V)
-                                   : (s.shift ? mjMOUSE_MOVE_H : mjMOUSE_MOVE_V);
+    const int move = s.shift ? mjMOUSE_MOVE_H : mjMOUSE_MOVE_V;
     const int turn = s.shift ? mjMOUSE_ROTATE_H : mjMOUSE_ROTATE_V;
     const double dx = s.dx / height, dy = -s.dy / height;
     if (view_.holds()) {

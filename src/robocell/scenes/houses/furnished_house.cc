@@ -45,7 +45,7 @@ struct Side {
 };
 
 std::array<Side, 4> SidesOf(const Box2& room) {
-  const Vector2d a = room.min(), b = room.max();
+  const Vector2d &a = room.min(), &b = room.max();
   const double x = (b - a).x(), y = (b - a).y();
   return {Side{a, Vector2d::UnitX(), Vector2d::UnitY(), x, 0},
           Side{{b.x(), a.y()}, Vector2d::UnitY(), -Vector2d::UnitX(), y, kPi / 2},

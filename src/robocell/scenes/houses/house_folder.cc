@@ -133,9 +133,10 @@ std::map<int, HouseFiles> Chosen(std::map<std::string, std::map<int, HouseFiles>
 // Returns the places where a set may be, below one root.
 std::vector<fs::path> PlacesBelow(const fs::path& root, const std::string& dataset,
                                   const std::string& split) {
+  const std::string joined = dataset + "-" + split;
   std::vector<fs::path> places;
   for (const fs::path& base : {root, root / "scenes"}) {
-    places.push_back(base / (dataset + "-" + split));
+    places.push_back(base / joined);
     places.push_back(base / dataset / split);
     places.push_back(base / dataset);
   }

@@ -205,8 +205,9 @@ std::vector<FloorArea> FreeFloorOf(const HouseMap& map, double floor_height) {
       int room = -1;
       bool is_free = true;
       for (int s = 0; s < kSamples * kSamples && is_free; ++s) {
-        const double x = low.x() + (i + (s % kSamples + 0.5) / kSamples) * side;
-        const double y = low.y() + (j + (s / kSamples + 0.5) / kSamples) * side;
+        const int column = s % kSamples, row = s / kSamples;
+        const double x = low.x() + (i + (column + 0.5) / kSamples) * side;
+        const double y = low.y() + (j + (row + 0.5) / kSamples) * side;
         const int here = map.RoomAt(x, y);
         if (s == 0) room = here;
         is_free = map.IsFree(x, y) && here == room;
