@@ -17,6 +17,7 @@
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/scenes/handle_geoms.h"
 #include "robocell/task/geometry_text.h"
 #include "robocell/task/grasp_proposals.h"
 #include "robocell/task/grasped_body.h"
@@ -176,8 +177,7 @@ std::vector<std::string> HandleGeomsOf(const Scene& scene, const std::string& bo
   const internal::GraspedBody grasped = internal::FindGraspedBody(scene, body);
   std::vector<std::string> names;
   for (const int g : grasped.geoms) {
-    if (internal::IsHandleName(grasped.OwnName(ElementName(m, mjOBJ_GEOM, g))))
-      names.push_back(ElementName(m, mjOBJ_GEOM, g));
+    if (internal::IsHandleGeom(scene, g)) names.push_back(ElementName(m, mjOBJ_GEOM, g));
   }
   return names;
 }
@@ -214,8 +214,7 @@ GraspSet GenerateGrasps(const Robot& robot, const std::string& body, const Grasp
     target.is_handle[static_cast<size_t>(g)] = 1;
   }
   for (const int g : grasped.geoms) {
-    if (internal::IsHandleName(grasped.OwnName(ElementName(m, mjOBJ_GEOM, g))))
-      target.is_handle[static_cast<size_t>(g)] = 1;
+    if (internal::IsHandleGeom(scene, g)) target.is_handle[static_cast<size_t>(g)] = 1;
     if (target.is_handle[static_cast<size_t>(g)]) handles.push_back(g);
   }
   target.all = internal::BodySolids(m, d, body_in_world, grasped.geoms);

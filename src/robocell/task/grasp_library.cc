@@ -24,6 +24,7 @@
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/scene_cache.h"
+#include "robocell/scenes/handle_geoms.h"
 #include "robocell/task/geometry_text.h"
 #include "robocell/task/grasped_body.h"
 #include "robocell/task/hand_geometry.h"
@@ -120,7 +121,7 @@ std::vector<std::string> FilesOf(const Scene& scene, const internal::GraspedBody
   if (!jointed) return {"grasps.npz", object + "_grasps_filtered.npz"};
   std::vector<std::string> files;
   const std::string full = ElementName(m, mjOBJ_JOINT, m->body_jntadr[grasped.body]);
-  for (const std::string& joint : {full, grasped.OwnName(full)}) {
+  for (const std::string& joint : {full, internal::NameInObject(scene, grasped.body, full)}) {
     files.push_back("joint_grasps_" + joint + ".npz");
     files.push_back(joint + "_grasps_filtered.npz");
   }
@@ -175,8 +176,7 @@ std::string KeyText(const internal::HandGeometry& hand, const internal::GraspedB
           internal::RoundedPose(
               frame * Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g)),
           &text);
-      const std::string name = grasped.OwnName(ElementName(m, mjOBJ_GEOM, g));
-      text += internal::IsHandleName(name) ? "h" : "-";
+      text += internal::IsHandleGeom(scene, g) ? "h" : "-";
       text += std::ranges::find(options.geoms, ElementName(m, mjOBJ_GEOM, g)) != options.geoms.end()
                   ? "x"
                   : "-";
