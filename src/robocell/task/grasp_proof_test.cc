@@ -90,6 +90,7 @@ TEST(ProveGrasps, AnObjectMayHaveTheNameOfTheRobotsConfiguration) {
   const std::string hand = WriteRandomHand(rng, folder);
   SceneSpec spec = HandBeside(hand, RandomPrimitive(rng)).spec();
   spec.robots[0].name = "arm";
+  spec.robots[0].prefix = "arm/";
   spec.objects[0].name = spec.robots[0].config.name;
   Scene scene = Scene::Build(spec);
   scene.Reset();
