@@ -91,7 +91,7 @@ TEST(ProveGrasps, AnObjectMayHaveTheNameOfTheRobotsConfiguration) {
   SceneSpec spec = HandBeside(hand, RandomPrimitive(rng)).spec();
   spec.robots[0].name = "arm";
   spec.robots[0].prefix = "arm/";
-  spec.objects[0].name = spec.robots[0].config.name;
+  spec.objects[0].name = "hand";
   Scene scene = Scene::Build(spec);
   scene.Reset();
   const Robot robot = Robot::Of(scene, "arm");
