@@ -4,12 +4,14 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <optional>
 #include <span>
 #include <utility>
 
+#include "robocell/base/error.h"
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/kinematics/ik_position_first.h"
 #include "robocell/motion/geom_extent.h"
@@ -209,6 +211,33 @@ class ReachSearch {
   ReachReport report_;
 };
 
+void RequireReachOptions(const ReachOptions& options, const std::string& place) {
+  const auto require = [&](bool ok, const char* field, const char* rule) {
+    if (!ok) throw ArgumentError(fmt::format("{}: {} must be {}", place, field, rule));
+  };
+  require(options.most >= 1, "most", "at least 1");
+  require(options.tried >= 1, "tried", "at least 1");
+  require(options.clearance >= 0 && options.clearance <= 1, "clearance", "from 0 to 1 m");
+  require(options.lift >= 0 && options.lift <= 10, "lift", "from 0 to 10 m");
+  const GraspCosts& costs = options.costs;
+  for (const double cost : {costs.score, costs.turn, costs.distance, costs.level})
+    require(std::isfinite(cost), "costs", "finite");
+}
+
+// Grasps that a caller made may lack what generated and loaded ones have.
+void RequireWholeGrasps(const GraspSet& grasps, const std::string& place) {
+  for (size_t i = 0; i < grasps.grasps.size(); ++i) {
+    const Grasp& grasp = grasps.grasps[i];
+    const auto fail = [&](const char* what) {
+      throw ArgumentError(fmt::format("{}: grasps[{}] {}", place, i, what));
+    };
+    if (std::abs(grasp.approach.norm() - 1) > 1e-6) fail("has an approach that is no unit vector");
+    if (!(grasp.approach_length >= 0)) fail("has an approach_length below 0");
+    if (!(grasp.opening >= 0)) fail("has an opening below 0: give the gap of the open hand");
+    if (!(grasp.width >= 0)) fail("has a width below 0");
+  }
+}
+
 }  // namespace
 
 std::string ReachReport::Reasons() const {
@@ -221,16 +250,25 @@ std::string ReachReport::Reasons() const {
   add(out_of_reach, "out of reach");
   add(way_out_of_reach, "whose approach or lift is out of reach");
   add(in_collision, "with the robot in collision");
-  return text;
+  return text.empty() ? "no grasps" : text;
 }
 
 ReachReport FindReachableGrasps(const Robot& robot, const GraspSet& grasps,
                                 const ReachOptions& options) {
+  const std::string place = "reachable grasps of '" + grasps.body + "' by '" + robot.name() + "'";
+  RequireReachOptions(options, place);
+  if (grasps.robot != robot.name()) {
+    throw ArgumentError(fmt::format(
+        "{}: the grasps are those of {}. Compute them for '{}'", place,
+        grasps.robot.empty() ? "no robot" : "robot '" + grasps.robot + "'", robot.name()));
+  }
+  RequireWholeGrasps(grasps, place);
   if (grasps.grasps.empty()) return {};
   return ReachSearch(robot, grasps, options).Run();
 }
 
 std::vector<MotionGoal> GoalsBefore(const Scene& scene, const GraspSet& grasps, int most) {
+  RequireWholeGrasps(grasps, "goals of grasps of '" + grasps.body + "'");
   const Pose body_in_world = scene.body_pose(grasps.body);
   std::vector<MotionGoal> goals;
   for (const Grasp& grasp : grasps.grasps) {
