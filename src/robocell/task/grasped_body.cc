@@ -3,7 +3,6 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
-#include <cctype>
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
@@ -45,12 +44,6 @@ GraspedBody FindGraspedBody(const Scene& scene, const std::string& name) {
     }
   }
   return found;
-}
-
-bool IsHandleName(const std::string& name) {
-  std::string lower = name;
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  return lower.find("handle") != std::string::npos || lower.find("knob") != std::string::npos;
 }
 
 }  // namespace robocell::internal

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "robocell/scene/scene.h"
+#include "robocell/scenes/handle_names.h"  // IWYU pragma: export
 
 namespace robocell::internal {
 
@@ -25,8 +26,5 @@ struct GraspedBody {
 // `name`: of an object, for its root body, or of a body. Throws NotFoundError with the objects and
 // bodies.
 GraspedBody FindGraspedBody(const Scene& scene, const std::string& name);
-
-// Returns true for own names of geoms that are handles: they contain "handle" or "knob".
-bool IsHandleName(const std::string& name);
 
 }  // namespace robocell::internal
