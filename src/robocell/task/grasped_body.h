@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "robocell/scene/scene.h"
+#include "robocell/scenes/handle_geoms.h"  // IWYU pragma: export
 
 namespace robocell::internal {
 
