@@ -36,7 +36,7 @@ struct HandleBar {
 };
 
 // Returns the bar of the handle of a joint: the longest of the geoms named handle or knob
-// (scenes/handle_names.h) that move as one with the joint's body, meshes last; unset without one.
+// (scenes/handle_geoms.h) that move as one with the joint's body, meshes last; unset without one.
 std::optional<HandleBar> FindHandle(const Scene& scene, const JointOpening& opening);
 // Returns true for a knob on its joint's own axis: it is turned, and opens nothing.
 bool TurnsOnTheSpot(const Scene& scene, const JointOpening& opening);
