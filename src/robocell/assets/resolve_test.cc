@@ -160,10 +160,10 @@ TEST_F(Resolving, AVariableOverridesAModelFile) {
 
 TEST_F(Resolving, EquipmentIsFoundByNameAndIsNotPickable) {
   EXPECT_THAT(BuiltinEquipment(),
-              ::testing::ElementsAre("button_panel", "cabinet", "d405", "drawer_unit", "faucet",
-                                     "fr3_duo_mount", "ft_sensor", "green_cube", "laptop",
+              ::testing::ElementsAre("button_panel", "cabinet", "cupboard", "d405", "drawer_unit",
+                                     "faucet", "fr3_duo_mount", "ft_sensor", "green_cube", "laptop",
                                      "lid_box", "microwave", "open_bottle", "parallel_hand",
-                                     "receiver", "robotiq_d405_mount", "table", "tray"));
+                                     "receiver", "region", "robotiq_d405_mount", "table", "tray"));
   EXPECT_EQ(Resolve("cabinet"), ModelsRoot() + "/equipment/cabinet/cabinet.xml");
   EXPECT_THAT(BuiltinObjects(), ::testing::Not(Contains("cabinet")));
   EXPECT_THAT(BuiltinModels(), ::testing::IsSupersetOf({"rc7", "mug", "cabinet", "tabletop"}));
