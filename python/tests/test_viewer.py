@@ -269,12 +269,12 @@ while viewer.step():
         window = display.window("arm window")
         display.xdotool("mousemove", "--window", window, x, y, "click", 1)
         assert running.stdout.readline() == "contacts\n"
-        display.xdotool("mousemove", "--window", window, 400, 300)
+        display.xdotool("mousemove", "--window", window, 410, 300)
         display.xdotool("click", "--repeat", 2, "--delay", 60, 1)
         assert running.stdout.readline() == "cube\n"
         display.xdotool("keydown", "ctrl", "mousedown", 3)
         for up in range(1, 12):
-            display.xdotool("mousemove", "--window", window, 400, 300 - 15 * up)
+            display.xdotool("mousemove", "--window", window, 410, 300 - 15 * up)
         assert running.stdout.readline() == "lifted\n"
         display.xdotool("mouseup", 3, "keyup", "ctrl", "key", "ctrl+q")
         assert running.wait() == 0

@@ -25,7 +25,7 @@ TEST_F(Viewers, SlidersMoveJointsAndControls) {
   viewer.ShowPanels("", "Controls");
   const std::string actuator = internal::NamedActuators(scene_.model())[1];
   const double command = robot.jnt_pos_cmd()[1], ctrl = scene_.actuator_ctrl(actuator);
-  Click(viewer, "Controls", actuator.c_str(), 60);
+  Click(viewer, "Controls", actuator.c_str(), 20);
   EXPECT_NE(scene_.actuator_ctrl(actuator), ctrl);
   EXPECT_NE(robot.jnt_pos_cmd()[1], command) << "the robot keeps it";
 }

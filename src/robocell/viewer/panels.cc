@@ -13,7 +13,7 @@ namespace robocell::internal {
 namespace {
 
 constexpr double kDoubleClick = 0.35;  // seconds
-constexpr int kForPaths = 60;          // pixels, so that a field shows the name of a file
+constexpr int kForPaths = 20;          // pixels, so that a field shows "recording.mp4"
 
 std::string Lower(std::string_view text) {
   std::string out(text);

@@ -57,7 +57,7 @@ TEST_F(Viewers, PanelsSetTheSpeedTheTraceAndWhatDraggingDoes) {
   Click(viewer, "Run", "Help");
   after = viewer.Pixels(&width, &height);
   EXPECT_NE(before, after);
-  Click(viewer, "Run", "Pause");
+  Click(viewer, "Run", "", -40);
   EXPECT_TRUE(viewer.paused());
 }
 
@@ -68,10 +68,12 @@ TEST_F(Viewers, ThePanelOfPerturbationsMakesEachDragAPull) {
   viewer.view().SelectBody("cube");
   viewer.ShowPanels("Perturb", "");
   const auto [x, y] = viewer.PlaceOf("Perturb", "Drag");
-  Drag(viewer, {x, y}, {x, y});  // the middle of three: pull
-  Release(viewer, {x, y});
+  const Eigen::Vector2d pull(x + 40, y + 8);  // "Pull", beside "View"
+  Drag(viewer, pull, pull);
+  Release(viewer, pull);
+  viewer.SetPanelsShown(false);
   const auto before = std::get<OrbitCamera>(viewer.view().view());
-  Drag(viewer, {330, 240}, {330, 400});
+  Drag(viewer, {320, 240}, {320, 400});
   EXPECT_TRUE(viewer.view().holds());
   EXPECT_EQ(std::get<OrbitCamera>(viewer.view().view()).azimuth, before.azimuth);
   for (int i = 0; i < 150; ++i) viewer.Step();
