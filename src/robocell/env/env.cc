@@ -383,6 +383,7 @@ bool Env::State::EndsAtCollision() const {
 }
 
 EndReason Env::State::ReasonOf(const StepResult& step, const EnvStep& out) {
+  if (step.status == StepResult::kStopped) return EndReason::kStopped;
   if (!step.ok()) return EndReason::kDiverged;
   if (held_ || (collided_ && EndsAtCollision())) return EndReason::kCollision;
   if (!out.ik_failed.empty()) return EndReason::kIkFailed;
