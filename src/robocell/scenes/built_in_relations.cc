@@ -24,9 +24,9 @@
 namespace robocell::internal {
 namespace {
 
-constexpr double kHollowGap = 0.003;   // m between a sampled object and the walls of a hollow
+constexpr double kHollowGap = 0.003;  // m between a sampled object and the walls of a hollow
 constexpr double kLevelFloor = 0.98;  // cosine of the tilt of a floor
-constexpr double kRegionShare = 0.6;   // of a region that samples lie in
+constexpr double kRegionShare = 0.6;  // of a region that samples lie in
 
 // An object of a scene whose poses are sampled.
 class Subject {
