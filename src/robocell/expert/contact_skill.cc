@@ -9,6 +9,7 @@
 #include "robocell/math/rotation.h"
 #include "robocell/motion/motion_planner.h"
 #include "robocell/motion/vertical_line.h"
+#include "robocell/robot/task_space.h"
 
 namespace robocell {
 namespace {
@@ -218,7 +219,8 @@ void ContactSkill::BreakOff() {
   const JointVector q = arm_->target();
   const Pose tcp = robot_->chain().Fk(q);
   const Eigen::Vector3d away = Rotate(tcp.quaternion(), away_in_tcp_);
-  motion_->out = internal::LineAbove(robot_->chain(), tcp, q, away, after_);
+  motion_->out =
+      internal::LineAbove(robot_->chain(), internal::TaskSpaceOf(*robot_), tcp, q, away, after_);
   Enter(Phase::kRelease);
 }
 

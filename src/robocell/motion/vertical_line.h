@@ -18,8 +18,8 @@ inline constexpr double kMostTilt = 0.15;
 
 // Returns joint positions along the line from the TCP pose `tcp` (base frame), which `q` has, to
 // `height` metres along `up` (base frame, unit length), with constant orientation; where the task
-// space of the arm allows another one, within kMostTilt. The line ends where the arm gets no further without changing its posture; a complete one has kLinePoints + 1
-// points.
+// space of the arm allows another one, within kMostTilt. The line ends where the arm gets no further
+// without changing its posture; a complete one has kLinePoints + 1 points.
 JointPath LineAbove(const Chain& chain, const TaskSpace& task, const Pose& tcp,
                     const JointVector& q, const Eigen::Vector3d& up, double height);
 

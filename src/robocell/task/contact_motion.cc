@@ -7,6 +7,7 @@
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/math/rotation.h"
 #include "robocell/motion/vertical_line.h"
+#include "robocell/robot/task_space.h"
 
 namespace robocell {
 namespace {
@@ -57,6 +58,7 @@ ContactMotions::ContactMotions(PlanningScene& planning, std::vector<ContactPath>
 std::optional<ContactMotion> ContactMotions::Try(const Start& start) {
   const ContactPath& path = paths_[start.path];
   const Chain& chain = planning_.robot().chain();
+  const internal::TaskSpace task = internal::TaskSpaceOf(planning_.robot());
   const auto in_base = [&](const Eigen::Vector3d& direction) {
     return Rotate(world_in_base_.quaternion(), direction);
   };
@@ -67,7 +69,7 @@ std::optional<ContactMotion> ContactMotions::Try(const Start& start) {
     return false;
   };
   ContactMotion motion{.path = start.path};
-  motion.in = internal::LineAbove(chain, world_in_base_ * path.tcp_in_world.front(), start.q,
+  motion.in = internal::LineAbove(chain, task, world_in_base_ * path.tcp_in_world.front(), start.q,
                                   in_base(path.from), path.before);
   if (internal::MissingShare(motion.in) > 0) return ++no_line_, std::nullopt;
   for (size_t i = 1; i < motion.in.size(); ++i) {
@@ -92,7 +94,8 @@ std::optional<ContactMotion> ContactMotions::Try(const Start& start) {
                            static_cast<double>(path.tcp_in_world.size() - 1);
   if (motion.share < options_.least_share) return ++no_way_, std::nullopt;
   const Pose end = world_in_base_ * path.tcp_in_world[motion.along.size() - 1];
-  motion.out = internal::LineAbove(chain, end, motion.along.back(), in_base(path.away), path.after);
+  motion.out =
+      internal::LineAbove(chain, task, end, motion.along.back(), in_base(path.away), path.after);
   // The hand leaves as far as that is free. Fingers that let go may still touch the target.
   size_t free = 1;
   while (free < motion.out.size() &&

@@ -13,11 +13,11 @@
 
 #include "robocell/base/error.h"
 #include "robocell/kinematics/ik_batch.h"
-#include "robocell/kinematics/ik_position_first.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/motion/planning_scene.h"
 #include "robocell/motion/vertical_line.h"
+#include "robocell/robot/task_space.h"
 #include "robocell/task/grasped_body.h"
 #include "robocell/task/hand_geometry.h"
 
@@ -41,6 +41,7 @@ class ReachSearch {
         planning_(scene_, robot, internal::FindGraspedBody(scene_, grasps.body).name, shape_),
         body_in_world_(scene_.body_pose(planning_name())),
         world_in_base_(robot.base_in_world().inverse()),
+        task_(internal::TaskSpaceOf(robot)),
         present_(robot.arm().joint_pos()) {
     const mjModel* m = scene_.model();
     const internal::GraspedBody grasped = internal::FindGraspedBody(scene_, grasps.body);
@@ -129,10 +130,9 @@ class ReachSearch {
       std::optional<JointVector> q;
       if (result.success[i]) {
         q = JointVector(result.row(b));
-      } else if (internal::HasFewJoints(chain)) {
-        const IkResult near =
-            internal::IkPositionFirst(chain, targets[i], JointVector(std::span(present_)));
-        if (near.success && near.rotation_error <= internal::kMostTilt) q = near.q;
+      } else {
+        const IkResult near = task_.SolveWithin(chain, targets[i], present_, internal::kMostTilt);
+        if (near.success) q = near.q;
       }
       if (q) {
         Follow(batch[i], *q);
@@ -147,19 +147,19 @@ class ReachSearch {
     const Grasp& grasp = GraspOf(candidate);
     const Chain& chain = robot_.chain();
     const Pose tcp =
-        internal::HasFewJoints(chain) ? chain.Fk(q) : world_in_base_ * candidate.tcp_in_world;
+        task_.is_partial(chain) ? chain.Fk(q) : world_in_base_ * candidate.tcp_in_world;
     const Eigen::Vector3d back =
         -(Rotate(world_in_base_.quaternion(), Rotate(body_in_world_.quaternion(), grasp.approach)));
     JointPath way = {q}, up;
     if (grasp.approach_length > 0) {
-      way = internal::LineAbove(chain, tcp, q, back, grasp.approach_length);
+      way = internal::LineAbove(chain, task_, tcp, q, back, grasp.approach_length);
       if (internal::MissingShare(way) > 0) {
         ++report_.way_out_of_reach;
         return;
       }
     }
     if (options_.lift > 0) {
-      up = internal::LineAbove(chain, tcp, q,
+      up = internal::LineAbove(chain, task_, tcp, q,
                                Rotate(world_in_base_.quaternion(), Eigen::Vector3d::UnitZ()),
                                options_.lift);
       if (internal::MissingShare(up) > 0) {
@@ -204,6 +204,7 @@ class ReachSearch {
   internal::HandGeometry hand_;
   PlanningScene planning_;
   Pose body_in_world_, world_in_base_;
+  const internal::TaskSpace task_;
   std::vector<double> present_;
   std::vector<int> others_;  // geoms that are neither the robot's nor the object's
   std::vector<Candidate> order_;
