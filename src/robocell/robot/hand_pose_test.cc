@@ -258,7 +258,7 @@ TEST_F(HandPose, ANameOfAnActuatorAndAJointIsTheActuators) {
   RobotConfig config = Config();
   const std::string same =
       Exchanged(Exchanged(kHand, R"(name="middle_1" joint="m1")", R"(name="m1" joint="m1")"),
-               R"(name="index_1" joint="i1")", R"(name="i1" joint="i1")");
+                R"(name="index_1" joint="i1")", R"(name="i1" joint="i1")");
   config.model = folder_.Write("same", same);
   MoveGroupConfig& hand = config.move_groups["hand"];
   hand.actuators = {"thumb_1", "thumb_2", "i1", "index_2", "m1", "middle_2"};
