@@ -20,7 +20,7 @@
 #include "values.h"
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
-#include "robocell/robot/task_space.h"
+#include "robocell/robot/arm_ik.h"
 
 namespace nb = nanobind;
 
@@ -49,10 +49,9 @@ IkOptions OptionsFor(const Robot& robot, nb::handle seed,
   options.seed = IkSeed(seed, robot.chain());
   options.locked = robot.LockGroups(locked_groups);
   objectives.Apply(&options);
-  const bool chooses = internal::ChoosesPart(options) || !objectives.position_weights.is_none() ||
-                       !objectives.rotation_weights.is_none();
-  if (!chooses) internal::TaskSpaceOf(robot).ApplyTo(options);
-  return options;
+  const bool has_weights =
+      !objectives.position_weights.is_none() || !objectives.rotation_weights.is_none();
+  return has_weights ? options : ForArm(robot, std::move(options));
 }
 
 // Without a seed the search starts at the arm's own position.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
@@ -13,9 +14,9 @@
 #include "robocell/mujoco/gravity.h"
 #include "robocell/mujoco/joint_followers.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/robot/arm_ik.h"
 #include "robocell/robot/measurement_cache.h"
 #include "robocell/robot/robot_state.h"
-#include "robocell/robot/task_space.h"
 #include "robocell/scene/hold_ctrl.h"
 
 namespace robocell {
@@ -303,8 +304,7 @@ Pose Robot::FkFrame(std::span<const double> q) const { return chain().Fk(q); }
 IkResult Robot::Ik(const Pose& tcp_in_robot_base, IkOptions options) const {
   const Chain& arm_chain = chain();
   if (options.seed.empty()) options.seed = Positions(arm());
-  if (!internal::ChoosesPart(options)) internal::TaskSpaceOf(*this).ApplyTo(options);
-  return robocell::Ik(arm_chain, tcp_in_robot_base, options);
+  return robocell::Ik(arm_chain, tcp_in_robot_base, ForArm(*this, std::move(options)));
 }
 
 LockedJoints Robot::LockGroups(std::span<const std::string> groups) const {
