@@ -61,7 +61,6 @@
 #include "robocell/render/scene_recorder.h"
 #include "robocell/render/scene_renderer.h"
 #include "robocell/render/video_recorder.h"
-#include "robocell/robot/arm_ik.h"
 #include "robocell/robot/collision_filter.h"
 #include "robocell/robot/joint_position_controller.h"
 #include "robocell/robot/robot.h"
