@@ -63,20 +63,20 @@ TEST(FindReachableGrasps, RejectsOptionsAndGraspsThatDoNotFit) {
   EXPECT_EQ(error_of(good), "");
   GraspSet bad = good;
   bad.robot = "left";
-  EXPECT_THAT(error_of(bad), testing::HasSubstr("those of robot 'left'"));
+  EXPECT_THAT(error_of(bad), ::testing::HasSubstr("those of robot 'left'"));
   bad = good;
   bad.grasps[0].opening = -1;
-  EXPECT_THAT(error_of(bad), testing::HasSubstr("grasps[0] has an opening below 0"));
+  EXPECT_THAT(error_of(bad), ::testing::HasSubstr("grasps[0] has an opening below 0"));
   bad = good;
   bad.grasps[0].approach.setZero();
-  EXPECT_THAT(error_of(bad), testing::HasSubstr("approach that is no unit vector"));
+  EXPECT_THAT(error_of(bad), ::testing::HasSubstr("approach that is no unit vector"));
   EXPECT_THROW(GoalsBefore(pick.scene, bad), ArgumentError);
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_THAT(error_of(good, {.most = 0}), testing::HasSubstr("most must be at least 1"));
-  EXPECT_THAT(error_of(good, {.tried = -1}), testing::HasSubstr("tried must be at least 1"));
-  EXPECT_THAT(error_of(good, {.clearance = nan}), testing::HasSubstr("clearance must be"));
-  EXPECT_THAT(error_of(good, {.lift = nan}), testing::HasSubstr("lift must be"));
-  EXPECT_THAT(error_of(good, {.costs = {.turn = nan}}), testing::HasSubstr("costs must be"));
+  EXPECT_THAT(error_of(good, {.most = 0}), ::testing::HasSubstr("most must be at least 1"));
+  EXPECT_THAT(error_of(good, {.tried = -1}), ::testing::HasSubstr("tried must be at least 1"));
+  EXPECT_THAT(error_of(good, {.clearance = nan}), ::testing::HasSubstr("clearance must be"));
+  EXPECT_THAT(error_of(good, {.lift = nan}), ::testing::HasSubstr("lift must be"));
+  EXPECT_THAT(error_of(good, {.costs = {.turn = nan}}), ::testing::HasSubstr("costs must be"));
 }
 
 TEST(GoalsBefore, ThePlannerReachesOne) {
