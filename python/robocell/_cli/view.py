@@ -125,7 +125,7 @@ def _kind(path: Path) -> type:
     if not isinstance(content, dict):
         fail(f"'{path}' is no specification: it has no fields")
     kinds = (RobotConfig, RunConfig, EnvConfig, SceneSpec)
-    fields = {kind: fields_in(kind) for kind in kinds}
+    fields: dict[type, set[str]] = {kind: fields_in(kind) for kind in kinds}
 
     def fit(kind: type) -> tuple[int, int]:
         others = set[str]().union(*(fields[other] for other in kinds if other is not kind))
