@@ -10,7 +10,6 @@ import typer
 
 from robocell import EnvConfig, Robot, RobotConfig, RobotSpec, RunConfig, Scene, SceneSpec
 from robocell._cli.common import fail, fail_missing, is_dataset, is_yaml
-from robocell._spec_fields import fields_in
 from robocell.control import CtrlMode
 from robocell.viewer import Viewer
 
@@ -117,6 +116,8 @@ def _kind(path: Path) -> type:
     Fields that only one kind has decide; the others count among equals.
     """
     import yaml
+
+    from robocell._spec_fields import fields_in
 
     try:
         content = yaml.safe_load(path.read_text())
