@@ -197,10 +197,11 @@ void ActuatedGripper::Fail(const char* field, const std::string& message) const 
 }
 
 void ActuatedGripper::FailToClose(const char* field, const std::string& message) const {
+  if (!is_other_pose()) Fail(field, message);
   try {
     Fail(field, message);
   } catch (const ArgumentError& error) {
-    throw NoClosing(error.what());
+    throw NoClosing(error.what());  // Measured() catches it
   }
 }
 
