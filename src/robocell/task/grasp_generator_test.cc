@@ -110,7 +110,7 @@ TEST(GenerateGrasps, NamedGeomsAreHandlesOnlyWhenHandlesAreAskedFor) {
   Rng rng = Rng::Stream(11, "geoms");
   const TempDir folder;
   const std::string hand = WriteRandomHand(rng, folder);
-  AtomicWrite(folder / "tool.xml", R"(<mujoco><worldbody><body name="tool">
+  AtomicWrite(folder / "tool.xml", R"(<mujoco><worldbody><body name="tool"><freejoint/>
     <geom name="blade" type="box" size=".01 .04 .01" mass=".05"/>
     <geom name="handle" type="box" size=".01 .04 .01" pos="0 .08 0" mass=".05"/></body></worldbody></mujoco>)");
   const Scene scene = HandBeside(
@@ -144,13 +144,13 @@ TEST(GenerateGrasps, NamedGeomsAreHandlesOnlyWhenHandlesAreAskedFor) {
 }
 
 // A thin plate is above the object, beside which nothing else is: no grasp comes through it, however
-// long the approach is. The oracle is the engine at places 1 mm apart.
+// long the approach is. The oracle is the engine at places 2 mm apart.
 TEST(GenerateGrasps, TheHandDoesNotPassThroughThinParts) {
   Rng rng = Rng::Stream(12, "plates");
   for (const double length : {0.08, 0.5}) {
     const TempDir folder;
     const std::string hand = WriteRandomHand(rng, folder);
-    AtomicWrite(folder / "lamp.xml", R"(<mujoco><worldbody><body name="lamp">
+    AtomicWrite(folder / "lamp.xml", R"(<mujoco><worldbody><body name="lamp"><freejoint/>
       <geom name="foot" type="box" size=".012 .012 .03" mass=".05"/>
       <geom name="plate" type="box" size=".05 .05 .001" pos="0 0 .235" mass=".05"/>
       <geom name="bar" type="capsule" size=".002 .1" pos=".2 0 0" mass=".05"/></body></worldbody></mujoco>)");

@@ -232,7 +232,7 @@ TEST(GraspLibrary, NoFileOutsideOfTheFolderIsRead) {
   const std::string hand = WriteRandomHand(rng, folder);
   fs::create_directories(folder / "library/inside");
   fs::create_directories(folder / "models/inner");
-  AtomicWrite(folder / "models/part.xml", R"(<mujoco><worldbody><body name="part">
+  AtomicWrite(folder / "models/part.xml", R"(<mujoco><worldbody><body name="part"><freejoint/>
     <geom type="box" size=".012 .012 .03" mass=".05"/></body></worldbody></mujoco>)");
   WriteNpz(folder / "grasps.npz", {{"transforms", NpzArray::Numbers({1, 4, 4}, Identity())}});
   SceneObject object{.name = "thing", .pos = Vec3{0.6, 0, 0.3}};
