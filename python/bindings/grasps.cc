@@ -113,7 +113,7 @@ void BindGrasp(nb::module_& m) {
             return NewArray<double>(std::span(g.approach.data(), 3), {size_t{3}});
           },
           nb::for_getter(nb::sig("def approach(self) -> numpy.typing.NDArray[numpy.float64]")),
-          "Direction in which the hand comes: a unit vector in the frame of the body.")
+          "Direction in which the hand comes: a unit vector (3,) in the frame of the body.")
       .def_ro("approach_length", &Grasp::approach_length, "Length of the approach, m.")
       .def_ro("score", &Grasp::score, "0 to 1; higher is better.")
       .def("__repr__", [](const Grasp& g) {
