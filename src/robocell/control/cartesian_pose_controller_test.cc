@@ -110,7 +110,7 @@ TEST(CartesianPoseTaskSpace, TurnsAndMovesOnlyInWhatCounts) {
     const double angle = (start.inverse() * end).rotvec().norm();
     if (zeros == 2) {
       EXPECT_NEAR(off.rotvec().dot(ToEigen(weights)), 0, 2e-3);
-      EXPECT_LT(angle, 0.4) << "of " << turned.norm();
+      EXPECT_GT(off.rotvec().norm(), 0.2) << "the rest of the rotation does not count";
     } else if (zeros == 1) {
       const auto free = std::ranges::find(weights, 0.0) - weights.begin();
       EXPECT_NEAR(off.matrix()(free, free), 1, 1e-5) << "the axis points as commanded";
