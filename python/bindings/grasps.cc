@@ -204,8 +204,8 @@ void BindSet(nb::module_& m) {
       "Grasps of one body by one hand, the best first. numpy.asarray(grasps) are the poses of the "
       "TCP (N, 4, 4)."
       "\n\nExamples:\n"
-      "    >>> cup = rc.tasks.grasps(robot, \"cup\", samples=300)\n"
-      "    >>> cup.tcp_in_body.shape[1:]\n"
+      "    >>> cube_grasps = rc.tasks.grasps(robot, \"cube\", samples=300)\n"
+      "    >>> cube_grasps.tcp_in_body.shape[1:]\n"
       "    (4, 4)");
   BindSetNumbers(set);
   set.def("select", &SelectGrasps, "indices"_a,
@@ -314,8 +314,8 @@ void BindGrasps(nb::module_& m) {
       "    clearance: Least distance between hand and object before contact, m.\n"
       "    approach_length: Length of the straight approach, m."
       "\n\nExamples:\n"
-      "    >>> cup = rc.tasks.grasps(robot, \"cup\", samples=300)\n"
-      "    >>> len(cup) > 0\n"
+      "    >>> cube_grasps = rc.tasks.grasps(robot, \"cube\", samples=300)\n"
+      "    >>> len(cube_grasps) > 0\n"
       "    True");
   m.def(
       "load_grasps",
