@@ -74,7 +74,8 @@ TEST(Furniture, StandsBesideWhatStandsThereAlready) {
       for (size_t i = 0; i < names.size(); ++i) {
         for (size_t j = i + 1; j < names.size(); ++j)
           EXPECT_GT(LeastDistance(scene, names[i], names[j]), internal::kBesideFurniture - 0.006)
-              << (has_table ? "table" : "floor") << " seed " << seed << ": " << names[i] << " " << names[j];
+              << (has_table ? "table" : "floor") << " seed " << seed << ": " << names[i] << " "
+              << names[j];
       }
     }
   }
