@@ -145,10 +145,12 @@ def test_viewers_come_and_go_without_leaks(scene: rc.Scene):
     for _ in range(5):
         once()
     before = memory()
-    for _ in range(10):
+    windows = 20
+    for _ in range(windows):
         once()
     gc.collect()
-    assert memory() - before < 10 * 1e6, "a window has 6 MB of panels alone"
+    # A window has 6 MB of panels alone. Half of that leaves room for what OpenGL keeps.
+    assert memory() - before < windows * 3e6
 
 
 def test_the_guides_names(scene: rc.Scene):
