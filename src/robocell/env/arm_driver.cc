@@ -182,7 +182,8 @@ void ArmDriver::Reset() {
   memory_.pending = {};
   memory_.pending_joints.assign(memory_.sent_joints.size(), 0);
   memory_.seen_joints = robot_.arm().joint_pos();
-  memory_.seen = TcpAt(memory_.seen_joints);
+  const bool at_rest = memory_.seen_joints == memory_.sent_joints;  // at most starts it is
+  memory_.seen = at_rest ? memory_.sent : TcpAt(memory_.seen_joints);
   WatchFromNow();
   SetOriginToCurrent();
 }

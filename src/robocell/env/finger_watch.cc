@@ -32,6 +32,8 @@ FingerWatch::FingerWatch(Robot robot) : robot_(std::move(robot)) { Begin(0); }
 
 void FingerWatch::Bind() {
   const Scene scene = robot_.scene();
+  if (generation_ == scene.generation()) return;
+  generation_ = scene.generation();
   const mjModel* m = scene.model();
   std::vector<int> ids;
   for (const std::string& name : gripper().joint_names())

@@ -6,6 +6,7 @@
 //   if (watch.IsStill(scene.time(), opening)) ...     // after every engine step
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
@@ -39,12 +40,14 @@ class FingerWatch {
   };
 
   const GripperGroup& gripper() const { return robot_.gripper(); }
+  // Finds the joints, if the model is another one than last time.
   void Bind();
   // Writes the joints as shares of their travel, and the opening last.
   void Look(std::span<double> out) const;
   double Moved();
 
   Robot robot_;
+  uint64_t generation_ = 0;  // of the model that the joints are in; no scene has 0
   std::vector<FingerJoint> joints_;
   std::vector<double> now_;  // scratch
   FingerMemory memory_;

@@ -33,6 +33,8 @@ ControlledGroup::ControlledGroup(const Scene& scene, MadeGroup made, std::string
     : group(std::move(made.group)),
       drives(made.drives ? std::move(*made.drives) : OwnDrive(group)),
       arm(dynamic_cast<const ArmGroup*>(group.get())),
+      gripper(dynamic_cast<GripperGroup*>(group.get())),
+      base(dynamic_cast<BaseGroup*>(group.get())),
       tip(std::move(made.tip)),
       root_body_(std::move(root_body)),
       tool_body_(options.tool_body) {

@@ -39,9 +39,11 @@ class ControlledGroup {
 
   std::shared_ptr<MoveGroup> group;
   Drives drives;
-  const ArmGroup* arm = nullptr;  // the group, if it is an ArmGroup
-  std::optional<ChainTip> tip;    // tip of an arm whose chain is known
-  std::optional<Chain> chain;     // chain from the root body to `tip`
+  const ArmGroup* arm = nullptr;    // the group, if it is an ArmGroup
+  GripperGroup* gripper = nullptr;  // the group, if it is a GripperGroup
+  BaseGroup* base = nullptr;        // the group, if it is a BaseGroup
+  std::optional<ChainTip> tip;      // tip of an arm whose chain is known
+  std::optional<Chain> chain;       // chain from the root body to `tip`
 
  private:
   std::string root_body_, tool_body_;

@@ -92,7 +92,7 @@ bool Robot::has_arm() const { return open().FindKind(MoveGroupKind::kArm) != nul
 bool Robot::has_gripper() const { return open().FindKind(MoveGroupKind::kGripper) != nullptr; }
 
 GripperGroup& Robot::gripper() const {
-  return dynamic_cast<GripperGroup&>(*open().RequireKind(MoveGroupKind::kGripper).own->group);
+  return *open().RequireKind(MoveGroupKind::kGripper).own->gripper;
 }
 
 std::string Robot::gripper_of(const std::string& arm) const {
@@ -106,9 +106,7 @@ std::string Robot::gripper_of(const std::string& arm) const {
   return gripper ? gripper->own->group->name() : "";
 }
 
-BaseGroup& Robot::base() const {
-  return dynamic_cast<BaseGroup&>(*open().RequireKind(MoveGroupKind::kBase).own->group);
-}
+BaseGroup& Robot::base() const { return *open().RequireKind(MoveGroupKind::kBase).own->base; }
 
 void Robot::SetGroup(std::shared_ptr<MoveGroup> group) {
   RequireInterface(group.get());

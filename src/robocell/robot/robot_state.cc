@@ -88,8 +88,7 @@ void Robot::State::OnReset() {
   });
   for (internal::FtReading& reading : ft_sensors) reading.tare = {};
   for (const auto& slot : slots) {
-    if (auto* gripper = dynamic_cast<GripperGroup*>(slot->own->group.get()))
-      gripper->SetClosingPose("");
+    if (slot->own->gripper) slot->own->gripper->SetClosingPose("");
   }
   std::exception_ptr failed;
   ForControlled([&](internal::GroupControl& control) {
