@@ -11,31 +11,12 @@
 #include "robocell/spec/env_config.h"
 #include "robocell/spec/testing/random_spec.h"
 #include "robocell/spec/yaml.h"
-#include "robocell/spec/yaml_reader.h"
-#include "robocell/spec/yaml_writer.h"
 
 namespace robocell::internal {
 namespace {
 
 using ::testing::HasSubstr;
 using testing::RandomSpec;
-
-template <class T>
-std::string Write(const T& spec) {
-  yaml::Writer writer;
-  writer.Write(spec);
-  return writer.text();
-}
-
-// Without validation: random values obey no rules.
-template <class T>
-T Read(const std::string& text) {
-  yaml::Reader reader("text", "");
-  T spec{};
-  reader.Read(yaml::ParseText(text, "text"), spec);
-  EXPECT_EQ(reader.problems().Text(""), Problems().Text("")) << text;
-  return spec;
-}
 
 // A field of T, and how to give it another value than `plain` has. Its checks are compiled once for
 // T, not once for each field, which took the longest of all tests.
@@ -78,10 +59,10 @@ TYPED_TEST_SUITE(RoundTrip, SpecTypes);
 TYPED_TEST(RoundTrip, RandomSpecsRoundTrip) {
   for (uint64_t seed = 0; seed < 40; ++seed) {
     const auto spec = RandomSpec(seed).Make<TypeParam>();
-    const std::string text = Write(spec);
-    const auto back = Read<TypeParam>(text);
-    ASSERT_TRUE(back == spec) << "seed " << seed << ":\n" << text << "\n---\n" << Write(back);
-    EXPECT_EQ(Write(back), text);
+    const std::string text = ToYaml(spec);
+    const auto back = FromYamlUnchecked<TypeParam>(text);
+    ASSERT_TRUE(back == spec) << "seed " << seed << ":\n" << text << "\n---\n" << ToYaml(back);
+    EXPECT_EQ(ToYaml(back), text);
   }
 }
 
@@ -91,14 +72,14 @@ TYPED_TEST(RoundTrip, EveryFieldIsWrittenReadAndCompared) {
     TypeParam changed{};
     ASSERT_TRUE(field.change(changed, plain)) << field.name << " cannot be changed";
     EXPECT_FALSE(changed == plain) << field.name << " is not compared";
-    const std::string text = Write(changed);
+    const std::string text = ToYaml(changed);
     EXPECT_THAT(text, HasSubstr(field.name));
-    EXPECT_TRUE(Read<TypeParam>(text) == changed) << field.name << "\n" << text;
+    EXPECT_TRUE(FromYamlUnchecked<TypeParam>(text) == changed) << field.name << "\n" << text;
   }
 }
 
 TYPED_TEST(RoundTrip, DefaultsRoundTrip) {
-  EXPECT_TRUE(Read<TypeParam>(Write(TypeParam{})) == TypeParam{});
+  EXPECT_TRUE(FromYamlUnchecked<TypeParam>(ToYaml(TypeParam{})) == TypeParam{});
 }
 
 TYPED_TEST(RoundTrip, EveryFieldHasAUniqueNameAndADescription) {
@@ -113,9 +94,9 @@ TYPED_TEST(RoundTrip, EveryFieldHasAUniqueNameAndADescription) {
 TYPED_TEST(RoundTrip, CopiesShareNothing) {
   auto spec = RandomSpec(1).Make<TypeParam>();
   const TypeParam copy = spec;
-  const std::string before = Write(copy);
+  const std::string before = ToYaml(copy);
   RandomSpec(2).Fill(spec);
-  EXPECT_EQ(Write(copy), before);
+  EXPECT_EQ(ToYaml(copy), before);
 }
 
 TEST(ToYaml, ProducesTextThatParseYamlAccepts) {
