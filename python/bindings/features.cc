@@ -274,7 +274,7 @@ nb::object RowLoan::Lend(const CellRow& row) {
   }
   if (!IsLaidOut(row.observed)) LayOut(row.observed);
   const auto make = nb::module_::import_("robocell._row").attr("Row").attr("of");
-  if (names.size() == 0) return make(NumberCopy(row.numbers), layout_, names, nb::none());
+  if (names.empty()) return make(NumberCopy(row.numbers), layout_, names, nb::none());
   lent_ = std::make_shared<Lent>();
   lent_->row.emplace(row);
   const auto read = [lent = lent_] {
