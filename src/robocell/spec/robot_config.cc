@@ -103,7 +103,7 @@ void ValidatePoses(const MoveGroupConfig& group, Problems& problems) {
   for (const auto& [name, values] : group.poses.entries()) {
     for (const std::string& element : values->keys()) {
       if (std::ranges::find(known, element) == known.end()) {
-        problems.AddAt("poses." + name + "." + element,
+        problems.AddAt(fmt::format("poses.{}.{}", name, element),
                        NoSuchName("", "actuator or joint of the group", element, known));
       }
     }
