@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import tempfile
 
 import numpy as np
@@ -88,14 +89,18 @@ def main() -> None:
     viewer.show()
     viewer.contacts = False
     viewer.select("")
-    folder = tempfile.TemporaryDirectory()
-    viewer.start_recording(f"{folder.name}/recording.mp4", 30, 320, 240)
-    for _ in range(200):
-        robot.update()
-        viewer.step()
-    picture("recorder", "Recorder")
-    viewer.stop_recording()
-    folder.cleanup()
+    viewer.realtime_factor = 0.1  # so slow that drawing in software keeps pace
+    with tempfile.TemporaryDirectory() as folder, contextlib.chdir(folder):
+        viewer.start_recording("recording.mp4", 30, 320, 240)
+        for _ in range(200):
+            robot.update()
+            viewer.step()
+        viewer.show_panels("Recorder", "View")
+        viewer.show()
+        pixels = viewer.pixels()
+        viewer.stop_recording()
+    save(Image.fromarray(pixels), "viewer_recorder.png", WIDTH)
+    viewer.realtime_factor = 0
     viewer.collision_geoms = True
     picture("rtf", "RTF")
     viewer.collision_geoms = False

@@ -282,8 +282,9 @@ def check_hidden(text: str) -> Iterator[tuple[int, str]]:
             yield declaration.line, f"'{declaration.text}': {reason}"
 
 
-# Kinds of tasks whose names mean other things too: their structs tell them apart.
-PLAIN_WORDS = {"close", "open", "press"}
+# Kinds of tasks whose names mean other things too, such as the "press" of a mouse button: their
+# structs tell them apart.
+PLAIN_WORDS = {"open", "close", "press", "push", "stack"}
 
 
 def concrete_tasks(root: Path) -> dict[str, str]:

@@ -1,5 +1,10 @@
 // Checks of robots and runs: reports errors, and valid settings that are probably unintended.
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+
+#include <array>
+#include <optional>
 
 #include "bindings.h"
 #include "robocell/diagnose/check_robot.h"
@@ -71,11 +76,17 @@ void BindDiagnose(nb::module_& m) {
         "controllers. Empty if the expert can use the robot or has no requirements; `generate` "
         "rejects a robot for each of these reasons.");
   m.def(
-      "reach_advice",
-      [](const RunConfig& run) { return FindTaskKind(run.task.kind())->ReachAdvice(run); }, "run"_a,
-      WithoutLock(),
-      "Returns from which height and distances of the base the task is in reach, collisions aside; "
-      "'' for tasks that give no advice. Takes about a second.");
+      "stand_in_reach",
+      [](const RunConfig& run) -> std::optional<std::array<double, 3>> {
+        const ReachAdvice advice = FindTaskKind(run.task.kind())->AdviseReach(run);
+        if (advice.reached != ReachedPart::kAll) return std::nullopt;
+        return std::array{advice.height_offset, advice.distance[0], advice.distance[1]};
+      },
+      "run"_a, WithoutLock(),
+      nb::sig("def stand_in_reach(run: RunConfig) -> tuple[float, float, float] | None"),
+      "Returns `start.base_height_offset` and the nearest and farthest `start.base_distance`, m, "
+      "from which the task is in reach, collisions aside. None without such a stand, and for tasks "
+      "that give no advice. Takes about a second.");
   m.def(
       "check_run",
       [](const RunConfig& run, bool scripted_expert, bool on_this_machine) {

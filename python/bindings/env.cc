@@ -336,8 +336,8 @@ nb::tuple StepEnv(Env& env, nb::handle action) {
     const nb::gil_scoped_release release;
     step = by_name ? env.Act(commands, SparsePoll()) : env.Step(numbers, SparsePoll());
   }
-  const bool diverged = step.reason == EndReason::kDiverged;
-  return nb::make_tuple(Observation(env), step.reward, step.success, diverged, Info(env, step));
+  const bool truncated = step.reason == EndReason::kDiverged || step.reason == EndReason::kStopped;
+  return nb::make_tuple(Observation(env), step.reward, step.success, truncated, Info(env, step));
 }
 
 int TraverseEnv(PyObject* self, visitproc visit, void* arg) {
@@ -404,8 +404,9 @@ void BindEnv(nb::module_& m) {
                    "tuple[dict[str, typing.Any], float, bool, bool, dict[str, typing.Any]]"),
            "Sends the commands, simulates until the step ends, and returns (observation, reward, "
            "terminated, truncated, info).\n\ninfo['reason'] is the reason for its end: arrived, "
-           "settled (at rest, but not within arrival_tolerance), collision, ik_failed, timeout or "
-           "diverged (then truncated is true, and only reset helps).\n\ninfo['robots'][name] has "
+           "settled (at rest, but not within arrival_tolerance), collision, ik_failed, timeout, "
+           "diverged (then truncated is true, and only reset helps) or stopped (the user closed a "
+           "viewer that stops the scene; truncated is true).\n\ninfo['robots'][name] has "
            "ik_success, collision, and the remaining motion:\n\n- joint_error, joint_speed: the "
            "largest of any joint\n- position_error, rotation_error, linear_speed, angular_speed: "
            "of the TCP\n- position_shortfall, rotation_shortfall: from the target to the commanded "

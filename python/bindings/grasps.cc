@@ -103,8 +103,8 @@ void BindGrasp(nb::module_& m) {
                    "The TCP in the frame of the body where the straight approach begins.")
       .def_prop_ro(
           "kind", [](const Grasp& g) { return ToString(g.kind); },
-          "\"top\", \"side\", \"antipodal\", \"rim\", \"handle\", \"suction\", \"push\" or "
-          "\"hook\".")
+          "\"top\", \"side\", \"antipodal\", \"rim\", \"handle\", \"enclosing\", \"suction\", "
+          "\"push\" or \"hook\".")
       .def_ro("opening", &Grasp::opening, "Distance between the fingers during the approach, m.")
       .def_ro("width", &Grasp::width, "Distance between the fingers at contact, m.")
       .def_prop_ro(
@@ -113,7 +113,7 @@ void BindGrasp(nb::module_& m) {
             return NewArray<double>(std::span(g.approach.data(), 3), {size_t{3}});
           },
           nb::for_getter(nb::sig("def approach(self) -> numpy.typing.NDArray[numpy.float64]")),
-          "Direction in which the hand comes: a unit vector in the frame of the body.")
+          "Direction in which the hand comes: a unit vector (3,) in the frame of the body.")
       .def_ro("approach_length", &Grasp::approach_length, "Length of the approach, m.")
       .def_ro("score", &Grasp::score, "0 to 1; higher is better.")
       .def("__repr__", [](const Grasp& g) {
@@ -204,8 +204,8 @@ void BindSet(nb::module_& m) {
       "Grasps of one body by one hand, the best first. numpy.asarray(grasps) are the poses of the "
       "TCP (N, 4, 4)."
       "\n\nExamples:\n"
-      "    >>> cup = rc.tasks.grasps(robot, \"cup\", samples=300)\n"
-      "    >>> cup.tcp_in_body.shape[1:]\n"
+      "    >>> cube_grasps = rc.tasks.grasps(robot, \"cube\", samples=300)\n"
+      "    >>> cube_grasps.tcp_in_body.shape[1:]\n"
       "    (4, 4)");
   BindSetNumbers(set);
   set.def("select", &SelectGrasps, "indices"_a,
@@ -302,25 +302,32 @@ void BindGrasps(nb::module_& m) {
       "from the geometry of both, and stored in the cache folder unless `stored` is False."
       "\n\nArgs:\n"
       "    object: An object of the scene, or the full name of a body: a door, a drawer.\n"
-      "    kinds: \"top\", \"side\", \"antipodal\", \"rim\", \"handle\", \"suction\", \"push\", "
-      "\"hook\". Default: all that hold.\n"
-      "    geoms: Full names of the geoms to grasp. Default: of handles and hooks those whose "
-      "names "
-      "contain handle or knob, of the others all.\n"
-      "    samples: Points drawn on the surface. most: Grasps returned. seed: Of the points.\n"
+      "    kinds: \"top\", \"side\", \"antipodal\", \"rim\", \"handle\", \"enclosing\", "
+      "\"suction\", \"push\", \"hook\". Default: all that hold.\n"
+      "    geoms: Full names of the geoms to grasp; those named for kind \"handle\" count as "
+      "handles. "
+      "Default: of handles and hooks those whose names contain handle or knob, of the others all.\n"
+      "    samples: Points drawn on the surface, at most 50 000.\n"
+      "    most: Grasps returned, the best; at most 2000.\n"
+      "    seed: Of the points.\n"
       "    friction: Coefficient between fingers and object.\n"
       "    clearance: Least distance between hand and object before contact, m.\n"
       "    approach_length: Length of the straight approach, m."
       "\n\nExamples:\n"
-      "    >>> cup = rc.tasks.grasps(robot, \"cup\", samples=300)\n"
-      "    >>> len(cup) > 0\n"
+      "    >>> cube_grasps = rc.tasks.grasps(robot, \"cube\", samples=300)\n"
+      "    >>> len(cube_grasps) > 0\n"
       "    True");
   m.def(
       "load_grasps",
-      [](const std::filesystem::path& path) { return GraspSet{.grasps = LoadGrasps(path)}; },
-      "path"_a,
-      "Reads an .npz file with `transforms` (N, 4, 4), and the other arrays of GraspSet.save where "
-      "it has them. An opening that the file lacks is -1. Raises IoError for any other file.");
+      [](const std::filesystem::path& path, const Robot& robot, const std::string& object) {
+        return LoadGrasps(path, robot, object);
+      },
+      "path"_a, "robot"_a, "object"_a,
+      "Reads an .npz file with `transforms` (N, 4, 4): grasps of an object, or of a body by its "
+      "full "
+      "name, by a robot's hand. Arrays of GraspSet.save that the file lacks follow from the hand: "
+      "it "
+      "opens fully and comes along its own approach direction. Raises IoError for any other file.");
   m.def("register_grasp_library", &RegisterGraspLibrary, "name"_a, "folder"_a,
         "Makes `grasps` take files of a folder: <object>/<robot>/grasps.npz, "
         "<object>/<object>_grasps_filtered.npz, and for bodies with a joint "

@@ -20,6 +20,7 @@
 #include "values.h"
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/robot/arm_ik.h"
 
 namespace nb = nanobind;
 
@@ -41,13 +42,16 @@ const Robot& RobotOf(const Robot& robot) { return robot; }
 const Robot& RobotOf(const Kinematics& k) { return k.robot; }
 
 IkOptions OptionsFor(const Robot& robot, nb::handle seed,
-                     const std::vector<std::string>& locked_groups,
+                     const std::vector<std::string>& locked_groups, bool position_only,
                      const IkObjectives& objectives) {
   IkOptions options;
+  options.position_only = position_only;
   options.seed = IkSeed(seed, robot.chain());
   options.locked = robot.LockGroups(locked_groups);
   objectives.Apply(&options);
-  return options;
+  const bool has_weights =
+      !objectives.position_weights.is_none() || !objectives.rotation_weights.is_none();
+  return has_weights ? options : ForArm(robot, std::move(options));
 }
 
 // Without a seed the search starts at the arm's own position.
@@ -67,10 +71,9 @@ IkResult SolveIk(const Self& self, const PoseOrFrame& target, nb::handle seed,
                  nb::handle position_weights, nb::handle rotation_weights, nb::handle axis,
                  double cone, nb::handle prefer, nb::handle filter) {
   const Robot& robot = RobotOf(self);
-  IkOptions options = OptionsFor(robot, seed, locked_groups,
+  IkOptions options = OptionsFor(robot, seed, locked_groups, position_only,
                                  {position_weights, rotation_weights, axis, cone, prefer, filter});
   options.tolerance = tolerance;
-  options.position_only = position_only;
   options.max_restarts = max_restarts;
   options.max_iterations = max_iterations;
   StartAtTheArm(robot, &options);
@@ -87,10 +90,9 @@ IkSolver MakeSolver(const Self& self, const std::vector<std::string>& locked_gro
                     nb::handle position_weights, nb::handle rotation_weights, nb::handle axis,
                     double cone, nb::handle prefer, nb::handle filter) {
   const Robot& robot = RobotOf(self);
-  IkOptions options = OptionsFor(robot, nb::none(), locked_groups,
+  IkOptions options = OptionsFor(robot, nb::none(), locked_groups, position_only,
                                  {position_weights, rotation_weights, axis, cone, prefer, filter});
   options.tolerance = tolerance;
-  options.position_only = position_only;
   options.max_restarts = max_restarts;
   options.max_iterations = max_iterations;
   return IkSolver(SteadyChain(robot), std::move(options), nb::borrow(filter));
@@ -101,11 +103,10 @@ nb::object SolveAll(const Kinematics& k, const PoseOrFrame& target, nb::handle s
                     bool position_only, int starts, double separation, nb::handle position_weights,
                     nb::handle rotation_weights, nb::handle axis, double cone, nb::handle prefer,
                     nb::handle filter) {
-  IkOptions options = OptionsFor(k.robot, seed, locked_groups,
+  IkOptions options = OptionsFor(k.robot, seed, locked_groups, position_only,
                                  {position_weights, rotation_weights, axis, cone, prefer, filter});
   StartAtTheArm(k.robot, &options);
   options.tolerance = tolerance;
-  options.position_only = position_only;
   options.max_restarts = RestartsOf(starts);
   return AllSolutionsOf(SteadyChain(k.robot), target.get(), options, separation);
 }
@@ -115,10 +116,9 @@ nb::object SolveBatch(const Kinematics& k, nb::handle targets, nb::handle seeds,
                       bool position_only, int max_restarts, int max_iterations,
                       nb::handle position_weights, nb::handle rotation_weights, nb::handle axis,
                       double cone, nb::handle prefer, nb::handle filter) {
-  IkOptions ik = OptionsFor(k.robot, nb::none(), locked_groups,
+  IkOptions ik = OptionsFor(k.robot, nb::none(), locked_groups, position_only,
                             {position_weights, rotation_weights, axis, cone, prefer, filter});
   ik.tolerance = tolerance;
-  ik.position_only = position_only;
   ik.max_restarts = max_restarts;
   ik.max_iterations = max_iterations;
   std::vector<double> seed_values;

@@ -195,14 +195,19 @@ void BindRelationLanguage(nb::module_& m) {
   m.def(
       "relation_poses",
       [](const Scene& scene, const std::string& relation, PythonRng& rng, int count) {
+        constexpr int kMost = 10000;
+        if (count < 1 || count > kMost)
+          throw ArgumentError(
+              fmt::format("count: expected a number from 1 to {}, got {}", kMost, count));
         scene.SyncPoses();
         return BindRelation(scene, ParseRelation(relation))->Sample(rng.get(), count).poses;
       },
       "scene"_a, "relation"_a, "rng"_a, "count"_a = 16,
       nb::sig("def relation_poses(scene: Scene, relation: str, rng: Rng, count: int = 16) -> "
               "list[Pose]"),
-      "Returns poses of the subject's root in the world in which the relation holds, with "
-      "everything else as it is now. Empty for relations about joints.");
+      "Returns at most `count` poses of the subject's root in the world in which the relation "
+      "holds, with everything else as it is now and none inside of something else. Empty for "
+      "relations about joints.");
 }
 
 }  // namespace

@@ -118,9 +118,10 @@ void DefLife(nb::class_<Viewer>& c) {
        "    width: Width in pixels.\n"
        "    height: Height in pixels.\n"
        "    on_screen: False draws into memory, without a display.\n"
-       "    stops_scene: False: steps go on when the user pauses or closes the window, as for "
-       "environments.\n"
-       "    draws_steps: False: only show() draws, and steps do not wait.")
+       "    stops_scene: False: steps go on when the user closes the window, and there is no pause "
+       "and no reset, as for environments and their scenes.\n"
+       "    draws_steps: False: only show() draws, and steps do not wait; the program itself goes "
+       "by `paused` and `realtime_factor`.")
       .def("step", &Viewer::Step, Unlocked(),
            "Makes one step of the scene, draws when a picture is due, and waits for "
            "realtime_factor. Returns False once the window was closed.")
@@ -138,7 +139,8 @@ void DefLife(nb::class_<Viewer>& c) {
       .def_prop_ro("measured_factor", &Viewer::measured_factor,
                    "Measured speed of about the last second.")
       .def_prop_rw("paused", &Viewer::paused, &Viewer::set_paused,
-                   "True while the simulation is paused, as by Space.")
+                   "True while the simulation is paused, as by Space. Setting it raises Error "
+                   "where stops_scene is false.")
       .def(
           "__enter__", [](nb::object self) { return self; },
           nb::sig("def __enter__(self) -> Viewer"))

@@ -26,6 +26,12 @@ def fields_of(spec: Any) -> dict[str, str]:
     return dict(_flat("", spec))
 
 
+def fields_in(kind: type) -> set[str]:
+    """Returns the names of the fields of a kind of specification."""
+    names = [name for name in dir(kind) if not name.startswith("_")]
+    return {name for name in names if isinstance(getattr(kind, name), property)} - set(_NO_FIELDS)
+
+
 def file_hashes(files: Iterable[tuple[str, str]]) -> dict[str, str]:
     """Returns {"file 'rc7.xml'": hash} of (path, hash); several files may have one name."""
     found: dict[str, set[str]] = {}
@@ -56,9 +62,7 @@ def _parts(value: Any) -> Mapping[str, Any] | None:
     if hasattr(value, "to_dict"):
         return dict(value.to_dict())
     if hasattr(value, "to_yaml"):
-        names = [name for name in dir(type(value)) if not name.startswith("_")]
-        fields = [name for name in names if isinstance(getattr(type(value), name), property)]
-        return {name: getattr(value, name) for name in fields if name not in _NO_FIELDS}
+        return {name: getattr(value, name) for name in sorted(fields_in(type(value)))}
     if hasattr(value, "keys"):
         return {str(key): value[key] for key in value.keys()}  # noqa: SIM118  (no dictionary)
     if _is_list(value) and any(_parts(each) is not None for each in value):

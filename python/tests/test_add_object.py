@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+import sys
 from pathlib import Path
 
 import mujoco
@@ -12,8 +13,13 @@ import trimesh
 from typer.testing import CliRunner
 
 import robocell as rc
-from robocell._adding.convex import convex_parts, hull_of, volume_of
-from robocell._adding.meshes import AddObjectError, read_shape
+from robocell._adding import convex, meshes
+from robocell._adding.convex import convex_parts
+from robocell._adding.errors import AddObjectError
+from robocell._adding.hulls import hull_of, volume_of
+from robocell._adding.meshes import read_shape
+from robocell._adding.mjcf import copy_model
+from robocell._adding.winding import faces_to_turn
 from robocell._cli import load
 from robocell.gym import pick_cube_config
 
@@ -77,14 +83,77 @@ def test_a_glb_stands_on_its_y_axis(tmp_path):
 
 def test_hulls_have_the_volume_of_their_points():
     points = np.random.default_rng(1).normal(size=(200, 3)) * [0.02, 0.03, 0.05]
-    expected = trimesh.Trimesh(points).convex_hull if hasattr(trimesh, "convex") else None
+    expected = trimesh.Trimesh(points).convex_hull  # Qhull's, by scipy
     hull = hull_of(points, "points")
     inside = trimesh.Trimesh(*hull, process=False)
     assert inside.is_watertight
     assert inside.volume == pytest.approx(volume_of(hull), rel=1e-9)
     assert len(hull[0]) <= 64
-    if expected is not None:
-        assert 0.85 * expected.volume < volume_of(hull) <= expected.volume * 1.0001
+    assert 0.85 * expected.volume < volume_of(hull) <= expected.volume * 1.0001
+    assert volume_of(hull_of(points, "points", most=-1)) == pytest.approx(expected.volume, rel=1e-5)
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".stl", ".glb"])
+@pytest.mark.parametrize("turned", ["some", "all"])
+def test_faces_are_turned_outwards(tmp_path, suffix, turned):
+    mesh = corner()
+    rng = np.random.default_rng(5)
+    flipped = rng.uniform(size=len(mesh.faces)) < (0.3 if turned == "some" else 1)
+    assert flipped.any()
+    faces = np.where(flipped[:, None], mesh.faces[:, ::-1], mesh.faces)
+    path = saved(trimesh.Trimesh(mesh.vertices, faces, process=False), tmp_path / f"l{suffix}")
+    shape = read_shape(path, up="z")
+    assert shape.is_watertight
+    assert shape.volume == pytest.approx(mesh.volume, rel=1e-5)
+    (part,) = shape.parts
+    drawn = trimesh.Trimesh(part.vertices, part.faces)
+    assert drawn.is_volume
+    assert drawn.volume == pytest.approx(mesh.volume, rel=1e-5), "renderers see it from outside"
+
+
+def test_a_cavity_stays_one_and_a_solid_inside_out_is_turned():
+    hollow, inner, beside = box((0.05,) * 3), box((0.02,) * 3), box((0.01,) * 3)
+    inner.invert()
+    beside.invert()
+    beside.apply_translation([0.2, 0, 0])
+    mesh = trimesh.util.concatenate([hollow, inner, beside])
+    vertices, faces = np.asarray(mesh.vertices), np.asarray(mesh.faces)
+    turn = faces_to_turn(vertices, faces)
+    assert turn is not None
+    assert turn.tolist() == [False] * 24 + [True] * 12
+    opposite = faces_to_turn(vertices, faces[:, ::-1])
+    assert opposite is not None
+    assert opposite.tolist() == (~turn).tolist(), "all of it inside out"
+
+
+def test_a_surface_without_an_outside_encloses_nothing():
+    # A Klein bottle of 8 x 8 squares: closed, and one-sided.
+    n = 8
+    at = lambda i, j: (i % n) * n + (j % n if i < n else -j % n)  # noqa: E731
+    faces = []
+    for i in range(n):
+        for j in range(n):
+            a, b, c, d = at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)
+            faces += [(a, b, c), (a, c, d)]
+    vertices = np.random.default_rng(2).normal(size=(n * n, 3))
+    assert trimesh.Trimesh(vertices, faces, process=False).is_watertight
+    assert faces_to_turn(vertices, np.array(faces)) is None
+
+
+def test_copies_of_a_mesh_count_before_they_are_made(tmp_path, monkeypatch):
+    scene = trimesh.Scene()
+    cube = box((0.01,) * 3)
+    for i in range(20):
+        turn = np.eye(4)
+        turn[0, 3] = 0.03 * i
+        scene.add_geometry(cube, geom_name="cube", node_name=f"copy_{i}", transform=turn)
+    path = tmp_path / "row.glb"
+    scene.export(path)
+    assert len(read_shape(path).parts) == 20
+    monkeypatch.setattr(meshes, "MOST_TRIANGLES", 200)
+    monkeypatch.setattr(trimesh.Scene, "dump", lambda *_: pytest.fail("copies are made"))
+    with pytest.raises(AddObjectError, match=r"row.glb: has 240 triangles, and at most 200"):
+        read_shape(path)
 
 
 def test_a_shape_that_is_not_convex_is_split_into_its_parts(tmp_path):
@@ -95,6 +164,32 @@ def test_a_shape_that_is_not_convex_is_split_into_its_parts(tmp_path):
     assert (len(whole), len(parts)) == (1, 2)
     assert sum(map(volume_of, parts)) == pytest.approx(shape.volume, rel=0.06)
     assert volume_of(whole[0]) > 1.2 * shape.volume
+
+
+def test_the_end_of_coacd_is_an_error_that_names_the_file(tmp_path, monkeypatch):
+    shape = read_shape(saved(corner(), tmp_path / "corner.obj"))
+    monkeypatch.setattr(convex, "CODE", "import os; os.abort()")
+    with pytest.raises(AddObjectError, match=r"my.obj: CoACD found no convex parts.*--one-hull"):
+        convex_parts(shape, "my.obj")
+    monkeypatch.setattr(convex, "CODE", "raise RuntimeError('no manifold')")
+    with pytest.raises(AddObjectError, match="no manifold"):
+        convex_parts(shape, "my.obj")
+    monkeypatch.setattr(convex, "CODE", "import time; time.sleep(60)")
+    monkeypatch.setattr(convex, "LIMIT_S", 0.2)
+    with pytest.raises(AddObjectError, match=r"within 0.2 s. Simplify the mesh"):
+        convex_parts(shape, "my.obj")
+
+
+@pytest.mark.proof  # CoACD closes the holes with a fine mesh first
+def test_coacd_splits_a_mesh_with_holes(tmp_path):
+    mesh = corner()
+    mesh.update_faces(np.arange(2, len(mesh.faces)))
+    shape = read_shape(saved(mesh, tmp_path / "open.obj"))
+    assert not shape.is_watertight
+    parts = convex_parts(shape, "open.obj")
+    assert 1 <= len(parts) <= convex.MOST_PARTS
+    points = np.vstack([vertices for vertices, _ in parts])
+    np.testing.assert_allclose(np.ptp(points, axis=0), [0.08, 0.08, 0.04], atol=0.004)
 
 
 def test_an_added_object_is_drawn_like_any_kind(add, tmp_path):
@@ -150,6 +245,128 @@ def test_a_model_comes_with_its_files_and_a_dry_run_writes_nothing(add, tmp_path
     ]
     assert (folder / "cube.xml").read_text() == (given / "cube.xml").read_text()
     assert "--mass is for mesh files" in add(given, "--mass", 1, "--replace", code=2)
+
+
+TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n"
+BODY = "<worldbody><body name='b'><geom type='{}' {}='k'/></body></worldbody>"
+
+
+@pytest.mark.parametrize(
+    ("model", "files"),
+    [
+        (
+            "<compiler meshdir='m'/><asset><hfield name='k' file='h.png' size='1 1 1 .1'/></asset>"
+            "<worldbody><body name='b'><geom size='.1'/></body></worldbody>",
+            ["m/h.png"],
+        ),
+        (
+            "<compiler assetdir='m' texturedir='t'/><asset><mesh name='k' file='k.obj'/>"
+            "<texture name='t' type='2d' file='t.png'/></asset>" + BODY.format("mesh", "mesh"),
+            ["m/k.obj", "t/t.png"],
+        ),
+        (
+            "<compiler strippath='true' meshdir='m'/><asset><mesh name='k' file='a/b/k.obj'/>"
+            "</asset>" + BODY.format("mesh", "mesh"),
+            ["m/k.obj"],
+        ),
+        (
+            "<compiler meshdir='m'/><worldbody><body name='b'><geom size='.1'/>"
+            "<flexcomp name='f' type='mesh' file='k.obj' dim='2' rigid='true'/></body></worldbody>",
+            ["m/k.obj"],
+        ),
+        (
+            "<compiler meshdir='m'/><asset><model name='s' file='sub/s.xml'/></asset><worldbody>"
+            "<body name='b'><geom size='.1'/><attach model='s' body='b' prefix='p'/></body>"
+            "</worldbody>",
+            ["sub/s.xml", "sub/n/k.obj"],
+        ),
+        ("<!-- a -- b --><include file='sub/one.xml'/>", ["sub/one.xml", "sub/two.xml"]),
+    ],
+    ids=["hfield", "texture", "strippath", "flexcomp", "attached", "includes"],
+)
+def test_a_copy_of_a_model_has_the_files_that_mujoco_reads(tmp_path, model, files):
+    given, copied = tmp_path / "given", tmp_path / "copied"
+    copied.mkdir()
+    image = np.zeros((4, 4, 3), np.uint8)
+    image[1:3, 1:3] = 200
+    attached = "<mujoco><compiler meshdir='n'/><asset><mesh name='k' file='k.obj'/></asset>"
+    texts = {
+        "k.obj": TETRAHEDRON,
+        "s.xml": attached + BODY.format("mesh", "mesh") + "</mujoco>",
+        "one.xml": "<mujoco><include file='two.xml'/></mujoco>",
+        "two.xml": "<mujoco><worldbody><body><geom size='.1'/></body></worldbody></mujoco>",
+    }
+    for file in files:
+        path = given / file
+        path.parent.mkdir(parents=True, exist_ok=True)
+        if path.suffix == ".png":
+            rc.render.write_png(path, image)
+        else:
+            path.write_text(texts[path.name])
+    (given / "a.xml").write_text(f"<mujoco>{model}</mujoco>")
+    mujoco.MjModel.from_xml_path(str(given / "a.xml"))
+    copy_model(given / "a.xml", copied, "mine")
+    made = sorted(str(p.relative_to(copied)) for p in copied.rglob("*.*"))
+    assert made == sorted(["mine.xml", *files])
+    mujoco.MjModel.from_xml_path(str(copied / "mine.xml"))
+
+
+def test_faults_of_models_are_about_the_users_file(add, tmp_path):
+    body = "<worldbody><body name='b'>{}<geom size='.1'/></body></worldbody>"
+    texts = {
+        "dashes": "<mujoco><!-- a -- b -->" + body.format("") + "</mujoco>",
+        "hinge": "<mujoco>" + body.format("<joint name='j' type='hinge'/>") + "</mujoco>",
+        "two": "<mujoco>" + body.format("") + "</mujoco><more/>",
+        "ghost": "<mujoco>" + body.format("").replace("size=", "contype='0' conaffinity='0' size=")
+        + "</mujoco>",
+        "out": "<mujoco><asset><mesh name='k' file='../k.obj'/></asset>"
+        + BODY.format("mesh", "mesh") + "</mujoco>",
+    }  # fmt: skip
+    (tmp_path / "k.obj").write_text(TETRAHEDRON)
+    folder = tmp_path / "given"
+    folder.mkdir()
+    for name, text in texts.items():
+        (folder / f"{name}.xml").write_text(text)
+    told = " ".join(add(folder, code=1).split())
+    assert "4 objects rejected" in told, "and the others are added"
+    assert (tmp_path / "mine" / "objects" / "dashes" / "dashes.xml").is_file()
+    assert f"{folder / 'hinge.xml'}: its outermost body 'b' has the joint 'j'" in told
+    assert f"{folder / 'two.xml'} is no valid XML without its comments" in told
+    assert f"{folder / 'ghost.xml'}: none of its geoms collides" in told
+    assert f"{folder / 'out.xml'}: names the file '../k.obj', which is not in its folder" in told
+    assert ".adding-" not in told
+    for option in ("--density", "--friction"):
+        assert f"{option} is for mesh files" in add(folder / "dashes.xml", option, 1, code=2)
+
+
+def test_models_need_no_extra_and_a_failed_replacement_keeps_the_entry(add, tmp_path, monkeypatch):
+    for module in ("coacd", "trimesh"):
+        monkeypatch.setitem(sys.modules, module, None)
+    path = tmp_path / "ball.xml"
+    text = "<mujoco><worldbody><body><geom size='.1'/></body></worldbody></mujoco>"
+    path.write_text(text)
+    add(path)
+    rename = Path.rename
+
+    def fails(self: Path, target: Path) -> Path:
+        if self.name == "ball" and ".adding-" in str(self):
+            raise OSError("no space left")
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", fails)
+    path.write_text(text.replace(".1", ".2"))
+    assert "cannot be written: no space left" in " ".join(add(path, "--replace", code=1).split())
+    objects = tmp_path / "mine" / "objects"
+    assert [entry.name for entry in objects.iterdir()] == ["ball"]
+    assert (objects / "ball" / "ball.xml").read_text() == text
+
+
+def test_a_mesh_with_holes_needs_no_scipy(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "scipy", None)
+    mesh = box((0.03, 0.02, 0.01))
+    mesh.update_faces(np.arange(2, len(mesh.faces)))
+    shape = read_shape(saved(mesh, tmp_path / "open.obj"))
+    assert shape.volume == pytest.approx(8 * 0.03 * 0.02 * 0.01, rel=1e-5)
 
 
 def test_mistakes_are_named_with_the_next_step(add, tmp_path, monkeypatch):

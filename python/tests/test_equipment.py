@@ -12,6 +12,7 @@ import robocell as rc
 EQUIPMENT = [
     "button_panel",
     "cabinet",
+    "cupboard",
     "d405",
     "drawer_unit",
     "faucet",
@@ -24,6 +25,7 @@ EQUIPMENT = [
     "open_bottle",
     "parallel_hand",
     "receiver",
+    "region",
     "robotiq_d405_mount",
     "table",
     "tray",

@@ -87,15 +87,32 @@ def test_a_library_in_numpy_s_format_is_read(
             rc.tasks.unregister_grasp_library("mine")
 
 
-def test_numpy_reads_what_is_saved(box: rc.tasks.GraspSet, tmp_path: Path) -> None:
+def test_numpy_reads_what_is_saved(scene: rc.Scene, box: rc.tasks.GraspSet, tmp_path: Path) -> None:
     box.save(tmp_path / "grasps.npz")
     with np.load(tmp_path / "grasps.npz") as file:
         np.testing.assert_array_equal(file["transforms"], box.tcp_in_body)
         np.testing.assert_array_equal(file["scores"], box.scores)
         assert list(file["kinds"]) == box.kinds
-    again = rc.tasks.load_grasps(tmp_path / "grasps.npz")
+    again = rc.tasks.load_grasps(tmp_path / "grasps.npz", scene.robot("rc7"), "box")
     np.testing.assert_allclose(again.tcp_in_body, box.tcp_in_body, atol=1e-12)
     assert again.kinds == box.kinds
+
+
+def test_loaded_grasps_are_as_good_as_generated_ones(
+    scene: rc.Scene, box: rc.tasks.GraspSet, tmp_path: Path
+) -> None:
+    """Poses alone are enough: the rest follows from the robot and the object."""
+    robot = scene.robot("rc7")
+    np.savez(tmp_path / "poses.npz", transforms=box.tcp_in_body)
+    loaded = rc.tasks.load_grasps(tmp_path / "poses.npz", robot, "box")
+    assert (loaded.robot, loaded.body) == (box.robot, box.body)
+    np.testing.assert_allclose(loaded.in_world(scene), box.in_world(scene), atol=1e-12)
+    assert (loaded.openings > 0.05).all()
+    for one, other in zip(loaded, box, strict=True):
+        np.testing.assert_allclose(one.approach, other.approach, atol=1e-6)
+    assert loaded.reachable(robot, most=1)
+    assert len(loaded.goals(scene, most=3)) == 3
+    assert len(loaded.select([0]).prove(robot)) == 1
 
 
 def test_errors_name_what_is_wrong(scene: rc.Scene, tmp_path: Path) -> None:
@@ -104,14 +121,19 @@ def test_errors_name_what_is_wrong(scene: rc.Scene, tmp_path: Path) -> None:
         rc.tasks.grasps(robot, "bok")
     with pytest.raises(rc.NotFoundError, match="Did you mean 'side'"):
         rc.tasks.grasps(robot, "box", kinds="sied")
+    rc.tasks.grasps(robot, "box", samples=50, most=5, stored=False)
+    with pytest.raises(rc.NotFoundError, match="typo"):  # remembered grasps do not hide it
+        rc.tasks.grasps(robot, "box", geoms="typo", samples=50, most=5, stored=False)
+    with pytest.raises(rc.ArgumentError, match="samples must be from 1 to"):
+        rc.tasks.grasps(robot, "box", samples=2**31 - 1)
     with pytest.raises(rc.NotFoundError, match="is not a folder"):
         rc.tasks.register_grasp_library("mine", tmp_path / "nothing")
     np.savez(tmp_path / "bad.npz", transforms=np.zeros((2, 4, 4)))
     with pytest.raises(rc.IoError, match=r"bad.npz: transforms\[0\] is not a rigid transform"):
-        rc.tasks.load_grasps(tmp_path / "bad.npz")
+        rc.tasks.load_grasps(tmp_path / "bad.npz", robot, "box")
     np.savez(tmp_path / "objects.npz", transforms=np.array([None, {}], dtype=object))
     with pytest.raises(rc.IoError, match="Python objects"):
-        rc.tasks.load_grasps(tmp_path / "objects.npz")
+        rc.tasks.load_grasps(tmp_path / "objects.npz", robot, "box")
 
 
 def test_shaking_proves_a_grasp(scene: rc.Scene, box: rc.tasks.GraspSet) -> None:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import shutil
+import struct
+import zlib
 from pathlib import Path
 
 import mujoco
 import numpy as np
 import pytest
+import typer
 from PIL import Image
 
 import robocell as rc
@@ -247,6 +250,92 @@ def test_a_map_that_contradicts_itself_is_not_used(copy: Path):
     assert not source_of(root=str(copy)).annotations(0).rooms  # derived from the geometry
 
 
+def adam7(pixels: np.ndarray, texts: dict[str, str]) -> bytes:
+    """An interlaced PNG, which PIL does not write."""
+
+    def chunk(kind: bytes, body: bytes) -> bytes:
+        return (
+            struct.pack(">I", len(body)) + kind + body + struct.pack(">I", zlib.crc32(kind + body))
+        )
+
+    passes = [(0, 0, 8, 8), (0, 4, 8, 8), (4, 0, 8, 4), (0, 2, 4, 4), (2, 0, 4, 2), (0, 1, 2, 2)]
+    rows = b"".join(
+        b"\0" + row.tobytes()
+        for i, j, down, right in [*passes, (1, 0, 2, 1)]
+        for row in pixels[i::down, j::right]
+        if row.size
+    )
+    height, width = pixels.shape[:2]
+    return b"".join(
+        [
+            b"\x89PNG\r\n\x1a\n",
+            chunk(b"IHDR", struct.pack(">IIBBBBB", width, height, 8, 2, 0, 0, 1)),
+            *(chunk(b"tEXt", f"{key}\0{text}".encode("latin1")) for key, text in texts.items()),
+            chunk(b"IDAT", zlib.compress(rows)),
+            chunk(b"IEND", b""),
+        ]
+    )
+
+
+def test_interlaced_maps_are_read(copy: Path):
+    file = copy / "train_0_map.png"
+    before = source_of(root=str(copy)).annotations(0)
+    image = Image.open(file)
+    texts = {key: value for key, value in image.info.items() if isinstance(value, str)}
+    file.write_bytes(adam7(np.array(image.convert("RGB")), texts))
+    np.testing.assert_array_equal(np.array(Image.open(file)), np.array(image.convert("RGB")))
+    after = source_of(root=str(copy)).annotations(0)
+    assert [room.name for room in after.rooms] == [room.name for room in before.rooms]
+    assert [(area.half_x, area.half_y) for area in after.free_floor] == [
+        (area.half_x, area.half_y) for area in before.free_floor
+    ]
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        # A header that announces 4 gigapixels, and no pixels.
+        b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\xff\xff\0\0\xff\xff\x08\x02\0\0\0\0\0\0\0",
+        adam7(np.zeros((1, 1, 3), np.uint8), {"px_per_m": "NaN", "world_to_map": "[[NaN]]"}),
+        b"",
+    ],
+)
+def test_hostile_maps_are_replaced_by_the_geometry(copy: Path, content: bytes):
+    (copy / "train_0_map.png").write_bytes(content)
+    known = source_of(root=str(copy)).annotations(0)
+    assert not known.rooms
+    assert known.free_floor
+
+
+@pytest.mark.parametrize(
+    "entry",
+    [
+        '{"room_id": 1e999}',
+        '{"room_id": NaN}',
+        '{"room_id": -1e300, "category": "' + "x" * 100_000 + '"}',
+        '{"category": "\\ud800", "children": [[[]]], "name_map": {"bodies": 1}}',
+    ],
+)
+def test_hostile_metadata_leaves_a_house(copy: Path, entry: str):
+    file = copy / "train_0_metadata.json"
+    file.write_text('{"objects": {"Mug|2|2": ' + entry + "}}")
+    known = source_of(root=str(copy)).annotations(0)
+    assert known.free_floor
+    assert len(known.objects) <= 1
+
+
+def test_assets_may_be_links(copy: Path, tmp_path: Path):
+    """Tools that download assets on demand link to their caches."""
+    cached = tmp_path / "cached.obj"
+    bowl = copy / "train_0_assets/Bowl_1.obj"
+    bowl.rename(cached)
+    bowl.symlink_to(cached)
+    assert source_of(root=str(copy)).why_not(0) == ""
+    bowl.unlink()
+    bowl.symlink_to(tmp_path / "nothing.obj")
+    assert "missing: Bowl_1.obj" in source_of(root=str(copy), without=["Mug_2"]).why_not(0)
+
+
 def test_runs_leave_unusable_houses_out(copy: Path):
     (copy / "train_0_assets/Bowl_1.obj").unlink()
     scenes = {"source": "houses", "root": str(copy), "houses": [0, 3]}
@@ -384,6 +473,33 @@ def test_generated_houses_are_scenes_with_rooms_and_words(made: Path):
             assert distance == pytest.approx(1.2, abs=1e-3), model.geom(geom[0]).name
 
 
+@pytest.mark.proof
+def test_episodes_replay_when_the_houses_have_moved(made: Path, tmp_path: Path, own_cache: Path):
+    """Also those in a house that was changed: its copy is in the cache, its textures are not."""
+    houses = tmp_path / "houses"
+    shutil.copytree(made, houses)
+    model, _ = load(houses / "train_0.xml")
+    without = [model.body(free_bodies(model)[0]).name]
+    scenes = {"source": "houses", "root": str(houses), "houses": [0], "without": without}
+    file = write_run(
+        tmp_path,
+        scenes=scenes,
+        episodes_per_scene=1,
+        cameras={"streams": []},
+    )
+    assert robocell_command("generate", file).returncode == 0
+    houses.rename(tmp_path / "moved")
+    shutil.rmtree(own_cache)
+    out = tmp_path / "out"
+    assert robocell_command("replay", out).returncode == 0
+    assert robocell_command("verify", out).returncode == 0
+    # Continuing needs the houses, and says so.
+    again = robocell_command("generate", file)
+    assert again.returncode != 0
+    assert f"Looked for train_0.xml and the like in: {houses}" in " ".join(again.stderr.split())
+    assert "Give the folder that has the .xml files as `root`" in " ".join(again.stderr.split())
+
+
 def test_the_command_makes_houses_once(tmp_path: Path):
     arguments = ("make-houses", "-n", "1", "--seed", "5", "--rooms", "2", "2", "--objects", "6")
     first = robocell_command(*arguments, tmp_path / "out").stdout
@@ -391,6 +507,28 @@ def test_the_command_makes_houses_once(tmp_path: Path):
     again = robocell_command(*arguments, tmp_path / "out").stdout
     assert "houses:    0 made, 1 there already" in again
     assert (tmp_path / "out/train_0_ceiling.xml").is_file()
+
+
+def test_a_house_that_fails_does_not_stop_the_others(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    from robocell._cli import make_houses as command
+
+    real = command.make_house
+
+    def failing(folder: Path, options: HouseOptions, index: int) -> object:
+        if index == 1:
+            raise rc.SpecError("house 'train_1' is too small")
+        return real(folder, options, index)
+
+    monkeypatch.setattr(command, "make_house", failing)
+    with pytest.raises(typer.Exit) as end:
+        command.make_houses(tmp_path / "out", count=3, rooms=(1, 1), objects=2, workers=1)
+    assert end.value.exit_code == 1
+    said = capsys.readouterr()
+    assert "houses:    2 made" in said.out
+    assert "1 house could not be made: 1 (house 'train_1' is too small)" in said.err
+    assert (tmp_path / "out/train_2.xml").is_file()
 
 
 # --- built-in houses ---

@@ -62,10 +62,15 @@ def test_an_environment_has_the_task_too(kind: str):
         env.reset(seed=seed)
         env.save("start")
         stay = {"rc7": {"joints": [0.0] * 7, "gripper": 1}}
-        _, reward, terminated, _, _ = env.step(stay)
+        first, reward, terminated, _, _ = env.step(stay)
         assert 0 <= reward < 1
         assert not terminated
         env.restore("start")
+        again, same_reward, _, _, _ = env.step(stay)
+        assert same_reward == reward
+        assert first.keys() == again.keys()
+        for name, value in first.items():
+            np.testing.assert_array_equal(again[name], value, err_msg=name)
     assert env.instruction.startswith(
         {"stack": "put the blue cube on", "press": "press the "}[kind]
     )
@@ -101,6 +106,11 @@ def test_relations_are_judged_and_sampled_from_python():
         scene.set_body_pose("red", pose)
         scene.forward()
         assert rc.tasks.relation_holds(scene, "red next_to blue")
+    for count in (-1, 0, 10**9):
+        with pytest.raises(rc.ArgumentError, match="count: expected a number from 1 to 10000"):
+            rc.tasks.relation_poses(scene, "red next_to blue", rng, count)
+    with pytest.raises(rc.ArgumentError, match="takes '<=' only"):
+        rc.tasks.relation_holds(scene, "red next_to blue >= 0.1")
     assert "held" in rc.tasks.relations()
     with pytest.raises(rc.ArgumentError, match="Did you mean 'next_to'"):
         rc.tasks.relation_holds(scene, "red nextto blue")

@@ -102,6 +102,37 @@ def test_an_environment_goes_on_without_its_window():
         assert env.scene.step()
 
 
+def test_the_scene_of_an_environment_is_not_stopped():
+    require_gl()
+    env = rc.Env(rc.EnvConfig.load(rc.models.cell_file("rc7")))
+    env.reset(0)
+    with in_memory(env.scene) as viewer:
+        viewer.realtime_factor = 0
+        with pytest.raises(rc.Error, match="cannot pause"):
+            viewer.paused = True
+        viewer.post("key", key=ord(" "))
+        viewer.show()
+        assert not viewer.paused
+        viewer.post("close")
+        viewer.show()
+        assert env.scene.step()
+
+
+def test_a_scene_has_one_viewer_at_a_time(scene: rc.Scene):
+    first = in_memory(scene, title="first")
+    with pytest.raises(rc.Error, match="has the viewer 'first' already"):
+        in_memory(scene, stops_scene=False, draws_steps=False)
+    first.close()
+    in_memory(scene).close()
+
+
+def test_robots_of_another_scene_are_refused(scene: rc.Scene):
+    viewer = in_memory(scene)
+    with pytest.raises(rc.ArgumentError, match="belongs to another scene"):
+        viewer.drag_tcp(built().robot("arm"))
+    viewer.close()
+
+
 def test_viewers_come_and_go_without_leaks(scene: rc.Scene):
     def memory() -> int:
         return int(Path("/proc/self/statm").read_text().split()[1]) * 4096
@@ -238,12 +269,12 @@ while viewer.step():
         window = display.window("arm window")
         display.xdotool("mousemove", "--window", window, x, y, "click", 1)
         assert running.stdout.readline() == "contacts\n"
-        display.xdotool("mousemove", "--window", window, 400, 300)
+        display.xdotool("mousemove", "--window", window, 410, 300)
         display.xdotool("click", "--repeat", 2, "--delay", 60, 1)
         assert running.stdout.readline() == "cube\n"
         display.xdotool("keydown", "ctrl", "mousedown", 3)
         for up in range(1, 12):
-            display.xdotool("mousemove", "--window", window, 400, 300 - 15 * up)
+            display.xdotool("mousemove", "--window", window, 410, 300 - 15 * up)
         assert running.stdout.readline() == "lifted\n"
         display.xdotool("mouseup", 3, "keyup", "ctrl", "key", "ctrl+q")
         assert running.wait() == 0
@@ -256,6 +287,44 @@ while viewer.step():
     assert np.count_nonzero((red > 120) & (red > 1.5 * green) & (green > 1.2 * blue)) > 100, (
         "the cube"
     )
+
+
+def test_a_user_records_a_video(display: Display, tmp_path: Path):
+    """The recorder draws with a context of its own, beside that of the window."""
+    program = (
+        START
+        + """
+viewer.realtime_factor = 0
+viewer.show_panels("Recorder", "")
+viewer.show()
+for item in ("Start", "Stop"):
+    x, y = viewer.place_of("Recorder", item)
+    print(round(x), 600 - round(y), flush=True)
+while not viewer.recording:
+    viewer.step()
+print("recording", flush=True)
+for _ in range(200):
+    viewer.step()
+print(viewer.pixels().std() > 1, flush=True)
+while viewer.recording:
+    viewer.step()
+print("saved", flush=True)
+while viewer.step():
+    pass
+"""
+    )
+    with display.start(program, tmp_path) as running:
+        assert running.stdout
+        places = [tuple(map(int, running.stdout.readline().split())) for _ in range(2)]
+        window = display.window("arm window")
+        display.xdotool("mousemove", "--window", window, *places[0], "click", 1)
+        assert running.stdout.readline() == "recording\n"
+        assert running.stdout.readline() == "True\n"
+        display.xdotool("mousemove", "--window", window, *places[1], "click", 1)
+        assert running.stdout.readline() == "saved\n"
+        display.xdotool("key", "ctrl+q")
+        assert running.wait() == 0
+    assert (tmp_path / "recording.mp4").stat().st_size > 1000
 
 
 @pytest.mark.parametrize("times", [8, pytest.param(100, marks=pytest.mark.proof)])

@@ -353,6 +353,14 @@ EXAMPLE(WriteAVideo) {
   cout << ReadVideoInfo("gray.mp4").frames << "\n";  // 10
 }
 
+// Viewer, ViewerOptions: shows a scene, here in memory; a window opens without on_screen = false.
+EXAMPLE(ViewAScene) {
+  Viewer viewer = Viewer::Open(robot, {.width = 320, .height = 240, .on_screen = false});
+  viewer.set_realtime_factor(0);
+  for (int i = 0; i < 10; ++i) viewer.Step();
+  cout << viewer.is_running() << " " << scene.time() << "\n";  // 1 0.02
+}
+
 // Rng: draws numbers that depend on their keys alone.
 EXAMPLE(RandomNumbers) {
   Rng rng = Rng::Stream(0, "scene", "kitchen", 17);

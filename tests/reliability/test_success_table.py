@@ -11,5 +11,5 @@ import success_table
 @pytest.mark.parametrize("kind", success_table.KINDS)
 @pytest.mark.parametrize("robot", success_table.ROBOTS)
 def test_an_expert_succeeds_from_nine_of_ten_starts(robot: str, kind: str):
-    cell = success_table.measure(robot, kind, starts=50)
-    assert cell.interval()[1] >= 0.9, cell  # no evidence that it is less
+    cell = success_table.measure(robot, kind, starts=20)
+    assert cell.successes >= 0.9 * cell.starts, cell

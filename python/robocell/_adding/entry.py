@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from robocell._adding.convex import Hull, volume_of
+from robocell._adding.hulls import Hull, volume_of
 from robocell._adding.meshes import Coloured, Shape
 
 COLOURS = {

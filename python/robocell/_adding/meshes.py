@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-from robocell import SpecError
+from robocell._adding.errors import AddObjectError
+from robocell._adding.hulls import Faces, Points, hull_of, signed_volume, volume_of
+from robocell._adding.winding import faces_to_turn
 
 MESH_SUFFIXES = (".obj", ".stl", ".glb")
 LARGEST_FILE = 200_000_000  # bytes
@@ -21,13 +22,6 @@ MOST_TRIANGLES = 500_000
 LARGEST_M = 10.0  # kLargestObject of scenes/catalogue.h
 SMALLEST_M = 1e-3
 GREY = (0.7, 0.7, 0.7, 1.0)
-
-Points = NDArray[np.float64]
-Faces = NDArray[np.int64]
-
-
-class AddObjectError(SpecError):
-    """A file that cannot become an object, and what to do about it."""
 
 
 @dataclass
@@ -44,7 +38,7 @@ class Shape:
     """What a file shows."""
 
     parts: list[Coloured]
-    is_watertight: bool
+    is_watertight: bool  # closed, with faces that can be turned outwards
     volume: float  # m^3; of the convex hull unless watertight
     lost: list[str]  # what the file has and the object will not
 
@@ -68,6 +62,7 @@ def read_shape(path: Path, *, scale: float = 1.0, up: str = "") -> Shape:
     import trimesh
 
     scene, lost = _load(path)
+    _require_few_triangles(path, scene)
     parts: list[Coloured] = []
     whole = []
     for mesh in cast("list[Any]", scene.dump()):
@@ -82,18 +77,41 @@ def read_shape(path: Path, *, scale: float = 1.0, up: str = "") -> Shape:
         )
     if not parts:
         raise AddObjectError(f"{path}: has no triangles. Export it as a mesh with faces")
-    triangles = sum(len(part.faces) for part in parts)
+    _place(path, parts, scale, up or ("y" if path.suffix.lower() == ".glb" else "z"))
+    joined: Any = trimesh.util.concatenate(whole) if len(whole) > 1 else whole[0]
+    mesh = trimesh.Trimesh(_all_points(parts), joined.faces, process=False)
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+    vertices, faces = np.asarray(mesh.vertices, float), np.asarray(mesh.faces, np.int64)
+    turn = faces_to_turn(vertices, faces) if mesh.is_watertight else None
+    volume = 0.0
+    if turn is not None:
+        _turn(parts, turn)
+        volume = signed_volume(vertices, np.where(turn[:, None], faces[:, ::-1], faces))
+    is_watertight = volume > 0
+    if not is_watertight:
+        volume = volume_of(hull_of(vertices, str(path), most=-1))
+    return Shape(parts, is_watertight, volume, sorted(set(lost)))
+
+
+def _require_few_triangles(path: Path, scene: Any) -> None:
+    """Counts the triangles of each copy of a mesh before the copies are made."""
+    triangles = sum(
+        len(getattr(scene.geometry[scene.graph[node][1]], "faces", ()))
+        for node in scene.graph.nodes_geometry
+    )
     if triangles > MOST_TRIANGLES:
         raise AddObjectError(
             f"{path}: has {triangles:,} triangles, and at most {MOST_TRIANGLES:,} are drawn fast "
             "enough. Simplify it in the program that made it (in Blender: Decimate)"
         )
-    _place(path, parts, scale, up or ("y" if path.suffix.lower() == ".glb" else "z"))
-    joined: Any = trimesh.util.concatenate(whole) if len(whole) > 1 else whole[0]
-    mesh = trimesh.Trimesh(_all_points(parts), joined.faces, process=False)
-    mesh.merge_vertices(merge_tex=True, merge_norm=True)
-    volume = abs(float(mesh.volume)) if mesh.is_watertight else _hull_volume(path, mesh)
-    return Shape(parts, bool(mesh.is_watertight), volume, sorted(set(lost)))
+
+
+def _turn(parts: list[Coloured], turn: Any) -> None:
+    first = 0
+    for part in parts:
+        of_part = turn[first : first + len(part.faces), None]
+        part.faces = np.where(of_part, part.faces[:, ::-1], part.faces)
+        first += len(part.faces)
 
 
 def _load(path: Path) -> tuple[Any, list[str]]:
@@ -176,11 +194,3 @@ def _place(path: Path, parts: list[Coloured], scale: float, up: str) -> None:
 
 def _all_points(parts: list[Coloured]) -> Points:
     return np.vstack([part.vertices for part in parts])
-
-
-def _hull_volume(path: Path, mesh: Any) -> float:
-    try:
-        return abs(float(mesh.convex_hull.volume))
-    except Exception as error:
-        text = " ".join(str(error).split())
-        raise AddObjectError(f"{path}: its points enclose no volume: {text[:120]}") from None

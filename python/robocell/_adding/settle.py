@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import robocell as rc
-from robocell._adding.meshes import LARGEST_M, AddObjectError
+from robocell._adding.errors import AddObjectError
+from robocell._adding.meshes import LARGEST_M
 from robocell.render import OrbitCamera, Renderer, write_png
 
 LONGEST_S = 6.0  # until it rests
@@ -32,26 +33,32 @@ class Rest:
     is_still: bool
 
 
-def settle(model: Path, picture: Path | None) -> Rest:
+def settle(model: Path, picture: Path | None, place: str) -> Rest:
     """Lets an object fall from just above a floor.
 
     Args:
         model: Its MJCF.
         picture: Where a picture of it is written, as it stands in its file; None for no picture.
+        place: Names it in messages.
 
     Raises:
-        AddObjectError: It has no shape that collides, or the simulation diverges.
+        AddObjectError: It cannot stand in a scene, has no shape that collides, or the simulation
+            diverges.
     """
-    scene = _scene(model)
+    try:
+        scene = _scene(model)
+    except rc.Error as error:
+        reason = str(error).replace(f"{model.resolve().parent}/", "")
+        raise AddObjectError(f"{place}: a scene cannot have it: {reason}") from None
     low, high, volume = _bounds(scene)
     size = high - low
     if size.max() > LARGEST_M:
         raise AddObjectError(
-            f"{model}: is {size.max():.3g} m large, and lengths are in metres. Is it in "
+            f"{place}: is {size.max():.3g} m large, and lengths are in metres. Is it in "
             'millimetres? Then give its <mesh> scale="0.001 0.001 0.001"'
         )
     if volume == 0:
-        raise AddObjectError(f"{model}: none of its geoms collides (contype, conaffinity)")
+        raise AddObjectError(f"{place}: none of its geoms collides (contype, conaffinity)")
     body = scene.model.body(scene.compiled.object("object").root_body).id
     start = scene.data.joint(0).qpos.copy()
     start[2] -= low[2] - 1e-4
@@ -64,7 +71,7 @@ def settle(model: Path, picture: Path | None) -> Rest:
     while data.time < LONGEST_S and not is_still:
         result = scene.step_n(round(CHUNK_S / TIMESTEP))
         if not result.ok:
-            raise AddObjectError(f"{model}: does not come to rest: {result.message}")
+            raise AddObjectError(f"{place}: does not come to rest: {result.message}")
         is_still = bool(np.abs(data.qvel[:6]).max() < REST_SPEED)
     up = data.xmat[body].reshape(3, 3)[:, 2]
     matrix = np.empty(9)

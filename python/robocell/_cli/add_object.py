@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import re
-import shutil
 import tempfile
 from enum import StrEnum
 from pathlib import Path
@@ -21,6 +20,7 @@ from robocell.tasks import object_categories
 
 SUFFIXES = (".xml", ".obj", ".stl", ".glb")
 DENSITY = 600.0  # kg/m^3: wood, and hollow plastic
+FRICTION = 0.8  # sliding
 TILTED = 10.0  # degrees
 DEEPEST = 1e-3  # m
 
@@ -57,8 +57,12 @@ def add_object(
         Up | None, typer.Option(help="Axis of a mesh file that points up. Default: y for GLB.")
     ] = None,
     mass: Annotated[float | None, typer.Option(help="Mass, kg. Default: from the density.")] = None,
-    density: Annotated[float, typer.Option(help="Density, kg/m^3.")] = DENSITY,
-    friction: Annotated[float, typer.Option(help="Sliding friction.")] = 0.8,
+    density: Annotated[
+        float | None, typer.Option(help=f"Density of a mesh, kg/m^3. Default: {DENSITY:.0f}.")
+    ] = None,
+    friction: Annotated[
+        float | None, typer.Option(help=f"Sliding friction of a mesh. Default: {FRICTION}.")
+    ] = None,
     one_hull: Annotated[
         bool, typer.Option("--one-hull", help="One convex hull instead of convex parts.")
     ] = False,
@@ -82,7 +86,14 @@ def add_object(
     """
     _require_positive(scale=scale, density=density, friction=friction, mass=mass)
     sources = [file for given in files for file in _files_of(given)]
-    meshes_only = {"scale": scale != 1, "up": up, "mass": mass, "one-hull": one_hull}
+    meshes_only = {
+        "scale": scale != 1,
+        "up": up is not None,
+        "mass": mass is not None,
+        "density": density is not None,
+        "friction": friction is not None,
+        "one-hull": one_hull,
+    }
     for option in [option for option, given in meshes_only.items() if given]:
         if model := next((file for file in sources if file.suffix.lower() == ".xml"), None):
             fail(f"--{option} is for mesh files; {model} has its own: change it there")
@@ -96,9 +107,10 @@ def add_object(
         _require_name(kind, file, names, root, replace=replace)
     table = Table("kind", "size, mm", "mass, g", "convex parts", "watertight", "rests", box=None)
     rejected = 0
-    with needed_by("robocell add-object", "objects"):
-        import coacd  # noqa: F401
-        import trimesh  # noqa: F401
+    if any(file.suffix.lower() != ".xml" for file in sources):
+        with needed_by("robocell add-object", "objects"):
+            import coacd  # noqa: F401
+            import trimesh  # noqa: F401
     from robocell._adding.entry import Words
 
     words = Words(category, colour, material, synonym or [])
@@ -108,12 +120,16 @@ def add_object(
                 kind,
                 *_add(
                     file, kind, root, words,
-                    scale=scale, up=up.value if up else "", mass=mass, density=density,
-                    friction=friction, split=not one_hull, dry_run=dry_run,
+                    scale=scale, up=up.value if up else "", mass=mass,
+                    density=density or DENSITY, friction=friction or FRICTION,
+                    split=not one_hull, dry_run=dry_run,
                 ),
             )  # fmt: skip
         except Error as error:
             print_error(str(error))
+            rejected += 1
+        except OSError as error:
+            print_error(f"{file}: its entry in {root / 'objects'} cannot be written: {error}")
             rejected += 1
     if table.row_count:
         print_wide(table)
@@ -148,7 +164,8 @@ def _add(
 
     from robocell._adding.convex import convex_parts
     from robocell._adding.entry import Words, colour_word, write_mesh_entry, write_words
-    from robocell._adding.meshes import AddObjectError, read_shape
+    from robocell._adding.errors import AddObjectError
+    from robocell._adding.meshes import read_shape
     from robocell._adding.mjcf import copy_model
     from robocell._adding.settle import settle
 
@@ -176,7 +193,7 @@ def _add(
                 print_warning(
                     f"{file}: is not watertight: its mass is that of its convex hull; give --mass"
                 )
-        rest = settle(folder / f"{kind}.xml", folder / f"{kind}.png")
+        rest = settle(folder / f"{kind}.xml", folder / f"{kind}.png", str(file))
         if not rest.is_still:
             raise AddObjectError(
                 f"{file}: does not come to rest on a floor. Give it a flat foot, or condim 6"
@@ -188,13 +205,24 @@ def _add(
             )
         write_words(folder, words, rest.size)
         if not dry_run:
-            target = objects / kind
-            if target.exists():
-                shutil.rmtree(target)
-            folder.rename(target)
+            _put(folder, objects / kind)
     stands = "as it is" if rest.tilt < TILTED else f"turned by {rest.tilt:.0f} degrees"
     size = " x ".join(f"{1000 * value:.0f}" for value in rest.size)
     return [size, f"{1000 * rest.mass:.0f}", parts, watertight, stands]
+
+
+def _put(folder: Path, target: Path) -> None:
+    """Renames a new entry; the one that it replaces is deleted after that, with `folder`'s."""
+    former = folder.parent / ".former"
+    is_replaced = target.exists()
+    if is_replaced:
+        target.rename(former)
+    try:
+        folder.rename(target)
+    except OSError:
+        if is_replaced:
+            former.rename(target)
+        raise
 
 
 def _files_of(given: Path) -> list[Path]:

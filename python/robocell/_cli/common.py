@@ -87,8 +87,8 @@ COPY_OPTION = typer.Option("--copy", help="Copy files. Default: hard links, wher
 
 
 @contextmanager
-def counting() -> Iterator[Callable[[int, int], None]]:
-    """A bar that counts episodes on a terminal; the block gets a function of (done, whole)."""
+def counting(what: str = "episodes") -> Iterator[Callable[[int, int], None]]:
+    """A bar that counts on a terminal; the block gets a function of (done, whole)."""
     with Progress(
         "{task.description}",
         BarColumn(),
@@ -98,7 +98,7 @@ def counting() -> Iterator[Callable[[int, int], None]]:
         disable=not sys.stderr.isatty(),
         transient=True,
     ) as progress:
-        bar = progress.add_task("episodes", total=None)
+        bar = progress.add_task(what, total=None)
         yield lambda done, whole: progress.update(bar, completed=done, total=whole)
 
 

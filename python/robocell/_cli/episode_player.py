@@ -23,9 +23,10 @@ class Player:
 
     def __init__(self, episode: robocell.data.Episode) -> None:
         """Simulates the recorded controls again, for the states in every row."""
-        from robocell.export._states import states_of
+        from robocell.export._states import full_states_of
 
-        self.states = states_of(episode)
+        self.states = full_states_of(episode)
+        self.times = episode["time"] - episode["time"][0]
         self.scene = robocell.Scene.build(robocell.data.recorded_scene(episode))
         self.name = episode.id
         self.row = 0
@@ -36,8 +37,8 @@ class Player:
     @property
     def text(self) -> str:
         """What the viewer shows beside the picture."""
-        times = self.states[:, 0] - self.states[0, 0]
-        lines = [self.name, f"row {self.row} of {len(times) - 1}", f"{times[self.row]:.2f} s"]
+        last = len(self.times) - 1
+        lines = [self.name, f"row {self.row} of {last}", f"{self.times[self.row]:.2f} s"]
         if self._phases:
             lines.append(self._phases[self.row])
         return "\n".join(lines)
@@ -45,35 +46,38 @@ class Player:
     def show_row(self, row: int) -> None:
         """Goes to a row, or the nearest one."""
         self.row = int(np.clip(row, 0, len(self.states) - 1))
-        self._time = float(self.states[self.row, 0])
-        data, nq = self.scene.data, self.scene.model.nq
-        data.time = self._time
-        data.qpos[:] = self.states[self.row, 1 : 1 + nq]
-        data.qvel[:] = self.states[self.row, 1 + nq :]
+        self._time = float(self.times[self.row])
+        self.scene.set_state(self.states[self.row])
         self.scene.forward()
 
     def press(self, key: int) -> None:
         """Acts on a key: the arrows go a row or, while playing, a second on or back."""
-        second = max(1, round(1 / float(np.median(np.diff(self.states[:, 0])))))
+        rows, seconds = len(self.times) - 1, float(self.times[-1])
+        second = max(1, round(rows / seconds)) if seconds > 0 else 1
         by = second if self.playing else 1
         to = {RIGHT: self.row + by, LEFT: self.row - by, HOME: 0, END: len(self.states) - 1}
         if key in to:
             self.show_row(to[key])
 
-    def advance(self, seconds: float) -> None:
-        """Goes on by simulated seconds, to the end at most."""
+    def advance(self, seconds: float, speed: float = 1.0) -> None:
+        """Goes on by so many seconds of the clock, at a speed; at speed 0 by one row."""
         if not self.playing:
             return
-        now = self._time + seconds
-        last = len(self.states) - 1
-        self.show_row(min(last, int(np.searchsorted(self.states[:, 0], now + 1e-9, "right")) - 1))
-        self._time = now
+        if speed == 0:
+            self.show_row(self.row + 1)
+            return
+        now = self._time + speed * seconds
+        row = int(np.searchsorted(self.times, now + 1e-9, "right")) - 1
+        if row != self.row:
+            self.show_row(row)
+        self._time = min(now, float(self.times[-1]))
 
 
 def play(dataset: Path, episode: str, speed: float, screenshot: Path | None) -> None:
     """Shows an episode until the user closes the window."""
     player = Player(robocell.Dataset(dataset)[episode])
-    options = {"on_screen": screenshot is None, "stops_scene": False, "draws_steps": False}
+    # Nothing steps the scene: the player goes by the viewer's speed and pause.
+    options = {"on_screen": screenshot is None, "draws_steps": False}
     with Viewer.open(player.scene, episode, **options) as viewer:
         viewer.realtime_factor = speed
         viewer.show_panels("Run", "Joints")
@@ -90,7 +94,7 @@ def play(dataset: Path, episode: str, speed: float, screenshot: Path | None) -> 
                 player.press(key)
             now = time.monotonic()
             player.playing = not viewer.paused
-            player.advance((now - before) * (viewer.realtime_factor or 1))
+            player.advance(now - before, viewer.realtime_factor)
             before = now
             viewer.text = player.text
             time.sleep(max(0.0, 1 / 60 - (time.monotonic() - now)))

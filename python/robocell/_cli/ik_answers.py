@@ -23,10 +23,12 @@ class Answers:
     Attributes:
         position_error: (B,) metres.
         rotation_error: (B,) radians.
+        joints: (B, n) the answers, rad or m.
         claimed: (B,) True if the solver reports a solution.
         seconds: (B,) or (1,).
     """
 
+    joints: Array
     position_error: Array
     rotation_error: Array
     claimed: NDArray[np.bool_]
@@ -85,7 +87,7 @@ def _judge(
         for q, target in zip(joints, targets, strict=True)
     ]
     position, rotation = np.array(errors).T
-    return Answers(position, rotation, claimed, seconds)
+    return Answers(joints, position, rotation, claimed, seconds)
 
 
 def pose_error(X_WA: Array, X_WB: Array) -> tuple[float, float]:

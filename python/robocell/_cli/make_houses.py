@@ -10,7 +10,9 @@ from typing import Annotated
 
 import typer
 
-from robocell._cli.common import fail
+from robocell import Error
+from robocell._cli.common import ExitCode, counting, fail, print_error
+from robocell._suggestions import counted
 from robocell.scenes import (
     HouseOptions,
     HouseSummary,
@@ -20,6 +22,7 @@ from robocell.scenes import (
 )
 
 MOST_HOUSES = 1_000_000
+SHOWN_FAILURES = 8
 
 
 def make_houses(
@@ -55,13 +58,20 @@ def make_houses(
     missing = [index for index in wanted if not has_house(out, options, index)]
     start = time.monotonic()
 
-    def make(index: int) -> HouseSummary:
-        return make_house(out, options, index)
+    made: list[HouseSummary] = []
+    failed: dict[int, Error] = {}
+
+    def make(index: int) -> None:
+        try:
+            made.append(make_house(out, options, index))
+        except Error as error:
+            failed[index] = error
 
     pool = ThreadPoolExecutor(workers or len(os.sched_getaffinity(0)))
-    with pool:
+    with pool, counting("houses") as count_to:
         try:
-            made = list(pool.map(make, missing))
+            for done, _ in enumerate(pool.map(make, missing), 1):
+                count_to(done, len(missing))
         except BaseException:
             pool.shutdown(cancel_futures=True)
             raise
@@ -70,10 +80,15 @@ def make_houses(
         name: sum(getattr(house, name) for house in made)
         for name in ("rooms", "pieces", "joints", "objects", "removed")
     }
-    print(f"houses:    {len(made)} made, {count - len(made)} there already")
+    print(f"houses:    {len(made)} made, {count - len(missing)} there already")
     if made:
         print(f"rooms:     {totals['rooms']}")
         print(f"furniture: {totals['pieces']} pieces, {totals['joints']} doors and drawers")
         print(f"objects:   {totals['objects']} ({totals['removed']} left out, not at rest)")
         print(f"time:      {seconds:.1f} s ({len(made) / seconds:.1f} houses/s)")
+    if failed:
+        some = ", ".join(f"{index} ({failed[index]})" for index in sorted(failed)[:SHOWN_FAILURES])
+        more = f" and {len(failed) - SHOWN_FAILURES} more" if len(failed) > SHOWN_FAILURES else ""
+        print_error(f"{counted(len(failed), 'house')} could not be made: {some}{more}")
+        raise typer.Exit(ExitCode.INCOMPLETE)
     print(f"Use them with: scenes: {{source: houses, root: {out}}}")

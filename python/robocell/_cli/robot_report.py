@@ -66,15 +66,20 @@ def print_report(
 
 def _unfit(loaded: RobotScene) -> list[str]:
     """Returns the experts that cannot use the robot, by reason."""
+    all_kinds = expert_kinds()
     experts: dict[str, list[str]] = {}
-    for kind in expert_kinds():
+    for kind in all_kinds:
         for reason in why_not(loaded.robot, kind):
             experts.setdefault(reason, []).append(kind)
-    return [
-        f"the expert{'s' if len(kinds) > 1 else ''} {' and '.join(kinds)} cannot use this robot: "
-        f"{reason}"
-        for reason, kinds in experts.items()
-    ]
+
+    def whom(kinds: list[str]) -> str:
+        if len(kinds) == len(all_kinds):
+            return "no expert can use"
+        if len(kinds) == 1:
+            return f"the expert {kinds[0]} cannot use"
+        return f"the experts {', '.join(kinds[:-1])} and {kinds[-1]} cannot use"
+
+    return [f"{whom(kinds)} this robot: {reason}" for reason, kinds in experts.items()]
 
 
 def _wrong(loaded: RobotScene) -> str:

@@ -111,8 +111,13 @@ def _load(path: Path, index: int) -> Shown:
 
 
 def _kind(path: Path) -> type:
-    """Returns the kind of specification whose fields the file has most of."""
+    """Returns the kind of specification that the file has most fields of.
+
+    Fields that only one kind has decide; the others count among equals.
+    """
     import yaml
+
+    from robocell._spec_fields import fields_in
 
     try:
         content = yaml.safe_load(path.read_text())
@@ -121,4 +126,16 @@ def _kind(path: Path) -> type:
     if not isinstance(content, dict):
         fail(f"'{path}' is no specification: it has no fields")
     kinds = (RobotConfig, RunConfig, EnvConfig, SceneSpec)
-    return max(kinds, key=lambda kind: sum(hasattr(kind, str(name)) for name in content))
+    fields: dict[type, set[str]] = {kind: fields_in(kind) for kind in kinds}
+
+    def fit(kind: type) -> tuple[int, int]:
+        others = set[str]().union(*(fields[other] for other in kinds if other is not kind))
+        known = fields[kind] & set(map(str, content))
+        return len(known - others), len(known)
+
+    best = max(kinds, key=fit)
+    if fit(best) == (0, 0):
+        own = {kind: ", ".join(sorted(fields[kind])[:6]) for kind in kinds}
+        lines = "".join(f"\n  {kind.__name__}: {names}, ..." for kind, names in own.items())
+        fail(f"'{path}' has no field of any specification. Fields are, among others:{lines}")
+    return best

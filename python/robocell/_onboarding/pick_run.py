@@ -18,10 +18,6 @@ SAME_HEIGHT = 0.08
 # that are.
 LEAST_SHARE = 0.5
 INNER = (0.35, 0.75)
-IN_REACH = (
-    r"pregrasp and lift included, is in reach with start\.base_height_offset (-?[\d.]+) and "
-    r"base_distance ([\d.]+) \.\.\. ([\d.]+) m"
-)
 CANNOT_HOLD = r"cannot hold '([^']+)'"
 
 
@@ -71,13 +67,12 @@ def stand_in_reach(guess: RobotGuess, run_file: Path) -> Stand:
     """
     usual = usual_stand(guess)
     try:
-        advice = _core.reach_advice(RunConfig.load(run_file))
+        found = _core.stand_in_reach(RunConfig.load(run_file))
     except Error:
         return usual  # the commands that run it explain it
-    found = re.search(IN_REACH, advice)
     if found is None:
         return usual
-    height, nearest, farthest = map(float, found.groups())
+    height, nearest, farthest = found
     if abs(height - usual.height_offset) <= SAME_HEIGHT:
         height = usual.height_offset
     near, far = max(usual.near, nearest), min(usual.far, farthest)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -14,6 +15,28 @@ TOLERANCE = 1e-6  # rad, m
 
 def states_of(episode: Episode) -> NDArray[Any]:
     """Returns time, qpos and qvel in every row, (rows, 1 + nq + nv).
+
+    Raises:
+        ArgumentError: As replayed.
+    """
+    rows = [
+        np.array([scene.data.time, *scene.data.qpos, *scene.data.qvel])
+        for scene in replayed(episode)
+    ]
+    return np.array(rows)
+
+
+def full_states_of(episode: Episode) -> NDArray[Any]:
+    """Returns the engine's full state in every row, (rows, n), as Scene.set_state takes it.
+
+    Raises:
+        ArgumentError: As replayed.
+    """
+    return np.array([scene.state() for scene in replayed(episode)])
+
+
+def replayed(episode: Episode) -> Iterator[Scene]:
+    """Yields the scene in the state of every row.
 
     The recorded controls are simulated again from the recorded start.
 
@@ -36,11 +59,10 @@ def states_of(episode: Episode) -> NDArray[Any]:
         raise ArgumentError(f"episode '{episode.id}': its scene has another state than recorded")
     steps = round(control_ms / (1000 * scene.timestep()))
     scene.set_state(start)
-    model, data = scene.model, scene.data
+    data = scene.data
     times, controls = episode["control/time"], episode["control/ctrl"]
     begins = np.searchsorted(times, episode["time"] - scene.timestep() / 2)
     groups = _groups(episode, scene)
-    states = np.empty((len(episode), 1 + model.nq + model.nv))
     ends = [*begins[1:], len(times)]
     for row, (begin, end) in enumerate(zip(begins, ends, strict=True)):
         for name, group, recorded in groups:
@@ -50,11 +72,10 @@ def states_of(episode: Episode) -> NDArray[Any]:
                     f"episode '{episode.id}': replaying its controls differs from '{name}' by "
                     f"{error:.3g} in row {row}; `robocell replay` says more"
                 )
-        states[row] = [data.time, *data.qpos, *data.qvel]
+        yield scene
         for tick in range(begin, end):
             data.ctrl[:] = controls[tick]
             scene.step_n(steps)
-    return states
 
 
 def _groups(episode: Episode, scene: Scene) -> list[tuple[str, Any, NDArray[Any]]]:

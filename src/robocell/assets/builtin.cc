@@ -5,13 +5,18 @@
 #include <algorithm>
 #include <filesystem>
 #include <map>
+#include <mutex>
+#include <optional>
+#include <set>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/roots.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/log.h"
 #include "robocell/base/suggestions.h"
 
 namespace robocell::assets {
@@ -48,14 +53,38 @@ fs::path FindModelsRoot() {
   internal::ThrowNotFound("the folder of built-in models", looked, "Set ROBOCELL_MODELS to it.");
 }
 
+// Returns true for a name that a folder can have: not for paths.
+bool IsFolderName(const std::string& name) {
+  return !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos;
+}
+
+// Returns true if there is a file root/name/name.xml.
+bool HasModel(const fs::path& root, const std::string& name) {
+  std::error_code error;  // set by a circle of links
+  return IsFolderName(name) && fs::exists(root / name / (name + ".xml"), error);
+}
+
 // Returns the names N of root/N/N.xml.
 std::vector<std::string> ModelsBelow(const fs::path& root) {
   std::vector<std::string> names;
   for (const std::string& name : FolderNamesIfAny(root)) {
-    std::error_code error;  // set by a circle of links
-    if (fs::exists(root / name / (name + ".xml"), error)) names.push_back(name);
+    if (HasModel(root, name)) names.push_back(name);
   }
   return names;
+}
+
+// Warns once in this process.
+void WarnOfTakenName(const std::string& folder, const std::string& name) {
+  static std::mutex mutex;
+  static std::set<std::string> warned;
+  {
+    const std::lock_guard lock(mutex);
+    if (!warned.insert(folder).second) return;
+  }
+  LogWarn(
+      fmt::format("{} is no object for tasks: '{}' is a built-in model that is no object. "
+                  "Rename the folder and its model",
+                  folder, name));
 }
 
 std::vector<std::string> ModelsWithFolder(const char* kind) {
@@ -99,14 +128,40 @@ std::vector<std::string> BuiltinModels() {
 
 std::map<std::string, std::string> ObjectFolders() {
   std::map<std::string, std::string> folders;
+  const std::string built_in = ModelsRoot();
   std::vector<std::string> roots = ModelPathRoots();
-  roots.push_back(ModelsRoot());
+  roots.push_back(built_in);
   for (const std::string& root : roots) {
     const fs::path objects = fs::path(root) / "objects";
-    for (const std::string& name : ModelsBelow(objects))
-      folders.emplace(name, (objects / name).string());
+    for (const std::string& name : ModelsBelow(objects)) {
+      if (root != built_in && IsBuiltinOtherThanObject(name)) {
+        WarnOfTakenName((objects / name).string(), name);
+      } else {
+        folders.emplace(name, (objects / name).string());
+      }
+    }
   }
   return folders;
+}
+
+std::optional<std::string> ObjectFolder(const std::string& name) {
+  if (!IsBuiltinOtherThanObject(name)) {
+    for (const std::string& root : ModelPathRoots()) {
+      const fs::path objects = fs::path(root) / "objects";
+      if (HasModel(objects, name)) return (objects / name).string();
+    }
+  }
+  const fs::path objects = fs::path(ModelsRoot()) / "objects";
+  if (HasModel(objects, name)) return (objects / name).string();
+  return std::nullopt;
+}
+
+bool IsBuiltinOtherThanObject(const std::string& name) {
+  std::error_code error;
+  const fs::path root = ModelsRoot();
+  return IsFolderName(name) &&
+         (HasModel(root / "robots", name) || HasModel(root / "equipment", name) ||
+          fs::exists(root / "scenes" / (name + ".xml"), error));
 }
 
 std::string BuiltinRobotFile(const std::string& name) {

@@ -147,7 +147,8 @@ std::string Resolve(const std::string& name, const std::string& directory) {
   if (search.TryFile(path)) return search.found();
   for (const std::string& root : ModelPathRoots()) {
     if (search.TryBelow(root, name)) return search.found();
-    if (IsPlainName(name) && search.TryBelow(root, ObjectFile(name))) return search.found();
+    const bool may_be_object = IsPlainName(name) && !IsBuiltinOtherThanObject(name);
+    if (may_be_object && search.TryBelow(root, ObjectFile(name))) return search.found();
   }
   if (!IsPlainName(name)) {
     const std::string near = NeighbourHint(name, search.looked().front());

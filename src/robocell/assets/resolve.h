@@ -55,8 +55,13 @@ std::vector<std::string> BuiltinModels();  // all of these
 
 // Returns the folders of the objects that tasks can draw, by name: those of users, which are
 // objects/NAME below a root of ROBOCELL_MODEL_PATH and hide built-in ones of the same name, and
-// models/objects.
+// models/objects. An object of a user does not hide a robot, equipment or a scene: it is left out
+// with a warning.
 std::map<std::string, std::string> ObjectFolders();
+// Returns the folder of one of them, without a look at the others; unset if there is none.
+std::optional<std::string> ObjectFolder(const std::string& name);
+// Returns true for the name of a built-in robot, equipment or scene.
+bool IsBuiltinOtherThanObject(const std::string& name);
 // Returns the YAML file of a built-in robot. Throws NotFoundError with the nearest names.
 std::string BuiltinRobotFile(const std::string& name);
 

@@ -160,10 +160,10 @@ TEST_F(Resolving, AVariableOverridesAModelFile) {
 
 TEST_F(Resolving, EquipmentIsFoundByNameAndIsNotPickable) {
   EXPECT_THAT(BuiltinEquipment(),
-              ::testing::ElementsAre("button_panel", "cabinet", "d405", "drawer_unit", "faucet",
-                                     "fr3_duo_mount", "ft_sensor", "green_cube", "laptop",
+              ::testing::ElementsAre("button_panel", "cabinet", "cupboard", "d405", "drawer_unit",
+                                     "faucet", "fr3_duo_mount", "ft_sensor", "green_cube", "laptop",
                                      "lid_box", "microwave", "open_bottle", "parallel_hand",
-                                     "receiver", "robotiq_d405_mount", "table", "tray"));
+                                     "receiver", "region", "robotiq_d405_mount", "table", "tray"));
   EXPECT_EQ(Resolve("cabinet"), ModelsRoot() + "/equipment/cabinet/cabinet.xml");
   EXPECT_THAT(BuiltinObjects(), ::testing::Not(Contains("cabinet")));
   EXPECT_THAT(BuiltinModels(), ::testing::IsSupersetOf({"rc7", "mug", "cabinet", "tabletop"}));
@@ -187,6 +187,35 @@ TEST_F(Resolving, AUsersObjectIsFoundByNameBeforeBuiltInOnes) {
   }
   EXPECT_THROW(Resolve("my_mug"), NotFoundError);
   EXPECT_EQ(PortableName(Resolve("bottle")), "bottle");
+}
+
+TEST_F(Resolving, AUsersObjectHidesNoRobotEquipmentOrScene) {
+  const std::string mug = Write("root/objects/mug/mug.xml");
+  const std::vector<std::string> taken = {"rc7", "table", "tabletop"};
+  for (const std::string& name : taken) Write("root/objects/" + name + "/" + name + ".xml");
+  const std::map<std::string, std::string> before = ObjectFolders();
+  std::vector<std::string> paths;
+  for (const std::string& name : taken) paths.push_back(Resolve(name));
+  const ScopedEnv env("ROBOCELL_MODEL_PATH", At("root"));
+  std::vector<std::string> warnings;
+  const ScopedLogSink capture(
+      [&](LogLevel, std::string_view text) { warnings.emplace_back(text); });
+  const std::map<std::string, std::string> folders = ObjectFolders();
+  EXPECT_EQ(folders.size(), before.size());
+  for (size_t i = 0; i < taken.size(); ++i) {
+    EXPECT_EQ(Resolve(taken[i]), paths[i]);
+    EXPECT_FALSE(folders.contains(taken[i]));
+    EXPECT_EQ(ObjectFolder(taken[i]), std::nullopt);
+    EXPECT_THAT(warnings, Contains(::testing::HasSubstr(
+                              At("root/objects/" + taken[i]) + " is no object for tasks: '" +
+                              taken[i] + "' is a built-in model that is no object. Rename")));
+  }
+  EXPECT_EQ(Resolve("mug"), mug);
+  for (const auto& [name, folder] : folders) EXPECT_EQ(ObjectFolder(name), folder);
+  for (const char* none : {"", ".", "..", "mug/../mug", "no_such"})
+    EXPECT_EQ(ObjectFolder(none), std::nullopt) << none;
+  ObjectFolders();
+  EXPECT_EQ(warnings.size(), taken.size()) << "each once";
 }
 
 // Both must raise an Error: an earlier version let a foreign exception escape.

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <functional>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -23,6 +24,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr uint64_t kMostBytes = 2ULL << 30;
+constexpr uint64_t kMostInflation = 1100;  // deflate makes data at most 1032 times smaller
+constexpr size_t kMostWidth = 1 << 20;     // bytes of a text
 constexpr uint32_t kLocal = 0x04034b50, kCentral = 0x02014b50, kEnd = 0x06054b50;
 constexpr size_t kLocalSize = 30, kCentralSize = 46, kEndSize = 22;
 constexpr uint32_t kIn64 = 0xffffffff;  // the real number is in the zip64 field
@@ -56,6 +59,8 @@ void PutLittle(T value, std::string* out) {
 }
 
 std::string Inflate(std::string_view packed, size_t size, const Fault& fault) {
+  // No memory is set aside for what the packed bytes cannot contain.
+  fault.Require(size <= kMostInflation * (packed.size() + 1), "an array cannot be unpacked");
   std::string out(size, '\0');
   z_stream stream = {};
   fault.Require(inflateInit2(&stream, -MAX_WBITS) == Z_OK, "it cannot be unpacked");
@@ -70,8 +75,10 @@ std::string Inflate(std::string_view packed, size_t size, const Fault& fault) {
   return out;
 }
 
-// Returns the files of a zip archive.
-std::map<std::string, std::string> Unzip(const fs::path& path) {
+// Returns the names of the arrays of a zip archive, with the .npy files of those that are wanted.
+std::map<std::string, std::string> Unzip(const fs::path& path,
+                                         const std::function<bool(const std::string&)>& wanted) {
+  constexpr std::string_view kSuffix = ".npy";
   const Fault fault(path);
   const std::string all = ReadFile(path);
   fault.Require(all.size() >= kEndSize, "it is too short");
@@ -94,8 +101,12 @@ std::map<std::string, std::string> Unzip(const fs::path& path) {
                  comment = Little<uint16_t>(all, at + 32);
     const size_t local = Little<uint32_t>(all, at + 42);
     fault.Require(at + kCentralSize + name_size <= all.size(), "the name of an array is cut off");
-    const std::string name = all.substr(at + kCentralSize, name_size);
+    std::string name = all.substr(at + kCentralSize, name_size);
     at += kCentralSize + name_size + extra + comment;
+    if (!name.ends_with(kSuffix)) continue;
+    name.resize(name.size() - kSuffix.size());
+    std::string& content = files[name];
+    if (!wanted(name)) continue;
     fault.Require(packed != kIn64 && size != kIn64, "an array is larger than 4 GiB");
     total += size;
     if (total > kMostBytes) fault.Throw("its arrays are larger than 2 GiB when unpacked");
@@ -111,11 +122,10 @@ std::map<std::string, std::string> Unzip(const fs::path& path) {
                       "with numpy.savez_compressed",
                       name, method));
     fault.Require(method != 0 || packed == size, "the sizes of an array differ");
-    std::string content = method == 0 ? std::string(bytes) : Inflate(bytes, size, fault);
+    content = method == 0 ? std::string(bytes) : Inflate(bytes, size, fault);
     const auto sum =
         crc32(0, reinterpret_cast<const Bytef*>(content.data()), static_cast<uInt>(content.size()));
     fault.Require(sum == checksum, "the checksum of an array is wrong");
-    files[name] = std::move(content);
   }
   return files;
 }
@@ -227,7 +237,9 @@ size_t PlaceOf(size_t index, const Header& header) {
   return place;
 }
 
-NpzArray ParseArray(const std::string& name, const std::string& file, const Fault& fault) {
+// Subtracts the memory of the array from `bytes_left`.
+NpzArray ParseArray(const std::string& name, const std::string& file, const Fault& fault,
+                    uint64_t* bytes_left) {
   fault.Require(file.size() >= 12 && file.starts_with(kMagic), "an array has no header");
   const bool small = file[6] == 1;
   const size_t begin = small ? 10 : 12;
@@ -236,13 +248,13 @@ NpzArray ParseArray(const std::string& name, const std::string& file, const Faul
   const Header header = ParseHeader(std::string_view(file).substr(begin, size), fault);
   const char kind = header.type.size() > 1 ? header.type[1] : '?';
   size_t width = 0;
-  for (size_t i = 2; i < header.type.size(); ++i)
+  for (size_t i = 2; i < header.type.size() && width < kMostWidth; ++i)
     width = width * 10 + static_cast<size_t>(header.type[i] - '0');
   if (kind == 'U') width *= 4;
   const bool number = std::string_view("fiub").find(kind) != std::string_view::npos;
   const bool known = (number && (width == 1 || width == 2 || width == 4 || width == 8) &&
                       !(kind == 'f' && width == 1)) ||
-                     ((kind == 'U' || kind == 'S') && width < 1 << 20);
+                     ((kind == 'U' || kind == 'S') && width > 0 && width < kMostWidth);
   if (!known) {
     fault.Throw(fmt::format("array '{}' has the type '{}'{}; numbers, bools and texts are read",
                             name, header.type, kind == 'O' ? " (Python objects)" : ""));
@@ -250,6 +262,11 @@ NpzArray ParseArray(const std::string& name, const std::string& file, const Faul
   size_t count = 1;
   for (const size_t n : header.shape) count *= n;
   fault.Require(file.size() - begin - size == count * width, "the size of an array is wrong");
+  const uint64_t each = number ? sizeof(double) : sizeof(std::string) + width;
+  if (count > *bytes_left / each)
+    fault.Throw(
+        fmt::format("array '{}' takes more than 2 GiB of memory with those before it", name));
+  *bytes_left -= count * each;
   const bool big = header.type[0] == '>';
   NpzArray array{.shape = header.shape};
   for (size_t i = 0; i < count; ++i) {
@@ -315,15 +332,23 @@ NpzArray NpzArray::Texts(std::vector<std::string> texts) {
   return array;
 }
 
-NpzArrays ReadNpz(const fs::path& path) {
+NpzArrays ReadNpz(const fs::path& path, const std::set<std::string>& names) {
+  const auto wanted = [&](const std::string& name) {
+    return names.empty() || names.contains(name);
+  };
   const Fault fault(path);
+  uint64_t bytes_left = kMostBytes;
   NpzArrays arrays;
-  for (const auto& [file, content] : Unzip(path)) {
-    if (!file.ends_with(".npy")) continue;
-    const std::string name = file.substr(0, file.size() - 4);
-    arrays[name] = ParseArray(name, content, fault);
-  }
+  for (const auto& [name, file] : Unzip(path, wanted))
+    if (wanted(name)) arrays[name] = ParseArray(name, file, fault, &bytes_left);
   return arrays;
+}
+
+std::set<std::string> NpzNames(const fs::path& path) {
+  std::set<std::string> names;
+  for (const auto& [name, file] : Unzip(path, [](const std::string&) { return false; }))
+    names.insert(name);
+  return names;
 }
 
 void WriteNpz(const fs::path& path, const NpzArrays& arrays) {

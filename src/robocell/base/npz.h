@@ -6,12 +6,14 @@
 //
 // Reads what numpy.savez and numpy.savez_compressed write: numbers of any size, bools and texts, of
 // either byte order and memory order. Objects, which need pickle, are rejected. Throws IoError with
-// path and array for a damaged file, and for one that is larger than 2 GiB when unpacked. Any thread.
+// path and array for a damaged file, and for one whose arrays take more than 2 GiB in the file or in
+// memory. Only the arrays that are asked for are unpacked. Any thread.
 #pragma once
 
 #include <cstddef>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -29,7 +31,10 @@ struct NpzArray {
 
 using NpzArrays = std::map<std::string, NpzArray>;
 
-NpzArrays ReadNpz(const std::filesystem::path& path);
+// Reads the arrays of these names that the file has; all of them if `names` is empty.
+NpzArrays ReadNpz(const std::filesystem::path& path, const std::set<std::string>& names = {});
+// Returns the names of a file's arrays.
+std::set<std::string> NpzNames(const std::filesystem::path& path);
 // Writes numbers as float64 and texts as UTF-32, like numpy, in one step: the old file or the new one.
 // The same arrays give the same bytes.
 void WriteNpz(const std::filesystem::path& path, const NpzArrays& arrays);

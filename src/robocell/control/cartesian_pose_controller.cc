@@ -164,7 +164,8 @@ void CartesianPoseController::FollowReference(double seconds) {
   for (int i = 0; i < n; ++i) spare[i] = kPostureRate * seconds * (posture_[i] - q[i]);
   Vector6 task;
   task << error.linear, error.angular;
-  task_space_->Project(tip, task, jacobian);
+  if (task_space_->is_weighted())
+    task_space_->Project(pose(), reference_.pose(), tip, task, jacobian);
   const JointColumn step = task_space_->reaches_position_first(chain)
                                ? StepPositionFirst(jacobian, task, spare)
                                : StepOfPose(jacobian, task, spare);

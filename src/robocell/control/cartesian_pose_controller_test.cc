@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "robocell/base/error.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
@@ -77,6 +80,46 @@ TEST(CartesianPoseLimits, ApproachesATargetOutOfReachWithinTheJointLimits) {
     ASSERT_TRUE(robot.Step().ok());
   }
   EXPECT_TRUE(robot.FkFrame().is_close(start, 5e-3, 2e-3)) << "and it comes back at once";
+}
+
+// The target is off in what counts and far off in what does not; only the former is followed.
+TEST(CartesianPoseTaskSpace, TurnsAndMovesOnlyInWhatCounts) {
+  const double turn = 0.5, shift = 0.1;
+  const Vector3d counted_shift(0.02, 0.03, -0.02);
+  for (const Vec3& weights : {Vec3{0, 0, 1}, Vec3{1, 0, 0}, Vec3{0, 0.1, 1}, Vec3{0.2, 1, 0},
+                              Vec3{0, 0, 0}, Vec3{0.5, 2, 1}}) {
+    RobotConfig config = Rc7();
+    config.move_groups["arm"].task_space =
+        TaskSpaceConfig{.position_weights = Vec3{1, 1, 0}, .rotation_weights = weights};
+    Robot robot = RobotAlone(config);
+    CartesianPoseController& cartesian = Use(robot);
+    const Pose start = robot.FkFrame(cartesian.commanded_joint_pos());
+    Vector3d turned(turn, -turn, 0.3);  // of the target about its axes
+    Vector3d moved(counted_shift.x(), counted_shift.y(), shift);
+    cartesian.SetPose(start * Pose::FromRotvec(moved, turned));
+    for (int i = 0; i < 1500; ++i) {
+      robot.Update();
+      ASSERT_TRUE(robot.Step().ok());
+    }
+    const Pose end = robot.FkFrame(cartesian.commanded_joint_pos());
+    const Pose off = cartesian.pose().inverse() * end;
+    EXPECT_NEAR(off.translation().x(), 0, 1e-3);
+    EXPECT_NEAR(off.translation().y(), 0, 1e-3);
+    EXPECT_GT(std::abs(off.translation().z()), 0.02) << "does not count";
+    const auto zeros = std::ranges::count(weights, 0.0);
+    const double angle = (start.inverse() * end).rotvec().norm();
+    if (zeros == 2) {
+      EXPECT_NEAR(off.rotvec().dot(ToEigen(weights)), 0, 2e-3);
+      EXPECT_GT(off.rotvec().norm(), 0.2) << "the rest of the rotation does not count";
+    } else if (zeros == 1) {
+      const auto free = std::ranges::find(weights, 0.0) - weights.begin();
+      EXPECT_NEAR(off.matrix()(free, free), 1, 1e-5) << "the axis points as commanded";
+    } else if (zeros == 0) {
+      EXPECT_NEAR(off.rotvec().norm(), 0, 3e-3);
+    } else {
+      EXPECT_LT(angle, 0.2);
+    }
+  }
 }
 
 TEST(CartesianPoseLimits, HoldsWithoutATargetAndAfterAReset) {

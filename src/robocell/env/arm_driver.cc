@@ -137,7 +137,7 @@ ArmDriver::ArmDriver(const EnvConfig& config, Robot robot, RobotLayout layout)
       lead_(config.target_lead()),
       binary_gripper_(config.wrappers.binary_gripper),
       robot_(std::move(robot)),
-      task_space_(TaskSpaceOf(robot_.config(), robot_.arm().name())),
+      task_space_(TaskSpaceOf(robot_)),
       watch_(ArrivalTolerances(robot_, robot_.arm().name()), robot_.scene().timestep(),
              LargestDelay(robot_, robot_.arm().name())),
       still_(watch_.tolerances().size()),

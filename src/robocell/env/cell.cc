@@ -2,11 +2,14 @@
 
 #include <utility>
 
+#include "robocell/scene/step_gate.h"
+
 namespace robocell::internal {
 
 Cell::Cell(Scene scene, std::vector<Robot> robots, StepperRates rates, Task* task,
            std::string place)
     : stepper_(scene, std::move(robots), rates) {
+  scene.AddObserver(mark_, kEpisodesKey);
   if (task) judge_.emplace(*task, std::move(scene), std::move(place));
 }
 

@@ -14,11 +14,13 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "robocell/env/stepper.h"
+#include "robocell/scene/scene.h"
 #include "robocell/task/task_judge.h"
 
 namespace robocell::internal {
@@ -66,6 +68,8 @@ class Cell {
   void Simulate(const CellCommand& command, StepOutcome& outcome);
 
   Stepper stepper_;
+  // Says that episodes step the scene (scene/step_gate.h).
+  std::shared_ptr<SceneObserver> mark_ = std::make_shared<SceneObserver>();
   std::optional<TaskJudge> judge_;  // with a task
 };
 

@@ -205,7 +205,7 @@ void Env::State::RequireDistances(const internal::ArmDriver& arm) const {
 // Actions that are poses mean something else for them.
 void Env::State::WarnOfFewJoints(const Robot& robot) const {
   if (config_.control_mode == ControlMode::kJoints) return;
-  const internal::TaskSpace task = internal::TaskSpaceOf(robot.config(), robot.arm().name());
+  const internal::TaskSpace task = internal::TaskSpaceOf(robot);
   if (task.is_part()) {
     LogInfo(fmt::format("{} / robot '{}': by its task_space, of actions that are poses {} counts",
                         place(), robot.name(), task.text()));
@@ -383,6 +383,7 @@ bool Env::State::EndsAtCollision() const {
 }
 
 EndReason Env::State::ReasonOf(const StepResult& step, const EnvStep& out) {
+  if (step.status == StepResult::kStopped) return EndReason::kStopped;
   if (!step.ok()) return EndReason::kDiverged;
   if (held_ || (collided_ && EndsAtCollision())) return EndReason::kCollision;
   if (!out.ik_failed.empty()) return EndReason::kIkFailed;

@@ -202,7 +202,7 @@ void EnvBatch::StepOne(int i, const MakeStep& make, const std::function<void()>&
   ++episode_steps_[i];
   step_.reward[i] = step.reward;
   step_.terminated[i] = step.success;
-  step_.truncated[i] = step.reason == EndReason::kDiverged ||
+  step_.truncated[i] = step.reason == EndReason::kDiverged || step.reason == EndReason::kStopped ||
                        (max_episode_steps_ && episode_steps_[i] >= *max_episode_steps_);
   CopyObservation(i);
 }

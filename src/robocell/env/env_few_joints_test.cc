@@ -141,6 +141,20 @@ TEST_F(EnvFewJoints, AConfiguredPoseIsReachedAsAWholeOrNotAtAll) {
   EXPECT_FALSE(robot.Apply({{"arm", GroupCommand::LeafPose(target)}}).ok);
 }
 
+TEST_F(EnvFewJoints, InverseKinematicsOfTheRobotKeepsItsTaskSpace) {
+  RobotConfig config = Config(ControlMode::kJoints).robots.at("desk");
+  const Pose target = RobotAlone(config).FkFrame() *
+                      Pose::FromRotvec(Eigen::Vector3d::Zero(), Eigen::Vector3d(0.3, 0.4, 0.5));
+  EXPECT_FALSE(RobotAlone(config).Ik(target).success);
+  config.move_groups.at("arm").task_space = TaskSpaceConfig{.kind = TaskSpaceKind::kPosition};
+  const Robot robot = RobotAlone(config);
+  const IkResult found = robot.Ik(target);
+  EXPECT_TRUE(found.success);
+  EXPECT_LE((robot.FkFrame(found.q).translation() - target.translation()).norm(), 1e-5);
+  EXPECT_FALSE(robot.Ik(target, {.axis = Eigen::Vector3d::UnitX()}).success)
+      << "an argument replaces it";
+}
+
 // The controller moves at control rate, without the inverse kinematics of commands.
 TEST_F(EnvFewJoints, TheCartesianControllerReachesThePosition) {
   for (const bool any_rotation : {false, true}) {

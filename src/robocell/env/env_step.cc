@@ -16,6 +16,8 @@ const char* ToString(EndReason reason) {
       return "arrived";
     case EndReason::kSettled:
       return "settled";
+    case EndReason::kStopped:
+      return "stopped";
     case EndReason::kTimeout:
       break;
   }

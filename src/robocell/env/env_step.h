@@ -10,7 +10,8 @@
 namespace robocell {
 
 // Reasons for the end of a step; the first that applies is reported.
-enum class EndReason { kDiverged, kCollision, kIkFailed, kArrived, kSettled, kTimeout };
+// kStopped: the user closed the window of a viewer that stops the scene (viewer/viewer.h).
+enum class EndReason { kDiverged, kCollision, kIkFailed, kArrived, kSettled, kTimeout, kStopped };
 const char* ToString(EndReason reason);
 
 // A contact of a robot.
@@ -40,12 +41,12 @@ struct ArmMotion {
   double joint_taken_back = 0, position_taken_back = 0, rotation_taken_back = 0;
 };
 
-// The verdict is the task's on the state after the step; zeros without a task and after a
-// divergence.
+// The verdict is the task's on the state after the step; zeros without a task, after a divergence
+// and after a step that was stopped.
 struct EnvStep : TaskVerdict {
   EndReason reason = EndReason::kTimeout;
   double time = 0;                          // simulated s since the reset
-  std::string message = {};                 // description of a divergence
+  std::string message = {};                 // description of a divergence, or of what stopped
   std::vector<std::string> ik_failed = {};  // names of robots
   std::vector<Collision> collisions = {};   // new contacts in this step
 };

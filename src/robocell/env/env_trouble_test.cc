@@ -9,6 +9,8 @@
 #include "robocell/env/arm_target.h"
 #include "robocell/env/env.h"
 #include "robocell/env/testing/envs.h"
+#include "robocell/scene/step_gate.h"
+#include "robocell/scene/testing/gates.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/menagerie.h"
 
@@ -186,6 +188,25 @@ TEST_F(EnvTrouble, RejectsExtremeTimes) {
   ExpectThrow<SpecError>([&] { Env(config, good.scene()); }, text);
   config.sim = {.async_control = true, .frequency = 1e-9};
   ExpectThrow<SpecError>([&] { Env env(config); }, "sim.frequency");
+}
+
+TEST_F(EnvTrouble, AStepThatAViewerStoppedIsNoDivergence) {
+  Env env(Rc7Env(ControlMode::kJoints, RelativeTo::kNone));
+  env.Reset();
+  const std::vector<double> action = TowardsWall(env);
+  const auto gate = GateForTests::Of(env.scene(), GateForTests::kStop);
+  const EnvStep stopped = env.Step(action);
+  EXPECT_EQ(stopped.reason, EndReason::kStopped);
+  EXPECT_STREQ(ToString(stopped.reason), "stopped");
+  EXPECT_THAT(stopped.message, HasSubstr("the window is closed"));
+  EXPECT_EQ(stopped.time, 0);
+  gate->answer = GateForTests::kGo;
+  EXPECT_NE(env.Step(action).reason, EndReason::kStopped) << "it goes on without a reset";
+}
+
+TEST_F(EnvTrouble, ItsSceneSaysThatEpisodesStepIt) {
+  const Env env(Rc7Env(ControlMode::kJoints, RelativeTo::kNone));
+  EXPECT_NE(env.scene().FindObserver(internal::kEpisodesKey), nullptr);
 }
 
 }  // namespace

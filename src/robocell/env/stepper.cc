@@ -69,6 +69,7 @@ void Stepper::SimulateUntil(StepOutcome& outcome, int64_t most_ticks, const Stop
     const int before = outcome.step.steps;
     outcome.step = RunControlTicks(scene_, robots_, {1, rates_.sim_steps}, on_control_tick_);
     outcome.step.steps += before;
+    if (outcome.step.steps - before < rates_.sim_steps) break;  // held or stopped by a viewer
     if (outcome.ok() && ShouldStop(done)) break;
   }
   ++policy_ticks_;

@@ -9,6 +9,7 @@
 #include "robocell/math/rotation.h"
 #include "robocell/motion/motion_planner.h"
 #include "robocell/motion/vertical_line.h"
+#include "robocell/robot/task_space.h"
 
 namespace robocell {
 namespace {
@@ -63,8 +64,8 @@ double ContactSkill::OpeningFor(double gap) const {
 }
 
 void ContactSkill::Plan(const Scene& scene, Rng& rng) {
-  std::vector<ContactPath> paths = plan_.paths(scene, *shape_);
-  if (paths.empty()) return GiveUp("no grasp of the handle");
+  std::vector<ContactPath> paths = plan_.paths(*robot_, *shape_);
+  if (paths.empty()) return GiveUp(plan_.without_paths);
   PlanningScene planning(scene, *robot_, plan_.target_body, shape_);
   planning.Update();
   ContactMotions motions(planning, paths, JointVector(std::span<const double>(arm_->target())),
@@ -95,7 +96,8 @@ void ContactSkill::Plan(const Scene& scene, Rng& rng) {
   GiveUp(why);
 }
 
-// Searches with the fingers apart as on the way.
+// The planner moves the arm with the fingers as they are now. They move to their gap on the way, so
+// that its path has to be free with that, too.
 std::optional<JointPath> ContactSkill::FindReach(PlanningScene& planning, const JointVector& goal,
                                                  double gap, Rng& rng) const {
   const JointVector start = arm_->target();
@@ -115,7 +117,10 @@ std::optional<JointPath> ContactSkill::FindReach(PlanningScene& planning, const 
     JointPath path;
     for (const std::vector<double>& q : found.path)
       path.push_back(JointVector(std::span<const double>(q)));
-    return path;
+    bool all_free = true;
+    for (size_t i = 1; i < path.size() && all_free; ++i)
+      all_free = EdgeIsFree(path[i - 1], path[i], is_free);
+    if (all_free) return path;
   }
   return std::nullopt;
 }
@@ -171,6 +176,8 @@ Action ContactSkill::Act(const Scene& /*scene*/, Rng& /*rng*/) {
 
 void ContactSkill::Advance() {
   if (arm_->Blocked()) {
+    // A hand that leaves has done its part.
+    if (phase_ == Phase::kRetreat) return GiveUp(setback_);
     // Gives way: what is behind the contact may be at its end.
     if (phase_ != Phase::kFollow) return GiveUp("the arm is blocked");
     setback_ = "the arm is blocked";
@@ -212,7 +219,8 @@ void ContactSkill::BreakOff() {
   const JointVector q = arm_->target();
   const Pose tcp = robot_->chain().Fk(q);
   const Eigen::Vector3d away = Rotate(tcp.quaternion(), away_in_tcp_);
-  motion_->out = internal::LineAbove(robot_->chain(), tcp, q, away, after_);
+  motion_->out =
+      internal::LineAbove(robot_->chain(), internal::TaskSpaceOf(*robot_), tcp, q, away, after_);
   Enter(Phase::kRelease);
 }
 

@@ -19,9 +19,10 @@ namespace robocell {
 
 struct ContactSkillPlan {
   // Returns the paths from the present state, best first.
-  std::function<std::vector<ContactPath>(const Scene&, const GripperShape&)> paths;
+  std::function<std::vector<ContactPath>(const Robot&, const GripperShape&)> paths;
   std::string target_body;       // which the hand may touch
   std::string follow_phase;      // "follow", "press", "push"
+  std::string without_paths;     // the failure if there is none: "no grasp of the handle"
   bool grips = false;            // closes the fingers at the contact
   double least_share = 1;        // of the path that has to be possible
   double seconds_per_metre = 8;  // of the TCP on the path, at least

@@ -9,17 +9,18 @@
 namespace robocell {
 namespace {
 
-TEST(ContactSkill, FailsWithoutAPath) {
+TEST(ContactSkill, FailsWithoutAPathForTheReasonOfItsKind) {
   const PickScene scene = MakePickScene(ObjectOnTheTable("box"));
   Rng rng = Rng::Stream(1, "skill");
   ContactSkill skill(
       {.robot = scene.robot.name(), .sim = scene.run.options},
-      {.paths = [](const Scene&, const GripperShape&) { return std::vector<ContactPath>(); },
+      {.paths = [](const Robot&, const GripperShape&) { return std::vector<ContactPath>(); },
        .target_body = scene.target_body,
-       .follow_phase = "push"});
+       .follow_phase = "push",
+       .without_paths = "no way to push it"});
   skill.Begin(scene.scene, rng);
   EXPECT_TRUE(skill.done());
-  EXPECT_EQ(skill.failure(), "no grasp of the handle");
+  EXPECT_EQ(skill.failure(), "no way to push it");
 }
 
 TEST(ContactSkill, NamesWhatIsOutOfReach) {
@@ -29,7 +30,7 @@ TEST(ContactSkill, NamesWhatIsOutOfReach) {
   far.tcp_in_world = {Pose(Eigen::Vector3d(5, 0, 1))};
   ContactSkill skill(
       {.robot = scene.robot.name(), .sim = scene.run.options},
-      {.paths = [&](const Scene&, const GripperShape&) { return std::vector<ContactPath>{far}; },
+      {.paths = [&](const Robot&, const GripperShape&) { return std::vector<ContactPath>{far}; },
        .target_body = scene.target_body,
        .follow_phase = "push"});
   skill.Begin(scene.scene, rng);

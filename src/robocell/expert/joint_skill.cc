@@ -29,11 +29,12 @@ class JointSkill final : public Skill {
         settings_,
         ContactSkillPlan{
             .paths =
-                [this](const Scene& now, const GripperShape& shape) {
-                  return internal::JointPaths(now, stated_, shape, settings_.tried > 0);
+                [this](const Robot& robot, const GripperShape& shape) {
+                  return internal::JointPaths(robot, stated_, shape, settings_.tried > 0);
                 },
             .target_body = ElementName(scene.model(), mjOBJ_BODY, opening.body_id()),
             .follow_phase = presses ? "press" : "follow",
+            .without_paths = internal::WhyNoJointPaths(stated_),
             .grips = !presses,
             .least_share = presses ? 1 : internal::kLeastFollowed,
             .seconds_per_metre = presses ? kPressSecondsPerMetre : kGripSecondsPerMetre});

@@ -13,8 +13,8 @@ namespace {
 
 using ::testing::IsSupersetOf;
 
-TEST(JointSkill, OpensADrawerADoorAndALid) {
-  for (const char* kind : {"chest", "cupboard", "lid_box"}) {
+TEST(JointSkill, OpensDrawersDoorsLidsAndALever) {
+  for (const char* kind : {"drawer_unit", "cupboard", "lid_box", "microwave", "laptop", "faucet"}) {
     const SkillOutcome outcome = RollOutSkills(OpenTaskConfig{.objects = {kind}});
     EXPECT_TRUE(outcome.success) << kind << ": " << outcome.failure;
     EXPECT_THAT(outcome.phases, IsSupersetOf({"reach", "approach", "close", "follow", "release"}));
@@ -22,7 +22,7 @@ TEST(JointSkill, OpensADrawerADoorAndALid) {
 }
 
 TEST(JointSkill, ClosesADrawer) {
-  const SkillOutcome outcome = RollOutSkills(CloseTaskConfig{.objects = {"chest"}});
+  const SkillOutcome outcome = RollOutSkills(CloseTaskConfig{.objects = {"drawer_unit"}});
   EXPECT_TRUE(outcome.success) << outcome.failure;
 }
 
@@ -30,6 +30,11 @@ TEST(JointSkill, PressesAButton) {
   const SkillOutcome outcome = RollOutSkills(PressTaskConfig{});
   EXPECT_TRUE(outcome.success) << outcome.failure;
   EXPECT_THAT(outcome.phases, IsSupersetOf({"reach", "approach", "press"}));
+}
+
+TEST(JointSkill, PressesAButtonFromTheSide) {
+  const SkillOutcome outcome = RollOutSkills(PressTaskConfig{.objects = {"microwave"}});
+  EXPECT_TRUE(outcome.success) << outcome.failure;
 }
 
 }  // namespace

@@ -9,6 +9,8 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/task/grasp_candidates.h"
 
+#include "robocell/robot/task_space.h"
+
 namespace robocell {
 namespace {
 
@@ -52,13 +54,14 @@ class Approach {
     const double grasp_height = motion.grasp.tcp_in_world.translation().z();
     over.z() = std::max(grasp_height + request_.motion.above + kViaAbove, over.z() + kViaRise);
     const Pose world_in_base = planning_.robot().base_in_world().inverse();
+    const internal::TaskSpace task = internal::TaskSpaceOf(planning_.robot());
     for (const Pose& turn : {request_.tcp_now, motion.grasp.tcp_in_world}) {
       const IkResult via =
-          Ik(planning_.robot().chain(), world_in_base * Pose(over, turn.quaternion()),
-             {.tolerance = 1e-3,
-              .seed = request_.start,
-              .prefer = IkPrefer::kSeed,
-              .max_restarts = 8});
+          task.Solve(planning_.robot().chain(), world_in_base * Pose(over, turn.quaternion()),
+                     {.tolerance = 1e-3,
+                      .seed = request_.start,
+                      .prefer = IkPrefer::kSeed,
+                      .max_restarts = 8});
       if (!via.success) continue;
       if (EdgeIsFree(request_.start, via.q, is_free) && EdgeIsFree(via.q, goal, is_free)) {
         return JointPath{request_.start, via.q, goal};

@@ -56,9 +56,9 @@ class PickPlanner : public Expert {
 
   // Returns the number of grasps tried so far.
   int attempts() const { return attempts_; }
-  // Returns true if there is nothing between the fingers, or on the suction cup.
   // Returns the opening, 0 to 1, at which the hand approaches the object.
   double ApproachOpening() const;
+  // Returns true if there is nothing between the fingers, or on the suction cup.
   bool HandIsEmpty() const;
   // Return the planning scene of the last plan, and the width of the held object, metres; for
   // planners that continue after `done` without a failure.

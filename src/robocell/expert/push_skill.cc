@@ -27,9 +27,8 @@ class PushSkill final : public Skill {
 
   void Begin(const Scene& scene, Rng& rng) override {
     scene.SyncPoses();
-    // The middle of the region.
+    // The middle of the region, if that is free.
     const std::vector<Pose> poses = bound_->Sample(rng, 1).poses;
-    const Eigen::Vector2d place = poses.front().translation().head<2>();
     const BodyHandle object(scene.inner(),
                             ElementName(scene.model(), mjOBJ_BODY,
                                         internal::RequireObjectOrBody(scene, stated_.subject)));
@@ -37,15 +36,20 @@ class PushSkill final : public Skill {
       scene.SyncPoses();
       return Eigen::Vector3d(scene.data()->subtree_com + 3 * object.id()).head<2>();
     };
+    // Without a free place there is no path either.
+    const Eigen::Vector2d place =
+        poses.empty() ? middle() : Eigen::Vector2d(poses.front().translation().head<2>());
     const Eigen::Vector2d along = (place - middle()).normalized();
     skill_ = std::make_unique<ContactSkill>(
         settings_, ContactSkillPlan{
                        .paths =
-                           [this, place](const Scene& now, const GripperShape& shape) {
-                             return internal::PushPaths(now, stated_.subject, place, shape);
+                           [this, place](const Robot& robot, const GripperShape& shape) {
+                             return internal::PushPaths(robot.scene(), stated_.subject, place,
+                                                        shape);
                            },
                        .target_body = object.name(),
                        .follow_phase = "push",
+                       .without_paths = internal::kNoPush,
                        .seconds_per_metre = kPushSecondsPerMetre,
                        .reached = [middle, place,
                                    along] { return (place - middle()).dot(along) < kStopBefore; }});

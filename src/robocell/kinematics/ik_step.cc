@@ -4,6 +4,7 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <optional>
 
 #include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/differential_ik.h"
@@ -137,7 +138,7 @@ double LargestJointStep(const Chain& chain, const Pose& from, const Pose& to) {
 }
 
 IkResult IkStep(const Chain& chain, const Pose& tip_in_base, std::span<const double> from,
-                const IkOptions& task) {
+                const IkOptions& task, std::optional<double> most) {
   IkOptions options{.seed = JointVector(from),
                     .position_only = task.position_only,
                     .position_weights = task.position_weights,
@@ -146,15 +147,15 @@ IkResult IkStep(const Chain& chain, const Pose& tip_in_base, std::span<const dou
                     .cone = task.cone,
                     .max_restarts = 0};
   const IkResult first = Ik(chain, tip_in_base, options);
-  const double most = LargestJointStep(chain, chain.Fk(from), tip_in_base);
-  if (first.success && IsNear(chain.model(), first.q, from, most)) return first;
+  const double limit = most ? *most : LargestJointStep(chain, chain.Fk(from), tip_in_base);
+  if (first.success && IsNear(chain.model(), first.q, from, limit)) return first;
   const auto n = static_cast<size_t>(chain.n_joints());
   options.prefer = IkPrefer::kSeed;
   options.max_restarts = kOtherStarts;
-  options.filter = [&chain, from, most, n](std::span<const double> q, int count,
-                                           std::span<uint8_t> keep) {
+  options.filter = [&chain, from, limit, n](std::span<const double> q, int count,
+                                            std::span<uint8_t> keep) {
     for (size_t k = 0; k < static_cast<size_t>(count); ++k)
-      keep[k] = IsNear(chain.model(), q.subspan(k * n, n), from, most) ? 1 : 0;
+      keep[k] = IsNear(chain.model(), q.subspan(k * n, n), from, limit) ? 1 : 0;
   };
   return Ik(chain, tip_in_base, options);
 }

@@ -12,6 +12,7 @@
 // can.
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "robocell/kinematics/chain.h"
@@ -32,10 +33,12 @@ double LargestJointStep(const Chain& chain, const Pose& from, const Pose& to);
 double LengthPerRadian(const Chain& chain, const Pose& from, const Pose& to);
 
 // Returns joint values for `tip_in_base` near `from`, the previous joint values. Of `task` only the
-// fields count that say which part of the pose is requested. Throws the errors of Ik. Nothing is
-// allocated when the search from there succeeds.
+// fields count that say which part of the pose is requested. No joint moves farther than `most`,
+// rad or chain lengths; unset: LargestJointStep to the target. If a part of the pose does not
+// count, the target may be far from the poses that are accepted, and the caller sets it. Throws the
+// errors of Ik. Nothing is allocated when the search from there succeeds.
 IkResult IkStep(const Chain& chain, const Pose& tip_in_base, std::span<const double> from,
-                const IkOptions& task = {});
+                const IkOptions& task = {}, std::optional<double> most = {});
 
 // Returns joint values near `from` that bring the tip as near to `tip_in_base` as damped
 // differential steps (differential_ik.h) can, while no joint moves farther than LargestJointStep

@@ -193,14 +193,14 @@ class Decoder {
     } else {
       png_set_swap(png_);
     }
+    passes_ = png_set_interlace_handling(png_);
     png_read_update_info(png_, info_);
     return true;
   }
   // Rows of interlaced files are read as often as they have passes.
   bool ReadToTheEnd(uint8_t* row, int height) {
     if (setjmp(png_jmpbuf(png_))) return false;
-    const int passes = png_get_interlace_type(png_, info_) == PNG_INTERLACE_NONE ? 1 : 7;
-    for (int pass = 0; pass < passes; ++pass) {
+    for (int pass = 0; pass < passes_; ++pass) {
       for (int y = 0; y < height; ++y) png_read_row(png_, row, nullptr);
     }
     png_read_end(png_, info_);
@@ -217,6 +217,7 @@ class Decoder {
   Channel channel_;
   png_structp png_ = nullptr;
   png_infop info_ = nullptr;
+  int passes_ = 1;
 };
 
 // Programs recognise a file by its ending: few of them open a PNG called .jpg.

@@ -1,7 +1,6 @@
 #include "robocell/motion/vertical_line.h"
 
 #include "robocell/kinematics/ik.h"
-#include "robocell/kinematics/ik_position_first.h"
 
 namespace robocell::internal {
 namespace {
@@ -11,17 +10,14 @@ constexpr double kMostTurn = 1.2;
 
 }  // namespace
 
-JointPath LineAbove(const Chain& chain, const Pose& tcp, const JointVector& q,
-                    const Eigen::Vector3d& up, double height) {
+JointPath LineAbove(const Chain& chain, const TaskSpace& task, const Pose& tcp,
+                    const JointVector& q, const Eigen::Vector3d& up, double height) {
   JointPath line = {q};
   for (int k = 1; k <= kLinePoints; ++k) {
     const Pose at(tcp.translation() + up * (height * k / kLinePoints), tcp.quaternion());
     IkResult ik =
         Ik(chain, at, {.tolerance = kLineIkTolerance, .seed = line.back(), .max_restarts = 0});
-    if (!ik.success && HasFewJoints(chain)) {
-      ik = IkPositionFirst(chain, at, line.back());
-      ik.success = ik.success && ik.rotation_error <= kMostTilt;
-    }
+    if (!ik.success) ik = task.SolveWithin(chain, at, line.back(), kMostTilt);
     if (!ik.success || JointDistance(ik.q, q) > kMostTurn) break;
     line.push_back(ik.q);
   }

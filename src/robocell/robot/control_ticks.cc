@@ -10,7 +10,9 @@ StepResult RunControlTicks(Scene& scene, std::span<Robot> robots, ControlTicks c
     if (on_tick) on_tick(scene.model(), scene.data());
     const int before = result.steps;
     result = scene.StepN(count.sim_steps);
+    const bool is_whole = result.steps == count.sim_steps;
     result.steps += before;
+    if (!is_whole) break;
   }
   return result;
 }

@@ -25,7 +25,7 @@ struct ControlTicks {
 // Called after every tick's Update(), before the engine's steps: data->ctrl is what will act.
 using OnControlTick = std::function<void(const mjModel*, const mjData*)>;
 
-// Stops at divergence. Returns the result of all ticks: engine steps done, diverged or not.
+// Stops at divergence, and when a viewer holds or stops the scene's steps. Returns the result of all ticks: engine steps done, diverged or not.
 StepResult RunControlTicks(Scene& scene, std::span<Robot> robots, ControlTicks count,
                            const OnControlTick& on_tick = {});
 

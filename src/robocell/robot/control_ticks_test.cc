@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "robocell/robot/testing/robots.h"
+#include "robocell/scene/testing/gates.h"
 #include "robocell/scene/testing/scenes.h"
 
 namespace robocell {
@@ -65,6 +66,24 @@ TEST(ControlTicks, StopAtDivergence) {
   EXPECT_FALSE(result.ok());
   EXPECT_LT(ticks, 10);
   EXPECT_GE(result.steps, 4) << "the good steps count";
+}
+
+TEST(ControlTicks, EndWhenAViewerHoldsOrStopsTheScene) {
+  Robot robot = RobotAlone(Rc7());
+  Scene scene = robot.scene();
+  int ticks = 0;
+  const auto count = [&](const mjModel*, const mjData*) { ++ticks; };
+  const auto gate = GateForTests::Of(scene, GateForTests::kHold);
+  StepResult result = RunControlTicks(scene, {&robot, 1}, {.ticks = 5, .sim_steps = 3}, count);
+  EXPECT_TRUE(result.ok());
+  EXPECT_EQ(result.steps, 0);
+  EXPECT_EQ(ticks, 1);
+  gate->answer = GateForTests::kStop;
+  result = RunControlTicks(scene, {&robot, 1}, {.ticks = 5, .sim_steps = 3}, count);
+  EXPECT_EQ(result.status, StepResult::kStopped);
+  EXPECT_EQ(ticks, 2);
+  gate->answer = GateForTests::kGo;
+  EXPECT_EQ(RunControlTicks(scene, {&robot, 1}, {.ticks = 5, .sim_steps = 3}, count).steps, 15);
 }
 
 }  // namespace

@@ -136,6 +136,12 @@ std::string WhyUnstable(const Scene& scene) {
   return why;
 }
 
+// The fingers do not come together.
+class NoClosing : public ArgumentError {
+ public:
+  using ArgumentError::ArgumentError;
+};
+
 }  // namespace
 
 ActuatedGripper::ActuatedGripper(const Scene& scene, GroupNames names, MoveGroupConfig config)
@@ -166,8 +172,10 @@ void ActuatedGripper::SetClosingPose(const std::string& name) {
   const std::string before = std::exchange(closing_pose_, pose);
   try {
     UsePoses();
+    if (is_other_pose()) Measured();  // here, so that reading the opening takes no trial
   } catch (...) {
     closing_pose_ = before;
+    UsePoses();
     throw;
   }
 }
@@ -186,6 +194,15 @@ void ActuatedGripper::UsePoses() {
 
 void ActuatedGripper::Fail(const char* field, const std::string& message) const {
   FailAtField(core(), field, message);
+}
+
+void ActuatedGripper::FailToClose(const char* field, const std::string& message) const {
+  if (!is_other_pose()) Fail(field, message);
+  try {
+    Fail(field, message);
+  } catch (const ArgumentError& error) {
+    throw NoClosing(error.what());  // Measured() catches it
+  }
 }
 
 const GripperParts& ActuatedGripper::Parts() const {
@@ -227,9 +244,16 @@ const GripperRange& ActuatedGripper::Measured() const {
   if (is_other_pose()) {
     try {
       return measured_[closing_pose_] = Measure();
-    } catch (const ArgumentError&) {  // a pose that points or waves brings no fingers together
-      return measured_[closing_pose_] = {.ctrl = configured_};
+    } catch (const NoClosing&) {  // a pose that points or waves
+    } catch (const ArgumentError& error) {
+      CachedMeasurement(
+          core().scene().compiled(), core().place() + " / pose " + closing_pose_, [&] {
+            LogWarn(fmt::format("{}; openings towards pose '{}' are the commanded ones",
+                                error.what(), closing_pose_));
+            return std::vector<double>{};
+          });
     }
+    return measured_[closing_pose_] = {.ctrl = configured_};
   }
   const GripperRange& measured = measured_[closing_pose_] = Measure();
   const std::string what = "warnings of " + core().place();
@@ -382,10 +406,11 @@ GripperRange ActuatedGripper::Measure() const {
   const auto ends_of_travel = std::minmax({at_open, at_closed, closed_first, open_after});
   const double travel = ends_of_travel.second - ends_of_travel.first;
   if (travel < kLeastTravel) {
-    Fail("fingers", fmt::format("the finger distance stays at {:.4f} m between control {} and {}; "
-                                "are `fingers` and `ctrl` right? {}",
-                                at_open, CtrlText(open), CtrlText(closed),
-                                WhyTheyStay({open, closed}, at_open)));
+    FailToClose("fingers",
+                fmt::format("the finger distance stays at {:.4f} m between control {} and {}; "
+                            "are `fingers` and `ctrl` right? {}",
+                            at_open, CtrlText(open), CtrlText(closed),
+                            WhyTheyStay({open, closed}, at_open)));
   }
   const auto jams = [&](const std::vector<double>& ctrl, double from_home, double later,
                         const std::vector<double>& other) {
@@ -412,10 +437,10 @@ GripperRange ActuatedGripper::Measure() const {
     return range;
   }
   if (!config_.poses.empty()) {
-    Fail("poses",
-         fmt::format("the fingers are {:.4f} m apart in pose 'open' and {:.4f} m in pose "
-                     "'{}', which does not close them. Are `fingers` those that meet in it?",
-                     at_open, at_closed, closing_pose_));
+    FailToClose("poses",
+                fmt::format("the fingers are {:.4f} m apart in pose 'open' and {:.4f} m in pose "
+                            "'{}', which does not close them. Are `fingers` those that meet in it?",
+                            at_open, at_closed, closing_pose_));
   }
   Fail("ctrl", fmt::format("the fingers are {:.4f} m apart at ctrl.open = {} and {:.4f} m at "
                            "ctrl.closed = {}; open and closed are swapped",

@@ -73,6 +73,8 @@ class ActuatedGripper : public JointGroupOf<GripperGroup> {
   void ResolveFingers() const;
   // Throws ArgumentError about a field of its configuration, with its place in the robot's file.
   [[noreturn]] void Fail(const char* field, const std::string& message) const;
+  // The same for fingers that do not come together.
+  [[noreturn]] void FailToClose(const char* field, const std::string& message) const;
   SettledFingers Settled(const std::array<std::vector<double>, 2>& ctrl) const {
     return Settled(Parts().pair, ctrl);
   }

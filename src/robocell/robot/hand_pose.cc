@@ -4,13 +4,16 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/robot/measurement_cache.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/compiled_scene.h"
 #include "robocell/scene/hold_ctrl.h"
@@ -36,6 +39,28 @@ std::string OwnName(const GroupCore& group, size_t actuator) {
   const std::string& name = group.names().actuators[actuator];
   const std::string& prefix = RobotOf(group).prefix;
   return name.starts_with(prefix) ? name.substr(prefix.size()) : name;
+}
+
+// Logs once for a model that a name of a pose is an actuator's and a joint's, which would get
+// different controls.
+void WarnOfTwoMeanings(const GroupCore& group, const std::string& pose, const std::string& name,
+                       const OneCtrl& taken) {
+  const mjModel* m = group.model();
+  const int joint = FindId(m, mjOBJ_JOINT, RobotOf(group).prefix + name);
+  if (joint < 0) return;
+  const int actuator = group.actuator_ids()[taken.actuator];
+  const auto ctrl = ActsOnJoint(m, actuator) && TargetOf(m, actuator).id == joint
+                        ? FreeRestingCtrl(m, actuator, Gear(m, actuator) * taken.value)
+                        : std::nullopt;
+  if (ctrl && std::abs(*ctrl - taken.value) <= kCtrlSlack * std::max(1.0, std::abs(*ctrl))) return;
+  const std::string what = fmt::format("two meanings of {} / {}.{}", group.place(), pose, name);
+  CachedMeasurement(group.scene().compiled(), what, [&] {
+    LogWarn(fmt::format(
+        "{}: '{}' in pose '{}' is the name of an actuator and of a joint. {:g} is the control of "
+        "the actuator, not the position of the joint",
+        group.place(), name, pose, taken.value));
+    return std::vector<double>{};
+  });
 }
 
 // Returns the control that holds a joint at a position.
@@ -82,6 +107,7 @@ std::vector<double> CtrlOfPose(const GroupCore& group, const MoveGroupConfig& co
     const OneCtrl one = named != actuators.end()
                             ? OneCtrl{static_cast<size_t>(named - actuators.begin()), *value}
                             : CtrlOfJoint(group, field, element, *value);
+    if (named != actuators.end()) WarnOfTwoMeanings(group, pose, element, one);
     const int input = group.ctrl_addresses()[one.actuator];
     ctrl[one.actuator] = one.value;
     if (!m->actuator_ctrllimited[input]) continue;

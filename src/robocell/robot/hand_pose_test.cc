@@ -5,11 +5,14 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <functional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
@@ -17,8 +20,13 @@
 namespace robocell {
 namespace {
 
+using ::testing::AllOf;
+using ::testing::Contains;
 using ::testing::DoubleNear;
 using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::IsEmpty;
+using ::testing::Not;
 using ::testing::Pointwise;
 using Values = std::vector<double>;
 
@@ -130,6 +138,19 @@ TEST_F(HandPose, AnotherPoseIsTheClosingPoseUntilTheNextReset) {
   EXPECT_THAT(hand.ctrl(), Pointwise(DoubleNear(1e-12), kClosed));
 }
 
+std::vector<std::string> WarningsOf(const std::function<void()>& work) {
+  std::vector<std::string> texts;
+  const ScopedLogSink sink([&](LogLevel level, std::string_view text) {
+    if (level == LogLevel::kWarn) texts.emplace_back(text);
+  });
+  work();
+  return texts;
+}
+
+std::string Exchanged(std::string text, const std::string& old, const std::string& by) {
+  return text.replace(text.find(old), old.size(), by);
+}
+
 // Its opening is the commanded one, because no distance of fingers measures it.
 TEST_F(HandPose, APoseNeedNotCloseTheFingers) {
   Robot robot = RobotAlone(Config());
@@ -207,6 +228,52 @@ TEST_F(HandPose, ValidationNamesWhatIsMissing) {
         hand.poses["closed"] = {{"thumb", 1}};
       },
       "Did you mean 'thumb_1'?");
+}
+
+// A pose that waves has no distance of its own, which is no fault; fingers that swing are one.
+TEST_F(HandPose, SaysWhyTheFingersOfAPoseWereNotMeasured) {
+  RobotConfig config = Config();
+  const std::string swings = Exchanged(
+      Exchanged(kHand, R"(<joint name="i2")", R"(<joint name="i2" stiffness=".02" damping="0")"),
+      R"(<position name="index_2" joint="i2" ctrlrange="-1 1"/>)",
+      R"(<motor name="index_2" joint="i2" ctrlrange="-1 1"/>)");
+  config.model = folder_.Write("swings", swings);
+  auto& poses = config.move_groups["hand"].poses;
+  poses = {};
+  poses["open"] = {{"thumb_1", -0.3}};
+  poses["closed"] = {{"thumb_1", 0.1}};
+  poses["twitch"] = {{"thumb_1", 0.1}, {"index_2", 0.004}};
+  poses["wave"] = {{"thumb_1", -0.8}};
+  Robot robot = RobotAlone(config);
+  GripperGroup& hand = robot.gripper();
+  EXPECT_THAT(WarningsOf([&] { hand.SetClosingPose("wave"); }), IsEmpty());
+  EXPECT_THAT(WarningsOf([&] { hand.SetClosingPose("twitch"); }),
+              ElementsAre(AllOf(HasSubstr("the fingers do not come to rest"),
+                                HasSubstr("openings towards pose 'twitch' are the commanded"))));
+  EXPECT_EQ(hand.closing_pose(), "twitch");
+  EXPECT_THAT(WarningsOf([&] { hand.opening(); }), IsEmpty()) << "measured before";
+}
+
+TEST_F(HandPose, ANameOfAnActuatorAndAJointIsTheActuators) {
+  RobotConfig config = Config();
+  const std::string same =
+      Exchanged(Exchanged(kHand, R"(name="middle_1" joint="m1")", R"(name="m1" joint="m1")"),
+                R"(name="index_1" joint="i1")", R"(name="i1" joint="i1")");
+  config.model = folder_.Write("same", same);
+  MoveGroupConfig& hand = config.move_groups["hand"];
+  hand.actuators = {"thumb_1", "thumb_2", "i1", "index_2", "m1", "middle_2"};
+  hand.poses = {};
+  hand.poses["open"] = {{"thumb_1", -0.3}, {"i1", -0.3}};
+  hand.poses["closed"] = {{"thumb_1", 0.3}, {"i1", 0.3}, {"m1", 0.4}};
+  const std::vector<std::string> warnings = WarningsOf([&] {
+    Robot robot = RobotAlone(config);
+    robot.gripper().Close();
+    EXPECT_EQ(robot.gripper().ctrl()[4], 0.4) << "of the actuator with gear 2: 0.2 rad";
+  });
+  EXPECT_THAT(warnings,
+              Contains(HasSubstr("'m1' in pose 'closed' is the name of an actuator and of "
+                                 "a joint. 0.4 is the control of the actuator")));
+  EXPECT_THAT(warnings, Not(Contains(HasSubstr("'i1' in pose")))) << "both mean the same";
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
@@ -13,6 +14,7 @@
 #include "robocell/mujoco/gravity.h"
 #include "robocell/mujoco/joint_followers.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/robot/arm_ik.h"
 #include "robocell/robot/measurement_cache.h"
 #include "robocell/robot/robot_state.h"
 #include "robocell/scene/hold_ctrl.h"
@@ -302,7 +304,7 @@ Pose Robot::FkFrame(std::span<const double> q) const { return chain().Fk(q); }
 IkResult Robot::Ik(const Pose& tcp_in_robot_base, IkOptions options) const {
   const Chain& arm_chain = chain();
   if (options.seed.empty()) options.seed = Positions(arm());
-  return robocell::Ik(arm_chain, tcp_in_robot_base, options);
+  return robocell::Ik(arm_chain, tcp_in_robot_base, ForArm(*this, std::move(options)));
 }
 
 LockedJoints Robot::LockGroups(std::span<const std::string> groups) const {

@@ -18,6 +18,10 @@
 #include "robocell/kinematics/ik.h"
 #include "robocell/spec/robot_config.h"
 
+namespace robocell {
+class Robot;
+}
+
 namespace robocell::internal {
 
 class TaskSpace {
@@ -29,6 +33,10 @@ class TaskSpace {
   void ApplyTo(IkOptions& options) const;
   // Returns true if something of a target does not count.
   bool is_part() const { return is_part_; }
+  // Returns true if something counts less than the rest, or not at all.
+  bool is_weighted() const {
+    return is_part_ || config_.position_weights || config_.rotation_weights;
+  }
   // Returns true if the tip may rest at another pose than the target.
   bool is_partial(const Chain& chain) const { return is_part_ || reaches_position_first(chain); }
   // Returns true if the rotation of a target is reached only as nearly as the joints allow.
@@ -40,9 +48,16 @@ class TaskSpace {
   IkResult Step(const Chain& chain, const Pose& tip_in_base, std::span<const double> from) const;
   // Solves with other options, whose task this sets. Falls back to the position first.
   IkResult Solve(const Chain& chain, const Pose& tip_in_base, IkOptions options) const;
-  // Removes the part that does not count from an error of the tip, and from the rows of its
-  // Jacobian, both in base axes and with the linear rows first. `tip` is the pose of the tip.
-  void Project(const Pose& tip, Eigen::Ref<Eigen::Vector<double, 6>> error,
+  // Solves for a grasp after inverse kinematics of the whole pose found nothing: the position is
+  // reached, and a rotation that agrees in what counts and is within `tilt` rad of the target. Fails
+  // if all of the pose counts.
+  IkResult SolveWithin(const Chain& chain, const Pose& tip_in_base, std::span<const double> from,
+                       double tilt) const;
+  // Weighs an error of the tip and the rows of its Jacobian by what counts of `target`. Both are in
+  // base axes, the linear rows first; the error leads from `tip` to `reference`, a pose on the way
+  // to the target. Only the ratios of weights matter.
+  void Project(const Pose& target, const Pose& reference, const Pose& tip,
+               Eigen::Ref<Eigen::Vector<double, 6>> error,
                Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> jacobian) const;
   // Describes it for notes: "the position alone"; "" without a configuration.
   std::string text() const;
@@ -52,9 +67,17 @@ class TaskSpace {
   bool is_configured_ = false;  // then few joints do not change what is asked
   TaskSpaceConfig config_;
   Eigen::Vector3d axis_ = Eigen::Vector3d::UnitZ();
+  // Divided by the largest of all, for Project.
+  Eigen::Vector3d position_share_ = Eigen::Vector3d::Ones();
+  Eigen::Vector3d rotation_share_ = Eigen::Vector3d::Ones();
 };
 
 // Returns that of a group of a robot; the default for a group that has none.
 TaskSpace TaskSpaceOf(const RobotConfig& config, const std::string& group);
+// Returns that of the robot's arm.
+TaskSpace TaskSpaceOf(const Robot& robot);
+
+// Returns true if options of inverse kinematics say themselves which part of the pose counts.
+bool ChoosesPart(const IkOptions& options);
 
 }  // namespace robocell::internal

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
@@ -17,6 +18,7 @@
 #include "robocell/rollout/prepare.h"
 #include "robocell/rollout/rollout.h"
 #include "robocell/rollout/runner.h"
+#include "robocell/scene/testing/gates.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/task/start_sampler.h"
 #include "robocell/testing/expect_throw.h"
@@ -174,6 +176,20 @@ TEST_F(DivergenceTest, TheNextRolloutClearsANonFiniteState) {
     const std::string steps = plan[i].id + "/steps.h5";
     EXPECT_EQ(ReadFile(folder / "poisoned" / steps), ReadFile(folder / "idle" / steps));
   }
+}
+
+TEST_F(DivergenceTest, ARolloutThatAViewerStoppedIsUndecided) {
+  const RunConfig run = Run("closed", Keep::kAll);
+  std::shared_ptr<GateForTests> gate;
+  const auto close = [&](const Scene& scene) {
+    gate = GateForTests::Of(scene, GateForTests::kStop);
+  };
+  Runner runner(run, AtFirst([&] { return std::make_shared<Standing>(close); }));
+  const ItemResult result = runner.Run(MakePlan(run)[0]);
+  EXPECT_TRUE(result.stopped);
+  EXPECT_FALSE(result.committed);
+  EXPECT_TRUE(result.failures.empty());
+  EXPECT_EQ(result.undecided, 1);
 }
 
 // Boxes on top of each other in a world with space for only some of their contacts.

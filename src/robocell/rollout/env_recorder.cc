@@ -38,9 +38,9 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
 // Names in the order of EndReason.
-constexpr std::array kEndReasons = {EndReason::kDiverged, EndReason::kCollision,
-                                    EndReason::kIkFailed, EndReason::kArrived,
-                                    EndReason::kSettled,  EndReason::kTimeout};
+constexpr std::array kEndReasons = {
+    EndReason::kDiverged, EndReason::kCollision, EndReason::kIkFailed, EndReason::kArrived,
+    EndReason::kSettled,  EndReason::kTimeout,   EndReason::kStopped};
 
 // The frame rate of videos. Steps that end at arrivals have no fixed rate: their frames play at the
 // rate of the configuration.

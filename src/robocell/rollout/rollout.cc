@@ -114,6 +114,7 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     const double time = start.scene.time();
     CellStep step;
     if (!recording.LetLook([&] { step = in.cell.Step({.send = send}); })) return Stopped(result);
+    if (step.step.status == StepResult::kStopped) return Stopped(result);
     TaskVerdict& verdict = step.verdict;
     ++result.rows;
     labels.terminated = calls("done", kOnceFailed, [&] { return expert.done(); }) || !step.ok() ||

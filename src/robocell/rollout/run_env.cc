@@ -120,9 +120,10 @@ RunStep RunEnv::Act(const std::map<std::string, std::vector<double>>& actions) {
   const internal::CellStep made = episode.in.cell.Step({.send = send});
   ++episode.rows;
   RunStep step{made.verdict};
-  step.terminated = step.success || !made.ok();
+  const bool stopped = made.step.status == StepResult::kStopped;  // by the user of a viewer
+  step.terminated = step.success || (!made.ok() && !stopped);
   step.ik_failed = !made.failed_robot.empty();
-  step.truncated = !step.terminated && episode.rows >= state_->run.rates.max_steps;
+  step.truncated = !step.terminated && (stopped || episode.rows >= state_->run.rates.max_steps);
   if (!made.ok())
     step.reason = made.step.message;
   else if (step.success)

@@ -7,6 +7,7 @@
 #include "robocell/base/error.h"
 #include "robocell/data/dataset.h"
 #include "robocell/rollout/runner.h"
+#include "robocell/scene/testing/gates.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
 #include "robocell/testing/temp_dir.h"
@@ -118,6 +119,17 @@ TEST(RunEnv, ScenesHaveTheDataThatItsOwnerMakes) {
   RunEnv env(WithoutImages(folder), count);
   env.Reset(0);
   EXPECT_GT(made, 0);
+}
+
+TEST(RunEnv, AnEpisodeThatAViewerStoppedIsTruncated) {
+  const TempDir folder;
+  RunEnv env(WithoutImages(folder));
+  env.Reset(0);
+  const auto gate = GateForTests::Of(env.start().scene, GateForTests::kStop);
+  const RunStep step = env.Act({});
+  EXPECT_FALSE(step.terminated);
+  EXPECT_TRUE(step.truncated);
+  EXPECT_THAT(step.reason, HasSubstr("the window is closed"));
 }
 
 }  // namespace

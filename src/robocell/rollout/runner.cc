@@ -161,7 +161,7 @@ const std::string& Runner::State::Advice() {
   advice.emplace();
   if (own_sampler) return *advice;
   try {
-    advice = FindTaskKind(run.task.kind())->ReachAdvice(run);
+    advice = FindTaskKind(run.task.kind())->AdviseReach(run).text;
   } catch (const Error& error) {
     LogDebug(std::string("no advice on reach: ") + error.what());
   }

@@ -24,6 +24,18 @@ DataHandle MakeOwnData(CompiledScene& compiled) {
   return {data.get(), data};
 }
 
+// Notifies a gate that the step it let go is over, also after an exception.
+class StepEnd {
+ public:
+  explicit StepEnd(internal::StepGate& gate) : gate_(gate) {}
+  ~StepEnd() { gate_.EndStep(); }
+  StepEnd(const StepEnd&) = delete;
+  StepEnd& operator=(const StepEnd&) = delete;
+
+ private:
+  internal::StepGate& gate_;
+};
+
 }  // namespace
 
 Scene Scene::Build(const SceneSpec& spec, const DataFactory& factory) {
@@ -103,7 +115,10 @@ StepResult Scene::State::StepThrough(internal::StepGate& gate_now, int n) {
       result.message = gate_now.StopReason();
       break;
     }
-    result = robocell::Step(now.model, now.data, 1, context);
+    {
+      const StepEnd end(gate_now);
+      result = robocell::Step(now.model, now.data, 1, context);
+    }
     ++steps;
     if (!result.ok()) break;
     gate_now.AfterStep();

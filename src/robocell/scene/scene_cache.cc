@@ -17,6 +17,7 @@
 #include "robocell/assets/resolve.h"
 #include "robocell/assets/roots.h"
 #include "robocell/assets/scene_models.h"
+#include "robocell/base/cache_folder.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/hash.h"
@@ -117,7 +118,7 @@ constexpr const char* kLayout = "9";
 std::optional<std::string> ReadEntry(const fs::path& file) {
   std::error_code error;
   if (!fs::is_regular_file(file, error)) return std::nullopt;
-  fs::last_write_time(file, fs::file_time_type::clock::now(), error);  // marks it as used
+  internal::MarkUsed(file);
   try {
     return ReadFile(file);
   } catch (const IoError&) {
@@ -274,26 +275,7 @@ std::shared_ptr<CompiledScene> CompileSceneCached(const SceneSpec& spec, const f
 }
 
 void PruneSceneCache(const fs::path& folder, uint64_t most_bytes) {
-  struct Entry {
-    fs::file_time_type used;
-    uint64_t bytes;
-    fs::path path;
-  };
-  std::vector<Entry> entries;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (it->path().extension() != kSuffix) continue;
-    std::error_code gone;  // another process prunes too
-    const Entry entry{it->last_write_time(gone), it->file_size(gone), it->path()};
-    if (!gone) entries.push_back(entry);
-  }
-  std::sort(entries.begin(), entries.end(),
-            [](const Entry& a, const Entry& b) { return a.used > b.used; });
-  uint64_t kept = 0;
-  for (const Entry& entry : entries) {
-    kept += entry.bytes;
-    if (kept > most_bytes) fs::remove(entry.path, error);
-  }
+  internal::PruneFolder(folder, kSuffix, most_bytes);
 }
 
 }  // namespace robocell

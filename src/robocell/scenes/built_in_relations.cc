@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "robocell/base/error.h"
@@ -17,12 +18,14 @@
 #include "robocell/scenes/hollows.h"
 #include "robocell/scenes/joint_opening.h"
 #include "robocell/scenes/landmarks.h"
+#include "robocell/scenes/place_overlap.h"
 #include "robocell/scenes/spatial_relation.h"
 
 namespace robocell::internal {
 namespace {
 
 constexpr double kHollowGap = 0.003;  // m between a sampled object and the walls of a hollow
+constexpr double kLevelFloor = 0.98;  // cosine of the tilt of a floor
 constexpr double kRegionShare = 0.6;  // of a region that samples lie in
 
 // An object of a scene whose poses are sampled.
@@ -30,7 +33,13 @@ class Subject {
  public:
   Subject(const Scene& scene, const std::string& name)
       : scene_(scene.inner()),
-        body_(scene_, ElementName(scene.model(), mjOBJ_BODY, RequireObjectOrBody(scene, name))) {}
+        body_(scene_, ElementName(scene.model(), mjOBJ_BODY, RequireObjectOrBody(scene, name))) {
+    if (CollisionGeomsOf(scene.model(), body_.id()).empty())
+      throw ArgumentError(
+          fmt::format("scene '{}': '{}' has no shape that collides, so that it has "
+                      "no place in a relation",
+                      scene.name(), name));
+  }
 
   const Scene& scene() const { return scene_; }
   int id() const { return body_.id(); }
@@ -77,21 +86,52 @@ class Subject {
   BodyHandle body_;
 };
 
+// Draws poses until `count` of them are free of what is there already; fewer where there is little
+// room. draw(i): the i-th pose.
+template <class Draw>
+RelationSamples DrawFree(const Subject& subject, int count, Draw&& draw) {
+  constexpr int kDrawsPerPose = 4;
+  RelationSamples samples;
+  PlaceOverlap overlap(subject.scene(), subject.id());
+  for (int i = 0; i < kDrawsPerPose * count && static_cast<int>(samples.poses.size()) < count;
+       ++i) {
+    const Pose pose = draw(i);
+    if (overlap.IsFree(pose)) samples.poses.push_back(pose);
+  }
+  return samples;
+}
+
 // Draws poses that stand on level areas, by turns.
 RelationSamples StandingOn(const Subject& subject, const std::vector<LevelArea>& areas,
                            double margin, Rng& rng, int count) {
-  RelationSamples samples;
-  if (areas.empty()) return samples;
+  if (areas.empty()) return {};
   const double radius = subject.Radius() + margin;
-  for (int i = 0; i < count; ++i) {
+  return DrawFree(subject, count, [&](int i) {
     const LevelArea& area = areas[static_cast<size_t>(i) % areas.size()];
     // An object that is wider than a top stands in its middle.
     const double x = std::max(0.0, area.half_x - radius), y = std::max(0.0, area.half_y - radius);
-    const Eigen::Vector3d at =
-        area.frame_to_world * Eigen::Vector3d(rng.Uniform(-x, x), rng.Uniform(-y, y), 0);
-    samples.poses.push_back(subject.StandingOver(at.head<2>(), at.z(), rng.Uniform(-kPi, kPi)));
-  }
-  return samples;
+    const double across = rng.Uniform(-x, x), along = rng.Uniform(-y, y);
+    const Eigen::Vector3d at = area.frame_to_world * Eigen::Vector3d(across, along, 0);
+    return subject.StandingOver(at.head<2>(), at.z(), rng.Uniform(-kPi, kPi));
+  });
+}
+
+// Returns the level floor of a hollow as its body is now; unset where the hollow is tilted, or open
+// downwards.
+std::optional<LevelArea> FloorOf(const Scene& scene, const HollowOfBody& found) {
+  const mjData* d = scene.data();
+  const Pose body =
+      Pose::FromTranslationAndMatrix(d->xpos + 3 * found.body, d->xmat + 9 * found.body);
+  const Eigen::Matrix3d axes = body.rotation();
+  Eigen::Index up = 0;
+  if (axes.row(2).cwiseAbs().maxCoeff(&up) < kLevelFloor) return std::nullopt;
+  if ((axes * found.hollow.opening).z() < -kLevelFloor) return std::nullopt;
+  const auto x = static_cast<size_t>((up + 1) % 3), y = static_cast<size_t>((up + 2) % 3);
+  const Eigen::Vector3d side = axes.col(static_cast<Eigen::Index>(x));
+  Eigen::Vector3d floor = body * found.hollow.middle;
+  floor.z() -= found.hollow.half_extents[static_cast<size_t>(up)];
+  return LevelArea{Pose::FromRpy(floor, {0, 0, std::atan2(side.y(), side.x())}),
+                   found.hollow.half_extents[x], found.hollow.half_extents[y]};
 }
 
 class On final : public BoundRelation {
@@ -123,13 +163,7 @@ class Inside final : public BoundRelation {
     const Scene& scene = subject_.scene();
     std::vector<LevelArea> floors;
     for (const HollowOfBody& found : FindHollows(scene, reference_.id())) {
-      const mjData* d = scene.data();
-      const Pose body =
-          Pose::FromTranslationAndMatrix(d->xpos + 3 * found.body, d->xmat + 9 * found.body);
-      const Eigen::Vector3d floor =
-          found.hollow.middle - found.hollow.half_extents[2] * Eigen::Vector3d::UnitZ();
-      floors.push_back(
-          {body * Pose(floor), found.hollow.half_extents[0], found.hollow.half_extents[1]});
+      if (const auto floor = FloorOf(scene, found)) floors.push_back(*floor);
     }
     return StandingOn(subject_, floors, kHollowGap, rng, count);
   }
@@ -149,9 +183,8 @@ class NextTo final : public BoundRelation {
   bool Holds() const override { return holds_.Holds(); }
   // On what the reference stands on.
   RelationSamples Sample(Rng& rng, int count) const override {
-    RelationSamples samples;
     const double first = rng.Uniform(-kPi, kPi);
-    for (int i = 0; i < count; ++i) {
+    return DrawFree(subject_, count, [&](int i) {
       const double angle = first + 2 * kPi * i / count, yaw = rng.Uniform(-kPi, kPi);
       const double gap = most_gap_ * rng.Uniform(0.3, 0.8);
       const Eigen::Vector3d out(std::cos(angle), std::sin(angle), 0);
@@ -161,9 +194,8 @@ class NextTo final : public BoundRelation {
       const double own = from.dot(back) - subject_.ExtentAlong(back).lower;
       const double reach = reference_.ExtentAlong(out).upper - reference_.middle().dot(out);
       const Eigen::Vector3d at = reference_.middle() + (reach + gap + own) * out;
-      samples.poses.push_back(subject_.CentredOver(at.head<2>(), reference_.lowest(), yaw));
-    }
-    return samples;
+      return subject_.CentredOver(at.head<2>(), reference_.lowest(), yaw);
+    });
   }
 
  private:
@@ -266,15 +298,13 @@ class InRegion final : public BoundRelation {
     const double away = region_.half() * (region_.ShareOf(subject_.middle()) - 1);
     return 1 - std::tanh(kScale * away);
   }
-  // On what the object stands on now. The first pose is the middle of the region.
+  // On what the object stands on now. The first pose is the middle of the region, if that is free.
   RelationSamples Sample(Rng& rng, int count) const override {
-    RelationSamples samples;
-    for (int i = 0; i < count; ++i) {
+    return DrawFree(subject_, count, [&](int i) {
       const Eigen::Vector3d at = region_.Draw(i == 0 ? 0 : kRegionShare, rng);
-      samples.poses.push_back(subject_.CentredOver(at.head<2>(), subject_.lowest(),
-                                                   i == 0 ? 0 : rng.Uniform(-kPi, kPi)));
-    }
-    return samples;
+      return subject_.CentredOver(at.head<2>(), subject_.lowest(),
+                                  i == 0 ? 0 : rng.Uniform(-kPi, kPi));
+    });
   }
 
  private:
@@ -290,16 +320,14 @@ class IsUpright final : public BoundRelation {
   double Progress() const override { return Holds() ? 1 : 1 - Tilt() / kPi; }
   // Where it is, as high as it is long.
   RelationSamples Sample(Rng& rng, int count) const override {
-    RelationSamples samples;
     const Pose now = subject_.pose();
     const double lowest = subject_.lowest();
     // Its extent below the root along its own axis.
     const double below = now.translation().dot(Axis()) - subject_.ExtentAlong(Axis()).lower;
-    for (int i = 0; i < count; ++i) {
-      const Eigen::Vector3d at(now.translation().x(), now.translation().y(), lowest + below);
-      samples.poses.push_back(Pose::FromRpy(at, {0, 0, rng.Uniform(-kPi, kPi)}));
-    }
-    return samples;
+    const Eigen::Vector3d at(now.translation().x(), now.translation().y(), lowest + below);
+    return DrawFree(subject_, count, [&](int) {
+      return Pose::FromRpy(at, {0, 0, rng.Uniform(-kPi, kPi)});
+    });
   }
 
  private:
@@ -351,6 +379,7 @@ RelationKind KindOfOpening(bool at_least, double share, bool is_momentary,
   return {.subject = RelationSubject::kJoint,
           .defaults = {share},
           .numbers_text = "a share of its range",
+          .comparison = at_least ? ">=" : "<=",
           .is_momentary = is_momentary,
           .words = words,
           .bind = [at_least](const Scene& scene, const StatedRelation& stated) {
@@ -368,6 +397,7 @@ std::map<std::string, RelationKind> BuiltInRelations() {
       {"next_to", KindOf<NextTo>({.reference = kRequired,
                                   .defaults = {0.05},
                                   .numbers_text = "the largest gap in metres",
+                                  .comparison = "<=",
                                   .words = "put the {0} next to the {1}"})},
       {"in_region", KindOf<InRegion>({.reference = kOrNumbers,
                                       .numbers_instead = 3,
@@ -375,6 +405,7 @@ std::map<std::string, RelationKind> BuiltInRelations() {
                                       .words = "move the {0} to the {1}"})},
       {"upright", KindOf<IsUpright>({.defaults = {0.2},
                                      .numbers_text = "the largest tilt in rad",
+                                     .comparison = "<=",
                                      .words = "set the {0} upright"})},
       {"open", KindOfOpening(true, 0.3, false, "open the {0}")},
       {"closed", KindOfOpening(false, 0.15, false, "close the {0}")},

@@ -18,7 +18,7 @@ namespace {
 constexpr double kBoardTop = 0.2;          // of the board, m
 constexpr double kPressedTogether = 1e-4;  // m, penetration of what touches
 
-// A box or a cylinder of random size, a board, a tray and a chest on the floor, and two regions.
+// A box or a cylinder of random size, a board, a tray and drawers on the floor, and two regions.
 class BuiltInRelationsTest : public ::testing::Test {
  protected:
   Scene Make(Rng& rng) {
@@ -40,7 +40,7 @@ class BuiltInRelationsTest : public ::testing::Test {
     spec.objects.push_back(
         {.name = "dish", .mjcf_path = "tray", .pos = Vec3{-1, 0, 0}, .fixed = true});
     spec.objects.push_back(
-        {.name = "chest", .mjcf_path = "chest", .pos = Vec3{0, 2, 0}, .fixed = true});
+        {.name = "chest", .mjcf_path = "drawer_unit", .pos = Vec3{0, 2, 0}, .fixed = true});
     const std::string marks = folder_.Write("marks", R"(<worldbody><body name="marks">
       <geom name="mark" type="box" size=".1 .05 .001" contype="0" conaffinity="0"/>
       <site name="spot" type="cylinder" size=".08 .001" pos="0 .5 0"/></body></worldbody>)");
@@ -151,21 +151,21 @@ TEST_F(BuiltInRelationsTest, JointsAreOpenAndClosedExactlyFromTheirShare) {
   Rng rng = Rng::Stream(2, "joints");
   Scene scene = Make(rng);
   scene.Reset();
-  JointOpening drawer = JointOpening::Of(scene, "chest_upper_drawer");
-  EXPECT_EQ(drawer.joint(), "chest_upper_drawer_slide");
+  JointOpening drawer = JointOpening::Of(scene, "chest_drawer_1");
+  EXPECT_EQ(drawer.joint(), "chest_drawer_1_slide");
   for (int i = 0; i < 10; ++i) {
     const double share = rng.Uniform(0.1, 0.9);
     for (const double off : {-1e-6, 1e-6}) {
       drawer.Put(share + off);
       scene.Forward();
       EXPECT_NEAR(drawer.share(), share + off, 1e-12);
-      EXPECT_EQ(Holds(scene, fmt::format("chest_upper_drawer open >= {:.17g}", share)), off > 0);
-      EXPECT_EQ(Holds(scene, fmt::format("chest_upper_drawer pressed {:.17g}", share)), off > 0);
-      EXPECT_EQ(Holds(scene, fmt::format("chest_upper_drawer closed {:.17g}", share)), off < 0);
+      EXPECT_EQ(Holds(scene, fmt::format("chest_drawer_1 open >= {:.17g}", share)), off > 0);
+      EXPECT_EQ(Holds(scene, fmt::format("chest_drawer_1 pressed {:.17g}", share)), off > 0);
+      EXPECT_EQ(Holds(scene, fmt::format("chest_drawer_1 closed {:.17g}", share)), off < 0);
     }
     for (const char* relation : {"open", "closed"}) {
-      const auto bound = BindRelation(
-          scene, ParseRelation(fmt::format("chest_upper_drawer {} {}", relation, share)));
+      const auto bound =
+          BindRelation(scene, ParseRelation(fmt::format("chest_drawer_1 {} {}", relation, share)));
       const std::optional<double> at = bound->Sample(rng, 1).joint;
       ASSERT_TRUE(at.has_value());
       drawer.Put((*at - drawer.closed()) / (drawer.open() - drawer.closed()));

@@ -10,11 +10,13 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <system_error>
 
 #include "robocell/assets/model_files.h"
 #include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
@@ -95,6 +97,18 @@ constexpr const char* kPrimitives = "primitives";  // their category
 
 std::vector<std::string> Primitives() { return {"box", "cylinder", "sphere"}; }
 
+bool IsPrimitive(const std::string& kind) {
+  const std::vector<std::string> primitives = Primitives();
+  return std::ranges::find(primitives, kind) != primitives.end();
+}
+
+// Returns the folders of the kinds that are models. The name of a primitive means the primitive.
+std::map<std::string, std::string> ModelFolders() {
+  std::map<std::string, std::string> folders = assets::ObjectFolders();
+  std::erase_if(folders, [](const auto& entry) { return IsPrimitive(entry.first); });
+  return folders;
+}
+
 // Returns what object.yaml in a folder says. Each file is read again only when it has changed.
 ObjectInfo InfoIn(const std::string& folder) {
   struct Known {
@@ -117,60 +131,71 @@ ObjectInfo InfoIn(const std::string& folder) {
   return read.info;
 }
 
+// Returns the same, and defaults for a file with faults: it is not asked for by its name, and its
+// faults are no reason to reject others. Warns once of each fault.
+ObjectInfo InfoOrWarning(const std::string& folder) {
+  try {
+    return InfoIn(folder);
+  } catch (const Error& error) {
+    static std::mutex mutex;
+    static std::set<std::string> warned;
+    const std::lock_guard lock(mutex);
+    if (warned.insert(error.what()).second)
+      LogWarn(fmt::format("object left out of categories and defaults: {}", error.what()));
+    return {};
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> ObjectKinds() {
   std::vector<std::string> kinds = Primitives();
-  for (const auto& [name, folder] : assets::ObjectFolders()) {
-    if (std::ranges::find(kinds, name) == kinds.end()) kinds.push_back(name);
-  }
+  for (const auto& [name, folder] : ModelFolders()) kinds.push_back(name);
   return kinds;
+}
+
+bool IsObjectKind(const std::string& name) {
+  return IsPrimitive(name) || assets::ObjectFolder(name).has_value();
 }
 
 std::vector<std::string> DefaultObjectKinds() {
   std::vector<std::string> kinds = Primitives();
   const std::string built_in = assets::ModelsRoot() + "/objects/";
-  for (const auto& [name, folder] : assets::ObjectFolders()) {
+  for (const auto& [name, folder] : ModelFolders()) {
     // A user's mug in the place of the built-in one is drawn as that was.
-    const bool is_drawn =
-        InfoIn(folder).drawn_by_default || InfoIn(built_in + name).drawn_by_default;
-    if (is_drawn && std::ranges::find(kinds, name) == kinds.end()) kinds.push_back(name);
+    if (InfoOrWarning(folder).drawn_by_default || InfoOrWarning(built_in + name).drawn_by_default)
+      kinds.push_back(name);
   }
   return kinds;
 }
 
 ObjectInfo ObjectInfoOf(const std::string& kind) {
-  const std::vector<std::string> primitives = Primitives();
-  if (std::ranges::find(primitives, kind) != primitives.end())
+  if (IsPrimitive(kind))
     return {.category = kPrimitives, .grasps = {ObjectGrasp::kTop, ObjectGrasp::kSide}};
-  const std::map<std::string, std::string> folders = assets::ObjectFolders();
-  const auto folder = folders.find(kind);
+  if (const auto folder = assets::ObjectFolder(kind)) return InfoIn(*folder);
   const std::vector<std::string> equipment = assets::BuiltinEquipment();
-  if (folder == folders.end() && std::ranges::find(equipment, kind) != equipment.end())
+  if (std::ranges::find(equipment, kind) != equipment.end())
     return InfoIn(assets::ModelsRoot() + "/equipment/" + kind);
-  if (folder == folders.end())
-    throw NotFoundError(NoSuchName("the catalogue", "kind", kind, ObjectKinds()));
-  return InfoIn(folder->second);
+  throw NotFoundError(NoSuchName("the catalogue", "kind", kind, ObjectKinds()));
 }
 
 std::map<std::string, std::vector<std::string>> ObjectCategories() {
   std::map<std::string, std::vector<std::string>> categories = {{kPrimitives, Primitives()}};
-  for (const auto& [name, folder] : assets::ObjectFolders()) {
-    if (const std::string category = InfoIn(folder).category; !category.empty())
+  for (const auto& [name, folder] : ModelFolders()) {
+    if (const std::string category = InfoOrWarning(folder).category; !category.empty())
       categories[category].push_back(name);
   }
   return categories;
 }
 
 std::vector<std::string> ObjectKindsOf(const std::vector<std::string>& names) {
-  const std::vector<std::string> kinds = ObjectKinds();
   std::vector<std::string> chosen;
   const auto add = [&](const std::string& kind) {
     if (std::ranges::find(chosen, kind) == chosen.end()) chosen.push_back(kind);
   };
   std::optional<std::map<std::string, std::vector<std::string>>> categories;
   for (const std::string& name : names) {
-    if (std::ranges::find(kinds, name) != kinds.end()) {
+    if (IsObjectKind(name)) {
       add(name);
       continue;
     }
@@ -199,10 +224,8 @@ SceneObject MakeCatalogueObject(const std::string& kind, const std::string& name
   if (kind == "box") return Primitive(Shape::kBox, name, rng);
   if (kind == "cylinder") return Primitive(Shape::kCylinder, name, rng);
   if (kind == "sphere") return Primitive(Shape::kSphere, name, rng);
-  const std::vector<std::string> kinds = ObjectKinds();
-  if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
-    throw NotFoundError(NoSuchName("task.objects", "kind", kind, kinds));
-  }
+  if (!IsObjectKind(kind))
+    throw NotFoundError(NoSuchName("task.objects", "kind", kind, ObjectKinds()));
   return {.name = name, .mjcf_path = kind, .fixed = false};
 }
 

@@ -16,17 +16,21 @@ namespace robocell {
 // Returns all kinds: "box", "cylinder", "sphere", and the objects of models/objects and of users
 // (assets::ObjectFolders).
 std::vector<std::string> ObjectKinds();
+// Returns true if `name` is one of them. Looks at the files of that kind only.
+bool IsObjectKind(const std::string& name);
 
 // Returns the kinds that tasks draw unless they name some: the primitives, and the objects whose
 // object.yaml has `drawn_by_default`. They do not grow with the catalogue, so that the same seed
-// keeps its draws.
+// keeps its draws. Warns of an object.yaml with faults.
 std::vector<std::string> DefaultObjectKinds();
 
 // Returns the words, the size and the grasps of a kind or of built-in equipment, from object.yaml
-// beside its model; defaults without that file. Throws NotFoundError for an unknown kind and SpecError for a file with faults.
+// beside its model; defaults without that file. Throws NotFoundError for an unknown kind and
+// SpecError for a file with faults.
 ObjectInfo ObjectInfoOf(const std::string& kind);
 
-// Returns the categories of the catalogue and the kinds of each.
+// Returns the categories of the catalogue and the kinds of each. Warns of an object.yaml with
+// faults and leaves out its kind.
 std::map<std::string, std::vector<std::string>> ObjectCategories();
 
 // Replaces categories by their kinds; each kind comes once. A name that is a kind stands for that,
@@ -39,8 +43,8 @@ std::vector<std::string> KindsToDraw(const NameList& objects);
 // Returns a kind as a word of instructions: "milk carton" for "milk_carton".
 std::string WordOfKind(const std::string& kind);
 
-// Returns an object of that kind with sizes, colour, mass and friction drawn from `rng`; no pose.
-// Throws NotFoundError that lists the kinds.
+// Returns an object of that kind, without a pose. A primitive gets sizes, colour, mass and friction
+// drawn from `rng`; a model is as its file says. Throws NotFoundError that lists the kinds.
 SceneObject MakeCatalogueObject(const std::string& kind, const std::string& name, Rng& rng);
 
 // The space that an object takes up, standing upright. Metres.

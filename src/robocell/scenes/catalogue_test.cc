@@ -9,6 +9,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/log.h"
 #include "robocell/scene/scene.h"
 #include "robocell/spec/validate.h"
 #include "robocell/testing/expect_throw.h"
@@ -113,6 +114,36 @@ TEST(Catalogue, UsersObjectsAreKinds) {
   EXPECT_EQ(MakeCatalogueObject("my_ball", "x", rng).mjcf_path, "my_ball");
   AtomicWrite(folder + "/object.yaml", "category: toys\ncolor: red   # it changed\n");
   ExpectThrow<SpecError>([] { ObjectInfoOf("my_ball"); }, "object.yaml:2:1: color");
+}
+
+TEST(Catalogue, AFaultyFileOfOneKindLeavesTheOthersAlone) {
+  const std::vector<std::string> defaults = DefaultObjectKinds();
+  const std::vector<std::string> fruit = ObjectKindsOf({"fruit"});
+  TempDir temp;
+  for (const char* name : {"my_ball", "box"}) {  // that of a primitive's name is never read
+    const std::string folder = temp / (std::string("objects/") + name);
+    std::filesystem::create_directories(folder);
+    AtomicWrite(folder + "/" + name + ".xml", "<mujoco/>");
+    AtomicWrite(folder + "/object.yaml", "categry: fruit\n");
+  }
+  const ScopedEnv env("ROBOCELL_MODEL_PATH", temp.path().string());
+  std::vector<std::string> warnings;
+  const ScopedLogSink capture(
+      [&](LogLevel, std::string_view text) { warnings.emplace_back(text); });
+  EXPECT_EQ(DefaultObjectKinds(), defaults);
+  EXPECT_EQ(ObjectKindsOf({"fruit"}), fruit);
+  EXPECT_EQ(ObjectInfoOf("mug").category, "kitchen");
+  EXPECT_THAT(warnings, testing::ElementsAre(testing::HasSubstr("my_ball/object.yaml:1:1")))
+      << "once";
+  EXPECT_EQ(ObjectKindsOf({"my_ball"}), std::vector<std::string>{"my_ball"});
+  ExpectThrow<SpecError>([] { ObjectInfoOf("my_ball"); }, "object.yaml:1:1: categry");
+  EXPECT_EQ(ObjectInfoOf("box").category, "primitives");
+}
+
+TEST(Catalogue, AKindIsFoundWithoutTheOthers) {
+  for (const std::string& kind : ObjectKinds()) EXPECT_TRUE(IsObjectKind(kind)) << kind;
+  for (const char* other : {"", "..", "table", "objects/mug", "mug/mug.xml"})
+    EXPECT_FALSE(IsObjectKind(other)) << other;
 }
 
 TEST(Catalogue, ASizeFollowsTheModelsFile) {

@@ -7,7 +7,8 @@
 //   for (const Pose& pose : bound->Sample(rng, 16).poses) ...   // red lies there: it holds
 //
 // A sentence is SUBJECT RELATION [REFERENCE] [NUMBERS]. Names are those of objects, bodies, joints,
-// sites and geoms of the scene.
+// sites and geoms of the scene; one with spaces is written in quotes, "'left door' open 0.5". A
+// number that is a bound may be written as one: "drawer open >= 0.5", "mug next_to box <= 0.1".
 //
 //   | sentence             | holds if                                                              |
 //   | A on B               | A touches B from above                                                |
@@ -59,7 +60,8 @@ class BoundRelation {
   virtual bool Holds() const = 0;
   // Returns how near the state is to it, 0 to 1; 1 if it holds.
   virtual double Progress() const { return Holds() ? 1 : 0; }
-  // Returns states in which it holds, with everything else as it is now; at most `count` poses.
+  // Returns states in which it holds, with everything else as it is now; at most `count` poses, none
+  // of them inside of something else.
   virtual RelationSamples Sample(Rng& rng, int count) const = 0;
 };
 
@@ -76,6 +78,8 @@ struct RelationKind {
   // The numbers in place of the reference (kOrNumbers).
   int numbers_instead = 0;
   std::string numbers_text = {};  // "the largest gap in metres", for messages
+  // ">=" or "<=", which may stand before the number; "" if none may.
+  std::string comparison = {};
   // True if having held once in an episode is enough.
   bool is_momentary = false;
   // The words of an instruction, in which {0} is the subject and {1} the reference.
@@ -91,7 +95,8 @@ std::unique_ptr<BoundRelation> BindRelation(const Scene& scene, const StatedRela
 std::string WordsOf(const StatedRelation& stated, const std::string& subject,
                     const std::string& reference);
 
-// Registers a relation for all threads. Throws ArgumentError for a name that is taken.
+// Registers a relation for all threads. Throws ArgumentError for a name that is taken, and for words
+// that are not a text with {0} and {1}.
 void RegisterRelation(const std::string& name, RelationKind kind);
 // Throws NotFoundError that lists the relations.
 RelationKind FindRelation(const std::string& name);

@@ -3,7 +3,6 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -17,20 +16,11 @@
 #include "robocell/scene/scene.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/free_floor.h"
+#include "robocell/scenes/handle_geoms.h"
 #include "robocell/scenes/hollows.h"
 
 namespace robocell {
 namespace {
-
-std::string Lower(std::string text) {
-  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
-  return text;
-}
-
-bool IsHandleName(const std::string& name) {
-  const std::string lower = Lower(name);
-  return lower.find("handle") != std::string::npos || lower.find("knob") != std::string::npos;
-}
 
 // The annotations derived from one compiled scene.
 class Derivation {
@@ -74,9 +64,8 @@ class Derivation {
     out.axis = Eigen::Map<const Eigen::Vector3d>(d->xaxis + 3 * joint);
     out.anchor = Eigen::Map<const Eigen::Vector3d>(d->xanchor + 3 * joint);
     for (int g = 0; g < m_->ngeom; ++g) {
-      const std::string name = ElementName(m_, mjOBJ_GEOM, g);
-      if (MovedJoint(m_->geom_bodyid[g]) == joint && IsHandleName(name))
-        out.handle_geoms.push_back(name);
+      if (MovedJoint(m_->geom_bodyid[g]) == joint && internal::IsHandleGeom(scene_, g))
+        out.handle_geoms.push_back(ElementName(m_, mjOBJ_GEOM, g));
     }
     return out;
   }
@@ -104,8 +93,7 @@ class Derivation {
                                      ? std::string(ToString(object.shape.value_or(Shape::kBox)))
                                      : std::filesystem::path(object.mjcf_path).stem().string();
     ObjectWords words = {.object = object.name, .category = category, .words = {category}};
-    const std::vector<std::string> kinds = ObjectKinds();
-    if (std::ranges::find(kinds, object.mjcf_path) == kinds.end()) return words;
+    if (!IsObjectKind(object.mjcf_path)) return words;
     const ObjectInfo info = ObjectInfoOf(object.mjcf_path);
     if (!info.colour.empty())
       words.words.push_back(info.colour + " " + WordOfKind(object.mjcf_path));

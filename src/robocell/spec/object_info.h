@@ -20,8 +20,8 @@
 
 namespace robocell {
 
-// Where two fingers take an object that stands upright: from above, from a side, over its rim, or at
-// its handle.
+// Where two fingers fit around an object that stands upright: from above, from a side, over its rim,
+// or at its handle. A description for users who choose objects: tasks find grasps from the geometry.
 enum class ObjectGrasp { kTop, kSide, kRim, kHandle };
 template <>
 struct EnumNames<ObjectGrasp> {
@@ -47,10 +47,12 @@ struct ObjectInfo {
       "category by this name.");
     v("colour", &ObjectInfo::colour, "Main colour, a word.");
     v("material", &ObjectInfo::material, "Main material, a word.");
-    v("synonyms", &ObjectInfo::synonyms, "Other names of the object for instructions.");
+    v("synonyms", &ObjectInfo::synonyms,
+      "Other names of the object, for scene annotations. Instructions name the kind.");
     v("size", &ObjectInfo::size, "Size of the bounding box, metres.", Bound::kPositive);
     v("grasps", &ObjectInfo::grasps,
-      "Where two fingers that open 75 mm take it as it stands: top, side, rim, handle.");
+      "Where two fingers that open 75 mm fit around it as it stands: top, side, rim, handle. Tasks "
+      "find grasps from the geometry instead.");
     v("drawn_by_default", &ObjectInfo::drawn_by_default,
       "Whether tasks that name no kinds draw it.");
   }

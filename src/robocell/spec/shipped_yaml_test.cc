@@ -232,7 +232,7 @@ TEST(CustomRobot, AMissingSceneSourceErrorListsTheSources) {
                         Parse<RunConfig>),
                 ::testing::AllOf(
                     ::testing::HasSubstr("f.yaml:6:18: scenes.source: no scene source '" + source),
-                    ::testing::HasSubstr("files, tabletop")));
+                    ::testing::HasSubstr("files, houses, tabletop")));
   }
 }
 

@@ -33,19 +33,18 @@ constexpr int kTipPoints = 400;
 // Returns the height of the highest point of a face over a disc, above `point`; unset if the face is
 // not flat within `flat`, or ends.
 std::optional<double> FaceHeight(const BodySolids& solids, const SurfacePoint& point, double radius,
-                                 double flat) {
+                                 double flat, std::vector<SolidSpan>* spans) {
   const Vector3d x = point.normal.unitOrthogonal(), y = point.normal.cross(x);
   const double away = 2 * solids.radius() + 0.01;
   double lowest = 0, highest = 0;
-  std::vector<SolidSpan> spans;
   for (const double ring : kCupRings) {
     for (int k = 0; k < kCupLinesOnRing; ++k) {
       const double angle = 2 * std::numbers::pi * k / kCupLinesOnRing;
       const Vector3d at = point.at + ring * radius * (std::cos(angle) * x + std::sin(angle) * y);
-      solids.Through(at + away * point.normal, -point.normal, &spans);
-      if (spans.empty() || spans.front().begin_normal.dot(point.normal) < kCupLevel)
+      solids.Through(at + away * point.normal, -point.normal, spans);
+      if (spans->empty() || spans->front().begin_normal.dot(point.normal) < kCupLevel)
         return std::nullopt;
-      const double height = away - spans.front().begin;
+      const double height = away - spans->front().begin;
       lowest = std::min(lowest, height);
       highest = std::max(highest, height);
     }
@@ -67,11 +66,12 @@ std::vector<GraspProposal> ProposeSuctionGrasps(const GraspTarget& target, const
   const GripperShape& shape = hand.shape();
   const double radius = std::max(shape.pad_half_width(), shape.pad_half_height());
   std::vector<GraspProposal> found;
+  std::vector<SolidSpan> spans;
   SurfaceSampler sampler(target.wanted, target.all, rng);
   for (int i = 0; i < options.samples; ++i) {
     const std::optional<SurfacePoint> point = sampler.Next();
     if (!point) break;
-    const std::optional<double> height = FaceHeight(target.all, *point, radius, kCupFlat);
+    const std::optional<double> height = FaceHeight(target.all, *point, radius, kCupFlat, &spans);
     if (!height) continue;
     const Vector3d z = -point->normal, middle = point->at + (*height - kCupPress) * point->normal;
     const double turn =
@@ -107,11 +107,13 @@ std::vector<GraspProposal> ProposePushes(const GraspTarget& target, const HandGe
   tip.head<2>() = shape.PadAt(closed).head<2>();
   tip.z() = std::max(tip.z(), shape.rows().front().tip);
   std::vector<GraspProposal> found;
+  std::vector<SolidSpan> spans;
   SurfaceSampler sampler(target.wanted, target.all, rng);
   for (int i = 0; i < options.samples; ++i) {
     const std::optional<SurfacePoint> point = sampler.Next();
     if (!point) break;
-    const std::optional<double> height = FaceHeight(target.all, *point, kPushRadius, kPushFlat);
+    const std::optional<double> height =
+        FaceHeight(target.all, *point, kPushRadius, kPushFlat, &spans);
     if (!height) continue;
     const Vector3d z = -point->normal;
     const double turn = rng.Uniform(0, 2 * std::numbers::pi);

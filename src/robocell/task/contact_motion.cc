@@ -7,11 +7,13 @@
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/math/rotation.h"
 #include "robocell/motion/vertical_line.h"
+#include "robocell/robot/task_space.h"
 
 namespace robocell {
 namespace {
 
 constexpr int kContactRestarts = 40;
+constexpr size_t kLeastOut = 2;  // points of the line out that have to be free
 // Largest motion of a joint from one pose of a path to the next, rad (m): a solution farther away is
 // on another branch.
 constexpr double kMostContactStep = 0.35;
@@ -56,6 +58,7 @@ ContactMotions::ContactMotions(PlanningScene& planning, std::vector<ContactPath>
 std::optional<ContactMotion> ContactMotions::Try(const Start& start) {
   const ContactPath& path = paths_[start.path];
   const Chain& chain = planning_.robot().chain();
+  const internal::TaskSpace task = internal::TaskSpaceOf(planning_.robot());
   const auto in_base = [&](const Eigen::Vector3d& direction) {
     return Rotate(world_in_base_.quaternion(), direction);
   };
@@ -66,7 +69,7 @@ std::optional<ContactMotion> ContactMotions::Try(const Start& start) {
     return false;
   };
   ContactMotion motion{.path = start.path};
-  motion.in = internal::LineAbove(chain, world_in_base_ * path.tcp_in_world.front(), start.q,
+  motion.in = internal::LineAbove(chain, task, world_in_base_ * path.tcp_in_world.front(), start.q,
                                   in_base(path.from), path.before);
   if (internal::MissingShare(motion.in) > 0) return ++no_line_, std::nullopt;
   for (size_t i = 1; i < motion.in.size(); ++i) {
@@ -91,7 +94,16 @@ std::optional<ContactMotion> ContactMotions::Try(const Start& start) {
                            static_cast<double>(path.tcp_in_world.size() - 1);
   if (motion.share < options_.least_share) return ++no_way_, std::nullopt;
   const Pose end = world_in_base_ * path.tcp_in_world[motion.along.size() - 1];
-  motion.out = internal::LineAbove(chain, end, motion.along.back(), in_base(path.away), path.after);
+  motion.out =
+      internal::LineAbove(chain, task, end, motion.along.back(), in_base(path.away), path.after);
+  // The hand leaves as far as that is free. Fingers that let go may still touch the target.
+  size_t free = 1;
+  while (free < motion.out.size() &&
+         planning_.IsFree(motion.out[free], {.gap = path.free_gap, .touch_target = true}))
+    ++free;
+  if (free < motion.out.size()) obstacles_.Add(planning_.obstacle());
+  motion.out.resize(free);
+  if (free <= kLeastOut) return ++no_way_out_, std::nullopt;
   std::ranges::reverse(motion.in);
   return motion;
 }
@@ -118,8 +130,10 @@ std::string ContactMotions::Reasons() const {
   add(out_of_reach_, "out of reach");
   add(no_line_, "with no straight way to the contact");
   add(no_way_, "that the arm cannot follow");
+  add(no_way_out_, "with no way out");
   add(in_collision_, "in collision" + obstacles_.Text(planning_.model()));
-  return fmt::format("of {} ways{}", paths_.size(), text);
+  // A path may have two starts.
+  return fmt::format("of {} ways{}", starts_.size() + static_cast<size_t>(out_of_reach_), text);
 }
 
 }  // namespace robocell

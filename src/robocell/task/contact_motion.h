@@ -34,7 +34,7 @@ struct ContactMotion {
   size_t path = 0;   // its index
   JointPath in;      // before ... at the contact
   JointPath along;   // at the contact ... at the end
-  JointPath out;     // at the end ... after it
+  JointPath out;     // at the end ... after it, as far as that is free; at least half of it
   double share = 1;  // of the path that the arm can follow
 };
 
@@ -70,7 +70,7 @@ class ContactMotions {
   std::vector<Start> starts_;
   size_t next_ = 0;
   std::vector<ContactMotion> partial_;  // those that follow a part of their path, best last
-  int out_of_reach_ = 0, no_line_ = 0, no_way_ = 0, in_collision_ = 0;
+  int out_of_reach_ = 0, no_line_ = 0, no_way_ = 0, no_way_out_ = 0, in_collision_ = 0;
   ObstacleCounts obstacles_;
 };
 

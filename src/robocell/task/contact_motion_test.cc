@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 #include "robocell/testing/pick_scene.h"
 
 namespace robocell {
@@ -48,6 +51,19 @@ TEST(ContactMotions, TakesAPartOfAPathIfThatIsOfUse) {
   ASSERT_TRUE(part.has_value());
   EXPECT_GT(part->share, 0.05);
   EXPECT_LT(part->share, 1);
+}
+
+// The hand comes free to the contact, and cannot leave: its way out leads into the table.
+TEST(ContactMotions, RejectsPathsWithoutAWayOut) {
+  const PickScene scene = MakePickScene(ObjectOnTheTable("box"));
+  PlanningScene planning = scene.planning();
+  planning.Update();
+  ContactPath path = Over({0, 0.1, 0.47}, 0.05);
+  EXPECT_TRUE(ContactMotions(planning, {path}, scene.home()).Next().has_value());
+  path.away = -Eigen::Vector3d::UnitZ();
+  ContactMotions motions(planning, {path}, scene.home());
+  EXPECT_FALSE(motions.Next().has_value());
+  EXPECT_NE(motions.Reasons().find("with no way out"), std::string::npos) << motions.Reasons();
 }
 
 TEST(ContactMotions, CountsWhyThereIsNone) {

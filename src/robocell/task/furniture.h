@@ -16,18 +16,22 @@
 
 namespace robocell::internal {
 
+inline constexpr double kBesideFurniture = 0.02;  // m
+
 // Returns true for a model whose parts move on hinges or slides.
 bool IsFurniture(const std::string& kind);
 
-// Returns furniture that stands fixed on the first support with room for it, else on the floor,
-// with its front (+x) over an edge of the support, or towards the first robot of the scene.
+// Returns furniture that stands fixed on the first support with room for it, with its front (+x)
+// over an edge, else on the floor, with its front towards the first robot of the scene. It keeps
+// kBesideFurniture to everything that has a place in `spec`, and has free space in front. Throws
+// ArgumentError if there is no such place.
 SceneObject PutFurniture(const SceneSpec& spec, const SceneAnnotations& annotations,
                          const std::string& name, const std::string& kind, Rng& rng);
 
-// Moves the robot's base around the object to in front of the joint's handle, at the same distance
-// and height; refuses if it stands free nowhere there. A joint that is pressed or lifted from above
-// has no front: the base stays.
-std::optional<Refusal> StandInFront(Scene& scene, const Robot& robot, const std::string& object,
+// Moves the robot's base around a body, the root of the furniture, to in front of the joint's handle,
+// at the same distance and height; refuses if it stands free nowhere there. A joint that is pressed
+// from above has no front: the base stays.
+std::optional<Refusal> StandInFront(Scene& scene, const Robot& robot, int body,
                                     const JointOpening& opening, Rng& rng);
 
 }  // namespace robocell::internal

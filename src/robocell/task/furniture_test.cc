@@ -1,16 +1,23 @@
 #include "robocell/task/furniture.h"
 
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <cmath>
+#include <string>
+#include <vector>
 
+#include "robocell/motion/geom_extent.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/scenes.h"
+#include "robocell/testing/pick_scene.h"
 
 namespace robocell {
 namespace {
 
 TEST(Furniture, StandsOnTheTableWithItsFrontOverAnEdge) {
-  EXPECT_TRUE(internal::IsFurniture("chest"));
+  EXPECT_TRUE(internal::IsFurniture("drawer_unit"));
   EXPECT_TRUE(internal::IsFurniture("button_panel"));
   EXPECT_FALSE(internal::IsFurniture("mug"));
   EXPECT_FALSE(internal::IsFurniture("tray"));
@@ -19,13 +26,77 @@ TEST(Furniture, StandsOnTheTableWithItsFrontOverAnEdge) {
   const SceneAnnotations annotations = DeriveAnnotations(spec);
   for (uint64_t seed = 0; seed < 10; ++seed) {
     Rng rng = Rng::Stream(seed, "furniture");
-    const SceneObject chest = internal::PutFurniture(spec, annotations, "unit", "chest", rng);
-    const Pose pose = chest.pose();
-    EXPECT_EQ(chest.fixed, true);
+    const SceneObject unit = internal::PutFurniture(spec, annotations, "unit", "drawer_unit", rng);
+    const Pose pose = unit.pose();
+    EXPECT_EQ(unit.fixed, true);
     EXPECT_NEAR(pose.translation().z(), 0.45, 0.001);
     // The table is longer along y: its longer edges are at the ends of x.
     EXPECT_GT(std::abs(pose.rotation()(0, 0)), 0.9);
+    // Its front is over the edge, and looks away from the table.
+    const Eigen::Vector3d out = pose * Eigen::Vector3d(0.3, 0, 0) - pose.translation();
+    EXPECT_GT(out.x() * pose.translation().x(), 0);
   }
+}
+
+// What stands fixed does not collide with what stands fixed: the distances of the geoms are measured.
+double LeastDistance(const Scene& scene, const std::string& a, const std::string& b) {
+  const mjModel* m = scene.model();
+  double least = 1;
+  for (int g = 0; g < m->ngeom; ++g) {
+    for (int h = 0; h < m->ngeom; ++h) {
+      const bool is_pair = ElementName(m, mjOBJ_GEOM, g).starts_with(a) &&
+                           ElementName(m, mjOBJ_GEOM, h).starts_with(b) &&
+                           internal::IsCollisionGeom(m, g) && internal::IsCollisionGeom(m, h);
+      if (is_pair) least = std::min(least, mj_geomDistance(m, scene.data(), g, h, 1, nullptr));
+    }
+  }
+  return least;
+}
+
+TEST(Furniture, StandsBesideWhatStandsThereAlready) {
+  for (const char* base : {"tabletop", ""}) {
+    for (uint64_t seed = 0; seed < 4; ++seed) {
+      SceneSpec spec = EmptyScene();
+      spec.base = base;
+      if (spec.base == "tabletop") spec.add_floor.reset(), spec.add_skybox.reset();
+      SceneObject vase = BoxObject("vase", {0.3, 0, 0.5});
+      vase.fixed = true;
+      spec.objects.push_back(vase);
+      const SceneAnnotations annotations = DeriveAnnotations(spec);
+      Rng rng = Rng::Stream(seed, "furniture");
+      for (const char* kind : {"lid_box", "button_panel", "lid_box"}) {
+        const std::string name = "unit" + std::to_string(spec.objects.size());
+        spec.objects.push_back(internal::PutFurniture(spec, annotations, name, kind, rng));
+      }
+      Scene scene = Scene::Build(spec);
+      scene.Reset();
+      scene.Forward();
+      const std::vector<std::string> names = {"vase", "unit1_", "unit2_", "unit3_"};
+      for (size_t i = 0; i < names.size(); ++i) {
+        for (size_t j = i + 1; j < names.size(); ++j)
+          EXPECT_GT(LeastDistance(scene, names[i], names[j]), internal::kBesideFurniture - 0.006)
+              << base << " seed " << seed << ": " << names[i] << " " << names[j];
+      }
+    }
+  }
+}
+
+TEST(Furniture, StandsInFrontOfTheRobotWhereverThatStands) {
+  SceneSpec spec = EmptyScene();
+  spec.root_frame_to_world = Pose::FromRpy({2, 1, 0}, {0, 0, 1});
+  spec.robots.push_back({.name = "arm",
+                         .config = ExampleRun("pick_and_place.yaml").robot.config,
+                         .attach_to = Root(),
+                         .pos = {0.5, 0, 0},
+                         .euler = {0, 0, 90}});
+  Rng rng = Rng::Stream(1, "furniture");
+  const Pose unit =
+      internal::PutFurniture(spec, SceneAnnotations(), "unit", "drawer_unit", rng).pose();
+  const Pose robot = spec.root_frame_to_world * spec.robots[0].pose();
+  const Eigen::Vector3d from_robot = robot.inverse() * unit.translation();
+  EXPECT_NEAR(from_robot.x(), 0.45, 0.01);
+  EXPECT_NEAR(from_robot.y(), 0, 0.01);
+  EXPECT_LT((unit.rotation().col(0) + robot.rotation().col(0)).norm(), 0.3);  // face to face
 }
 
 }  // namespace

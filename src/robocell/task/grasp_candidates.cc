@@ -12,7 +12,7 @@
 #include "robocell/base/units.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/tree.h"
-#include "robocell/task/grasp_library.h"
+#include "robocell/task/remembered_grasps.h"
 #include "robocell/task/suction_grasps.h"
 #include "robocell/task/top_down.h"
 
@@ -237,8 +237,8 @@ std::vector<GraspCandidate> FindGrasps(const mjModel* m, const mjData* d, int ob
 std::vector<GraspCandidate> FindOtherGrasps(const Robot& robot, const std::string& object_body,
                                             const GripperShape& shape, const Pose& tcp_now) {
   if (shape.is_suction()) return {};
-  const GraspSet set =
-      GraspsOf(robot, object_body, {.samples = kOtherSamples, .most = kMostOthers}, false);
+  const GraspSet set = internal::RememberedGrasps(robot, object_body,
+                                                  {.samples = kOtherSamples, .most = kMostOthers});
   const Pose body_in_world = robot.scene().body_pose(set.body);
   std::vector<GraspCandidate> grasps;
   for (const Grasp& grasp : set.grasps) {

@@ -1,7 +1,7 @@
 // Grasp candidates of a pick: where a gripper could grasp an object from above, found with rays on the
 // object's collision geometry. A suction gripper sticks to a flat place of its top
-// (suction_grasps.h); the rest is about parallel grippers. This is pure geometry: the arm, its reach and the other objects
-// play no part.
+// (suction_grasps.h); the rest is about parallel grippers. This is pure geometry: the arm, its reach
+// and the other objects play no part.
 //
 // A grasp is a place between the pads; the TCP follows from it by the gripper's shape at the
 // object's width. Faces are antipodal: the rays that end where a pad will touch hit the surface
@@ -37,9 +37,10 @@ struct GraspCandidate {
 std::vector<GraspCandidate> FindGrasps(const mjModel* model, const mjData* data, int object_body,
                                        const GripperShape& shape, const Pose& tcp_now);
 
-// Returns candidates that do not come from above, best first, for objects that cannot be grasped from
-// there: the sides of a tall bottle, the rim of a bowl (grasp_generator.h). They are remembered in the
-// process for each object and hand, and are empty for suction grippers.
+// Returns candidates from all directions, best first, for objects that cannot be grasped straight
+// from above: the sides of a tall bottle, the rim of a bowl (grasp_generator.h). They follow from the
+// geometry alone, without registered libraries, so that picks are the same in every process. They are
+// remembered in the process for each object and hand, and are empty for suction grippers.
 std::vector<GraspCandidate> FindOtherGrasps(const Robot& robot, const std::string& object_body,
                                             const GripperShape& shape, const Pose& tcp_now);
 

@@ -54,8 +54,10 @@ std::optional<Refusal> GraspCheck::Check(const Scene& scene, const Robot& robot,
   std::vector<GraspCandidate> others =
       FindOtherGrasps(planning.robot(), body, planning.shape(), robot.tcp_in_world());
   if (others.empty()) return refusal;
-  if (!refusal_of(std::move(others))) return std::nullopt;
-  Refusal here = *refusal;
+  std::optional<Refusal> of_others = refusal_of(std::move(others));
+  if (!of_others) return std::nullopt;
+  // An object that can be grasped from its sides is not too large: what stops these grasps counts.
+  Refusal here = refusal->reason == kNoGrasp ? *of_others : *refusal;
   here.holds_everywhere = false;  // its sides may be in reach from elsewhere
   return here;
 }

@@ -5,8 +5,9 @@
 //     return grasps_.Check(scene, robot_, scene.compiled()->object("cup").root_body, 0.05);
 //   }
 //
-// It looks for the same grasps as the scripted expert (expert/pick_planner.h): straight from above,
-// and straight up by `lift_height` (metres) and a little more. It does not plan the path to them.
+// It looks for the same grasps as the scripted expert (expert/pick_planner.h): from above, and where
+// none fits or all collide from the sides; then straight up by `lift_height` (metres) and a little
+// more. It does not plan the path to them.
 #pragma once
 
 #include <functional>

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <optional>
+#include <string>
 
 #include "robocell/testing/pick_scene.h"
 
@@ -35,6 +36,22 @@ TEST(GraspCheck, RefusesAnObjectThatDoesNotFitWithItsSizes) {
   ASSERT_TRUE(refusal.has_value());
   EXPECT_EQ(refusal->reason, kNoGrasp);
   EXPECT_THAT(refusal->detail, ::testing::HasSubstr("too large, too small or too flat"));
+}
+
+// A plate is too wide from above. Its edge could be grasped, where the table or the reach stops it:
+// that is the reason, and another place may do.
+TEST(GraspCheck, AnObjectThatOnlyItsSidesFitIsNotCalledTooLarge) {
+  SceneObject plate = ObjectOnTheTable("box");
+  plate.size = Vec3{0.1, 0.1, 0.01};
+  plate.pos = Vec3{0, 0, 0.4605};
+  for (const double distance : {0.42, 1.4}) {
+    const auto refusal = Check(MakePickScene(plate, "demo.yaml", distance));
+    ASSERT_TRUE(refusal.has_value());
+    EXPECT_NE(refusal->reason, kNoGrasp) << refusal->detail;
+    EXPECT_EQ(refusal->detail.find("too large"), std::string::npos) << refusal->detail;
+    EXPECT_THAT(refusal->detail, ::testing::StartsWith("grasps: "));
+    EXPECT_FALSE(refusal->holds_everywhere);
+  }
 }
 
 TEST(GraspCheck, OneUsableGraspOfAFewIsEnough) {

@@ -1,24 +1,23 @@
 #include "robocell/task/grasp_generator.h"
 
-#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <map>
-#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "robocell/base/error.h"
 #include "robocell/motion/geom_extent.h"
-#include "robocell/motion/gripper_shape.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/scenes/handle_geoms.h"
 #include "robocell/task/geometry_text.h"
 #include "robocell/task/grasp_proposals.h"
+#include "robocell/task/grasp_request.h"
 #include "robocell/task/grasped_body.h"
 
 namespace robocell {
@@ -30,45 +29,23 @@ using internal::HandGeometry;
 
 constexpr double kSameGraspTurn = 0.15,
                  kSameGraspPlace = 0.004;  // rad and m: nearer grasps count as one
-constexpr int kApproachSteps = 4;
+// The hand is checked along the approach at places that are as far apart as its thinnest geom is
+// thick, within these limits, m: no part of the object passes between two of them.
+constexpr double kNearestPlaces = 0.004, kFarthestPlaces = 0.02;
+// Proposals that are checked with the hand's geometry: some, and so many for each grasp that is kept.
+constexpr size_t kSomeChecks = 1000, kChecksPerGrasp = 20;
 constexpr int kLeastFingers = 3;          // that touch in an enclosing grasp
 constexpr double kMostUnbalanced = 0.45;  // length of the mean of their normals
-
-void RequireGraspOptions(const GraspOptions& options, const std::string& place) {
-  const auto require = [&](bool ok, const char* field, const std::string& rule) {
-    if (!ok) throw ArgumentError(fmt::format("{}: {} must be {}", place, field, rule));
-  };
-  require(options.samples > 0, "samples", "at least 1");
-  require(options.most > 0, "most", "at least 1");
-  require(options.friction > 0 && options.friction <= 10, "friction", "above 0 and at most 10");
-  require(options.clearance >= 0 && options.clearance <= 0.05, "clearance", "from 0 to 0.05 m");
-  require(options.approach_length >= 0 && options.approach_length <= 1, "approach_length",
-          "from 0 to 1 m");
-}
-
-std::vector<GraspKind> KindsFor(const GraspOptions& options, const GripperShape& shape,
-                                const std::string& place) {
-  using enum GraspKind;
-  if (options.kinds.empty()) {
-    if (shape.is_suction()) return {kSuction};
-    return {kTop, kSide, kAntipodal, kRim, kHandle, kEnclosing};
-  }
-  for (const GraspKind kind : options.kinds) {
-    const bool of_cup = kind == kSuction;
-    if (kind == kPush || kind == kHook || of_cup == shape.is_suction()) continue;
-    throw ArgumentError(fmt::format("{}: grasps of kind '{}' need {}", place, ToString(kind),
-                                    of_cup ? "a suction gripper, and this one has fingers"
-                                           : "fingers, and this is a suction gripper"));
-  }
-  return options.kinds;
-}
 
 // Selects among proposals, best first, with the hand's real geometry.
 class GraspFilter {
  public:
   // `geoms`: of the object, which `hand` has in the frame of the body.
   GraspFilter(HandGeometry& hand, std::vector<int> geoms, const GraspOptions& options)
-      : hand_(hand), all_(std::move(geoms)), options_(options) {}
+      : hand_(hand),
+        all_(std::move(geoms)),
+        options_(options),
+        step_(std::clamp(hand.thinnest(), kNearestPlaces, kFarthestPlaces)) {}
 
   std::vector<Grasp> Run(std::vector<GraspProposal> proposals) {
     std::stable_sort(proposals.begin(), proposals.end(),
@@ -78,16 +55,18 @@ class GraspFilter {
     for (const GraspProposal& proposal : proposals) ++counts[proposal.grasp.kind];
     const size_t most = static_cast<size_t>(options_.most);
     const size_t share = counts.size() > 1 ? most / (2 * counts.size()) : 0;
+    const size_t checks = kSomeChecks + kChecksPerGrasp * most;
     std::vector<char> looked_at(proposals.size(), 0);
     for (auto& [kind, count] : counts) {
       count = 0;
-      for (size_t i = 0; i < proposals.size() && count < share; ++i) {
+      const size_t end = checks_ + checks / (2 * counts.size());
+      for (size_t i = 0; i < proposals.size() && count < share && checks_ < end; ++i) {
         if (proposals[i].grasp.kind != kind) continue;
         looked_at[i] = 1;
         count += Keep(proposals[i]);
       }
     }
-    for (size_t i = 0; i < proposals.size() && kept_.size() < most; ++i) {
+    for (size_t i = 0; i < proposals.size() && kept_.size() < most && checks_ < checks; ++i) {
       if (!looked_at[i]) Keep(proposals[i]);
     }
     // Closing changed some scores.
@@ -102,7 +81,9 @@ class GraspFilter {
     const bool known = std::ranges::any_of(kept_, [&](const Grasp& other) {
       return other.tcp_in_body.is_close(grasp.tcp_in_body, kSameGraspTurn, kSameGraspPlace);
     });
-    if (known || !IsFree(proposal)) return false;
+    if (known) return false;
+    ++checks_;
+    if (!IsFree(proposal)) return false;
     if (grasp.kind != GraspKind::kEnclosing) {
       kept_.push_back(grasp);
       return true;
@@ -132,8 +113,9 @@ class GraspFilter {
           !hand_.IsFree({.tcp_in_world = at(0), .gap = proposal.gap_before}, all_))
         return false;
     }
-    for (int k = 1; k <= kApproachSteps; ++k) {
-      const double back = grasp.approach_length * k / kApproachSteps;
+    const int steps = static_cast<int>(std::ceil(grasp.approach_length / step_));
+    for (int k = 1; k <= steps; ++k) {
+      const double back = grasp.approach_length * k / steps;
       const double clearance = closed || suction ? 0 : options_.clearance;
       if (!hand_.IsFree({.tcp_in_world = at(back), .gap = grasp.opening, .clearance = clearance},
                         all_))
@@ -166,6 +148,8 @@ class GraspFilter {
   HandGeometry& hand_;
   std::vector<int> all_;
   const GraspOptions& options_;
+  double step_;        // m between places along the approach
+  size_t checks_ = 0;  // proposals checked so far
   std::vector<Grasp> kept_;
 };
 
@@ -176,90 +160,87 @@ std::vector<std::string> HandleGeomsOf(const Scene& scene, const std::string& bo
   const internal::GraspedBody grasped = internal::FindGraspedBody(scene, body);
   std::vector<std::string> names;
   for (const int g : grasped.geoms) {
-    if (internal::IsHandleName(grasped.OwnName(ElementName(m, mjOBJ_GEOM, g))))
-      names.push_back(ElementName(m, mjOBJ_GEOM, g));
+    if (internal::IsHandleGeom(scene, g)) names.push_back(ElementName(m, mjOBJ_GEOM, g));
   }
   return names;
 }
 
 GraspSet GenerateGrasps(const Robot& robot, const std::string& body, const GraspOptions& options) {
+  const internal::GraspRequest request = internal::CheckedRequest(robot, body, options);
+  const internal::GraspedBody& grasped = request.grasped;
   const Scene scene = robot.scene();
   const mjModel* m = scene.model();
-  const std::string place = "grasps of '" + body + "' by robot '" + robot.name() + "'";
-  RequireGraspOptions(options, place);
-  const std::shared_ptr<const GripperShape> shape =
-      GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
-  const std::vector<GraspKind> kinds = KindsFor(options, *shape, place);
-  const auto wants = [&](GraspKind kind) { return std::ranges::find(kinds, kind) != kinds.end(); };
-  const internal::GraspedBody grasped = internal::FindGraspedBody(scene, body);
-  HandGeometry hand(robot, shape);
+  HandGeometry hand(robot, request.shape);
 
   const mjData* d = hand.data();
   const Pose body_in_world =
       Pose::FromTranslationAndMatrix(d->xpos + 3 * grasped.body, d->xmat + 9 * grasped.body);
   GraspTarget target;
-  target.is_handle.assign(static_cast<size_t>(m->ngeom), 0);
-  std::vector<char> named(static_cast<size_t>(m->ngeom), 0);
-  std::vector<int> chosen, handles;
-  for (const std::string& name : options.geoms) {
-    const int g = RequireId(m, mjOBJ_GEOM, name, place);
-    if (std::ranges::find(grasped.geoms, g) == grasped.geoms.end()) {
-      throw ArgumentError(
-          fmt::format("{}: {} is not a colliding part of the body, or of what is fixed to it. Name "
-                      "the body that "
-                      "carries it",
-                      place, Describe(m, mjOBJ_GEOM, g)));
-    }
-    chosen.push_back(g);
-    target.is_handle[static_cast<size_t>(g)] = 1;
-  }
-  for (const int g : grasped.geoms) {
-    if (internal::IsHandleName(grasped.OwnName(ElementName(m, mjOBJ_GEOM, g))))
-      target.is_handle[static_cast<size_t>(g)] = 1;
-    if (target.is_handle[static_cast<size_t>(g)]) handles.push_back(g);
-  }
   target.all = internal::BodySolids(m, d, body_in_world, grasped.geoms);
   if (target.all.empty()) return {.robot = robot.name(), .body = grasped.name, .grasps = {}};
   // Rounded, like the geometry: the same wherever the object is.
   target.com = internal::RoundedPose(Pose(body_in_world.inverse() *
                                           Eigen::Vector3d(d->subtree_com + 3 * grasped.body)))
                    .translation();
+  const auto is_chosen = [&](int g) {
+    return request.geoms.empty() || std::ranges::find(request.geoms, g) != request.geoms.end();
+  };
+  const auto flags = [&](const std::vector<int>& geoms) {
+    std::vector<char> flags(static_cast<size_t>(m->ngeom), 0);
+    for (const int g : geoms) flags[static_cast<size_t>(g)] = 1;
+    return flags;
+  };
+  // Geoms that the caller names are handles if kHandle is asked for, whatever their names are. A
+  // handle that is named for other kinds of grasps is a part like any other.
+  using enum GraspKind;
+  std::vector<int> handles, known_handles;
+  const bool names_handles = std::ranges::find(options.kinds, kHandle) != options.kinds.end();
+  for (const int g : grasped.geoms) {
+    const bool by_name = internal::IsHandleGeom(scene, g);
+    if (is_chosen(g) && (by_name || (names_handles && !request.geoms.empty())))
+      handles.push_back(g);
+    if (by_name && (request.Wants(kHandle) || request.geoms.empty() || !is_chosen(g)))
+      known_handles.push_back(g);
+  }
   const auto want = [&](const std::vector<int>& geoms) {
-    target.is_wanted.assign(static_cast<size_t>(m->ngeom), 0);
-    for (const int g : geoms) target.is_wanted[static_cast<size_t>(g)] = 1;
+    target.is_wanted = flags(geoms);
     target.wanted = internal::BodySolids(m, d, body_in_world, geoms);
   };
 
   const Rng rng = Rng::Stream(options.seed, "grasps");
   std::vector<GraspProposal> proposals;
-  const auto add = [&](std::vector<GraspProposal> more) {
-    std::erase_if(more, [&](const GraspProposal& p) { return !wants(p.grasp.kind); });
+  const auto add = [&](std::vector<GraspProposal> more, bool of_handles = false) {
+    std::erase_if(more, [&](const GraspProposal& p) {
+      return !request.Wants(p.grasp.kind) || (p.grasp.kind == kHandle) != of_handles;
+    });
     proposals.insert(proposals.end(), more.begin(), more.end());
   };
-  const std::vector<int>& whole = chosen.empty() ? grasped.geoms : chosen;
-  using enum GraspKind;
-  if (wants(kTop) || wants(kSide) || wants(kAntipodal) || wants(kRim)) {
+  const std::vector<int>& whole = request.geoms.empty() ? grasped.geoms : request.geoms;
+  if (request.Wants(kTop) || request.Wants(kSide) || request.Wants(kAntipodal) ||
+      request.Wants(kRim)) {
     want(whole);
+    target.is_handle = flags(known_handles);
     add(internal::ProposeTwoFingerGrasps(target, hand, options, rng.Fork("two fingers")));
   }
-  if (wants(kHandle) && !handles.empty()) {  // they are a small part of the whole surface
+  if (request.Wants(kHandle) && !handles.empty()) {  // they are a small part of the whole surface
     want(handles);
-    add(internal::ProposeTwoFingerGrasps(target, hand, options, rng.Fork("handles")));
+    target.is_handle = flags(handles);
+    add(internal::ProposeTwoFingerGrasps(target, hand, options, rng.Fork("handles")), true);
   }
-  if (wants(kEnclosing) && hand.finger_count() >= kLeastFingers) {
+  if (request.Wants(kEnclosing) && hand.finger_count() >= kLeastFingers) {
     want(whole);
     add(internal::ProposeEnclosingGrasps(target, hand, options, rng.Fork("enclosing")));
   }
-  if (wants(kSuction)) {
+  if (request.Wants(kSuction)) {
     want(whole);
     add(internal::ProposeSuctionGrasps(target, hand, options, rng.Fork("suction")));
   }
-  if (wants(kPush)) {
+  if (request.Wants(kPush)) {
     want(whole);
     add(internal::ProposePushes(target, hand, options, rng.Fork("push")));
   }
-  if (wants(kHook)) {
-    want(handles.empty() ? whole : handles);
+  if (request.Wants(kHook)) {
+    want(handles.empty() || !request.geoms.empty() ? whole : handles);
     add(internal::ProposeHooks(target, hand, options, rng.Fork("hook")));
   }
   std::vector<int> object = grasped.geoms;

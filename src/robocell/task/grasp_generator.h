@@ -9,7 +9,8 @@
 // fit between the open fingers. The hand comes from directions all around. Three and more fingers
 // also close around the object, each until it touches. Cups need a flat face. The tip of the closed
 // hand pushes faces, and hooks bars. Every grasp is checked with the hand's real geometry against the
-// object by the engine's distances, along its approach too.
+// object by the engine's distances, along its approach too: at places so near to each other that
+// bars, rims and plates do not pass between them. At most 1000 + 20 * `most` proposals are checked.
 //
 // The same geometry, options and seed give the same grasps, wherever the object is and whatever
 // else the scene has; the other parts of an articulated object are obstacles, where they are now.
@@ -30,11 +31,12 @@ namespace robocell {
 struct GraspOptions {
   // Kinds to generate; empty: those that hold, which are all that the hand can do but push and hook.
   std::vector<GraspKind> kinds = {};
-  // Full names of the geoms to grasp; empty: of kHandle and kHook those whose names contain handle or
-  // knob, of the others all of the body.
+  // Full names of the geoms to grasp. Empty: of kHandle and kHook those whose own names contain
+  // handle or knob (scenes/handle_geoms.h), of the others all of the body. Geoms that are named
+  // together with kHandle count as handles, whatever their names are.
   std::vector<std::string> geoms = {};
-  int samples = 3000;  // points drawn on the surface
-  int most = 200;      // grasps kept, the best
+  int samples = 3000;  // points drawn on the surface, at most 50 000
+  int most = 200;      // grasps kept, the best; at most 2000
   uint64_t seed = 0;
   double friction = 0.5;          // coefficient: normals may differ by its angle from the force
   double clearance = 0.001;       // m between hand and object before contact

@@ -7,14 +7,18 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+#include <functional>
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <system_error>
 #include <utility>
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
+#include "robocell/base/cache_folder.h"
 #include "robocell/base/error.h"
 #include "robocell/base/hash.h"
 #include "robocell/base/log.h"
@@ -24,9 +28,12 @@
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/scene_cache.h"
+#include "robocell/scenes/handle_geoms.h"
 #include "robocell/task/geometry_text.h"
+#include "robocell/task/grasp_request.h"
 #include "robocell/task/grasped_body.h"
 #include "robocell/task/hand_geometry.h"
+#include "robocell/task/remembered_grasps.h"
 
 namespace robocell {
 namespace {
@@ -35,8 +42,9 @@ namespace fs = std::filesystem;
 using internal::NpzArray;
 using internal::NpzArrays;
 
-constexpr int kFormat = 1;  // of the method: a new number makes all grasps again
+constexpr int kFormat = 2;  // of the method: a new number makes all grasps again
 constexpr size_t kMostRemembered = 256;
+constexpr uint64_t kGraspCacheBytes = 256ULL << 20;  // largest size of the cache
 constexpr double kRotationError = 1e-3;  // largest entry of R R^T - 1 that rounding explains
 
 [[noreturn]] void FailFile(const fs::path& path, const std::string& what) {
@@ -86,19 +94,25 @@ struct Library {
 
 struct Libraries {
   std::mutex mutex;
-  std::vector<Library> all;                    // the latest last
-  std::map<std::string, GraspSet> remembered;  // generated in this process, by key
+  std::vector<Library> all;                              // the latest last
+  std::map<std::string, std::vector<Grasp>> remembered;  // generated in this process, by key
 };
 Libraries& TheLibraries() {
   static Libraries libraries;
   return libraries;
 }
 
+// Returns true for the name of an entry of a folder: it leads neither out of it nor deeper.
+bool IsFolderName(const std::string& name) {
+  return !name.empty() && name != "." && name != ".." && name.find('/') == std::string::npos &&
+         name.find('\0') == std::string::npos;
+}
+
 // The names under which a library may have an object.
 std::vector<std::string> NamesOf(const Scene& scene, const internal::GraspedBody& grasped) {
   std::vector<std::string> names;
   const auto add = [&](const std::string& name) {
-    if (!name.empty() && std::ranges::find(names, name) == names.end()) names.push_back(name);
+    if (IsFolderName(name) && std::ranges::find(names, name) == names.end()) names.push_back(name);
   };
   add(grasped.object);
   for (const SceneObject& object : scene.spec().objects) {
@@ -111,57 +125,86 @@ std::vector<std::string> NamesOf(const Scene& scene, const internal::GraspedBody
   return names;
 }
 
+bool IsJointed(const mjModel* m, const internal::GraspedBody& grasped) {
+  return m->body_jntnum[grasped.body] > 0 &&
+         m->jnt_type[m->body_jntadr[grasped.body]] != mjJNT_FREE;
+}
+
 // The files in an object's folder that have the grasps of a body, in the order of preference.
 std::vector<std::string> FilesOf(const Scene& scene, const internal::GraspedBody& grasped,
                                  const std::string& object) {
   const mjModel* m = scene.model();
-  const bool jointed =
-      m->body_jntnum[grasped.body] > 0 && m->jnt_type[m->body_jntadr[grasped.body]] != mjJNT_FREE;
-  if (!jointed) return {"grasps.npz", object + "_grasps_filtered.npz"};
+  if (!IsJointed(m, grasped)) return {"grasps.npz", object + "_grasps_filtered.npz"};
   std::vector<std::string> files;
   const std::string full = ElementName(m, mjOBJ_JOINT, m->body_jntadr[grasped.body]);
-  for (const std::string& joint : {full, grasped.OwnName(full)}) {
+  for (const std::string& joint : {full, internal::NameInObject(scene, grasped.body, full)}) {
+    if (!IsFolderName(joint)) continue;
     files.push_back("joint_grasps_" + joint + ".npz");
     files.push_back(joint + "_grasps_filtered.npz");
   }
   return files;
 }
 
-std::optional<fs::path> FindFile(const Robot& robot, const internal::GraspedBody& grasped) {
-  const Scene scene = robot.scene();
-  const std::vector<std::string> names = NamesOf(scene, grasped);
+// Returns the files of all libraries that have grasps of the body, the latest library first.
+std::vector<fs::path> FindFiles(const Robot& robot, const internal::GraspedBody& grasped) {
   std::vector<Library> libraries;
   {
     Libraries& known = TheLibraries();
     const std::lock_guard lock(known.mutex);
     libraries = known.all;
   }
+  if (libraries.empty()) return {};
+  const Scene scene = robot.scene();
+  const std::vector<std::string> names = NamesOf(scene, grasped);
+  std::vector<fs::path> files;
   std::ranges::reverse(libraries);
   for (const Library& library : libraries) {
     for (const std::string& name : names) {
-      for (const fs::path& folder : {library.folder / name / robot.config().name,
-                                     library.folder / name / robot.name(), library.folder / name}) {
+      std::vector<fs::path> folders;
+      for (const std::string& hand : {robot.config().name, robot.name()})
+        if (IsFolderName(hand)) folders.push_back(library.folder / name / hand);
+      folders.push_back(library.folder / name);
+      for (const fs::path& folder : folders) {
         for (const std::string& file : FilesOf(scene, grasped, name)) {
           std::error_code error;
-          if (fs::is_regular_file(folder / file, error)) return folder / file;
+          if (fs::is_regular_file(folder / file, error)) files.push_back(folder / file);
         }
       }
     }
   }
-  return std::nullopt;
+  return files;
 }
 
-// Fills in what a file may lack.
-void Complete(std::vector<Grasp>& grasps, const GripperShape& shape) {
+// A file's grasps, and which arrays it lacks.
+struct GraspFile {
+  std::vector<Grasp> grasps;
+  bool has_kinds = false, has_openings = false, has_approaches = false;
+};
+
+GraspFile ReadGraspFile(const fs::path& path);
+
+// Reads a file and fills in what it lacks.
+std::vector<Grasp> ReadComplete(const fs::path& path, const internal::GraspedBody& grasped,
+                                const GripperShape& shape, const mjModel* m) {
+  GraspFile file = ReadGraspFile(path);
   const Eigen::Vector3d approach = shape.grasp_in_tcp().rotation().col(2);
-  for (Grasp& grasp : grasps) {
-    if (grasp.opening < 0) grasp.opening = shape.open_gap();
-    if (grasp.approach.isZero()) grasp.approach = grasp.tcp_in_body.rotation() * approach;
+  for (Grasp& grasp : file.grasps) {
+    if (!file.has_openings) grasp.opening = shape.open_gap();
+    if (!file.has_approaches) grasp.approach = grasp.tcp_in_body.rotation() * approach;
+    if (file.has_kinds) continue;
+    grasp.kind = shape.is_suction()      ? GraspKind::kSuction
+                 : IsJointed(m, grasped) ? GraspKind::kHandle
+                                         : internal::KindOfApproach(grasp.approach);
   }
+  std::ranges::stable_sort(file.grasps, std::ranges::greater(), &Grasp::score);
+  return std::move(file.grasps);
 }
 
-std::string KeyText(const internal::HandGeometry& hand, const internal::GraspedBody& grasped,
-                    const Scene& scene, const GraspOptions& options) {
+std::string KeyText(const Robot& robot, const internal::GraspRequest& request,
+                    const GraspOptions& options) {
+  const internal::HandGeometry hand(robot, request.shape);
+  const internal::GraspedBody& grasped = request.grasped;
+  const Scene scene = robot.scene();
   const mjModel* m = scene.model();
   const mjData* d = hand.data();
   std::string text = fmt::format("{} {} ", Version(), kFormat) + hand.Description();
@@ -175,11 +218,8 @@ std::string KeyText(const internal::HandGeometry& hand, const internal::GraspedB
           internal::RoundedPose(
               frame * Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g)),
           &text);
-      const std::string name = grasped.OwnName(ElementName(m, mjOBJ_GEOM, g));
-      text += internal::IsHandleName(name) ? "h" : "-";
-      text += std::ranges::find(options.geoms, ElementName(m, mjOBJ_GEOM, g)) != options.geoms.end()
-                  ? "x"
-                  : "-";
+      text += internal::IsHandleGeom(scene, g) ? "h" : "-";
+      text += std::ranges::find(request.geoms, g) != request.geoms.end() ? "x" : "-";
     }
     text += "|";
   }
@@ -196,14 +236,14 @@ std::string KeyText(const internal::HandGeometry& hand, const internal::GraspedB
   return text;
 }
 
-}  // namespace
-
-std::vector<Grasp> LoadGrasps(const fs::path& path) {
-  const NpzArrays arrays = internal::ReadNpz(path);
+GraspFile ReadGraspFile(const fs::path& path) {
+  const NpzArrays arrays =
+      internal::ReadNpz(path, {"transforms", "kinds", "openings", "widths", "asides", "approaches",
+                               "approach_lengths", "scores"});
   const auto found = arrays.find("transforms");
   if (found == arrays.end()) {
-    std::vector<std::string> names;
-    for (const auto& [name, array] : arrays) names.push_back(name);
+    const std::set<std::string> all = internal::NpzNames(path);
+    const std::vector<std::string> names(all.begin(), all.end());
     FailFile(path, "has no array 'transforms' with the poses of the TCP. Its arrays: " +
                        (names.empty() ? "none" : ListNames(names)));
   }
@@ -212,11 +252,13 @@ std::vector<Grasp> LoadGrasps(const fs::path& path) {
     FailFile(path, fmt::format("'transforms' must be (N, 4, 4) numbers, got ({})",
                                fmt::join(poses.shape, ", ")));
   const size_t rows = poses.shape[0];
-  std::vector<Grasp> grasps(rows);
+  GraspFile file{.grasps = std::vector<Grasp>(rows),
+                 .has_kinds = arrays.contains("kinds"),
+                 .has_openings = arrays.contains("openings"),
+                 .has_approaches = arrays.contains("approaches")};
+  std::vector<Grasp>& grasps = file.grasps;
   for (size_t i = 0; i < rows; ++i) {
     grasps[i].tcp_in_body = PoseOfRow(path, i, poses.numbers.data() + 16 * i);
-    grasps[i].opening = -1;
-    grasps[i].approach = Eigen::Vector3d::Zero();
     grasps[i].score = 1 - static_cast<double>(i) / static_cast<double>(rows);  // the best first
   }
   const auto read = [&](const char* name, double Grasp::*member, double least) {
@@ -250,7 +292,62 @@ std::vector<Grasp> LoadGrasps(const fs::path& path) {
       grasps[i].approach = way.normalized();
     }
   }
-  return grasps;
+  return file;
+}
+
+// Keeps the grasps that a request wants.
+void KeepWanted(const internal::GraspRequest& request, const GraspOptions& options,
+                std::vector<Grasp>* grasps) {
+  std::erase_if(*grasps, [&](const Grasp& grasp) { return !request.Wants(grasp.kind); });
+  if (grasps->size() > static_cast<size_t>(options.most))
+    grasps->resize(static_cast<size_t>(options.most));
+}
+
+std::vector<Grasp> Remembered(const std::string& key,
+                              const std::function<std::vector<Grasp>()>& make) {
+  Libraries& known = TheLibraries();
+  {
+    const std::lock_guard lock(known.mutex);
+    if (const auto found = known.remembered.find(key); found != known.remembered.end())
+      return found->second;
+  }
+  std::vector<Grasp> made = make();
+  const std::lock_guard lock(known.mutex);
+  if (known.remembered.size() >= kMostRemembered) known.remembered.clear();
+  known.remembered[key] = made;
+  return made;
+}
+
+// Reads grasps from the cache's file; unset if there are none.
+std::optional<std::vector<Grasp>> ReadStored(const fs::path& path) {
+  std::error_code error;
+  if (!fs::is_regular_file(path, error)) return std::nullopt;
+  try {
+    std::vector<Grasp> grasps = ReadGraspFile(path).grasps;
+    internal::MarkUsed(path);
+    return grasps;
+  } catch (const IoError& damaged) {
+    Log(LogLevel::kWarn, fmt::format("{}. The grasps are generated again", damaged.what()));
+    return std::nullopt;
+  }
+}
+
+void Store(const fs::path& path, const std::vector<Grasp>& grasps) {
+  try {
+    SaveGrasps(path, grasps);
+    internal::PruneFolder(path.parent_path(), ".npz", kGraspCacheBytes);
+  } catch (const IoError& failed) {
+    Log(LogLevel::kWarn, fmt::format("grasps are not stored: {}", failed.what()));
+  }
+}
+
+}  // namespace
+
+GraspSet LoadGrasps(const fs::path& path, const Robot& robot, const std::string& body) {
+  const internal::GraspRequest request = internal::CheckedRequest(robot, body, {});
+  return {.robot = robot.name(),
+          .body = request.grasped.name,
+          .grasps = ReadComplete(path, request.grasped, *request.shape, robot.scene().model())};
 }
 
 void SaveGrasps(const fs::path& path, const std::vector<Grasp>& grasps) {
@@ -319,64 +416,40 @@ std::vector<std::string> GraspLibraryNames() {
 fs::path GraspCacheFolder() { return SceneCacheFolder().parent_path() / "grasps"; }
 
 std::string GraspKey(const Robot& robot, const std::string& body, const GraspOptions& options) {
-  const Scene scene = robot.scene();
-  const internal::HandGeometry hand(
-      robot, GripperShape::Of(robot.config(), scene.spec().options, scene.timestep()));
-  return Fingerprint(KeyText(hand, internal::FindGraspedBody(scene, body), scene, options));
+  return Fingerprint(KeyText(robot, internal::CheckedRequest(robot, body, options), options));
 }
 
 GraspSet GraspsOf(const Robot& robot, const std::string& body, const GraspOptions& options,
                   bool stored) {
-  const Scene scene = robot.scene();
-  const internal::GraspedBody grasped = internal::FindGraspedBody(scene, body);
-  const auto shape = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
-  GraspSet set{.robot = robot.name(), .body = grasped.name, .grasps = {}};
-  if (const std::optional<fs::path> file = FindFile(robot, grasped)) {
-    set.grasps = LoadGrasps(*file);
-    Complete(set.grasps, *shape);
-    if (!options.kinds.empty()) {
-      std::erase_if(set.grasps, [&](const Grasp& grasp) {
-        return std::ranges::find(options.kinds, grasp.kind) == options.kinds.end();
-      });
-    }
-    if (set.grasps.size() > static_cast<size_t>(options.most))
-      set.grasps.resize(static_cast<size_t>(options.most));
-    return set;
+  const internal::GraspRequest request = internal::CheckedRequest(robot, body, options);
+  GraspSet set{.robot = robot.name(), .body = request.grasped.name, .grasps = {}};
+  for (const fs::path& file : FindFiles(robot, request.grasped)) {
+    set.grasps = ReadComplete(file, request.grasped, *request.shape, robot.scene().model());
+    KeepWanted(request, options, &set.grasps);
+    if (!set.grasps.empty()) return set;
+    Log(LogLevel::kInfo,
+        fmt::format("{} has no grasps of the kinds that are asked for", file.string()));
   }
-  const std::string key = GraspKey(robot, body, options);
-  Libraries& known = TheLibraries();
-  {
-    const std::lock_guard lock(known.mutex);
-    if (const auto found = known.remembered.find(key); found != known.remembered.end()) {
-      set.grasps = found->second.grasps;
-      return set;
-    }
-  }
-  const fs::path path = GraspCacheFolder() / (key + ".npz");
-  std::error_code error;
-  bool read = false;
-  if (stored && fs::is_regular_file(path, error)) {
-    try {
-      set.grasps = LoadGrasps(path);
-      read = true;
-    } catch (const IoError& damaged) {
-      Log(LogLevel::kWarn, fmt::format("{}. The grasps are generated again", damaged.what()));
-    }
-  }
-  if (!read) {
-    set = GenerateGrasps(robot, body, options);
-    if (stored) {
-      try {
-        SaveGrasps(path, set.grasps);
-      } catch (const IoError& failed) {
-        Log(LogLevel::kWarn, fmt::format("grasps are not stored: {}", failed.what()));
-      }
-    }
-  }
-  const std::lock_guard lock(known.mutex);
-  if (known.remembered.size() >= kMostRemembered) known.remembered.clear();
-  known.remembered[key] = set;
+  const std::string key = Fingerprint(KeyText(robot, request, options));
+  set.grasps = Remembered(key, [&] {
+    const fs::path path = GraspCacheFolder() / (key + ".npz");
+    if (stored)
+      if (std::optional<std::vector<Grasp>> read = ReadStored(path)) return std::move(*read);
+    std::vector<Grasp> made = GenerateGrasps(robot, body, options).grasps;
+    if (stored) Store(path, made);
+    return made;
+  });
   return set;
+}
+
+GraspSet internal::RememberedGrasps(const Robot& robot, const std::string& body,
+                                    const GraspOptions& options) {
+  const GraspRequest request = CheckedRequest(robot, body, options);
+  // Under a key of their own: grasps that were read from a file differ in the last bits.
+  const std::string key = "generated " + Fingerprint(KeyText(robot, request, options));
+  return {.robot = robot.name(),
+          .body = request.grasped.name,
+          .grasps = Remembered(key, [&] { return GenerateGrasps(robot, body, options).grasps; })};
 }
 
 }  // namespace robocell

@@ -8,7 +8,8 @@
 // the object's root body, the best first; in joint_grasps_<joint>.npz in the frame of the body that
 // the joint moves. Files of robocell have more arrays, which a file may lack: `kinds`, `openings`,
 // `widths`, `asides`, `approaches` (N, 3), `approach_lengths`, `scores`. Without them the hand opens
-// fully and comes along its own approach direction.
+// fully and comes along its own approach direction; the kind is kSuction for a cup, kHandle for the
+// body of a joint, else the one of the direction.
 //
 // A library is a folder with <object>/<robot>/grasps.npz, <object>/grasps.npz or
 // <object>/<object>_grasps_filtered.npz, and for joints joint_grasps_<joint>.npz or
@@ -29,8 +30,9 @@
 
 namespace robocell {
 
-// Reads a file. Grasps without an `opening` have -1, those without an approach the zero vector.
-std::vector<Grasp> LoadGrasps(const std::filesystem::path& path);
+// Reads a file with grasps of a body by a robot's hand, best first, and fills in what it lacks. Throws
+// NotFoundError for a body that the scene does not have.
+GraspSet LoadGrasps(const std::filesystem::path& path, const Robot& robot, const std::string& body);
 // Writes all arrays; creates the folder.
 void SaveGrasps(const std::filesystem::path& path, const std::vector<Grasp>& grasps);
 
@@ -47,9 +49,11 @@ std::filesystem::path GraspCacheFolder();
 // robocell, geometry of hand and object, and options, wherever the object is.
 std::string GraspKey(const Robot& robot, const std::string& body, const GraspOptions& options = {});
 
-// Returns a body's grasps: of the latest library that has a file for it, else of the cache, else
-// generated and stored there. A cache that cannot be written costs a warning in the log. Without
-// `stored` libraries count, and the memory of this process, but no file of the cache.
+// Returns a body's grasps: of the latest library that has grasps of the kinds for it, else of the
+// cache, else generated and stored there. Without `kinds`, pushes and hooks of a library are left out,
+// as are kinds that the hand cannot do; `geoms` and `samples` say nothing about its files. A cache
+// that cannot be written costs a warning in the log. Without `stored` libraries count, and the memory
+// of this process, but no file of the cache.
 GraspSet GraspsOf(const Robot& robot, const std::string& body, const GraspOptions& options = {},
                   bool stored = true);
 

@@ -6,8 +6,8 @@
 #include <algorithm>
 
 #include "robocell/kinematics/ik_batch.h"
-#include "robocell/kinematics/ik_position_first.h"
 #include "robocell/motion/vertical_line.h"
+#include "robocell/robot/task_space.h"
 
 namespace robocell {
 namespace {
@@ -50,14 +50,16 @@ void GraspMotions::SolveMore() {
   options.ik.prefer = IkPrefer::kSeed;
   options.ik.max_restarts = kRestarts;
   const Chain& chain = planning_.robot().chain();
+  const internal::TaskSpace task = internal::TaskSpaceOf(planning_.robot());
   const IkBatchResult result = IkBatch(chain, targets, home_, options);
   for (int b = 0; b < result.size; ++b) {
     solved_.push_back(result.success[b] ? JointVector(result.row(b)) : JointVector());
     missed_by_.push_back(result.position_error[b]);
-    if (result.success[b] || !internal::HasFewJoints(chain)) continue;
-    const IkResult near = internal::IkPositionFirst(chain, targets[static_cast<size_t>(b)], home_);
+    if (result.success[b] || !task.is_partial(chain)) continue;
+    const IkResult near =
+        task.SolveWithin(chain, targets[static_cast<size_t>(b)], home_, internal::kMostTilt);
     missed_by_.back() = near.position_error;
-    if (near.success && near.rotation_error <= internal::kMostTilt) solved_.back() = near.q;
+    if (near.success) solved_.back() = near.q;
   }
 }
 
@@ -99,12 +101,12 @@ std::optional<GraspMotion> GraspMotions::TryCandidate(const GraspCandidate& gras
       !IsFree(q, {.gap = before, .touch_target = touches}))
     return std::nullopt;
   const Chain& chain = planning_.robot().chain();
-  // The rotation that few joints reach is a little off.
-  const Pose tcp =
-      internal::HasFewJoints(chain) ? chain.Fk(q) : world_in_base_ * grasp.tcp_in_world;
+  const internal::TaskSpace task = internal::TaskSpaceOf(planning_.robot());
+  // The rotation may be a little off.
+  const Pose tcp = task.is_partial(chain) ? chain.Fk(q) : world_in_base_ * grasp.tcp_in_world;
   const Eigen::Vector3d back = -Rotate(world_in_base_.quaternion(), grasp.approach);
-  JointPath down = internal::LineAbove(chain, tcp, q, back, options_.above);
-  JointPath up = internal::LineAbove(chain, tcp, q, up_in_base_, options_.lift);
+  JointPath down = internal::LineAbove(chain, task, tcp, q, back, options_.above);
+  JointPath up = internal::LineAbove(chain, task, tcp, q, up_in_base_, options_.lift);
   if (const double missing = internal::MissingShare(down); missing > 0)
     return no_way_down_.Add(missing * options_.above), std::nullopt;
   if (const double missing = internal::MissingShare(up); missing > 0)

@@ -23,6 +23,11 @@ constexpr double kCloseSpeed = 0.2;  // m/s between the fingers: faster ones pas
 constexpr double kTick = 0.01;       // s between commands
 constexpr double kSqueezeSeconds = 0.3;
 
+// The robot has the name of its configuration, whatever the object is called.
+std::string ObjectName(const Robot& robot) {
+  return robot.config().name == "object" ? "other_object" : "object";
+}
+
 SceneSpec HandAndObject(const Robot& robot, const SceneObject& object) {
   const Scene scene = robot.scene();
   SceneSpec spec{.name = "proof of grasps",
@@ -38,6 +43,7 @@ SceneSpec HandAndObject(const Robot& robot, const SceneObject& object) {
   own.control_modes = robot.config().used_modes();
   spec.robots.push_back(own);
   SceneObject alone = object;
+  alone.name = ObjectName(robot);
   alone.attach_to = {};
   alone.parked = {};
   alone.pos = Vec3{10, 0, 0};
@@ -69,7 +75,7 @@ class Shaker {
       : options_(options),
         scene_(Scene::Build(HandAndObject(robot, object))),
         robot_(Robot::Of(scene_, robot.config().name)),
-        body_(scene_.compiled()->object(object.name).root_body),
+        body_(scene_.compiled()->object(ObjectName(robot)).root_body),
         shape_(GripperShape::Of(robot.config(), scene_.spec().options, scene_.timestep())) {
     mjModel* m = scene_.mutable_model();
     const std::string place = "robot '" + robot.name() + "'";
@@ -155,10 +161,23 @@ class Shaker {
   std::shared_ptr<const GripperShape> shape_;
 };
 
+void RequireShakeOptions(const ShakeOptions& options, const std::string& body) {
+  const auto require = [&](bool ok, const char* field, const char* rule) {
+    if (!ok)
+      throw ArgumentError(fmt::format("proving grasps of '{}': {} must be {}", body, field, rule));
+  };
+  require(options.acceleration >= 0 && options.acceleration <= 1000, "acceleration",
+          "from 0 to 1000 m/s^2");
+  require(options.seconds > 0 && options.seconds <= 60, "seconds", "above 0 and at most 60");
+  require(options.most_slip >= 0, "most_slip", "at least 0");
+  require(options.most_turn >= 0, "most_turn", "at least 0");
+}
+
 }  // namespace
 
 std::vector<GraspProof> ProveGrasps(const Robot& robot, const GraspSet& grasps,
                                     const ShakeOptions& options) {
+  RequireShakeOptions(options, grasps.body);
   for (const Grasp& grasp : grasps.grasps) {
     if (grasp.kind != GraspKind::kPush && grasp.kind != GraspKind::kHook) continue;
     throw ArgumentError(

@@ -30,7 +30,7 @@ struct GraspProof {
 };
 
 // Returns a proof for each grasp of the set. Throws ArgumentError for a body that is not a free
-// object of the scene, and for pushes and hooks, which hold nothing.
+// object of the scene, for pushes and hooks, which hold nothing, and for options out of range.
 std::vector<GraspProof> ProveGrasps(const Robot& robot, const GraspSet& grasps,
                                     const ShakeOptions& options = {});
 

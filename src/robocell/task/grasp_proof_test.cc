@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -62,9 +63,9 @@ TEST(ProveGrasps, RejectsWhatHoldsNothing) {
   const std::string hand = WriteRandomHand(rng, folder);
   const Scene scene = HandBeside(hand, RandomPrimitive(rng));
   const Robot robot = Robot::Of(scene, "hand");
-  const auto text = [&](const GraspSet& set) -> std::string {
+  const auto text = [&](const GraspSet& set, const ShakeOptions& options = {}) -> std::string {
     try {
-      ProveGrasps(robot, set);
+      ProveGrasps(robot, set, options);
     } catch (const ArgumentError& error) {
       return error.what();
     }
@@ -74,6 +75,29 @@ TEST(ProveGrasps, RejectsWhatHoldsNothing) {
               testing::HasSubstr("kind 'push' does not hold anything"));
   EXPECT_THAT(text({.body = "hand", .grasps = {{}}}),
               testing::HasSubstr("Free objects of the scene: thing"));
+  const GraspSet none{.body = "thing"};
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(text(none, {.seconds = 1e12}), testing::HasSubstr("seconds must be above 0 and"));
+  EXPECT_THAT(text(none, {.seconds = nan}), testing::HasSubstr("seconds must be above 0 and"));
+  EXPECT_THAT(text(none, {.acceleration = nan}), testing::HasSubstr("acceleration must be"));
+  EXPECT_THAT(text(none, {.most_slip = nan}), testing::HasSubstr("most_slip must be"));
+}
+
+// In the scene of the proof the robot has the name of its configuration, here that of the object.
+TEST(ProveGrasps, AnObjectMayHaveTheNameOfTheRobotsConfiguration) {
+  Rng rng = Rng::Stream(14, "names");
+  const TempDir folder;
+  const std::string hand = WriteRandomHand(rng, folder);
+  SceneSpec spec = HandBeside(hand, RandomPrimitive(rng)).spec();
+  spec.robots[0].name = "arm";
+  spec.robots[0].prefix = "arm/";
+  spec.objects[0].name = "hand";
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  const Robot robot = Robot::Of(scene, "arm");
+  const GraspSet set = GenerateGrasps(robot, spec.objects[0].name, {.samples = 100, .most = 1});
+  ASSERT_EQ(set.grasps.size(), 1u);
+  EXPECT_EQ(ProveGrasps(robot, set).size(), 1u);
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
-#include <cctype>
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
@@ -25,9 +24,12 @@ GraspedBody FindGraspedBody(const Scene& scene, const std::string& name) {
       if (!body.empty() && std::ranges::find(names, body) == names.end()) names.push_back(body);
     throw NotFoundError(NoSuchName("scene '" + scene.name() + "'", "object or body", name, names));
   }
+  int innermost = 0;
   for (const ObjectRecord& object : scene.compiled()->objects()) {
     const int top = FindId(m, mjOBJ_BODY, object.root_body);
-    if (top > 0 && IsInSubtree(m, found.body, top)) found.object = object.name;
+    if (top <= innermost || !IsInSubtree(m, found.body, top)) continue;
+    innermost = top;  // one object may be attached to another: children come later
+    found.object = object.name;
   }
   std::vector<char> fixed(static_cast<size_t>(m->nbody), 0);
   fixed[static_cast<size_t>(found.body)] = 1;
@@ -45,12 +47,6 @@ GraspedBody FindGraspedBody(const Scene& scene, const std::string& name) {
     }
   }
   return found;
-}
-
-bool IsHandleName(const std::string& name) {
-  std::string lower = name;
-  std::ranges::transform(lower, lower.begin(), [](unsigned char c) { return std::tolower(c); });
-  return lower.find("handle") != std::string::npos || lower.find("knob") != std::string::npos;
 }
 
 }  // namespace robocell::internal

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "robocell/scene/scene.h"
+#include "robocell/scenes/handle_geoms.h"  // IWYU pragma: export
 
 namespace robocell::internal {
 
@@ -14,19 +15,10 @@ struct GraspedBody {
   std::string object;            // name of the object that it belongs to, "" for none
   std::vector<int> geoms;        // colliding geoms of the body and of what is fixed to it
   std::vector<int> other_geoms;  // those of the rest of the object, such as the frame of a door
-
-  // Returns the name that an element has in the object's own model.
-  std::string OwnName(const std::string& full) const {
-    return !object.empty() && full.starts_with(object + "_") ? full.substr(object.size() + 1)
-                                                             : full;
-  }
 };
 
 // `name`: of an object, for its root body, or of a body. Throws NotFoundError with the objects and
 // bodies.
 GraspedBody FindGraspedBody(const Scene& scene, const std::string& name);
-
-// Returns true for own names of geoms that are handles: they contain "handle" or "knob".
-bool IsHandleName(const std::string& name);
 
 }  // namespace robocell::internal

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <string>
 #include <utility>
 
@@ -41,6 +42,10 @@ HandGeometry::HandGeometry(const Robot& robot, std::shared_ptr<const GripperShap
     if (IsCollisionGeom(m, g) && IsInSubtree(m, m->geom_bodyid[g], last)) geoms_.push_back(g);
   }
   FindFingers();
+  thinnest_ = geoms_.empty() ? 0 : std::numeric_limits<double>::infinity();
+  for (const int g : geoms_)  // the half sizes of its box follow the centre
+    thinnest_ = std::min(thinnest_,
+                         2 * *std::min_element(m->geom_aabb + 6 * g + 3, m->geom_aabb + 6 * g + 6));
   data_ = MakeData(m);
   Update();
   std::vector<int> addresses;

@@ -58,6 +58,8 @@ class HandGeometry {
   // Returns the geom that was too near when IsFree last returned false, of the others.
   int obstacle() const { return obstacle_; }
 
+  // Returns the smallest extent of a geom of the hand along an axis of its own, m.
+  double thinnest() const { return thinnest_; }
   // Returns the number of fingers that close; 0 for a hand without any.
   int finger_count() const { return finger_count_; }
   // Closes each finger from a gap on, until it touches one of the others or is closed.
@@ -83,6 +85,7 @@ class HandGeometry {
   std::vector<std::vector<Pose>> in_tcp_;  // per row of the shape, per geom
   std::vector<int> finger_of_;  // per geom of geoms_: index of its finger, -1 for the palm
   int finger_count_ = 0;
+  double thinnest_ = 0;
   int obstacle_ = -1;
 };
 

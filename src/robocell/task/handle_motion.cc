@@ -4,16 +4,19 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <limits>
 #include <string>
 
 #include "robocell/base/units.h"
+#include "robocell/math/rotation.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/scenes/handle_geoms.h"
+#include "robocell/task/grasp.h"
 #include "robocell/task/grasp_candidates.h"
-#include "robocell/task/grasp_check.h"
+#include "robocell/task/grasp_generator.h"
+#include "robocell/task/grasped_body.h"
 
 namespace robocell::internal {
 namespace {
@@ -26,16 +29,11 @@ constexpr double kOverButton = 0.05;     // m
 constexpr double kPressFurther = 0.003;  // m beyond the end of the button's range
 constexpr double kParallel = 0.9;        // cosine
 constexpr double kMargin = 0.1;          // share by which an expert opens further than required
+constexpr int kHandleSamples = 800, kMostHandleGrasps = 40;
 constexpr int kSpins = 8;
 constexpr int kRays = 24;
 
-bool IsHandleGeom(const mjModel* m, int geom) {
-  std::string name = ElementName(m, mjOBJ_GEOM, geom);
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
-  return name.find("handle") != std::string::npos || name.find("knob") != std::string::npos;
-}
-
-// Returns a geom as a bar, without `outward`; unset for other shapes.
+// Returns a geom as a bar, without `outward`; unset for planes and the like.
 std::optional<HandleBar> BarOf(const mjModel* m, const mjData* d, int geom) {
   const Eigen::Map<const Eigen::Vector3d> middle(d->geom_xpos + 3 * geom);
   const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> axes(d->geom_xmat +
@@ -45,19 +43,27 @@ std::optional<HandleBar> BarOf(const mjModel* m, const mjData* d, int geom) {
   switch (m->geom_type[geom]) {
     case mjGEOM_CAPSULE:
     case mjGEOM_CYLINDER:
-      bar.radius = size[0], bar.half_length = size[1];
+      bar.across = axes.col(0), bar.section.setConstant(size[0]), bar.half_length = size[1];
       return bar;
     case mjGEOM_SPHERE:
-      bar.radius = size[0];
+      bar.across = axes.col(0), bar.section.setConstant(size[0]);
       return bar;
     case mjGEOM_BOX:
-    case mjGEOM_ELLIPSOID: {
-      Eigen::Index longest, shortest;
-      const Eigen::Vector3d half(size[0], size[1], size[2]);
+    case mjGEOM_ELLIPSOID:
+    case mjGEOM_MESH: {
+      Eigen::Vector3d half(size[0], size[1], size[2]);
+      if (m->geom_type[geom] == mjGEOM_MESH) {
+        const mjtNum* box = m->geom_aabb + 6 * geom;  // middle and half sizes in the geom's frame
+        bar.middle += axes * Eigen::Vector3d(box[0], box[1], box[2]);
+        half = Eigen::Vector3d(box[3], box[4], box[5]);
+        bar.is_exact = false;
+      }
+      Eigen::Index longest;
       half.maxCoeff(&longest);
-      half.minCoeff(&shortest);
+      const Eigen::Index across = (longest + 1) % 3, other = (longest + 2) % 3;
       bar.axis = axes.col(longest), bar.half_length = half[longest];
-      bar.radius = half.sum() - half[longest] - half[shortest];
+      bar.across = axes.col(across), bar.section = Eigen::Vector2d(half[across], half[other]);
+      bar.is_round = false;
       return bar;
     }
     default:
@@ -102,23 +108,37 @@ class JointMotion {
   Eigen::Vector3d axis_, anchor_;
 };
 
+std::string BodyOf(const Scene& scene, const JointOpening& opening) {
+  return ElementName(scene.model(), mjOBJ_BODY, opening.body_id());
+}
+
 }  // namespace
+
+double HandleBar::WidthAlong(const Eigen::Vector3d& direction) const {
+  if (is_round) return 2 * section[0];
+  return 2 * (section[0] * std::abs(direction.dot(across)) +
+              section[1] * std::abs(direction.dot(axis.cross(across))));
+}
 
 std::optional<HandleBar> FindHandle(const Scene& scene, const JointOpening& opening) {
   scene.SyncPoses();
   const mjModel* m = scene.model();
   const mjData* d = scene.data();
   std::optional<HandleBar> best;
-  for (const int geom : CollisionGeomsOf(m, opening.body_id())) {
-    if (!IsHandleGeom(m, geom)) continue;
+  for (const int geom : FindGraspedBody(scene, BodyOf(scene, opening)).geoms) {
+    if (!IsHandleGeom(scene, geom)) continue;
     const std::optional<HandleBar> bar = BarOf(m, d, geom);
-    if (bar && (!best || bar->half_length > best->half_length)) best = bar;
+    if (!bar) continue;
+    const bool is_better =
+        !best || bar->is_exact > best->is_exact ||
+        (bar->is_exact == best->is_exact && bar->half_length > best->half_length);
+    if (is_better) best = bar;
   }
   if (!best) return std::nullopt;
   // What carries the bar is what is nearest to it.
   std::vector<int> others;
   for (const int geom : CollisionGeomsOf(m, m->body_rootid[opening.body_id()])) {
-    if (!IsHandleGeom(m, geom)) others.push_back(geom);
+    if (!IsHandleGeom(scene, geom)) others.push_back(geom);
   }
   const Eigen::Vector3d u = AnyNormal(best->axis), v = best->axis.cross(u);
   double nearest = std::numeric_limits<double>::infinity();
@@ -134,10 +154,24 @@ std::optional<HandleBar> FindHandle(const Scene& scene, const JointOpening& open
   return best;
 }
 
+bool TurnsOnTheSpot(const Scene& scene, const JointOpening& opening) {
+  const std::optional<HandleBar> bar = FindHandle(scene, opening);
+  const JointMotion joint(scene, opening);
+  if (!bar || !joint.is_hinge()) return false;
+  return joint.RadiusOf(bar->middle) < bar->section.maxCoeff();
+}
+
 std::optional<Eigen::Vector3d> FrontOf(const Scene& scene, const JointOpening& opening) {
   const std::optional<HandleBar> bar = FindHandle(scene, opening);
-  if (!bar) return std::nullopt;
-  Eigen::Vector3d front = bar->outward;
+  Eigen::Vector3d front = Eigen::Vector3d::Zero();
+  if (bar) {
+    front = bar->outward;
+  } else {
+    const JointMotion joint(scene, opening);
+    if (joint.is_hinge()) return std::nullopt;
+    front = joint.axis() * (opening.open() > opening.closed() ? -1 : 1);
+    if (front.head<2>().norm() < 0.5) return std::nullopt;  // pressed from above
+  }
   if (front.head<2>().norm() < 0.5) {
     const int root = scene.model()->body_rootid[opening.body_id()];
     front = bar->middle - Eigen::Vector3d(scene.data()->xpos + 3 * root);
@@ -153,8 +187,6 @@ std::vector<ContactPath> HandlePaths(const Scene& scene, const JointOpening& ope
   std::vector<ContactPath> paths;
   if (!bar || shape.is_suction()) return paths;
   const HeldWidths widths = WidthsHeld(shape.closed_gap(), shape.open_gap());
-  const double width = 2 * bar->radius;
-  if (width < widths.least || width > widths.most) return paths;
   const JointMotion joint(scene, opening);
   const double way = opening.PositionAt(share) - opening.position();
   const int steps = joint.Steps(way, joint.RadiusOf(bar->middle));
@@ -175,8 +207,12 @@ std::vector<ContactPath> HandlePaths(const Scene& scene, const JointOpening& ope
           axes.col(2) = -from;
           axes.col(0) = side * bar->axis;
           axes.col(1) = axes.col(2).cross(axes.col(0));
+          const double width = bar->WidthAlong(axes.col(1));
+          if (width < widths.least || width > widths.most) continue;
           const Eigen::Vector3d at = bar->middle + along * bar->half_length * bar->axis;
           const Pose grasp(at - axes * shape.PadAt(width), axes);
+          // A finger that does not move must not touch the bar on the way to it.
+          const Pose aside(-AsideFor(shape, width) * axes.col(1));
           ContactPath path{.from = from,
                            .before = kBeforeHandle,
                            .after = kBeforeHandle,
@@ -187,13 +223,48 @@ std::vector<ContactPath> HandlePaths(const Scene& scene, const JointOpening& ope
             const Pose after = joint.After(moved);
             // The fingers turn about the bar by what the hand does not turn with the door.
             const Pose back = Turned(after * at, joint.axis(), turn < 1 ? -(1 - turn) * moved : 0);
-            path.tcp_in_world.push_back(back * after * grasp * tcp_in_grasp);
+            path.tcp_in_world.push_back((i == 0 ? aside : Pose()) * back * after * grasp *
+                                        tcp_in_grasp);
           }
           path.away = -(path.tcp_in_world.back() * shape.grasp_in_tcp()).rotation().col(2);
           paths.push_back(std::move(path));
         }
       }
     }
+  }
+  return paths;
+}
+
+std::vector<ContactPath> GraspedHandlePaths(const Robot& robot, const JointOpening& opening,
+                                            const GripperShape& shape, double share) {
+  const Scene scene = robot.scene();
+  scene.SyncPoses();
+  std::vector<ContactPath> paths;
+  if (shape.is_suction()) return paths;
+  const GraspSet grasps = GenerateGrasps(robot, BodyOf(scene, opening),
+                                         {.kinds = {GraspKind::kHandle},
+                                          .samples = kHandleSamples,
+                                          .most = kMostHandleGrasps,
+                                          .approach_length = kBeforeHandle});
+  const mjData* d = scene.data();
+  const int id = opening.body_id();
+  const Pose body = Pose::FromTranslationAndMatrix(d->xpos + 3 * id, d->xmat + 9 * id);
+  const JointMotion joint(scene, opening);
+  const double way = opening.PositionAt(share) - opening.position();
+  for (const Grasp& grasp : grasps.grasps) {
+    const Pose start = body * grasp.tcp_in_body;
+    const Eigen::Vector3d in = Rotate(body.quaternion(), grasp.approach);
+    const Eigen::Vector3d in_tcp = Rotate(start.inverse().quaternion(), in);
+    ContactPath path{.from = -in,
+                     .before = grasp.approach_length,
+                     .after = kBeforeHandle,
+                     .free_gap = grasp.opening,
+                     .contact_gap = grasp.width};
+    const int steps = joint.Steps(way, joint.RadiusOf(start.translation()));
+    for (int i = 0; i <= steps; ++i)
+      path.tcp_in_world.push_back(joint.After(way * i / steps) * start);
+    path.away = -Rotate(path.tcp_in_world.back().quaternion(), in_tcp);
+    paths.push_back(std::move(path));
   }
   return paths;
 }
@@ -251,11 +322,21 @@ double ShareFor(const StatedRelation& stated) {
   return std::min(1.0, share + kMargin);
 }
 
-std::vector<ContactPath> JointPaths(const Scene& scene, const StatedRelation& stated,
+std::vector<ContactPath> JointPaths(const Robot& robot, const StatedRelation& stated,
                                     const GripperShape& shape, bool hooks) {
+  const Scene scene = robot.scene();
   const JointOpening opening = JointOpening::Of(scene, stated.subject);
   if (stated.relation == "pressed") return PressPaths(scene, opening, shape);
-  return HandlePaths(scene, opening, shape, ShareFor(stated), hooks);
+  const std::optional<HandleBar> bar = FindHandle(scene, opening);
+  if (!bar) return {};
+  std::vector<ContactPath> paths;
+  if (bar->is_exact) paths = HandlePaths(scene, opening, shape, ShareFor(stated), hooks);
+  if (paths.empty()) paths = GraspedHandlePaths(robot, opening, shape, ShareFor(stated));
+  return paths;
+}
+
+std::string WhyNoJointPaths(const StatedRelation& stated) {
+  return stated.relation == "pressed" ? "no way to press it" : "no grasp of the handle";
 }
 
 std::optional<Refusal> CheckJointGoal(const Scene& scene, const Robot& robot,
@@ -263,20 +344,23 @@ std::optional<Refusal> CheckJointGoal(const Scene& scene, const Robot& robot,
   if (!robot.has_gripper() || !GripperShape::Supports(robot.gripper())) return std::nullopt;
   const auto shape = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
   const JointOpening opening = JointOpening::Of(scene, stated.subject);
-  std::vector<ContactPath> paths = JointPaths(scene, stated, *shape);
+  std::vector<ContactPath> paths = JointPaths(robot, stated, *shape);
   if (paths.empty()) {
-    const bool has_handle = FindHandle(scene, opening).has_value();
-    return Refusal{.reason = "no grasp of the handle",
-                   .detail = has_handle
-                                 ? "the handle is too thick or too thin: the gripper " +
-                                       DescribeHeldWidths(shape->closed_gap(), shape->open_gap())
-                                 : fmt::format("joint '{}' moves no geom that is named "
-                                               "handle or knob",
-                                               opening.joint()),
-                   .holds_everywhere = true};
+    std::string why;
+    if (stated.relation == "pressed") {
+      why = fmt::format(
+          "joint '{}' is a hinge, or its body has no shape that collides; a button is "
+          "pressed along its slide",
+          opening.joint());
+    } else if (FindHandle(scene, opening)) {
+      why = "no part of the handle fits: the gripper " +
+            DescribeHeldWidths(shape->closed_gap(), shape->open_gap());
+    } else {
+      why = fmt::format("joint '{}' moves no geom that is named handle or knob", opening.joint());
+    }
+    return Refusal{.reason = WhyNoJointPaths(stated), .detail = why, .holds_everywhere = true};
   }
-  PlanningScene planning(scene, robot, ElementName(scene.model(), mjOBJ_BODY, opening.body_id()),
-                         shape);
+  PlanningScene planning(scene, robot, BodyOf(scene, opening), shape);
   const std::vector<double> home = robot.arm().joint_pos();
   ContactMotions motions(planning, std::move(paths), JointVector(std::span<const double>(home)),
                          {.least_share = kLeastFollowed});

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 #include <Eigen/Core>
 
@@ -22,13 +23,25 @@ namespace robocell::internal {
 // The part of a handle that fingers close on, in the world, as it is now.
 struct HandleBar {
   Eigen::Vector3d middle, axis, outward;  // outward: away from what carries it
-  double half_length = 0, radius = 0;     // m
+  double half_length = 0;                 // m
+  // The half extents of its section along `across` and along the axis' cross product with it, m;
+  // equal for a round bar.
+  Eigen::Vector3d across = Eigen::Vector3d::Zero();
+  Eigen::Vector2d section = Eigen::Vector2d::Zero();
+  bool is_round = true;
+  bool is_exact = true;  // false: the box around a mesh
+
+  // Returns its width along a direction across the axis, m.
+  double WidthAlong(const Eigen::Vector3d& direction) const;
 };
 
-// Returns the bar of the handle of a joint: the longest of the geoms named handle or knob that the
-// joint moves; unset without one.
+// Returns the bar of the handle of a joint: the longest of the geoms named handle or knob
+// (scenes/handle_geoms.h) that move as one with the joint's body, meshes last; unset without one.
 std::optional<HandleBar> FindHandle(const Scene& scene, const JointOpening& opening);
-// Returns the level direction in front of a joint's handle; unset without a handle.
+// Returns true for a knob on its joint's own axis: it is turned, and opens nothing.
+bool TurnsOnTheSpot(const Scene& scene, const JointOpening& opening);
+// Returns the level direction in front of a joint's handle, or of a button that is pressed from the
+// side; unset without one.
 std::optional<Eigen::Vector3d> FrontOf(const Scene& scene, const JointOpening& opening);
 
 // Returns the paths of a hand that grips the handle and moves the joint from its present position to
@@ -38,8 +51,12 @@ std::optional<Eigen::Vector3d> FrontOf(const Scene& scene, const JointOpening& o
 // sides, which have the most room.
 std::vector<ContactPath> HandlePaths(const Scene& scene, const JointOpening& opening,
                                      const GripperShape& shape, double share, bool hooks = false);
+// The same with the grasps of the handle that grasp_generator.h computes: for handles that are
+// meshes, and for hands that no bar fits.
+std::vector<ContactPath> GraspedHandlePaths(const Robot& robot, const JointOpening& opening,
+                                            const GripperShape& shape, double share);
 // Returns the paths of a closed hand that presses the joint's body from its present position to the
-// end of its range.
+// end of its range; empty for a hinge.
 std::vector<ContactPath> PressPaths(const Scene& scene, const JointOpening& opening,
                                     const GripperShape& shape);
 
@@ -47,8 +64,10 @@ std::vector<ContactPath> PressPaths(const Scene& scene, const JointOpening& open
 // it requires.
 double ShareFor(const StatedRelation& stated);
 // Returns the paths that bring about a relation about a joint.
-std::vector<ContactPath> JointPaths(const Scene& scene, const StatedRelation& stated,
+std::vector<ContactPath> JointPaths(const Robot& robot, const StatedRelation& stated,
                                     const GripperShape& shape, bool hooks = false);
+// Returns why there are none, in few words: "no grasp of the handle", "no way to press it".
+std::string WhyNoJointPaths(const StatedRelation& stated);
 // Refuses a start in which the robot cannot follow any of these. Robots without a gripper that can
 // be measured pass.
 std::optional<Refusal> CheckJointGoal(const Scene& scene, const Robot& robot,

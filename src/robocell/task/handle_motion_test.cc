@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/pick_scene.h"
@@ -26,19 +29,21 @@ Scene SceneWith(const std::string& kind, double yaw) {
 TEST(HandleMotion, FindsTheBarAndItsFront) {
   for (const double yaw : {0.0, 50.0, -130.0}) {
     const Eigen::Vector3d front(std::cos(yaw * M_PI / 180), std::sin(yaw * M_PI / 180), 0);
-    for (const char* joint : {"unit_upper_drawer_slide", "unit_lower_drawer_slide"}) {
-      const Scene scene = SceneWith("chest", yaw);
+    for (const char* joint : {"unit_drawer_1_slide", "unit_drawer_3_slide"}) {
+      const Scene scene = SceneWith("drawer_unit", yaw);
       const JointOpening opening = JointOpening::Of(scene, joint);
       const auto bar = internal::FindHandle(scene, opening);
       ASSERT_TRUE(bar.has_value());
-      EXPECT_NEAR(bar->radius, 0.006, 1e-9);
-      EXPECT_NEAR(bar->half_length, 0.06, 1e-9);
+      EXPECT_NEAR(bar->WidthAlong(Eigen::Vector3d::UnitZ()), 0.012, 1e-9);
       EXPECT_NEAR(bar->outward.dot(front), 1, 1e-6);
       EXPECT_NEAR(internal::FrontOf(scene, opening)->dot(front), 1, 1e-6);
     }
     const Scene lid = SceneWith("lid_box", yaw);
     const JointOpening opening = JointOpening::Of(lid, "unit");
-    EXPECT_NEAR(internal::FindHandle(lid, opening)->outward.z(), 1, 1e-6);
+    const internal::HandleBar lip = *internal::FindHandle(lid, opening);
+    EXPECT_NEAR(lip.outward.dot(front), 1, 1e-6);
+    EXPECT_NEAR(lip.WidthAlong(Eigen::Vector3d::UnitZ()), 0.012, 1e-9);  // a box of 28 x 60 x 12 mm
+    EXPECT_NEAR(lip.WidthAlong(front), 0.028, 1e-9);
     EXPECT_NEAR(internal::FrontOf(lid, opening)->dot(front), 1, 1e-6);
   }
 }
@@ -47,13 +52,17 @@ TEST(HandleMotion, FindsTheBarAndItsFront) {
 TEST(HandleMotion, PathsFollowTheHandleOfTheEngine) {
   const PickScene hand = MakePickScene(ObjectOnTheTable("box"));
   const auto shape = hand.shape();
-  for (const char* kind : {"chest", "cupboard", "lid_box"}) {
+  for (const auto& [kind, joint] :
+       std::vector<std::pair<std::string, std::string>>{{"drawer_unit", "unit_drawer_2"},
+                                                        {"cupboard", "unit"},
+                                                        {"lid_box", "unit"},
+                                                        {"laptop", "unit"},
+                                                        {"faucet", "unit"},
+                                                        {"microwave", "unit_door"}}) {
     Scene scene = SceneWith(kind, 30);
-    const std::string joint = kind == std::string("chest") ? "unit_upper_drawer" : "unit";
     JointOpening opening = JointOpening::Of(scene, joint);
     const std::vector<ContactPath> paths = internal::HandlePaths(scene, opening, *shape, 0.7);
     ASSERT_FALSE(paths.empty()) << kind;
-    const double width = 2 * internal::FindHandle(scene, opening)->radius;
     for (const double share : {0.0, 0.7}) {
       opening.Put(share);
       scene.Forward();
@@ -65,7 +74,8 @@ TEST(HandleMotion, PathsFollowTheHandleOfTheEngine) {
       };
       for (const ContactPath& path : paths) {
         const Pose& tcp = share == 0 ? path.tcp_in_world.front() : path.tcp_in_world.back();
-        EXPECT_LT(distance_to(tcp * shape->grasp_in_tcp() * shape->PadAt(width)), 1e-6) << kind;
+        EXPECT_LT(distance_to(tcp * shape->grasp_in_tcp() * shape->PadAt(path.contact_gap)), 1e-6)
+            << kind;
       }
     }
     opening.Put(0);
@@ -83,12 +93,66 @@ TEST(HandleMotion, PressesAlongTheSlideBeyondItsEnd) {
   const PickScene hand = MakePickScene(ObjectOnTheTable("box"));
   const Scene scene = SceneWith("button_panel", 20);
   const JointOpening button = JointOpening::Of(scene, "unit_green_button");
-  for (const ContactPath& path : internal::PressPaths(scene, button, *hand.shape())) {
+  const std::vector<ContactPath> paths = internal::PressPaths(scene, button, *hand.shape());
+  EXPECT_EQ(paths.size(), 8u);
+  for (const ContactPath& path : paths) {
     const Eigen::Vector3d way =
         path.tcp_in_world.back().translation() - path.tcp_in_world.front().translation();
-    EXPECT_NEAR(way.z(), -0.013, 1e-3);
+    EXPECT_NEAR(way.z(), -0.011, 1e-3);
     EXPECT_LT(way.head<2>().norm(), 1e-9);
   }
+  EXPECT_FALSE(internal::FrontOf(scene, button).has_value());  // pressed from above
+  const Scene oven = SceneWith("microwave", 90);
+  const auto front = internal::FrontOf(oven, JointOpening::Of(oven, "unit_start_button"));
+  ASSERT_TRUE(front.has_value());
+  EXPECT_NEAR(front->y(), 1, 1e-6);
+}
+
+TEST(HandleMotion, TellsDialsFromDoors) {
+  const Scene oven = SceneWith("microwave", 0), panel = SceneWith("button_panel", 0);
+  EXPECT_TRUE(internal::TurnsOnTheSpot(oven, JointOpening::Of(oven, "unit_dial")));
+  EXPECT_FALSE(internal::TurnsOnTheSpot(oven, JointOpening::Of(oven, "unit_door")));
+  EXPECT_TRUE(internal::TurnsOnTheSpot(panel, JointOpening::Of(panel, "unit_dial")));
+  EXPECT_FALSE(internal::TurnsOnTheSpot(panel, JointOpening::Of(panel, "unit_switch")));
+}
+
+// A mesh is no bar: the grasps are computed from its convex hull, and move as the engine moves it.
+TEST(HandleMotion, GripsHandlesThatAreMeshes) {
+  ModelFolder folder;
+  const std::string door = folder.Write("door", R"(
+    <asset><mesh name="grip" vertex="-.01 -.006 -.05  .01 -.006 -.05  .01 .006 -.05  -.01 .006 -.05
+                                     -.01 -.006 .05  .01 -.006 .05  .01 .006 .05  -.01 .006 .05"/></asset>
+    <worldbody><body name="frame"><geom type="box" size=".02 .15 .01"/>
+      <body name="door" pos="0 .15 .2"><joint name="hinge" axis="0 0 1" range="0 1.5"/>
+        <geom type="box" size=".01 .14 .15" pos="0 -.14 0"/>
+        <geom name="handle" type="mesh" mesh="grip" pos=".06 -.25 0"/>
+        <geom type="box" size=".02 .005 .005" pos=".03 -.25 0"/>
+      </body></body></worldbody>)");
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back(
+      {.name = "unit", .mjcf_path = door, .pos = Vec3{0.6, 0, 0}, .fixed = true});
+  RobotConfig config = ExampleRun("pick_and_place.yaml").robot.config;
+  spec.robots.push_back({.name = "arm", .config = config});
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  const Robot robot = Robot::Of(scene, "arm");
+  JointOpening opening = JointOpening::Of(scene, "unit");
+  const auto bar = internal::FindHandle(scene, opening);
+  ASSERT_TRUE(bar.has_value());
+  EXPECT_FALSE(bar->is_exact);
+  EXPECT_NEAR(bar->half_length, 0.05, 1e-6);
+  EXPECT_NEAR(bar->outward.x(), 1, 1e-6);
+  EXPECT_NEAR(internal::FrontOf(scene, opening)->x(), 1, 1e-6);
+  const auto shape = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
+  const std::vector<ContactPath> paths =
+      internal::JointPaths(robot, ParseRelation("unit open 0.5"), *shape);
+  ASSERT_FALSE(paths.empty());
+  const Pose before = scene.body_pose("unit_door");
+  opening.Put(0.6);
+  scene.Forward();
+  const Pose moved = scene.body_pose("unit_door") * before.inverse();
+  for (const ContactPath& path : paths)
+    EXPECT_TRUE(path.tcp_in_world.back().is_close(moved * path.tcp_in_world.front(), 1e-6, 1e-6));
 }
 
 }  // namespace

@@ -420,8 +420,10 @@ double PickAndPlaceTask::Progress() const {
 }
 
 std::string PickAndPlaceTask::instruction() const {
+  // A kind is put into words; an object of the scene keeps the name that the user gave it.
+  const std::string goal = draws_goal_ ? WordOfKind(goal_word_) : goal_word_;
   return fmt::format("pick up the {} and put it {}", word(),
-                     has_goal_object() ? "on the " + WordOfKind(goal_word_) : "down at the goal");
+                     has_goal_object() ? "on the " + goal : "down at the goal");
 }
 
 std::vector<Feature> PickAndPlaceTask::signals() const {

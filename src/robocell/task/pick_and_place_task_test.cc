@@ -100,6 +100,11 @@ TEST(PickAndPlaceTask, PlacesATrayAtTheGoalDistance) {
   }
 }
 
+TEST(PickAndPlaceTask, InstructionsKeepTheNamesOfSceneObjects) {
+  EXPECT_EQ(PickAndPlaceTask({.object = "red_cube", .goal_object = "tray_2"}).instruction(),
+            "pick up the red_cube and put it on the tray_2");
+}
+
 TEST(PickAndPlaceTask, GoalsAreOfTheConfiguredKinds) {
   RunConfig run = PlaceRun();
   run.task.As<PickAndPlaceTaskConfig>().goals = {"tray", "nut"};

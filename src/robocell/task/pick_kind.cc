@@ -204,8 +204,8 @@ class KindOfPick : public TaskKindOf<Config, T> {
                                               const Task::KnownScene& /*known*/) const override {
     return Picks(run.task.As<Config>());
   }
-  std::string ReachAdvice(const RunConfig& run) const override {
-    return internal::ReachAdvice(run);
+  ReachAdvice AdviseReach(const RunConfig& run) const override {
+    return internal::AdviseReach(run);
   }
 
  protected:

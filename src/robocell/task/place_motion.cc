@@ -8,6 +8,7 @@
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/math/rotation.h"
 #include "robocell/motion/vertical_line.h"
+#include "robocell/robot/task_space.h"
 
 namespace robocell {
 namespace {
@@ -47,10 +48,20 @@ PlaceMotions::PlaceMotions(PlanningScene& planning, const Pose& object_in_tcp,
   ik.ik.tolerance = internal::kLineIkTolerance;
   ik.ik.prefer = IkPrefer::kSeed;
   ik.ik.max_restarts = kPlaceRestarts;
-  const IkBatchResult result = IkBatch(planning_.robot().chain(), targets, start, ik);
+  const Chain& chain = planning_.robot().chain();
+  const internal::TaskSpace task = internal::TaskSpaceOf(planning_.robot());
+  const IkBatchResult result = IkBatch(chain, targets, start, ik);
   for (int b = 0; b < result.size; ++b) {
-    if (result.success[b])
+    if (result.success[b]) {
       candidates_.push_back({poses[b], targets[b], JointVector(result.row(b))});
+      continue;
+    }
+    const IkResult near = task.SolveWithin(chain, targets[b], start, internal::kMostTilt);
+    // The object is released with the rotation that the arm reached.
+    const Pose tcp = near.success ? chain.Fk(near.q) : targets[b];
+    if (near.success)
+      candidates_.push_back(
+          {planning_.robot().base_in_world() * tcp * object_in_tcp_, tcp, near.q});
     else
       ++out_of_reach_;
   }
@@ -60,12 +71,13 @@ PlaceMotions::PlaceMotions(PlanningScene& planning, const Pose& object_in_tcp,
 
 std::optional<PlaceMotion> PlaceMotions::Next() {
   const Robot& robot = planning_.robot();
+  const internal::TaskSpace task = internal::TaskSpaceOf(robot);
   const Eigen::Vector3d up =
       Rotate(robot.base_in_world().inverse().quaternion(), Eigen::Vector3d::UnitZ());
   while (next_ < candidates_.size()) {
     const Candidate& candidate = candidates_[next_++];
-    JointPath down =
-        internal::LineAbove(robot.chain(), candidate.tcp_in_base, candidate.q, up, options_.above);
+    JointPath down = internal::LineAbove(robot.chain(), task, candidate.tcp_in_base, candidate.q,
+                                         up, options_.above);
     if (internal::MissingShare(down) > 0) {
       ++no_way_down_;
       continue;

@@ -1,5 +1,6 @@
 #include "robocell/task/push_motion.h"
 
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -77,7 +78,8 @@ std::optional<Refusal> CheckPush(const Scene& scene, const Robot& robot, const s
   if (!robot.has_gripper() || !GripperShape::Supports(robot.gripper())) return std::nullopt;
   const auto shape = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
   std::vector<ContactPath> paths = PushPaths(scene, object, place, *shape);
-  if (paths.empty()) return std::nullopt;
+  if (paths.empty())
+    return Refusal{.reason = kNoPush, .detail = fmt::format("'{}' is at the place", object)};
   const int body = RequireObjectOrBody(scene, object);
   PlanningScene planning(scene, robot, ElementName(scene.model(), mjOBJ_BODY, body), shape);
   const std::vector<double> home = robot.arm().joint_pos();

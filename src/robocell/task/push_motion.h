@@ -15,6 +15,9 @@
 
 namespace robocell::internal {
 
+// The reason for pushes that no path exists for: the object is at the place.
+inline constexpr const char* kNoPush = "no way to push it";
+
 // `object`: an object or body; its centre of mass is to come to `place` (world, x and y). The paths
 // end where fingers without thickness would have pushed it there: the hand stops when it is there.
 std::vector<ContactPath> PushPaths(const Scene& scene, const std::string& object,

@@ -8,10 +8,10 @@
 
 #include "robocell/base/units.h"
 #include "robocell/kinematics/ik_batch.h"
-#include "robocell/kinematics/ik_position_first.h"
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/motion/vertical_line.h"
 #include "robocell/robot/robot.h"
+#include "robocell/robot/task_space.h"
 #include "robocell/task/base_placement.h"
 #include "robocell/task/grasp_motion.h"
 #include "robocell/task/pick_task_config.h"
@@ -50,6 +50,7 @@ class Search {
  public:
   explicit Search(const RunConfig& run)
       : robot_(OnlyRobot(run)),
+        task_(TaskSpaceOf(robot_)),
         shape_(GripperShape::Of(robot_.config(), run.options, robot_.scene().timestep())),
         lift_height_(PickRunOf(run.task).value_or(PickRun{}).lift_height),
         requested_(BaseRangeOf(run.start, {})),
@@ -63,13 +64,16 @@ class Search {
     }
   }
 
-  std::string Text() {
+  ReachAdvice Advice() {
     const std::vector<BasePlace> all = Usable();
-    if (!all.empty())
-      return Where("a grasp from above, pregrasp and lift included, is in reach", all);
+    if (!all.empty()) {
+      return Where(ReachedPart::kAll, "a grasp from above, pregrasp and lift included, is in reach",
+                   all);
+    }
     const auto unlifted = Those([](const BasePlace& p) { return p.grasp && p.pregrasp; });
     if (!unlifted.empty()) {
-      return Where(fmt::format("no place of the base lets the arm lift by {:.2f} m "
+      return Where(ReachedPart::kPregrasp,
+                   fmt::format("no place of the base lets the arm lift by {:.2f} m "
                                "(task.lift_height, {:g} m, and what a grasp slips): give less. "
                                "Without the lift a grasp from above is in reach",
                                motion_.lift, lift_height_),
@@ -77,14 +81,17 @@ class Search {
     }
     const auto grasped = Those([](const BasePlace& p) { return p.grasp; });
     if (!grasped.empty()) {
-      return Where(fmt::format("no place of the base lets the arm come from {:.2f} m above, which "
+      return Where(ReachedPart::kGrasp,
+                   fmt::format("no place of the base lets the arm come from {:.2f} m above, which "
                                "it does before a grasp. The grasp alone is in reach",
                                motion_.above),
                    grasped);
     }
-    return "at no place around the robot does its gripper point straight down within the joints' "
-           "ranges, and objects are grasped from above: look at the ranges, at the order of the "
-           "arm's joints and at the fingers (robocell check)";
+    return {.text =
+                "at no place around the robot does its gripper point straight down within the "
+                "joints' ranges, and objects are grasped from above: look at the ranges, at the "
+                "order of the arm's joints and at the fingers (robocell check)",
+            .reached = ReachedPart::kNothing};
   }
 
  private:
@@ -132,14 +139,9 @@ class Search {
       const size_t i = static_cast<size_t>(b);
       bool& is_reached = places_[i / kTurns].*reached;
       if (is_reached) continue;
-      is_reached = result.success[b] || (HasFewJoints(robot_.chain()) && IsNear(targets[i], home));
+      is_reached = result.success[b] ||
+                   task_.SolveWithin(robot_.chain(), targets[i], home, kMostTilt).success;
     }
-  }
-
-  // Returns true if an arm of few joints reaches the position with nearly the rotation.
-  bool IsNear(const Pose& target, const std::vector<double>& home) const {
-    const IkResult found = IkPositionFirst(robot_.chain(), target, home);
-    return found.success && found.rotation_error <= kMostTilt;
   }
 
   // Returns the height with the most distances in reach, of equal ones the nearest to the run's. The
@@ -160,7 +162,8 @@ class Search {
 
   // Describes the height with the most distances in reach, these distances, and the configured
   // values.
-  std::string Where(const std::string& what, const std::vector<BasePlace>& places) const {
+  ReachAdvice Where(ReachedPart reached, const std::string& what,
+                    const std::vector<BasePlace>& places) const {
     const double best = BestOffset(places);
     double low = 0, high = 0;
     bool first = true;
@@ -170,15 +173,17 @@ class Search {
       high = first ? place.distance : std::max(high, place.distance);
       first = false;
     }
-    return fmt::format(
+    const std::string text = fmt::format(
         "{} with start.base_height_offset {:.2f} and base_distance {:.2f} ... {:.2f} m, for "
         "example "
         "(collisions aside); the run says {:g}, with noise {:g} ... {:g}, and {:g} ... {:g}",
         what, best, low, high, requested_.height_offset, requested_.height_noise[0],
         requested_.height_noise[1], requested_.distance[0], requested_.distance[1]);
+    return {.text = text, .reached = reached, .height_offset = best, .distance = {low, high}};
   }
 
   Robot robot_;
+  TaskSpace task_;
   std::shared_ptr<const GripperShape> shape_;
   double lift_height_;
   BaseRange requested_;
@@ -189,6 +194,6 @@ class Search {
 
 }  // namespace
 
-std::string ReachAdvice(const RunConfig& run) { return Search(run).Text(); }
+ReachAdvice AdviseReach(const RunConfig& run) { return Search(run).Advice(); }
 
 }  // namespace robocell::internal

@@ -4,18 +4,20 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <optional>
 #include <span>
 #include <utility>
 
+#include "robocell/base/error.h"
 #include "robocell/kinematics/ik_batch.h"
-#include "robocell/kinematics/ik_position_first.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/motion/planning_scene.h"
 #include "robocell/motion/vertical_line.h"
+#include "robocell/robot/task_space.h"
 #include "robocell/task/grasped_body.h"
 #include "robocell/task/hand_geometry.h"
 
@@ -39,6 +41,7 @@ class ReachSearch {
         planning_(scene_, robot, internal::FindGraspedBody(scene_, grasps.body).name, shape_),
         body_in_world_(scene_.body_pose(planning_name())),
         world_in_base_(robot.base_in_world().inverse()),
+        task_(internal::TaskSpaceOf(robot)),
         present_(robot.arm().joint_pos()) {
     const mjModel* m = scene_.model();
     const internal::GraspedBody grasped = internal::FindGraspedBody(scene_, grasps.body);
@@ -127,10 +130,9 @@ class ReachSearch {
       std::optional<JointVector> q;
       if (result.success[i]) {
         q = JointVector(result.row(b));
-      } else if (internal::HasFewJoints(chain)) {
-        const IkResult near =
-            internal::IkPositionFirst(chain, targets[i], JointVector(std::span(present_)));
-        if (near.success && near.rotation_error <= internal::kMostTilt) q = near.q;
+      } else {
+        const IkResult near = task_.SolveWithin(chain, targets[i], present_, internal::kMostTilt);
+        if (near.success) q = near.q;
       }
       if (q) {
         Follow(batch[i], *q);
@@ -145,19 +147,19 @@ class ReachSearch {
     const Grasp& grasp = GraspOf(candidate);
     const Chain& chain = robot_.chain();
     const Pose tcp =
-        internal::HasFewJoints(chain) ? chain.Fk(q) : world_in_base_ * candidate.tcp_in_world;
+        task_.is_partial(chain) ? chain.Fk(q) : world_in_base_ * candidate.tcp_in_world;
     const Eigen::Vector3d back =
         -(Rotate(world_in_base_.quaternion(), Rotate(body_in_world_.quaternion(), grasp.approach)));
     JointPath way = {q}, up;
     if (grasp.approach_length > 0) {
-      way = internal::LineAbove(chain, tcp, q, back, grasp.approach_length);
+      way = internal::LineAbove(chain, task_, tcp, q, back, grasp.approach_length);
       if (internal::MissingShare(way) > 0) {
         ++report_.way_out_of_reach;
         return;
       }
     }
     if (options_.lift > 0) {
-      up = internal::LineAbove(chain, tcp, q,
+      up = internal::LineAbove(chain, task_, tcp, q,
                                Rotate(world_in_base_.quaternion(), Eigen::Vector3d::UnitZ()),
                                options_.lift);
       if (internal::MissingShare(up) > 0) {
@@ -202,12 +204,40 @@ class ReachSearch {
   internal::HandGeometry hand_;
   PlanningScene planning_;
   Pose body_in_world_, world_in_base_;
+  const internal::TaskSpace task_;
   std::vector<double> present_;
   std::vector<int> others_;  // geoms that are neither the robot's nor the object's
   std::vector<Candidate> order_;
   int tried_ = 0;
   ReachReport report_;
 };
+
+void RequireReachOptions(const ReachOptions& options, const std::string& place) {
+  const auto require = [&](bool ok, const char* field, const char* rule) {
+    if (!ok) throw ArgumentError(fmt::format("{}: {} must be {}", place, field, rule));
+  };
+  require(options.most >= 1, "most", "at least 1");
+  require(options.tried >= 1, "tried", "at least 1");
+  require(options.clearance >= 0 && options.clearance <= 1, "clearance", "from 0 to 1 m");
+  require(options.lift >= 0 && options.lift <= 10, "lift", "from 0 to 10 m");
+  const GraspCosts& costs = options.costs;
+  for (const double cost : {costs.score, costs.turn, costs.distance, costs.level})
+    require(std::isfinite(cost), "costs", "finite");
+}
+
+// Grasps that a caller made may lack what generated and loaded ones have.
+void RequireWholeGrasps(const GraspSet& grasps, const std::string& place) {
+  for (size_t i = 0; i < grasps.grasps.size(); ++i) {
+    const Grasp& grasp = grasps.grasps[i];
+    const auto fail = [&](const char* what) {
+      throw ArgumentError(fmt::format("{}: grasps[{}] {}", place, i, what));
+    };
+    if (std::abs(grasp.approach.norm() - 1) > 1e-6) fail("has an approach that is no unit vector");
+    if (!(grasp.approach_length >= 0)) fail("has an approach_length below 0");
+    if (!(grasp.opening >= 0)) fail("has an opening below 0: give the gap of the open hand");
+    if (!(grasp.width >= 0)) fail("has a width below 0");
+  }
+}
 
 }  // namespace
 
@@ -221,16 +251,25 @@ std::string ReachReport::Reasons() const {
   add(out_of_reach, "out of reach");
   add(way_out_of_reach, "whose approach or lift is out of reach");
   add(in_collision, "with the robot in collision");
-  return text;
+  return text.empty() ? "no grasps" : text;
 }
 
 ReachReport FindReachableGrasps(const Robot& robot, const GraspSet& grasps,
                                 const ReachOptions& options) {
+  const std::string place = "reachable grasps of '" + grasps.body + "' by '" + robot.name() + "'";
+  RequireReachOptions(options, place);
+  if (grasps.robot != robot.name()) {
+    throw ArgumentError(fmt::format(
+        "{}: the grasps are those of {}. Compute them for '{}'", place,
+        grasps.robot.empty() ? "no robot" : "robot '" + grasps.robot + "'", robot.name()));
+  }
+  RequireWholeGrasps(grasps, place);
   if (grasps.grasps.empty()) return {};
   return ReachSearch(robot, grasps, options).Run();
 }
 
 std::vector<MotionGoal> GoalsBefore(const Scene& scene, const GraspSet& grasps, int most) {
+  RequireWholeGrasps(grasps, "goals of grasps of '" + grasps.body + "'");
   const Pose body_in_world = scene.body_pose(grasps.body);
   std::vector<MotionGoal> goals;
   for (const Grasp& grasp : grasps.grasps) {

@@ -2,12 +2,16 @@
 // else: at the contact and on the straight way to it.
 //
 //   const GraspSet grasps = GraspsOf(robot, "mug");
-//   for (const ReachableGrasp& g : FindReachableGrasps(robot, grasps, {.most = 3})) Use(g.way);
+//   const ReachReport reach = FindReachableGrasps(robot, grasps, {.most = 3});
+//   if (reach.found.empty()) throw Error("the mug: " + reach.Reasons());
+//   for (const ReachableGrasp& grasp : reach.found) Use(grasp.way);
 //   MotionResult path = planner.Plan(GoalsBefore(robot.scene(), grasps));   // to any of them
 //
 // Cheap tests come first: the hand alone against the surroundings, then inverse kinematics of
 // many at once, then the whole robot. Throws NotFoundError for a body that the scene does not have,
-// and Error after objects were added to the scene or removed meanwhile. Threads: those of the scene.
+// ArgumentError for options out of range and for grasps of another robot's hand or without a
+// direction, and Error after objects were added to the scene or removed meanwhile. Threads: those of
+// the scene.
 #pragma once
 
 #include <string>
@@ -31,8 +35,8 @@ struct GraspCosts {
 };
 
 struct ReachOptions {
-  int most = 1;          // stops after so many are found
-  int tried = 200;       // solved at most, in the order of their cost
+  int most = 1;          // stops after so many are found; at least 1
+  int tried = 200;       // solved at most, in the order of their cost; at least 1
   double clearance = 0;  // m between the robot and everything but the object
   double lift = 0;       // m that the robot must be able to move up with the object; 0: none
   GraspCosts costs = {};
@@ -50,7 +54,7 @@ struct ReachableGrasp {
 struct ReachReport {
   std::vector<ReachableGrasp> found;  // by increasing cost
   int hand_in_collision = 0, out_of_reach = 0, way_out_of_reach = 0, in_collision = 0;
-  // Returns "of 60 grasps 12 in collision, 48 out of reach" for messages.
+  // Returns "12 with the hand in collision, 48 out of reach" for messages; "no grasps" without any.
   std::string Reasons() const;
 };
 

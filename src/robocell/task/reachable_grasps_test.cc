@@ -1,10 +1,13 @@
 #include "robocell/task/reachable_grasps.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "robocell/base/error.h"
 #include "robocell/motion/motion_planner.h"
 #include "robocell/motion/planning_scene.h"
 #include "robocell/task/grasp_generator.h"
@@ -44,6 +47,36 @@ TEST(FindReachableGrasps, SaysWhyThereIsNone) {
   const ReachReport report = FindReachableGrasps(pick.robot, grasps);
   EXPECT_TRUE(report.found.empty());
   EXPECT_NE(report.Reasons().find("out of reach"), std::string::npos) << report.Reasons();
+}
+
+TEST(FindReachableGrasps, RejectsOptionsAndGraspsThatDoNotFit) {
+  const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
+  const GraspSet good{.robot = pick.robot.name(), .body = pick.target_body, .grasps = {{}}};
+  const auto error_of = [&](const GraspSet& set, const ReachOptions& options = {}) -> std::string {
+    try {
+      FindReachableGrasps(pick.robot, set, options);
+    } catch (const ArgumentError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(error_of(good), "");
+  GraspSet bad = good;
+  bad.robot = "left";
+  EXPECT_THAT(error_of(bad), ::testing::HasSubstr("those of robot 'left'"));
+  bad = good;
+  bad.grasps[0].opening = -1;
+  EXPECT_THAT(error_of(bad), ::testing::HasSubstr("grasps[0] has an opening below 0"));
+  bad = good;
+  bad.grasps[0].approach.setZero();
+  EXPECT_THAT(error_of(bad), ::testing::HasSubstr("approach that is no unit vector"));
+  EXPECT_THROW(GoalsBefore(pick.scene, bad), ArgumentError);
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(error_of(good, {.most = 0}), ::testing::HasSubstr("most must be at least 1"));
+  EXPECT_THAT(error_of(good, {.tried = -1}), ::testing::HasSubstr("tried must be at least 1"));
+  EXPECT_THAT(error_of(good, {.clearance = nan}), ::testing::HasSubstr("clearance must be"));
+  EXPECT_THAT(error_of(good, {.lift = nan}), ::testing::HasSubstr("lift must be"));
+  EXPECT_THAT(error_of(good, {.costs = {.turn = nan}}), ::testing::HasSubstr("costs must be"));
 }
 
 TEST(GoalsBefore, ThePlannerReachesOne) {

@@ -26,7 +26,12 @@ void RequireKindsOfObjects(const char* field, const NameList& chosen,
   for (size_t i = 0; i < chosen.size(); ++i) {
     const size_t at = chosen[i].find('=');
     const std::string kind = at == std::string::npos ? chosen[i] : chosen[i].substr(at + 1);
-    if (std::ranges::find(known, kind) != known.end()) continue;
+    // A category stands for its kinds, of which one is drawn.
+    const std::vector<std::string> kinds = ObjectKindsOf({kind});
+    const auto is_known = [&](const std::string& each) {
+      return std::ranges::find(known, each) != known.end();
+    };
+    if (std::ranges::all_of(kinds, is_known)) continue;
     const Problems::Scope item(problems, i);
     problems.Add(NoSuchName("", "kind of object", kind, known));
   }

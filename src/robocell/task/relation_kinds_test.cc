@@ -35,9 +35,13 @@ TEST(RelationKinds, RejectUnknownKindsOfObjectsAndNamesThatAreTaken) {
               HasSubstr("Did you mean 'mug'?"));
   EXPECT_THAT(mistakes(RelationsTaskConfig{.objects = {"a=mug", "a=box"}, .goal = {"a held"}}),
               HasSubstr("has the name 'a' of another one"));
-  EXPECT_THAT(mistakes(OpenTaskConfig{.object = "door", .objects = {"chest"}}),
+  EXPECT_THAT(mistakes(OpenTaskConfig{.object = "door", .objects = {"drawer_unit"}}),
               HasSubstr("leave one of them out"));
   EXPECT_EQ(mistakes(PressTaskConfig{}), "");
+  EXPECT_EQ(mistakes(PlaceNextToTaskConfig{.objects = {"fruit"}, .references = {"fruit", "tray"}}),
+            "");
+  EXPECT_EQ(mistakes(PushTaskConfig{.objects = {"fruit"}}), "");
+  EXPECT_EQ(mistakes(RelationsTaskConfig{.objects = {"a=fruit"}, .goal = {"a held"}}), "");
 }
 
 }  // namespace

@@ -5,12 +5,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
+#include <set>
 #include <utility>
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/landmarks.h"
 #include "robocell/task/base_placement.h"
@@ -28,9 +29,36 @@ namespace {
 constexpr int kPlaces = 24;  // poses of a goal that are tried when a start is checked
 constexpr const char* kHoldsAlready = "the goal holds already";
 constexpr const char* kNoPlace = "the object cannot be put down at the goal";
+constexpr const char* kNoStart = "no free place for the start";
+constexpr double kPressed = 2e-4;  // m into the support: relations about contacts hold then
+constexpr int kStartPoses = 16;    // poses of a start's relation that are tried
 
 bool IsJoint(const StatedRelation& stated) {
   return FindRelation(stated.relation).subject == RelationSubject::kJoint;
+}
+
+// Returns the body that moves freely with what a goal names, an object, a body, a geom or a site; -1
+// if that stays in place.
+int FreeBodyOf(const Scene& scene, const std::string& name) {
+  const mjModel* m = scene.model();
+  int body = internal::FindObjectOrBody(scene, name);
+  const int geom = FindId(m, mjOBJ_GEOM, name), site = FindId(m, mjOBJ_SITE, name);
+  if (body < 0 && geom >= 0) body = m->geom_bodyid[geom];
+  if (body < 0 && site >= 0) body = m->site_bodyid[site];
+  if (body <= 0) return -1;
+  const int root = m->body_rootid[body];
+  const bool is_free = m->body_jntnum[root] == 1 && m->jnt_type[m->body_jntadr[root]] == mjJNT_FREE;
+  return is_free ? root : -1;
+}
+
+// Returns the root body of the object that a joint belongs to, else the root of its tree.
+int RootOfJoint(const Scene& scene, const JointOpening& opening) {
+  const mjModel* m = scene.model();
+  for (const ObjectRecord& object : scene.compiled()->objects()) {
+    const int root = FindId(m, mjOBJ_BODY, object.root_body);
+    if (root > 0 && internal::IsInSubtree(m, opening.body_id(), root)) return root;
+  }
+  return m->body_rootid[opening.body_id()];
 }
 
 // Returns the relation of a placement (spec/object_place.h) that a sentence states; unset for
@@ -82,6 +110,8 @@ void RelationTask::Bind(const Scene& scene, const TaskSetting& setting) {
 
 void RelationTask::BindGoals(const Scene& scene) {
   goals_.clear();
+  released_.clear();
+  scene_.emplace(scene.inner());
   for (const std::string& text : StatedGoal()) {
     try {
       const StatedRelation stated = ParseRelation(text);
@@ -93,6 +123,18 @@ void RelationTask::BindGoals(const Scene& scene) {
     } catch (const ArgumentError& error) {
       throw ArgumentError(fmt::format("{}: goal \"{}\": {}", place_, text, error.what()));
     }
+  }
+  // What is to be held is let go for no other goal.
+  std::set<int> held, others;
+  for (const Goal& goal : goals_) {
+    if (IsJoint(goal.stated)) continue;
+    const bool is_held = goal.stated.relation == "held";
+    (is_held ? held : others).insert(FreeBodyOf(scene, goal.stated.subject));
+    if (!goal.stated.reference.empty()) others.insert(FreeBodyOf(scene, goal.stated.reference));
+  }
+  for (const int body : others) {
+    if (body < 0 || held.contains(body)) continue;
+    released_.emplace_back(scene.inner(), ElementName(scene.model(), mjOBJ_BODY, body));
   }
 }
 
@@ -117,8 +159,9 @@ std::optional<Refusal> RelationTask::Arrange(Scene& scene, Rng& rng) {
   // A robot stands in front of a door that it opens.
   for (const Goal& goal : goals_) {
     if (!is_run_ || !IsJoint(goal.stated) || robots_.empty()) continue;
-    refusal = internal::StandInFront(scene, robots_.front(), names_.empty() ? "" : names_.front(),
-                                     JointOpening::Of(scene, goal.stated.subject), rng);
+    const JointOpening opening = JointOpening::Of(scene, goal.stated.subject);
+    refusal =
+        internal::StandInFront(scene, robots_.front(), RootOfJoint(scene, opening), opening, rng);
     break;
   }
   scene.Forward();
@@ -127,24 +170,42 @@ std::optional<Refusal> RelationTask::Arrange(Scene& scene, Rng& rng) {
 
 // Puts joints and objects into the states of the start that no placement states.
 std::optional<Refusal> RelationTask::ApplyStart(Scene& scene, Rng& rng) {
+  moved_.clear();
   for (const std::string& text : StatedStart()) {
     const StatedRelation stated = ParseRelation(text);
     if (PlaceOf(stated)) continue;
     const std::unique_ptr<BoundRelation> bound = BindRelation(scene, stated);
     if (bound->Holds() && !IsJoint(stated)) continue;
-    const RelationSamples samples = bound->Sample(rng, 1);
-    if (samples.joint) {
-      JointOpening opening = JointOpening::Of(scene, stated.subject);
-      opening.Put((*samples.joint - opening.closed()) / (opening.open() - opening.closed()));
-    } else if (!samples.poses.empty()) {
-      const int body = internal::RequireObjectOrBody(scene, stated.subject);
-      scene.SetBodyPose(ElementName(scene.model(), mjOBJ_BODY, body), samples.poses.front());
-    } else {
+    const bool is_joint = IsJoint(stated);
+    if (stated.relation == "held") {
       throw ArgumentError(
           fmt::format("{}: start \"{}\": '{}' cannot be a start; write it as a goal", place_, text,
                       stated.relation));
     }
-    scene.Forward();
+    const RelationSamples samples = bound->Sample(rng, is_joint ? 1 : kStartPoses);
+    if (is_joint) {
+      if (!samples.joint) continue;
+      JointOpening opening = JointOpening::Of(scene, stated.subject);
+      opening.Put((*samples.joint - opening.closed()) / (opening.open() - opening.closed()));
+      scene.Forward();
+      continue;
+    }
+    const std::string body = ElementName(scene.model(), mjOBJ_BODY,
+                                         internal::RequireObjectOrBody(scene, stated.subject));
+    bool holds = false;
+    for (const Pose& pose : samples.poses) {
+      for (const double down : {0.0, kPressed}) {
+        if (holds) continue;
+        scene.SetBodyPose(body, Pose(Eigen::Vector3d(0, 0, -down)) * pose);
+        scene.Forward();
+        holds = bound->Holds();
+      }
+    }
+    if (!holds)
+      return Refusal{.reason = kNoStart,
+                     .detail = fmt::format("start \"{}\": none of {} poses is free", text,
+                                           samples.poses.size())};
+    moved_.push_back(stated.subject);
   }
   return std::nullopt;
 }
@@ -155,7 +216,11 @@ std::optional<Refusal> RelationTask::CheckStart(const Scene& scene) {
   if (done) return Refusal{.reason = kHoldsAlready, .detail = instruction()};
   for (const Goal& goal : goals_) {
     if (goal.bound->Holds()) continue;
-    return CheckGoal(scene, goal);  // later ones depend on what this one changes
+    std::optional<Refusal> refusal =
+        CheckGoal(scene, goal);  // later ones depend on what it changes
+    // Another start may draw another joint.
+    if (refusal && choices() > 1) refusal->holds_everywhere = false;
+    return refusal;
   }
   return std::nullopt;
 }
@@ -170,16 +235,20 @@ std::optional<Refusal> RelationTask::CheckGoal(const Scene& scene, const Goal& g
     } else if (pushes()) {
       Rng rng = Rng::Stream(0, "places of a goal", goal.stated.subject);
       const std::vector<Pose> poses = goal.bound->Sample(rng, 1).poses;
+      if (poses.empty()) return Refusal{kNoPlace, "no pose in the region is free"};
       refusal = internal::CheckPush(scene, robot, goal.stated.subject,
                                     poses.front().translation().head<2>());
     } else if (goal.stated.relation != "upright") {
       const int body = internal::RequireObjectOrBody(scene, goal.stated.subject);
       Rng rng = Rng::Stream(0, "places of a goal", goal.stated.subject);
       std::vector<Pose> poses = goal.bound->Sample(rng, kPlaces).poses;
+      const bool is_put_down = goal.stated.relation != "held";
+      if (is_put_down && poses.empty())
+        return Refusal{kNoPlace, fmt::format("no pose with \"{}\" is free", TextOf(goal.stated))};
       for (Pose& pose : poses) pose = Pose(PlaceOver(pose.translation()), pose.quaternion());
       const auto refuse = [&](PlanningScene& planning,
                               const GraspMotion& motion) -> std::optional<Refusal> {
-        if (poses.empty()) return std::nullopt;
+        if (!is_put_down) return std::nullopt;
         const Pose object = scene.body_pose(ElementName(scene.model(), mjOBJ_BODY, body));
         PlaceMotions motions(planning, motion.grasp.tcp_in_world.inverse() * object, poses,
                              motion.up.back(), {.gap = motion.grasp.width});
@@ -208,10 +277,8 @@ void RelationTask::Begin(const Scene& scene) {
 }
 
 bool RelationTask::IsReleased(const Scene& scene) const {
-  return std::ranges::all_of(goals_, [&](const Goal& goal) {
-    if (IsJoint(goal.stated) || goal.stated.relation == "held") return true;
-    const int body = internal::RequireObjectOrBody(scene, goal.stated.subject);
-    return !internal::TouchingBody(scene, ElementName(scene.model(), mjOBJ_BODY, body)).robot;
+  return std::ranges::none_of(released_, [&](const BodyHandle& body) {
+    return internal::TouchingBody(scene, body.name()).robot;
   });
 }
 
@@ -271,11 +338,11 @@ std::string RelationTask::kind_of(const std::string& object) const {
   return kind == kinds_.end() ? object : kind->second;
 }
 
-std::vector<std::string> RelationTask::resting_objects() const { return {}; }
+std::vector<std::string> RelationTask::resting_objects() const { return moved_; }
 
 std::string RelationTask::why_not_done() const {
   for (const Goal& goal : goals_) {
-    if (!goal.Holds()) return "not done: " + goal.stated.relation;
+    if (!goal.Holds()) return "not done: " + TextOf(goal.stated);
   }
   return "not let go";
 }
@@ -290,6 +357,10 @@ std::string RelationTask::WhyNotRecalled(std::span<const double> memory) const {
   if (!std::isfinite(memory[0]))
     return fmt::format("number 0, the time at which the goal began to hold, is {:g}; it is finite",
                        memory[0]);
+  for (size_t i = 2; i < memory.size(); ++i) {
+    if (memory[i] != 0 && memory[i] != 1)
+      return fmt::format("number {}, whether a goal has held, is {:g}; it is 0 or 1", i, memory[i]);
+  }
   const double choice = memory[1];
   if (choice >= 0 && choice < static_cast<double>(choices()) && choice == std::floor(choice))
     return "";
@@ -301,7 +372,7 @@ std::string RelationTask::WhyNotRecalled(std::span<const double> memory) const {
 void RelationTask::Recall(std::span<const double> memory) {
   since_ = memory[0];
   Choose(static_cast<size_t>(memory[1]));
-  if (!robots_.empty()) BindGoals(robots_.front().scene());
+  if (scene_) BindGoals(Scene(*scene_));
   for (size_t i = 0; i < goals_.size(); ++i) goals_[i].has_held = memory[2 + i] != 0;
 }
 

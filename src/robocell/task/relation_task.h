@@ -1,5 +1,6 @@
 // RelationTask: a task whose goal is a list of relations (scenes/relations.h). Success: all hold,
-// for a time, and no robot touches their free objects, except those that are to be held. Progress
+// for a time, and no robot touches their free objects, subjects and references, except those that are
+// to be held. Progress
 // is the mean of how near each relation is; each goal is a sub-task.
 //
 // Kinds of tasks derive from it (relation_tasks.h): they add objects and say the sentences.
@@ -13,6 +14,7 @@
 #include <vector>
 
 #include "robocell/robot/robot.h"
+#include "robocell/scene/body_handle.h"
 #include "robocell/scenes/joint_opening.h"
 #include "robocell/scenes/relations.h"
 #include "robocell/task/grasp_check.h"
@@ -51,7 +53,8 @@ class RelationTask : public Task {
 
   const std::vector<Goal>& goals() const { return goals_; }
   double hold_seconds() const { return hold_seconds_; }
-  // Returns true if no robot touches the free objects of the goal that are not to be held.
+  // Returns true if no robot touches the free objects of the goal, subjects and references, that are
+  // not to be held.
   bool IsReleased(const Scene& scene) const;
   // Returns true if objects are to be pushed into regions; else they are picked up and put there.
   virtual bool pushes() const { return false; }
@@ -97,6 +100,9 @@ class RelationTask : public Task {
   std::string place_ = "task";
   std::vector<Robot> robots_;
   std::vector<Goal> goals_;
+  std::vector<BodyHandle> released_;          // that no robot may touch at the end
+  std::vector<std::string> moved_;            // objects that ApplyStart has put somewhere
+  std::optional<Scene> scene_;                // that the goals are bound to
   std::map<std::string, GraspCheck> grasps_;  // of each robot
   double since_ = -1;                         // time at which all began to hold; -1: they do not
 };

@@ -24,13 +24,13 @@ struct RelationsTaskConfig {
   static void Fields(V&& v) {
     using T = RelationsTaskConfig;
     v("objects", &T::objects,
-      "Objects that the task adds, each a kind of the catalogue or of the equipment, or "
-      "`name=kind`: [mug, red=box, tray].");
+      "Objects that the task adds, each a kind or a category of the catalogue, or a kind of the "
+      "equipment, or `name=kind`: [mug, red=box, tray].");
     v("start", &T::start,
       "Relations that hold at the start, as sentences: [\"mug on tray\", \"drawer open 0.5\"].");
     v("goal", &T::goal,
       "Relations of the goal, as sentences: success is when all hold and no robot touches their "
-      "objects, unless they are to be held.");
+      "free objects, also those that others relate to, unless they are to be held.");
     v("instruction", &T::instruction, "The instruction. Unset: made from the goal.");
     v("hold_seconds", &T::hold_seconds, "Time for which the goal has to hold, seconds.",
       Bound::kNonNegative);
@@ -62,10 +62,12 @@ struct PlaceNextToTaskConfig {
   template <class V>
   static void Fields(V&& v) {
     using T = PlaceNextToTaskConfig;
-    v("objects", &T::objects, "Kinds of the catalogue that the object is drawn from. Unset: all.");
+    v("objects", &T::objects,
+      "Kinds or categories of the catalogue that the object is drawn from. Unset: the default "
+      "kinds.");
     v("references", &T::references,
-      "Kinds of the catalogue and of equipment that the other object is drawn from. Unset: all of "
-      "the catalogue.");
+      "Kinds of the catalogue and of equipment that the other object is drawn from. Unset: the "
+      "default kinds.");
     v("gap", &T::gap, "Success: the two are at most this far apart, metres.", Bound::kPositive);
   }
 };
@@ -151,7 +153,8 @@ struct PushTaskConfig {
   static void Fields(V&& v) {
     using T = PushTaskConfig;
     v("objects", &T::objects,
-      "Kinds of the catalogue that the object is drawn from. Unset: a flat `block`.");
+      "Kinds or categories of the catalogue that the object is drawn from. Unset: a flat "
+      "`block`.");
     v("distance", &T::distance,
       "Distance from the object to the middle of the region at the start, metres. The region is a "
       "marked circle with a radius of 0.04 m.",

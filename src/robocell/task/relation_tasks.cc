@@ -18,6 +18,7 @@
 #include "robocell/mujoco/tree.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/landmarks.h"
+#include "robocell/spec/validate.h"
 #include "robocell/task/base_placement.h"
 #include "robocell/task/drawn_objects.h"
 #include "robocell/task/handle_motion.h"
@@ -62,10 +63,17 @@ std::pair<std::string, std::string> NameAndKind(const std::string& text) {
   return {text.substr(0, at), text.substr(at + 1)};
 }
 
+// Throws SpecError for fields that a file could not have either.
+template <class Config>
+const Config& Checked(const Config& fields) {
+  RequireValid(fields, fmt::format("task '{}'", Config::kKind));
+  return fields;
+}
+
 }  // namespace
 
 RelationsTask::RelationsTask(const RelationsTaskConfig& fields)
-    : RelationTask(fields.hold_seconds), task_(fields) {
+    : RelationTask(fields.hold_seconds), task_(Checked(fields)) {
   for (const std::string& text : task_.objects) {
     const auto [name, kind] = NameAndKind(text);
     Name(name, kind);
@@ -83,14 +91,19 @@ void RelationsTask::AddObjects(SceneSpec& spec, Rng& rng) {
     };
     return is_first(a.first) && !is_first(b.first);
   });
-  for (const auto& [name, kind] : objects) Add(spec, name, kind, rng);
+  for (const auto& [name, kind] : objects) {
+    const std::vector<std::string> kinds = ObjectKindsOf({kind});
+    Add(spec, name, kinds.size() == 1 ? kinds[0] : kinds[rng.UniformInt(kinds.size())], rng);
+  }
 }
 
 void RelationsTask::Found(const Scene& scene, const TaskSetting& /*setting*/) {
-  for (const std::string& text : task_.goal) {
-    const std::string subject = ParseRelation(text).subject;
+  std::vector<std::string> own;
+  for (const std::string& text : task_.goal) own.push_back(ParseRelation(text).subject);
+  for (const std::string& text : task_.objects) own.push_back(NameAndKind(text).first);
+  for (const std::string& name : own) {
     for (const SceneObject& object : scene.spec().objects) {
-      if (object.name == subject) Name(subject, KindOf(object));
+      if (object.name == name) Name(name, KindOf(object));
     }
   }
 }
@@ -99,7 +112,10 @@ std::string RelationsTask::instruction() const {
   return task_.instruction.empty() ? RelationTask::instruction() : task_.instruction;
 }
 
+StackTask::StackTask(const StackTaskConfig& fields) : task_(Checked(fields)) {}
+
 std::vector<std::string> StackTask::NamesOf(int cubes) {
+  Checked(StackTaskConfig{.cubes = cubes});
   std::vector<std::string> names;
   for (int i = 0; i < cubes; ++i)
     names.push_back(fmt::format("{}_cube", kColours[static_cast<size_t>(i)].word));
@@ -146,11 +162,11 @@ std::string StackTask::WordFor(const std::string& name) const {
   return word;
 }
 
+PlaceNextToTask::PlaceNextToTask(const PlaceNextToTaskConfig& fields) : task_(Checked(fields)) {}
+
 void PlaceNextToTask::AddObjects(SceneSpec& spec, Rng& rng) {
-  const std::vector<std::string> kinds =
-      task_.objects.empty() ? ObjectKinds() : task_.objects.names;
-  const std::vector<std::string> references =
-      task_.references.empty() ? ObjectKinds() : task_.references.names;
+  const std::vector<std::string> kinds = KindsToDraw(task_.objects);
+  const std::vector<std::string> references = KindsToDraw(task_.references);
   const std::string kind =
       is_prepared_once() ? kinds[rng.UniformInt(kinds.size())] : turn().Choose(kinds);
   // "Next to the mug" has to mean one object.
@@ -174,32 +190,32 @@ std::vector<std::string> PlaceNextToTask::StatedGoal() const {
 
 JointTask::JointTask(const OpenTaskConfig& fields)
     : relation_("open"),
-      object_(fields.object),
+      object_(Checked(fields).object),
       joint_(fields.joint),
-      kinds_(fields.objects.names),
+      kinds_(ObjectKindsOf(fields.objects.names)),
       draws_(fields.object.empty()),
       share_(fields.opening),
       start_(fields.start_opening) {}
 JointTask::JointTask(const CloseTaskConfig& fields)
     : relation_("closed"),
-      object_(fields.object),
+      object_(Checked(fields).object),
       joint_(fields.joint),
-      kinds_(fields.objects.names),
+      kinds_(ObjectKindsOf(fields.objects.names)),
       draws_(fields.object.empty()),
       share_(fields.opening),
       start_(fields.start_opening) {}
 JointTask::JointTask(const PressTaskConfig& fields)
     : RelationTask(0),
       relation_("pressed"),
-      object_(fields.object),
+      object_(Checked(fields).object),
       joint_(fields.joint),
-      kinds_(fields.objects.names),
+      kinds_(ObjectKindsOf(fields.objects.names)),
       draws_(fields.object.empty()),
       share_(fields.depth) {}
 
 std::vector<std::string> JointTask::DefaultKinds(const std::string& relation) {
   if (relation == "pressed") return {"button_panel"};
-  return {"chest", "cupboard", "lid_box"};
+  return {"drawer_unit", "cupboard", "lid_box"};
 }
 
 BaseRange JointTask::base_range() const {
@@ -232,9 +248,15 @@ void JointTask::Found(const Scene& scene, const TaskSetting& /*setting*/) {
     all.push_back(has_prefix ? name.substr(object_.size() + 1) : name);
     if (!joint_.empty() && name != joint_ && name != SceneObjectElementName(object_, joint_))
       continue;
-    // Of several joints those with a handle are opened, and those without pressed.
-    const bool has_handle = internal::FindHandle(scene, JointOpening::Of(scene, name)).has_value();
-    if (joint_.empty() && has_handle == (relation_ == "pressed")) continue;
+    // Of several joints those with a handle are opened, and slides without one pressed.
+    const bool presses = relation_ == "pressed", is_hinge = m->jnt_type[j] == mjJNT_HINGE;
+    if (joint_.empty()) {
+      const JointOpening opening = JointOpening::Of(scene, name);
+      const bool has_handle = internal::FindHandle(scene, opening).has_value();
+      if (presses ? has_handle || is_hinge
+                  : !has_handle || internal::TurnsOnTheSpot(scene, opening))
+        continue;
+    }
     joints_.push_back(name);
   }
   chosen_ = 0;
@@ -243,8 +265,9 @@ void JointTask::Found(const Scene& scene, const TaskSetting& /*setting*/) {
     throw NotFoundError(NoSuchName(place() + " / object '" + object_ + "'", "joint", joint_, all));
   throw ArgumentError(
       fmt::format("{}: object '{}' has no joint that can be {}: {}", place(), object_, relation_,
-                  relation_ == "pressed" ? "none moves a body without a handle"
-                                         : "none moves a geom that is named handle or knob"));
+                  relation_ == "pressed"
+                      ? "none slides a body without a handle"
+                      : "none moves a geom that is named handle or knob, but on its own axis"));
 }
 
 std::optional<Refusal> JointTask::Draw(Scene& scene, Rng& rng) {
@@ -258,7 +281,8 @@ std::optional<Refusal> JointTask::Draw(Scene& scene, Rng& rng) {
 
 std::vector<std::string> JointTask::StatedGoal() const {
   if (joints_.empty()) return {};
-  return {fmt::format("{} {} {}", joint(), relation_, share_)};
+  // TextOf quotes names with spaces.
+  return {TextOf({.subject = joint(), .relation = relation_, .numbers = {share_}})};
 }
 
 // "target_drawer_slide" is the drawer of the chest; "target_red_button" the red button.
@@ -289,6 +313,8 @@ void JointTask::Observe(const Scene& scene, std::span<double> out) const {
   out[0] = std::clamp(JointOpening::Of(scene, joint()).share(), -1.0, 2.0);
 }
 
+PushTask::PushTask(const PushTaskConfig& fields) : RelationTask(0.1), task_(Checked(fields)) {}
+
 void PushTask::AddObjects(SceneSpec& spec, Rng& rng) {
   if (task_.objects.empty()) {
     const double half = rng.Uniform(0.022, 0.032);
@@ -301,7 +327,7 @@ void PushTask::AddObjects(SceneSpec& spec, Rng& rng) {
                             .condim = Condim::kTorsional});
     Name(kTarget, kBlock);
   } else {
-    const std::vector<std::string>& kinds = task_.objects.names;
+    const std::vector<std::string> kinds = KindsToDraw(task_.objects);
     Add(spec, kTarget,
         is_prepared_once() ? kinds[rng.UniformInt(kinds.size())] : turn().Choose(kinds), rng);
   }

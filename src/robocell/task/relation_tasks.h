@@ -1,7 +1,9 @@
 // The built-in tasks whose goals are relations: `relations` (written in a file), `stack`,
-// `place_next_to`, `open`, `close`, `press`, `push`.
+// `place_next_to`, `open`, `close`, `press`, `push`. The constructors throw SpecError for fields that
+// are not valid.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,7 +32,8 @@ class RelationsTask final : public RelationTask {
 // Cubes of different colours, each on the one before it.
 class StackTask final : public RelationTask {
  public:
-  explicit StackTask(const StackTaskConfig& fields) : task_(fields) {}
+  explicit StackTask(const StackTaskConfig& fields);
+  // Throws SpecError for a number that StackTaskConfig does not allow.
   static std::vector<std::string> NamesOf(int cubes);
 
  private:
@@ -45,7 +48,7 @@ class StackTask final : public RelationTask {
 // One object beside another one.
 class PlaceNextToTask final : public RelationTask {
  public:
-  explicit PlaceNextToTask(const PlaceNextToTaskConfig& fields) : task_(fields) {}
+  explicit PlaceNextToTask(const PlaceNextToTaskConfig& fields);
 
  private:
   void AddObjects(SceneSpec& spec, Rng& rng) override;
@@ -91,7 +94,7 @@ class JointTask final : public RelationTask {
 // An object is pushed into a marked region.
 class PushTask final : public RelationTask {
  public:
-  explicit PushTask(const PushTaskConfig& fields) : RelationTask(0.1), task_(fields) {}
+  explicit PushTask(const PushTaskConfig& fields);
   bool pushes() const override { return true; }
 
  private:

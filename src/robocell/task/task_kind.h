@@ -10,6 +10,7 @@
 // demonstrates; the built-in kinds override nothing of this. This file includes no concrete task; the code that runs tasks includes it.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,6 +23,19 @@
 #include "robocell/task/task_sampler.h"
 
 namespace robocell {
+
+// How much of a task is in reach from the best stand of the robot.
+enum class ReachedPart { kUnknown, kNothing, kGrasp, kPregrasp, kAll };
+
+// Where a robot has to stand so that its task is in reach, collisions aside.
+struct ReachAdvice {
+  std::string text = {};  // what to change; "" when unknown
+  ReachedPart reached = ReachedPart::kUnknown;
+  // Unless nothing is in reach: start.base_height_offset, m, and the nearest and the farthest
+  // start.base_distance, m.
+  double height_offset = 0;
+  std::array<double, 2> distance = {};
+};
 
 // KindRules checks the fields when a run or an environment is read; the checks here need more.
 class TaskKind : public KindRules {
@@ -51,9 +65,8 @@ class TaskKind : public KindRules {
   virtual std::vector<std::string> CodeFiles() const { return {}; }
   // Returns true for a built-in kind, whose errors are not failures of a user's code.
   virtual bool is_built_in() const { return false; }
-  // Returns what to change when every start was refused because nothing is in reach; "" when
-  // unknown.
-  virtual std::string ReachAdvice(const RunConfig& /*run*/) const { return ""; }
+  // Returns what to change when every start was refused because nothing is in reach.
+  virtual ReachAdvice AdviseReach(const RunConfig& /*run*/) const { return {}; }
 };
 
 // Registers a kind for all threads. `fields` are its defaults. Throws ArgumentError for a name that

@@ -9,6 +9,7 @@
 
 #include "robocell/task/grasp_candidates.h"
 #include "robocell/task/grasp_proposals.h"
+#include "robocell/task/grasp_request.h"
 #include "robocell/task/surface_points.h"
 
 namespace robocell::internal {
@@ -32,9 +33,8 @@ constexpr double kSameWidth = 0.004;      // m: curved faces touch the pads' edg
 constexpr double kBeforeContact = 0.003;  // m between the pads and the object just before contact
 constexpr double kShallow = 0.6;          // share of the pad's half height of a shallower grasp
 constexpr double kWall = 0.35;            // a wall is thinner than this share of the vessel
-constexpr double kTopCosine = 0.7071, kSideSine = 0.5;  // of 45 and 30 degrees
-constexpr double kEnoughRoom = 0.01;  // m: beyond the widest and the thinnest object
-constexpr double kNearCom = 0.01;     // m
+constexpr double kEnoughRoom = 0.01;      // m: beyond the widest and the thinnest object
+constexpr double kNearCom = 0.01;         // m
 
 // The hand at one gap.
 struct Opening {
@@ -92,8 +92,9 @@ class TwoFingerSearch {
     const auto first = std::ranges::find_if(
         spans_, [&](const SolidSpan& span) { return std::abs(span.begin) < kSame; });
     if (first == spans_.end() || -first->begin_normal.dot(closing) < least_square_) return;
-    const std::vector<SolidSpan> spans(spans_);
-    const size_t begin = static_cast<size_t>(first - spans_.begin());
+    pair_spans_.assign(spans_.begin(), spans_.end());  // SqueezeAt overwrites the other ones
+    const std::vector<SolidSpan>& spans = pair_spans_;
+    const auto begin = static_cast<size_t>(first - spans_.begin());
     const double whole = spans.back().end - spans.front().begin;
     for (size_t k = begin; k < spans.size(); ++k) {
       const double width = spans[k].end - spans[begin].begin;
@@ -166,8 +167,7 @@ class TwoFingerSearch {
   static GraspKind KindOf(const Vector3d& approach, bool wall, bool handle) {
     if (handle) return GraspKind::kHandle;
     if (wall) return GraspKind::kRim;
-    if (-approach.z() >= kTopCosine) return GraspKind::kTop;
-    return std::abs(approach.z()) <= kSideSine ? GraspKind::kSide : GraspKind::kAntipodal;
+    return KindOfApproach(approach);
   }
 
   double Score(const PadSqueeze& squeeze, double width, const Vector3d& middle, bool handle) const {
@@ -234,7 +234,7 @@ class TwoFingerSearch {
   HeldWidths widths_;
   std::vector<Opening> openings_;  // by increasing gap
   double half_height_, half_width_;
-  std::vector<SolidSpan> spans_;
+  std::vector<SolidSpan> spans_, pair_spans_;
   std::vector<GraspProposal> found_;
 };
 

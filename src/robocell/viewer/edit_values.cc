@@ -8,6 +8,7 @@
 #include <span>
 
 #include "robocell/mujoco/actuators.h"
+#include "robocell/scene/hold_ctrl.h"
 #include "robocell/spec/ctrl_mode.h"
 
 namespace robocell::internal {
@@ -24,6 +25,14 @@ std::optional<size_t> PlaceInArm(const Robot& robot, const std::string& joint) {
   const auto found = std::find(names.begin(), names.end(), joint);
   if (found == names.end()) return std::nullopt;
   return static_cast<size_t>(found - names.begin());
+}
+
+// Returns the length at which a position servo rests with a control, the inverse of FreeRestingCtrl,
+// which is affine. Unset for other actuators.
+std::optional<double> RestingLength(const mjModel* m, int actuator, double ctrl) {
+  const auto at_zero = FreeRestingCtrl(m, actuator, 0), at_one = FreeRestingCtrl(m, actuator, 1);
+  if (!at_zero || !at_one || *at_zero == *at_one) return std::nullopt;
+  return (ctrl - *at_zero) / (*at_one - *at_zero);
 }
 
 }  // namespace
@@ -103,8 +112,10 @@ void SetControl(const Scene& scene, const std::vector<Robot>& robots, const std:
   if (!joint || gear == 0) return;
   for (const Robot& robot : robots) {
     const auto place = PlaceInArm(robot, joint);
-    if (place && robot.ctrl_mode() == CtrlMode::kPosition)
-      robot.jnt_pos_cmd()[*place] = value / gear;
+    if (place && robot.ctrl_mode() == CtrlMode::kPosition) {
+      if (const auto length = RestingLength(m, id, value))
+        robot.jnt_pos_cmd()[*place] = *length / gear;
+    }
   }
 }
 

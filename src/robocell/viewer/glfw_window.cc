@@ -6,8 +6,11 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <memory>
 #include <mutex>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "robocell/base/error.h"
 #include "robocell/render/gl_backends.h"
@@ -261,11 +264,18 @@ class GlfwWindow final : public ViewerWindow {
     posted_.push_back(event);
   }
 
-  void Enter() override { glfw_.MakeContextCurrent(window_); }
-  void Leave() noexcept override { glfw_.MakeContextCurrent(nullptr); }
+  void Enter() override {
+    previous_.push_back(glfw_.GetCurrentContext());
+    glfw_.MakeContextCurrent(window_);
+  }
+  void Leave() noexcept override {
+    glfw_.MakeContextCurrent(previous_.back());
+    previous_.pop_back();
+  }
 
   const Glfw& glfw_;
   GlfwHandle* window_ = nullptr;
+  std::vector<GlfwHandle*> previous_;  // contexts that are current again afterwards
   double place_x_ = 0, place_y_ = 0;
 };
 

@@ -13,6 +13,7 @@ namespace robocell::internal {
 namespace {
 
 constexpr double kDoubleClick = 0.35;  // seconds
+constexpr int kForPaths = 20;          // pixels, so that a field shows "recording.mp4"
 
 std::string Lower(std::string_view text) {
   std::string out(text);
@@ -37,22 +38,64 @@ void Copy(std::string_view text, char (&to)[kSize]) {
 
 std::string Lines(const std::vector<std::string>& names) {
   std::string text;
-  for (size_t i = 0; i < std::min<size_t>(names.size(), mjMAXUIMULTI); ++i) {
-    const std::string next = (i > 0 ? "\n" : "") + Short(names[i]);
-    if (text.size() + next.size() >= mjMAXUITEXT) break;
-    text += next;
+  for (const std::string& name : names) {
+    text += text.empty() ? "" : "\n";
+    text += Short(name);
   }
   return text;
 }
 
-}  // namespace
-
-void NameRows::Choose() {
-  std::vector<std::string> names = all ? all() : std::vector<std::string>();
+std::vector<std::string> Containing(std::vector<std::string> names, const char* filter) {
   const std::string wanted = Lower(filter);
   std::erase_if(names, [&](const std::string& name) {
     return Lower(name).find(wanted) == std::string::npos;
   });
+  return names;
+}
+
+// Parts names so that each part, with `more` before it, fits into a box of mjUI.
+std::vector<std::vector<std::string>> Parted(const std::vector<std::string>& names,
+                                             const std::vector<std::string>& more) {
+  std::vector<std::vector<std::string>> parts = {more};
+  for (const std::string& name : names) {
+    std::vector<std::string> longer = parts.back();
+    longer.push_back(name);
+    if (longer.size() <= mjMAXUIMULTI && Lines(longer).size() < mjMAXUITEXT) {
+      parts.back() = std::move(longer);
+    } else {
+      parts.push_back(more);
+      parts.back().push_back(name);
+    }
+  }
+  return parts;
+}
+
+}  // namespace
+
+void NameChoice::Choose() {
+  const std::vector<std::string> names = Containing(all(), filter);
+  const bool has_chosen = std::find(names.begin(), names.end(), chosen) != names.end();
+  std::vector<std::vector<std::string>> parts;
+  if (has_chosen) parts = Parted(names, {});
+  if (parts.size() != 1) {  // it is on every page
+    std::vector<std::string> others = names;
+    std::erase(others, chosen);
+    parts = Parted(others, {chosen});
+  }
+  pages = static_cast<int>(parts.size());
+  page = std::clamp(page, 0, pages - 1);
+  shown = parts[static_cast<size_t>(page)];
+  index = static_cast<int>(std::find(shown.begin(), shown.end(), chosen) - shown.begin());
+}
+
+void NameChoice::TakeIndex() {
+  if (index >= 0 && static_cast<size_t>(index) < shown.size())
+    chosen = shown[static_cast<size_t>(index)];
+}
+
+void NameRows::Choose() {
+  const std::vector<std::string> names =
+      Containing(all ? all() : std::vector<std::string>(), filter);
   const int count = static_cast<int>(names.size());
   pages = std::max(1, (count + kRows - 1) / kRows);
   page = std::clamp(page, 0, pages - 1);
@@ -68,6 +111,7 @@ Panels::Panels(PanelValues& values) : values_(values), left_(new mjUI), right_(n
     ui->color = mjui_themeColor(0);
     ui->userdata = nullptr;
   }
+  left_->spacing.total += kForPaths;
   left_->rectid = 1;
   left_->auxid = 0;
   right_->rectid = 2;
@@ -105,6 +149,58 @@ void Panels::List(mjUI& ui, NameRows& rows, PanelItem list) {
   }
 }
 
+void Panels::Choice(mjUI& ui, std::string_view name, NameChoice& choice, PanelItem item) {
+  Item(ui, mjITEM_SELECT, name, &choice.index, Lines(choice.shown), item);
+  if (choice.pages == 1 && choice.filter[0] == 0) return;
+  Item(ui, mjITEM_EDITTXT, "Name has", choice.filter, "", PanelItem::kCameraList);
+  Item(ui, mjITEM_SLIDERINT, "Page", &choice.page, fmt::format("0 {}", choice.pages - 1),
+       PanelItem::kCameraList);
+}
+
+void Panels::AddRun(mjUI& ui) {
+  PanelValues& v = values_;
+  if (v.pauses) Item(ui, mjITEM_RADIO, "", &v.run, "Pause\nRun", PanelItem::kRun);
+  if (v.resets) {
+    Item(ui, mjITEM_BUTTON, "One step", nullptr, "", PanelItem::kStepOnce);
+    Item(ui, mjITEM_BUTTON, "Reset", nullptr, "", PanelItem::kReset);
+  }
+  Item(ui, mjITEM_BUTTON, "Screenshot", nullptr, "", PanelItem::kScreenshot);
+  Item(ui, mjITEM_CHECKINT, "Help", &v.help, "", PanelItem::kOther);
+  Item(ui, mjITEM_CHECKINT, "Timing", &v.timing, "", PanelItem::kOther);
+  Item(ui, mjITEM_BUTTON, "Close", nullptr, "", PanelItem::kClose);
+}
+
+void Panels::AddSpeed(mjUI& ui) {
+  PanelValues& v = values_;
+  if (v.paces) Item(ui, mjITEM_EDITNUM, "Requested", &v.factor, "1 0 1000", PanelItem::kFactor);
+  Item(ui, mjITEM_STATIC, "Measured", nullptr, "-", PanelItem::kOther);
+  if (!v.paces) return;
+  Item(ui, mjITEM_BUTTON, "Real time", nullptr, "", PanelItem::kRealTime);
+  Item(ui, mjITEM_BUTTON, "Unlimited", nullptr, "", PanelItem::kUnpaced);
+}
+
+void Panels::AddRecorder(mjUI& ui) {
+  PanelValues& v = values_;
+  Item(ui, mjITEM_EDITTXT, "Path", v.video_path, "", PanelItem::kOther);
+  Choice(ui, "Camera", v.video_cameras, PanelItem::kVideoCamera);
+  Item(ui, mjITEM_SELECT, "Size", &v.video_size, "360p\n480p\n720p\n1080p\n2K\n4K",
+       PanelItem::kOther);
+  Item(ui, mjITEM_EDITINT, "FPS", &v.video_fps, "1 1 240", PanelItem::kOther);
+  Item(ui, mjITEM_BUTTON, "Start", nullptr, "", PanelItem::kRecord);
+  Item(ui, mjITEM_BUTTON, "Stop", nullptr, "", PanelItem::kStopRecording);
+  Item(ui, mjITEM_STATIC, "State", nullptr, "idle", PanelItem::kOther);
+}
+
+void Panels::AddView(mjUI& ui) {
+  PanelValues& v = values_;
+  Choice(ui, "Camera", v.cameras, PanelItem::kCamera);
+  Item(ui, mjITEM_CHECKINT, "Contacts", &v.contacts, "", PanelItem::kFlags);
+  Item(ui, mjITEM_CHECKINT, "Collisions", &v.collision, "", PanelItem::kFlags);
+  Item(ui, mjITEM_CHECKINT, "Joint axes", &v.joint_axes, "", PanelItem::kFlags);
+  Item(ui, mjITEM_CHECKINT, "Transparent", &v.transparent, "", PanelItem::kFlags);
+  Item(ui, mjITEM_CHECKINT, "Shadows", &v.shadows, "", PanelItem::kFlags);
+}
+
 void Panels::Build(const mjrContext* context, int width, int height, const Range& joint,
                    const Range& control) {
   PanelValues& v = values_;
@@ -129,19 +225,9 @@ void Panels::Build(const mjrContext* context, int width, int height, const Range
   const std::string kinds = "Body\nSite\nTCP\nCamera";
   mjUI& l = *left_;
   section(l, "Run");
-  Item(l, mjITEM_RADIO, "", &v.run, "Pause\nRun", PanelItem::kRun);
-  Item(l, mjITEM_BUTTON, "One step", nullptr, "", PanelItem::kStepOnce);
-  Item(l, mjITEM_BUTTON, "Reset", nullptr, "", PanelItem::kReset);
-  Item(l, mjITEM_BUTTON, "Screenshot", nullptr, "", PanelItem::kScreenshot);
-  Item(l, mjITEM_CHECKINT, "Help", &v.help, "", PanelItem::kOther);
-  Item(l, mjITEM_CHECKINT, "Timing", &v.timing, "", PanelItem::kOther);
-  Item(l, mjITEM_BUTTON, "Close", nullptr, "", PanelItem::kClose);
-
+  AddRun(l);
   section(l, "RTF");
-  Item(l, mjITEM_EDITNUM, "Requested", &v.factor, "1 0 1000", PanelItem::kFactor);
-  Item(l, mjITEM_STATIC, "Measured", nullptr, "-", PanelItem::kOther);
-  Item(l, mjITEM_BUTTON, "Real time", nullptr, "", PanelItem::kRealTime);
-  Item(l, mjITEM_BUTTON, "Unlimited", nullptr, "", PanelItem::kUnpaced);
+  AddSpeed(l);
 
   section(l, "Frames");
   Item(l, mjITEM_SELECT, "Kind", &v.frame_kind, kinds, PanelItem::kFrameList);
@@ -169,26 +255,12 @@ void Panels::Build(const mjrContext* context, int width, int height, const Range
   Item(l, mjITEM_STATIC, "Body", nullptr, "-", PanelItem::kOther);
   Item(l, mjITEM_BUTTON, "Deselect", nullptr, "", PanelItem::kDeselect);
 
-  std::vector<std::string> recorder = {"Current"};
-  recorder.insert(recorder.end(), v.cameras.begin(), v.cameras.end());
   section(l, "Recorder");
-  Item(l, mjITEM_EDITTXT, "Path", v.video_path, "", PanelItem::kOther);
-  Item(l, mjITEM_SELECT, "Camera", &v.video_camera, Lines(recorder), PanelItem::kOther);
-  Item(l, mjITEM_SELECT, "Size", &v.video_size, "360p\n480p\n720p\n1080p\n2K\n4K",
-       PanelItem::kOther);
-  Item(l, mjITEM_EDITINT, "FPS", &v.video_fps, "1 1 240", PanelItem::kOther);
-  Item(l, mjITEM_BUTTON, "Start", nullptr, "", PanelItem::kRecord);
-  Item(l, mjITEM_BUTTON, "Stop", nullptr, "", PanelItem::kStopRecording);
-  Item(l, mjITEM_STATIC, "State", nullptr, "idle", PanelItem::kOther);
+  AddRecorder(l);
 
   mjUI& r = *right_;
   section(r, "View");
-  Item(r, mjITEM_SELECT, "Camera", &v.camera, Lines(v.cameras), PanelItem::kCamera);
-  Item(r, mjITEM_CHECKINT, "Contacts", &v.contacts, "", PanelItem::kFlags);
-  Item(r, mjITEM_CHECKINT, "Collisions", &v.collision, "", PanelItem::kFlags);
-  Item(r, mjITEM_CHECKINT, "Joint axes", &v.joint_axes, "", PanelItem::kFlags);
-  Item(r, mjITEM_CHECKINT, "Transparent", &v.transparent, "", PanelItem::kFlags);
-  Item(r, mjITEM_CHECKINT, "Shadows", &v.shadows, "", PanelItem::kFlags);
+  AddView(r);
 
   const auto sliders = [&](const char* name, NameRows& rows, PanelItem list, PanelItem item,
                            const Range& range) {

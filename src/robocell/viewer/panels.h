@@ -31,6 +31,22 @@ struct NameRows {
   void Choose();
 };
 
+// A choice among names, in a box that holds only some of them: as many as fit, by the page. Beside
+// these it offers the chosen one.
+struct NameChoice {
+  std::function<std::vector<std::string>()> all;  // by the present scene
+  std::string chosen;
+  char filter[mjMAXUITEXT] = "";
+  int page = 0;
+  int pages = 1;
+  std::vector<std::string> shown;
+  int index = 0;  // of the chosen one among those shown
+  // Fills `shown` and `index`.
+  void Choose();
+  // Chooses the one at `index`.
+  void TakeIndex();
+};
+
 // A joint or actuator for a slider.
 struct SliderRange {
   double low = 0, high = 1;
@@ -38,6 +54,8 @@ struct SliderRange {
 
 // What the panels show; the viewer writes it before each picture, and reads it after an event.
 struct PanelValues {
+  // What the user may do; the rest is not offered.
+  bool pauses = true, resets = true, paces = true;
   int run = 1;
   double factor = 1;
   int frame_kind = 0, trace_kind = 2;  // ViewElement::Kind
@@ -46,11 +64,10 @@ struct PanelValues {
   int frame_labels = 1;
   int drag = 0;  // 0 camera, 1 force, 2 torque
   char video_path[mjMAXUITEXT] = "recording.mp4";
-  int video_camera = 0, video_size = 2, video_fps = 30;
-  int camera = 0;
+  int video_size = 2, video_fps = 30;
+  NameChoice cameras, video_cameras;  // "Free", "Tracking", ...; "Current" and these
   int contacts = 0, collision = 0, joint_axes = 0, transparent = 0, shadows = 1;
   int help = 0, timing = 1;
-  std::vector<std::string> cameras;  // "Free", "Tracking", ...
   // Texts of the panels.
   std::string measured, selected, video_state;
 };
@@ -77,6 +94,8 @@ enum class PanelItem {
   kDeselect,
   kRecord,
   kStopRecording,
+  kVideoCamera,
+  kCameraList,
   kCamera,
   kFlags,
   kJointList,
@@ -125,6 +144,11 @@ class Panels {
   void Item(mjUI& ui, int type, std::string_view name, void* data, const std::string& other,
             PanelItem item, int row = 0, int state = 1);
   void List(mjUI& ui, NameRows& rows, PanelItem list);
+  void Choice(mjUI& ui, std::string_view name, NameChoice& choice, PanelItem item);
+  void AddRun(mjUI& ui);
+  void AddSpeed(mjUI& ui);
+  void AddRecorder(mjUI& ui);
+  void AddView(mjUI& ui);
   void Modify(mjUI& ui, const mjrContext* context);
   void SetText(std::string_view section, std::string_view item, const std::string& text,
                const mjrContext* context);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <utility>
 
 #include "robocell/base/error.h"
@@ -59,6 +60,14 @@ std::string NameOf(const mjModel* m, int type, int id) {
 
 }  // namespace
 
+void RequireRobotOf(const Scene& scene, const Robot& robot) {
+  if (robot.scene() == scene) return;
+  throw ArgumentError(fmt::format(
+      "viewer: robot '{}' belongs to another scene, '{}', than the viewer's, '{}'; open a viewer "
+      "of its own for it",
+      robot.name(), robot.scene().name(), scene.name()));
+}
+
 std::string Describe(const ViewElement& element) {
   switch (element.kind) {
     case ViewElement::kBody:
@@ -78,6 +87,10 @@ struct SceneView::Drawing {
     mjv_defaultCamera(&camera);
     mjv_defaultPerturb(&perturb);
     mjv_defaultOption(&option);
+    for (int i = 0; i < static_cast<int>(model->npair); ++i) {
+      paired.insert(model->pair_geom1[i]);
+      paired.insert(model->pair_geom2[i]);
+    }
   }
 
   mjvCamera camera;
@@ -85,6 +98,7 @@ struct SceneView::Drawing {
   mjvOption option;
   internal::MjvScene elements;
   mjvScene& list;
+  std::set<int> paired;  // geoms of explicit pairs
   // The forces of the program on the held body, during a step.
   std::array<mjtNum, 6> own_force{};
   int forced = -1;
@@ -92,6 +106,7 @@ struct SceneView::Drawing {
 
 SceneView::SceneView(const Scene& scene, std::vector<Robot> robots)
     : scene_(scene), robots_(std::move(robots)) {
+  for (const Robot& robot : robots_) RequireRobotOf(scene_, robot);
   for (Robot& robot : RobotsOf(scene_)) {
     const bool known = std::any_of(robots_.begin(), robots_.end(),
                                    [&](const Robot& r) { return r.name() == robot.name(); });
@@ -119,11 +134,7 @@ bool SceneView::Follow() {
   drawing_ = std::move(next);
   const std::string selected = std::exchange(selected_, "");
   if (mj_name2id(model, mjOBJ_BODY, selected.c_str()) > 0) SelectBody(selected);
-  const auto names = camera_names();
-  const bool there = std::find(names.begin(), names.end(), camera_name_) != names.end();
-  const bool tracks =
-      camera_name_ != kTrackingCamera || mj_name2id(model, mjOBJ_BODY, tracked_.c_str()) > 0;
-  UseCamera(there && tracks ? camera_name_ : "");
+  FindCamera();
   Update(aspect_);  // the mouse acts on what is seen
   return true;
 }
@@ -144,6 +155,18 @@ void SceneView::KeepFreeCamera() {
   free_.distance = c.distance;
   free_.azimuth = c.azimuth;
   free_.elevation = c.elevation;
+}
+
+void SceneView::FindCamera() {
+  const mjModel* model = scene_.model();
+  mjvCamera& c = drawing_->camera;
+  if (c.type == mjCAMERA_TRACKING) {
+    c.trackbodyid = mj_name2id(model, mjOBJ_BODY, tracked_.c_str());
+    if (c.trackbodyid <= 0) UseCamera("");
+  } else if (c.type == mjCAMERA_FIXED) {
+    c.fixedcamid = mj_name2id(model, mjOBJ_CAMERA, camera_name_.c_str());
+    if (c.fixedcamid < 0) UseCamera("");
+  }
 }
 
 void SceneView::UseModelCamera(const std::string& name, int id) {
@@ -465,16 +488,13 @@ void SceneView::Update(double aspect) {
   AddOverlays();
 }
 
-// Leaves the geoms that can collide, also by a pair of their own, without their textures.
+// Leaves the geoms that can collide, also by a pair of their own.
 void SceneView::KeepColliding() {
   const mjModel* m = scene_.model();
   mjvScene& list = drawing_->list;
   const auto collides = [&](int geom) {
-    if (m->geom_contype[geom] != 0 || m->geom_conaffinity[geom] != 0) return true;
-    for (int i = 0; i < static_cast<int>(m->npair); ++i) {
-      if (m->pair_geom1[i] == geom || m->pair_geom2[i] == geom) return true;
-    }
-    return false;
+    return m->geom_contype[geom] != 0 || m->geom_conaffinity[geom] != 0 ||
+           drawing_->paired.contains(geom);
   };
   int kept = 0;
   for (int i = 0; i < list.ngeom; ++i) {
@@ -499,9 +519,23 @@ void SceneView::AddOverlays() {
   const double width = 0.03 * frame_length_;
   for (const TraceSegment& segment : traces.segments())
     AddLine(list, segment.from, segment.to, width, segment.rgba);
+  AddPaths();
+}
+
+// Where the paths have more points than the list has room, all are drawn with fewer points.
+void SceneView::AddPaths() {
+  mjvScene* list = &drawing_->list;
+  const double width = 0.03 * frame_length_;
+  size_t points = 0;
+  for (const auto& [name, path] : traces.paths()) points += path.size();
+  const size_t room = static_cast<size_t>(list->maxgeom - list->ngeom);
+  const size_t paths = traces.paths().size();  // each has one line more at its end
+  const size_t stride = points <= room || room <= paths ? 1 : 1 + points / (room - paths);
   for (const auto& [name, path] : traces.paths()) {
-    for (size_t i = 1; i < path.size(); ++i)
-      AddLine(list, path[i - 1].position, path[i].position, width, TraceLines::kColour);
+    for (size_t i = 0; i + 1 < path.size(); i += stride) {
+      const size_t next = std::min(i + stride, path.size() - 1);
+      AddLine(list, path[i].position, path[next].position, width, TraceLines::kColour);
+    }
   }
 }
 

@@ -42,6 +42,8 @@ struct ViewElement {
   std::string name;
   auto operator<=>(const ViewElement&) const = default;  // NOLINT(modernize-use-nullptr)
 };
+// Throws ArgumentError unless the robot belongs to the scene.
+void RequireRobotOf(const Scene& scene, const Robot& robot);
 // Returns "body 'cube'", for messages and labels.
 std::string Describe(const ViewElement& element);
 
@@ -57,7 +59,8 @@ struct ViewFlags {
 
 class SceneView {
  public:
-  // `robots` are shown beside those that the scene has by configuration.
+  // `robots` are shown beside those that the scene has by configuration. Throws ArgumentError for
+  // robots of another scene.
   explicit SceneView(const Scene& scene, std::vector<Robot> robots = {});
   ~SceneView();
   SceneView(const SceneView&) = delete;
@@ -136,7 +139,10 @@ class SceneView {
   struct Drawing;
   void UseModelCamera(const std::string& name, int id);
   void KeepFreeCamera();
+  // Finds the camera or the tracked body in a new model; without it, uses the free camera.
+  void FindCamera();
   void AddOverlays();
+  void AddPaths();
   void KeepColliding();
   const Robot* FindRobot(const std::string& name) const;
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <cmath>
 #include <set>
 #include <string>
 
@@ -216,6 +217,47 @@ TEST_F(Views, PathsFollowTheirPointsAndAreBounded) {
   for (int i = 0; i < 9000; ++i) view_.traces.AddSegment({0, 0, 0}, {0, 0, 1});
   EXPECT_EQ(view_.traces.segments().size(), TraceLines::kMostSegments);
   EXPECT_LE(Drawn()->ngeom, view_.list()->maxgeom);
+}
+
+TEST_F(Views, ATrackingCameraKeepsItsBodyAndItsPlaceWhenObjectsComeAndGo) {
+  view_.SetFreeCamera(2.5, 135, -20, {0, 0, 0.7});
+  view_.SetTrackingCamera("cube", 0.7, 30, -40);
+  view_.SelectBody(view_.elements(ViewElement::kBody)[2]);
+  scene_.AddObject(BoxObject("first", {3, 3, 0.02}));  // ids move
+  Drawn();
+  EXPECT_EQ(view_.camera(), "Tracking");
+  const auto tracking = std::get<TrackingCamera>(view_.view());
+  EXPECT_EQ(tracking.body, mj_name2id(scene_.model(), mjOBJ_BODY, "cube"));
+  EXPECT_EQ(tracking.distance, 0.7);
+  EXPECT_EQ(tracking.azimuth, 30);
+  EXPECT_EQ(tracking.elevation, -40);
+  scene_.RemoveObject("cube");
+  Drawn();
+  EXPECT_EQ(view_.camera(), "Free") << "nothing is left to follow";
+}
+
+TEST_F(Views, PathsThatAreTooLongAreDrawnToTheirEnds) {
+  view_.traces.set_length(0);
+  constexpr int kPaths = 6;
+  for (int path = 0; path < kPaths; ++path) {
+    for (int i = 0; i < 8192; ++i)
+      view_.traces.Extend(std::to_string(path), i, {1e-3 * i, 0.1 * path, 1});
+  }
+  const mjvScene* list = Drawn();
+  EXPECT_LT(list->ngeom, list->maxgeom);
+  std::set<int> ends;  // paths whose last point is drawn
+  for (int i = 0; i < list->ngeom; ++i) {
+    const mjvGeom& geom = list->geoms[i];
+    if (geom.type == mjGEOM_CAPSULE && geom.pos[0] > 8.18)
+      ends.insert(static_cast<int>(std::lround(10 * geom.pos[1])));
+  }
+  EXPECT_EQ(ends.size(), kPaths);
+}
+
+TEST_F(Views, RefusesARobotOfAnotherScene) {
+  const Scene other = Scene::Build(ArmAndCube());
+  EXPECT_THROW(SceneView(scene_, {Robot::Of(other, "arm")}), ArgumentError);
+  EXPECT_EQ(SceneView(scene_, {Robot::Of(scene_, "arm")}).robots().size(), 1u);
 }
 
 }  // namespace

@@ -1,5 +1,16 @@
 #include "robocell/viewer/trace_lines.h"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <deque>
+#include <string>
+#include <Eigen/Core>
+
+#include "robocell/base/error.h"
+
 namespace robocell {
 namespace {
 
@@ -9,6 +20,13 @@ constexpr double kStill = 1e-4;  // metres
 
 void TraceLines::AddSegment(const Eigen::Vector3d& from, const Eigen::Vector3d& to,
                             const std::array<float, 4>& rgba) {
+  const bool seen = std::all_of(rgba.begin(), rgba.end(), [](float x) { return std::isfinite(x); });
+  if (!from.allFinite() || !to.allFinite() || !seen) {
+    throw ArgumentError(fmt::format(
+        "viewer: the ends and the colour of a segment must be finite, got ({}, {}, {}), "
+        "({}, {}, {}) and rgba ({}, {}, {}, {})",
+        from.x(), from.y(), from.z(), to.x(), to.y(), to.z(), rgba[0], rgba[1], rgba[2], rgba[3]));
+  }
   segments_.push_back({from, to, rgba});
   if (segments_.size() > kMostSegments) segments_.pop_front();
 }
@@ -24,6 +42,14 @@ void TraceLines::Extend(const std::string& point, double time, const Eigen::Vect
   if (length_ > 0 && path.size() == 1 && path.front().time < time - length_) {
     path.front() = {time, path.front().position};  // it rests there
   }
+}
+
+void TraceLines::set_length(double seconds) {
+  if (!std::isfinite(seconds) || seconds < 0) {
+    throw ArgumentError(fmt::format(
+        "viewer: the length of traces is a number of seconds, 0 for no limit, got {}", seconds));
+  }
+  length_ = seconds;
 }
 
 void TraceLines::Clear() {

@@ -5,6 +5,8 @@
 //   traces.set_length(5);                                   // seconds; 0: no limit
 //   traces.Extend("robot: TCP", scene.time(), tcp.translation());
 //   traces.AddSegment(a, b, {1, 0.5f, 0.1f, 1});
+//
+// Throws ArgumentError for numbers that are not finite.
 #pragma once
 
 #include <array>
@@ -38,7 +40,8 @@ class TraceLines {
 
   double length() const { return length_; }
   // Seconds of simulation that a path covers; 0: all of it, within kMostSegments.
-  void set_length(double seconds) { length_ = seconds; }
+  // Throws ArgumentError for a negative number too.
+  void set_length(double seconds);
 
   struct Point {
     double time;

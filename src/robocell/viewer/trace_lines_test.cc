@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
+
+#include "robocell/base/error.h"
 
 namespace robocell {
 namespace {
@@ -35,6 +38,17 @@ TEST(TraceLines, KeepsTheNewestSegments) {
   EXPECT_EQ(traces.segments().front().from.x(), 10);
   traces.Clear();
   EXPECT_TRUE(traces.segments().empty());
+}
+
+TEST(TraceLines, RefusesWhatIsNotFinite) {
+  TraceLines traces;
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(traces.set_length(kNan), ArgumentError);
+  EXPECT_THROW(traces.set_length(-1), ArgumentError);
+  EXPECT_THROW(traces.AddSegment({kNan, 0, 0}, {0, 0, 1}), ArgumentError);
+  EXPECT_THROW(traces.AddSegment({0, 0, 0}, {0, 0, 1}, {std::nanf(""), 0, 0, 1}), ArgumentError);
+  EXPECT_TRUE(traces.segments().empty());
+  EXPECT_EQ(traces.length(), 5);
 }
 
 }  // namespace

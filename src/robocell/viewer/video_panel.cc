@@ -28,19 +28,21 @@ void ViewerVideo::Start(const SceneView& view, const std::string& path, int fps,
   }
   recorder_ = std::move(recorder);
   period_ = 1. / fps;
-  next_ = view.scene().time();
-  state_ = "recording";
+  next_ = last_ = view.scene().time();
+  state_ = fmt::format("recording {}", path);
 }
 
 void ViewerVideo::Record(const SceneView& view) {
   if (!recorder_) return;
   const double now = view.scene().time();
-  if (now < next_ - 2 * period_) next_ = now;  // after a reset
+  const double passed = now - std::exchange(last_, now);
+  if (passed < 0 || passed > 1.5 * view.scene().timestep()) next_ = now;
   try {
     for (; now >= next_ - 1e-9; next_ += period_) {
       if (follows_) recorder_->UseCamera(view.view());
       recorder_->RecordFrame();
-      state_ = fmt::format("recording, {} frames", recorder_->frames());
+      state_ =
+          fmt::format("recording {}, {} frames", recorder_->path().string(), recorder_->frames());
     }
   } catch (const Error& error) {
     recorder_.reset();
@@ -51,7 +53,12 @@ void ViewerVideo::Record(const SceneView& view) {
 std::string ViewerVideo::Stop() {
   if (!recorder_) return "";
   const auto recorder = std::move(recorder_);
-  recorder->Finish();
+  try {
+    recorder->Finish();
+  } catch (const Error& error) {
+    Fail(fmt::format("failed: {}", error.what()));
+    throw;
+  }
   state_ = "saved " + recorder->path().string();
   return recorder->path().string();
 }

@@ -11,7 +11,8 @@
 // While the user pauses, no step is made: Step() returns true after the next picture, and the
 // scene's steps return StepResult with 0 steps.
 //
-// It follows resets, and objects that are added or removed. One viewer steps a scene at a time.
+// It follows resets, and objects that are added or removed. A scene has one viewer at a time; a new
+// one replaces one whose window the user closed.
 // Throws Error if there can be no window, with what was tried and what to install; ArgumentError,
 // NotFoundError and ClosedError like scene_view.h. Threads: the one that opened it; steps of other
 // threads draw nothing.
@@ -37,10 +38,12 @@ struct ViewerOptions {
   int width = 1280, height = 720;
   // False: no window but a picture in memory, for tests and documents.
   bool on_screen = true;
-  // False: the steps of the scene go on when the user pauses or closes the window. Environments
-  // need that, whose episodes do not end by a window.
+  // False: the steps of the scene go on when the user closes the window, and the user can neither
+  // pause nor reset. It is false for every scene that an environment or a rollout steps, whose
+  // episodes do not end by a window.
   bool stops_scene = true;
-  // False: only Show() draws, and steps of the scene do not wait.
+  // False: only Show() draws, and steps of the scene do not wait. The program itself goes by
+  // paused() and realtime_factor(), and the user cannot reset the scene.
   bool draws_steps = true;
 };
 
@@ -74,19 +77,21 @@ class Viewer {
   // Returns the factor of about the last second; 0 before anything was measured.
   double measured_factor() const;
   bool paused() const;
+  // Throws Error if the viewer does not stop its scene (ViewerOptions).
   void set_paused(bool paused);
 
   // Camera, frames, paths and flags.
   SceneView& view();
   // Lets the user drag a robot's TCP with the mouse: a handle appears there, and inverse kinematics
   // moves the robot's command; without `commands` it moves the arm itself. Call Robot::Update() in
-  // the loop. Throws NotFoundError for a robot without an arm.
+  // the loop. Throws NotFoundError for a robot without an arm, ArgumentError for one of another
+  // scene.
   void DragTcp(const Robot& robot, bool commands = true);
 
   // Shows a text in the upper right corner until the next call.
   void set_text(const std::string& text);
   const std::string& text() const;
-  // Returns the keys that the user pressed since the last call, by GLFW's numbers.
+  // Returns the keys that the user pressed since the last call, by GLFW's numbers, the newest 64.
   std::vector<int> TakeKeys();
 
   // Starts a video of the scene, with one picture for each 1 / fps seconds of simulation. The

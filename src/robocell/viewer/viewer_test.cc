@@ -4,11 +4,7 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
-#include <chrono>
-#include <cstdlib>
-#include <string>
-#include <thread>
-#include <variant>
+#include <memory>
 
 #include "robocell/base/error.h"
 #include "robocell/viewer/testing/users.h"
@@ -59,114 +55,69 @@ TEST_F(Viewers, EnvironmentsGoOnWhenTheirWindowIsClosed) {
   EXPECT_TRUE(scene_.Step().ok());
 }
 
-TEST_F(Viewers, SpacePausesAndRightMakesOneStep) {
-  Viewer viewer = Viewer::Open(scene_, kInMemory);
-  viewer.set_realtime_factor(0);
-  Key(viewer, ' ');
-  EXPECT_TRUE(viewer.paused());
-  const double now = scene_.time();
-  EXPECT_TRUE(viewer.Step());
-  const StepResult held = scene_.StepN(5);
-  EXPECT_TRUE(held.ok());
-  EXPECT_EQ(held.steps, 0);
-  EXPECT_EQ(scene_.time(), now);
-  viewer.Post({.type = InputEvent::kKey, .key = mjKEY_RIGHT});
-  viewer.Step();
-  viewer.Step();
-  viewer.Step();
-  EXPECT_NEAR(scene_.time() - now, scene_.timestep(), 1e-9);
-  Key(viewer, ' ');
-  EXPECT_TRUE(viewer.Step());
-  EXPECT_NEAR(scene_.time() - now, 2 * scene_.timestep(), 1e-9);
-}
-
-TEST_F(Viewers, RunsInRealTime) {
-  Viewer viewer = Viewer::Open(scene_, kInMemory);
-  viewer.set_realtime_factor(2);
-  const auto start = std::chrono::steady_clock::now();
-  for (int i = 0; i < 100; ++i) viewer.Step();  // 0.2 s
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - start;
-  EXPECT_GT(took.count(), 0.08);
-  EXPECT_THROW(viewer.set_realtime_factor(-1), ArgumentError);
-}
-
-TEST_F(Viewers, TheKeysOfTheSpeedHalveAndDoubleIt) {
-  Viewer viewer = Viewer::Open(scene_, kInMemory);
-  Key(viewer, ',');
-  EXPECT_EQ(viewer.realtime_factor(), 0.5);
-  Key(viewer, '.');
-  Key(viewer, '.');
-  EXPECT_EQ(viewer.realtime_factor(), 2);
-}
-
-TEST_F(Viewers, KeysChangeTheCameraAndResetTheScene) {
-  Viewer viewer = Viewer::Open(scene_, kInMemory);
-  viewer.set_realtime_factor(0);
-  Key(viewer, '[');
-  EXPECT_EQ(viewer.view().camera(), viewer.view().camera_names().back());
-  Key(viewer, mjKEY_ESCAPE);
-  EXPECT_EQ(viewer.view().camera(), "Free");
-  for (int i = 0; i < 5; ++i) viewer.Step();
-  Key(viewer, mjKEY_BACKSPACE);
-  EXPECT_EQ(scene_.time(), 0);
-}
-
-TEST_F(Viewers, TheMouseTurnsTheCamera) {
-  Viewer viewer = Viewer::Open(scene_, kInMemory);
-  viewer.SetPanelsShown(false);
-  const auto before = std::get<OrbitCamera>(viewer.view().view());
-  Drag(viewer, {320, 240}, {400, 240});
-  const auto after = std::get<OrbitCamera>(viewer.view().view());
-  EXPECT_GT(std::abs(after.azimuth - before.azimuth), 5);
-  EXPECT_EQ(after.lookat, before.lookat);
-}
-
-TEST_F(Viewers, TheMousePullsASelectedBody) {
-  Viewer viewer = Viewer::Open(scene_, kInMemory);
-  viewer.SetPanelsShown(false);
-  viewer.set_realtime_factor(0);
-  viewer.view().SetFreeCamera(1, 90, -30, {0.6, 0.2, 0.02});
-  viewer.view().SelectBody("cube");
-  Drag(viewer, {320, 240}, {320, 400}, mjBUTTON_RIGHT, true);
-  for (int i = 0; i < 150; ++i) viewer.Step();
-  EXPECT_GT(scene_.body_pose("cube").translation().z(), 0.05);
-  Release(viewer, {320, 400}, mjBUTTON_RIGHT);
-  for (int i = 0; i < 500; ++i) viewer.Step();
-  EXPECT_LT(scene_.body_pose("cube").translation().z(), 0.04) << "it falls again";
-}
-
-TEST_F(Viewers, FollowsObjectsThatComeAndGo) {
-  Viewer viewer = Viewer::Open(scene_, kInMemory);
-  viewer.set_realtime_factor(0);
-  scene_.AddObject(BoxObject("post", {0.4, 0, 0.02}));
-  ASSERT_TRUE(viewer.Show());
-  viewer.ShowPanels("Frames", "");
-  Click(viewer, "Frames", "post");
-  EXPECT_TRUE(viewer.view().ShowsFrame({ViewElement::kBody, "post"}));
-  scene_.RemoveObject("post");
-  scene_.Reset();
-  for (int i = 0; i < 3; ++i) ASSERT_TRUE(viewer.Step());
-}
-
 TEST_F(Viewers, OneViewerStepsAScene) {
   Viewer viewer = Viewer::Open(scene_, kInMemory);
   EXPECT_THROW(Viewer::Open(scene_, kInMemory), Error);
+  ViewerOptions pictures = kInMemory;
+  pictures.stops_scene = pictures.draws_steps = false;
+  EXPECT_THROW(Viewer::Open(scene_, pictures), Error);
   viewer.Close();
   EXPECT_TRUE(Viewer::Open(scene_, kInMemory).is_running());
 }
 
-TEST_F(Viewers, EndsWithItsScene) {
-  Viewer viewer = Viewer::Open(scene_, kInMemory);
-  scene_.Close();
-  EXPECT_FALSE(viewer.is_running());
-  EXPECT_FALSE(viewer.Step());
-  viewer.Close();
+TEST_F(Viewers, ANewViewerReplacesOneThatTheUserClosed) {
+  Viewer first = Viewer::Open(scene_, kInMemory);
+  first.Post({.type = InputEvent::kClose});
+  first.Show();
+  EXPECT_EQ(scene_.Step().status, StepResult::kStopped);
+  {
+    Viewer second = Viewer::Open(scene_, kInMemory);
+    EXPECT_TRUE(scene_.Step().ok());
+    second.set_paused(true);
+    EXPECT_EQ(scene_.StepN(5).steps, 0);
+    EXPECT_THROW(Viewer::Open(scene_, kInMemory), Error) << "the first one hides it not";
+  }
+  EXPECT_TRUE(scene_.Step().ok());
+  EXPECT_FALSE(first.Step());
 }
 
-TEST_F(Viewers, StepsOfOtherThreadsDrawNothing) {
+TEST_F(Viewers, RefusesRobotsOfAnotherScene) {
+  const Scene other = Scene::Build(Spec());
+  const Robot stranger = Robot::Of(other, "arm");
+  EXPECT_THROW(Viewer::Open(scene_, {stranger}, kInMemory), ArgumentError);
   Viewer viewer = Viewer::Open(scene_, kInMemory);
-  std::thread([&] { EXPECT_TRUE(scene_.StepN(20).ok()); }).join();
-  EXPECT_TRUE(viewer.Step());
+  EXPECT_THROW(viewer.DragTcp(stranger), ArgumentError);
+  EXPECT_EQ(viewer.scenes_held(), 1 + viewer.view().robots().size());
+}
+
+TEST_F(Viewers, WhereStepsGoOnThereIsNoPauseAndNoReset) {
+  ViewerOptions options = kInMemory;
+  options.stops_scene = options.draws_steps = false;
+  Viewer viewer = Viewer::Open(scene_, options);
+  EXPECT_TRUE(scene_.StepN(5).ok());
+  const double now = scene_.time();
+  for (const int key : {static_cast<int>(' '), static_cast<int>(mjKEY_BACKSPACE),
+                        static_cast<int>(mjKEY_RIGHT), static_cast<int>(',')})
+    Key(viewer, key);
+  EXPECT_FALSE(viewer.paused());
+  EXPECT_EQ(viewer.realtime_factor(), 1);
+  EXPECT_EQ(scene_.time(), now);
+  EXPECT_THROW(viewer.PlaceOf("Run", "Reset"), NotFoundError);
+  EXPECT_THROW(viewer.PlaceOf("Run", "One step"), NotFoundError);
+  EXPECT_THROW(viewer.PlaceOf("RTF", "Unlimited"), NotFoundError);
+  EXPECT_NO_THROW(viewer.PlaceOf("Run", "Screenshot"));
+  EXPECT_THROW(viewer.set_paused(true), Error);
+}
+
+TEST_F(Viewers, EpisodesAreNotStopped) {
+  const auto episodes = std::make_shared<SceneObserver>();
+  scene_.AddObserver(episodes, internal::kEpisodesKey);
+  Viewer viewer = Viewer::Open(scene_, kInMemory);
+  Key(viewer, ' ');
+  EXPECT_FALSE(viewer.paused());
+  viewer.Post({.type = InputEvent::kClose});
+  viewer.Show();
+  EXPECT_TRUE(scene_.Step().ok());
 }
 
 }  // namespace

@@ -51,6 +51,8 @@ class ViewerWindow {
   // Adds an event, as if it came from the user.
   void Post(const InputEvent& event) { posted_.push_back(event); }
 
+  // Makes its OpenGL context current until the end of the scope; then that of the window that was
+  // current before, if any.
   class Current {
    public:
     explicit Current(ViewerWindow& window) : window_(window) { window_.Enter(); }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -22,7 +23,10 @@ struct SkillOutcome {
   std::vector<std::string> phases;  // in order, without repetitions
 };
 
-inline SkillOutcome RollOutSkills(const TaskSpec& task, uint64_t seed = 1) {
+// `disturb` is called with the row and the phase before each row is simulated.
+using Disturbance = std::function<void(Scene&, int, const std::string&)>;
+inline SkillOutcome RollOutSkills(const TaskSpec& task, uint64_t seed = 1,
+                                  const Disturbance& disturb = {}) {
   RunConfig run = ExampleRun("pick_and_place.yaml");
   run.start = {};
   run.task = task;
@@ -43,6 +47,7 @@ inline SkillOutcome RollOutSkills(const TaskSpec& task, uint64_t seed = 1) {
       const Action action = expert->Act(scene, rng);
       const std::string phase = expert->phase_names()[static_cast<size_t>(expert->phase())];
       if (outcome.phases.empty() || outcome.phases.back() != phase) outcome.phases.push_back(phase);
+      if (disturb) disturb(scene, row, phase);
       if (action.contains(robot.name())) {
         EXPECT_TRUE(robot.Apply(action.at(robot.name())).ok);
       }

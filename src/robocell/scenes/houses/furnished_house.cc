@@ -366,11 +366,8 @@ std::string Lemma(const std::string& category) {
   return words;
 }
 
-// Gives bodies, joints and parts below a named body full names.
-void NameAll(HouseBody& body, const std::string& prefix) {
-  int count = 0;
-  for (HousePart& part : body.parts)
-    part.name = prefix + "_" + (part.name.empty() ? "part_" + std::to_string(count++) : part.name);
+// Gives bodies, joints and parts in the tree below a body full names.
+void NameChildren(HouseBody& body, const std::string& prefix) {
   for (HouseBody& child : body.children) {
     child.name = prefix + "_" + child.name;
     if (child.joint) child.joint->name = prefix + "_" + child.joint->name;
@@ -379,7 +376,15 @@ void NameAll(HouseBody& body, const std::string& prefix) {
     for (HousePart& part : child.parts)
       part.name = part.name.empty() ? child.name + "_part_" + std::to_string(unnamed++)
                                     : prefix + "_" + part.name;
+    NameChildren(child, prefix);
   }
+}
+
+void NameAll(HouseBody& body, const std::string& prefix) {
+  int count = 0;
+  for (HousePart& part : body.parts)
+    part.name = prefix + "_" + (part.name.empty() ? "part_" + std::to_string(count++) : part.name);
+  NameChildren(body, prefix);
 }
 
 class Namer {

@@ -29,6 +29,7 @@ constexpr std::array kKnownSets = {"procthor-10k", "procthor-objaverse", "ithor"
 constexpr std::string_view kModel = ".xml", kCeiling = "_ceiling", kPhysics = "_physics";
 constexpr size_t kMostDigits = 7;  // of a house's number
 constexpr size_t kMostEntries = 4'000'000;
+constexpr size_t kMostSets = 12;  // in a message
 
 struct HouseName {
   std::string series;  // "train_", "FloorPlan"
@@ -62,16 +63,27 @@ bool IsFolder(const fs::path& path) {
 
 fs::path ExistingFile(const fs::path& path) { return CanReadFile(path) ? path : fs::path(); }
 
-// The houses of one folder by their series.
-std::map<std::string, std::map<int, HouseFiles>> HousesOf(const fs::path& folder, bool ceiling) {
-  std::map<std::string, std::map<int, HouseFiles>> series;
+// Returns the files of a folder in the order of their names.
+std::vector<fs::path> SortedFiles(const fs::path& folder) {
+  std::vector<fs::path> files;
   std::error_code error;
   size_t entries = 0;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
     if (++entries > kMostEntries)
       throw IoError(fmt::format("'{}' has more than {} entries; it is no folder of houses",
                                 folder.string(), kMostEntries));
-    const fs::path& file = it->path();
+    files.push_back(it->path());
+  }
+  std::ranges::sort(files);
+  return files;
+}
+
+// The houses of one folder by their series. Of files with the same number the first one by name is
+// used, but FloorPlan1_physics.xml rather than FloorPlan1.xml; the others are noted.
+std::map<std::string, std::map<int, HouseFiles>> HousesOf(const fs::path& folder, bool ceiling,
+                                                          std::vector<std::string>& notes) {
+  std::map<std::string, std::map<int, HouseFiles>> series;
+  for (const fs::path& file : SortedFiles(folder)) {
     const std::optional<HouseName> name = ParseName(file.filename().string());
     if (!name || !CanReadFile(file)) continue;
     const std::string stem = file.stem().string();
@@ -81,13 +93,22 @@ std::map<std::string, std::map<int, HouseFiles>> HousesOf(const fs::path& folder
       const fs::path own = ExistingFile(folder / (stem + ending));
       return own.empty() ? ExistingFile(folder / (bare + ending)) : own;
     };
-    HouseFiles files{
-        .model = file, .map = beside("_map.png"), .metadata = beside("_metadata.json")};
+    HouseFiles files{.file = file,
+                     .model = file,
+                     .map = beside("_map.png"),
+                     .metadata = beside("_metadata.json")};
     if (ceiling) {
       if (const fs::path variant = beside(std::string(kCeiling) + ".xml"); !variant.empty())
         files.model = variant;
     }
-    series[name->series][name->number] = std::move(files);
+    const auto [place, is_new] = series[name->series].try_emplace(name->number, files);
+    if (is_new) continue;
+    HouseFiles& known = place->second;
+    if (stem.ends_with(kPhysics) && !known.file.stem().string().ends_with(kPhysics))
+      std::swap(known, files);
+    notes.push_back(fmt::format("'{}' is not used: house {} is '{}'",
+                                files.file.filename().string(), name->number,
+                                known.file.filename().string()));
   }
   return series;
 }
@@ -128,12 +149,13 @@ std::vector<std::string> SetsBelow(const std::vector<fs::path>& roots) {
     for (const fs::path& base : {root, root / "scenes"}) {
       std::error_code error;
       for (fs::directory_iterator it(base, error), end; !error && it != end; it.increment(error)) {
-        if (sets.size() < 12 && IsFolder(it->path()) && it->path().filename() != "scenes")
+        if (IsFolder(it->path()) && it->path().filename() != "scenes")
           sets.push_back(it->path().filename().string());
       }
     }
   }
   std::ranges::sort(sets);
+  if (sets.size() > kMostSets) sets.resize(kMostSets);
   return sets;
 }
 
@@ -183,7 +205,8 @@ HouseFolder HouseFolder::Find(const HousesScenes& fields, const std::string& dir
   HouseFolder folder;
   for (const fs::path& place : places) {
     if (!IsFolder(place)) continue;
-    auto series = HousesOf(place, fields.ceiling);
+    folder.notes_.clear();
+    auto series = HousesOf(place, fields.ceiling, folder.notes_);
     if (series.empty()) continue;
     folder.path_ = place;
     folder.houses_ = Chosen(std::move(series), fields.split, place);

@@ -17,6 +17,7 @@ namespace robocell::internal {
 
 // Files that are missing have an empty path.
 struct HouseFiles {
+  std::filesystem::path file;   // the one that gives the house its number
   std::filesystem::path model;  // with a ceiling where that is requested and there is one
   std::filesystem::path map, metadata;
 };
@@ -34,6 +35,8 @@ class HouseFolder {
   bool IsBlacklisted(int house) const { return blacklisted_.contains(house); }
   // Returns ids of assets, and names of bodies, that are left out.
   const std::vector<std::string>& without() const { return without_; }
+  // Returns what is wrong with the folder, such as two files with the same number.
+  const std::vector<std::string>& notes() const { return notes_; }
   // Returns the folders in which files of the houses may be: the houses' own one, and those of
   // ROBOCELL_SCENE_PATH.
   const std::vector<std::filesystem::path>& roots() const { return roots_; }
@@ -44,7 +47,7 @@ class HouseFolder {
   std::filesystem::path path_;
   std::map<int, HouseFiles> houses_;
   std::set<int> blacklisted_;
-  std::vector<std::string> without_;
+  std::vector<std::string> without_, notes_;
   std::vector<std::filesystem::path> roots_;
 };
 

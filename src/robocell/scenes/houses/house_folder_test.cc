@@ -58,6 +58,20 @@ TEST(HouseFolder, NamesOfIthorAreHouses) {
   EXPECT_EQ(folder.houses().at(12).metadata.filename(), "FloorPlan12_metadata.json");
 }
 
+TEST(HouseFolder, OneFileOfSeveralWithANumberIsChosenByName) {
+  const TempDir temp;
+  for (const char* name : {"FloorPlan1_physics.xml", "FloorPlan1.xml", "FloorPlan02.xml",
+                           "FloorPlan2.xml", "FloorPlan3.xml"})
+    Touch(temp / name);
+  const HouseFolder folder = HouseFolder::Find({.root = temp.path().string()}, "");
+  EXPECT_EQ(folder.houses().size(), 3U);
+  EXPECT_EQ(folder.houses().at(1).model.filename(), "FloorPlan1_physics.xml");
+  EXPECT_EQ(folder.houses().at(2).model.filename(), "FloorPlan02.xml");
+  EXPECT_EQ(folder.notes(), (std::vector<std::string>{
+                                "'FloorPlan1.xml' is not used: house 1 is 'FloorPlan1_physics.xml'",
+                                "'FloorPlan2.xml' is not used: house 2 is 'FloorPlan02.xml'"}));
+}
+
 TEST(HouseFolder, BlacklistsHaveHousesAndObjects) {
   const TempDir temp;
   Touch(temp / "train_1.xml");

@@ -19,6 +19,7 @@ namespace robocell::internal {
 namespace {
 
 constexpr double kMapCell = 0.05;                       // metres
+constexpr double kMostMapCells = 1e6;                   // larger maps get larger cells
 constexpr int kSamples = 4;                             // per cell, along each side
 constexpr double kLeastScale = 1, kMostScale = 10'000;  // per metre
 constexpr double kMostCoordinate = 10'000;              // metres
@@ -189,10 +190,13 @@ std::vector<FloorArea> FreeFloorOf(const HouseMap& map, double floor_height) {
   for (const int row : {0, map.rows - 1}) {
     for (const int column : {0, map.columns - 1}) world.extend(map.PositionOf(row, column));
   }
-  const int nx = static_cast<int>(world.sizes().x() / kMapCell),
-            ny = static_cast<int>(world.sizes().y() / kMapCell);
+  // A picture of kilobytes may show square kilometres.
+  const double side = std::max(kMapCell, std::sqrt(world.volume() / kMostMapCells));
+  const int nx = static_cast<int>(world.sizes().x() / side),
+            ny = static_cast<int>(world.sizes().y() / side);
   if (nx < 1 || ny < 1) return {};
-  const Eigen::Vector2d low = world.center() - Eigen::Vector2d(nx, ny) * kMapCell / 2;
+  const Eigen::Vector2d low = world.center() - Eigen::Vector2d(nx, ny) * side / 2;
+  const int least = static_cast<int>(std::ceil(kLeastSide / side - 1e-9));
   // A cell belongs to a room if all of it is free floor of that room.
   std::vector<int> rooms(static_cast<size_t>(nx) * static_cast<size_t>(ny), -1);
   std::vector<int> known;
@@ -202,8 +206,8 @@ std::vector<FloorArea> FreeFloorOf(const HouseMap& map, double floor_height) {
       bool is_free = true;
       for (int s = 0; s < kSamples * kSamples && is_free; ++s) {
         const int column = s % kSamples, row = s / kSamples;
-        const double x = low.x() + (i + (column + 0.5) / kSamples) * kMapCell;
-        const double y = low.y() + (j + (row + 0.5) / kSamples) * kMapCell;
+        const double x = low.x() + (i + (column + 0.5) / kSamples) * side;
+        const double y = low.y() + (j + (row + 0.5) / kSamples) * side;
         const int here = map.RoomAt(x, y);
         if (s == 0) room = here;
         is_free = map.IsFree(x, y) && here == room;
@@ -218,15 +222,13 @@ std::vector<FloorArea> FreeFloorOf(const HouseMap& map, double floor_height) {
     std::vector<bool> taken(rooms.size());
     for (size_t cell = 0; cell < rooms.size(); ++cell) taken[cell] = rooms[cell] != room;
     for (int n = 0; n < kMostAreasOfMap; ++n) {
-      const std::optional<CellRectangle> best =
-          TakeLargest(taken, nx, ny, static_cast<int>(kLeastSide / kMapCell));
+      const std::optional<CellRectangle> best = TakeLargest(taken, nx, ny, least);
       if (!best) break;
       const Eigen::Vector2d at =
-          low +
-          Eigen::Vector2d(best->i + best->width / 2.0, best->j + best->height / 2.0) * kMapCell;
+          low + Eigen::Vector2d(best->i + best->width / 2.0, best->j + best->height / 2.0) * side;
       areas.push_back({.frame_to_world = Pose(Eigen::Vector3d(at.x(), at.y(), floor_height)),
-                       .half_x = best->width * kMapCell / 2,
-                       .half_y = best->height * kMapCell / 2,
+                       .half_x = best->width * side / 2,
+                       .half_y = best->height * side / 2,
                        .room = NameOf(map, room)});
     }
   }

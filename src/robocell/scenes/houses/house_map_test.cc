@@ -88,6 +88,16 @@ TEST(HouseMap, FreeFloorIsFreeAndNearlyAllOfIt) {
   EXPECT_EQ(rooms[0].outline.size(), 4U);
 }
 
+// The picture has a few kilobytes, and the cells of 5 cm would fill 25 GB.
+TEST(HouseMap, FreeFloorOfSquareKilometresHasLargerCells) {
+  HouseMap map = MakeHouseMap({0, 0}, {4096, 4096}, 1);
+  map.free.assign(map.free.size(), true);
+  const std::vector<FloorArea> areas = FreeFloorOf(map, 0);
+  ASSERT_EQ(areas.size(), 1U);
+  EXPECT_NEAR(areas[0].half_x, 2048, 8);
+  EXPECT_NEAR(areas[0].half_y, 2048, 8);
+}
+
 TEST(HouseMap, DamagedPicturesSayWhatIsWrong) {
   const TempDir folder;
   const auto with = [&](PngTexts texts) {
@@ -117,6 +127,14 @@ TEST(HouseMap, DamagedPicturesSayWhatIsWrong) {
             with({{"world_to_map", "[[-50, 0, 0, 1e9], [0, -50, 0, 2]]"}, {"px_per_m", "50"}}));
       },
       "kilometres");
+  for (const char* number : {"NaN", "1e999", "null", "\"50\"", "0", "-50", "1e300"})
+    EXPECT_THROW(ReadHouseMap(with({{"world_to_map", matrix}, {"px_per_m", number}})), IoError)
+        << number;
+  for (const char* number : {"NaN", "1e999", "null", "\"2\""}) {
+    const std::string bad = std::string("[[-50, 0, 0, ") + number + "], [0, -50, 0, 2]]";
+    EXPECT_THROW(ReadHouseMap(with({{"world_to_map", bad}, {"px_per_m", "50"}})), IoError)
+        << number;
+  }
   EXPECT_TRUE(ReadHouseMap(with({{"world_to_map", matrix}, {"px_per_m", "50"}})).room.empty());
 }
 

@@ -31,7 +31,6 @@ constexpr int kSettleSteps = 200, kMostLooks = 8;  // a look every kSettleSteps
 constexpr double kRest = 0.003, kRestTurn = 0.05;  // m/s and rad/s of an object at rest
 constexpr double kMostDrift = 0.03;                // metres, while it settles
 constexpr double kMostPenetration = 0.0008;        // metres
-constexpr int kMostRounds = 6;
 
 const char* ClassName(PartClass part_class) {
   switch (part_class) {
@@ -423,7 +422,8 @@ SettledHouse SettleHouse(FurnishedHouse house, const std::string& name,
   const std::string context = "house '" + name + "'";
   SettledHouse out;
   std::vector<Pose> poses;
-  for (int round = 0; round < kMostRounds; ++round) {
+  // Each round removes an object at least.
+  for (bool is_settled = false; !is_settled;) {
     const SpecPtr spec = Writer(house, name, folder, false).Done();
     const ModelPtr model = Compile(spec.get(), nullptr, context);
     const DataPtr data = MakeData(model.get());
@@ -437,8 +437,7 @@ SettledHouse SettleHouse(FurnishedHouse house, const std::string& name,
       bad = Unsettled(house, model.get(), data.get(), poses);
       if (bad.empty()) break;
     }
-    if (bad.empty()) break;
-    poses.clear();
+    is_settled = bad.empty();
     out.removed += static_cast<int>(bad.size());
     RemoveObjects(house, {bad.begin(), bad.end()});
   }

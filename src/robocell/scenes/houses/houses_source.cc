@@ -30,17 +30,21 @@ constexpr double kAnyTimestep = 0.002;  // irrelevant for annotations
 
 // Each note about a house is logged once in a process. No lock is held while it is logged: a sink may
 // wait for one of the caller's.
-void NoteOnce(const HouseFiles& files, const std::vector<std::string>& notes) {
+void NoteOnce(const std::string& place, const std::vector<std::string>& notes) {
   static std::mutex mutex;
   static std::set<std::string> noted;
   for (const std::string& note : notes) {
-    const std::string text = fmt::format("house '{}': {}", files.model.string(), note);
+    const std::string text = fmt::format("{}: {}", place, note);
     const bool is_new = [&] {
       const std::lock_guard lock(mutex);
       return noted.insert(text).second;
     }();
     if (is_new) LogInfo(text);
   }
+}
+
+void NoteOnce(const HouseFiles& files, const std::vector<std::string>& notes) {
+  NoteOnce(fmt::format("house '{}'", files.model.string()), notes);
 }
 
 // Annotations by the files that they were made from: a source is made often, a house is compiled
@@ -79,7 +83,10 @@ class KnownHouses {
 class HousesSource final : public SceneSource {
  public:
   HousesSource(const HousesScenes& fields, const std::string& directory) {
-    if (fields.dataset || fields.root) folder_ = HouseFolder::Find(fields, directory);
+    if (fields.dataset || fields.root) {
+      folder_ = HouseFolder::Find(fields, directory);
+      NoteOnce(fmt::format("houses in '{}'", folder_->path().string()), folder_->notes());
+    }
     ceiling_ = fields.ceiling;
   }
 

@@ -12,6 +12,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
 #include "robocell/base/rng.h"
 #include "robocell/base/version.h"
@@ -148,7 +149,20 @@ std::string OptionsText(const HouseOptions& options) {
 
 }  // namespace
 
+void HouseOptions::Validate() const {
+  if (least_rooms < 1 || most_rooms < least_rooms || most_rooms > kMostRooms)
+    throw ArgumentError(fmt::format("rooms: {} to {}; give 1 to {}, the smaller number first",
+                                    least_rooms, most_rooms, kMostRooms));
+  if (kinds.size() > size_t{kMostRooms})
+    throw ArgumentError(fmt::format("kinds: {} rooms; give up to {}", kinds.size(), kMostRooms));
+  if (most_objects < 0 || most_objects > kMostObjects)
+    throw ArgumentError(fmt::format("most_objects: {}; give 0 to {}", most_objects, kMostObjects));
+  if (!internal::ValidFileName(prefix + "0"))
+    throw ArgumentError(fmt::format("prefix: '{}' is not the beginning of a file's name", prefix));
+}
+
 FurnishedHouse PlanHouse(const HouseOptions& options, int index) {
+  options.Validate();
   Rng rng = Rng::Stream(options.seed, "house", index);
   internal::PlanOptions plan{.rooms = static_cast<int>(options.kinds.size()),
                              .kinds = options.kinds};
@@ -168,6 +182,7 @@ FurnishedHouse PlanHouse(const HouseOptions& options, int index) {
 }
 
 void PrepareHouseFolder(const fs::path& folder, const HouseOptions& options) {
+  options.Validate();
   std::error_code error;
   fs::create_directories(folder / internal::kTextureFolder, error);
   if (error)

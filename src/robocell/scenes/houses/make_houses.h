@@ -21,6 +21,10 @@ struct HouseOptions {
   int most_objects = 40;
   std::string prefix = "train_";               // of the files
   std::vector<internal::RoomKind> kinds = {};  // of the rooms, largest first; drawn unless set
+
+  static constexpr int kMostRooms = 40, kMostObjects = 1000;
+  // Throws ArgumentError for numbers outside of these.
+  void Validate() const;
 };
 
 // What a house has.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/testing/expect_throw.h"
@@ -25,6 +27,17 @@ TEST(MakeHouses, TheSameHouseHasTheSameBytes) {
   for (const char* name :
        {"train_2.xml", "train_2_ceiling.xml", "train_2_map.png", "train_2_metadata.json"})
     EXPECT_EQ(ReadFile(a / name), ReadFile(b / name)) << name;
+}
+
+TEST(MakeHouses, OptionsHaveBounds) {
+  ExpectThrow<ArgumentError>([] { PlanHouse({.least_rooms = 300, .most_rooms = 300}, 0); },
+                             "rooms: 300 to 300; give 1 to 40");
+  ExpectThrow<ArgumentError>([] { PlanHouse({.least_rooms = 4, .most_rooms = 3}, 0); }, "4 to 3");
+  ExpectThrow<ArgumentError>([] { PlanHouse({.most_objects = -1}, 0); }, "give 0 to 1000");
+  ExpectThrow<ArgumentError>(
+      [] { PlanHouse({.kinds = std::vector(41, internal::RoomKind::kOffice)}, 0); },
+      "kinds: 41 rooms");
+  ExpectThrow<ArgumentError>([] { PrepareHouseFolder("/nowhere", {.prefix = "../"}); }, "prefix");
 }
 
 TEST(MakeHouses, AFolderHasHousesOfOneSeed) {

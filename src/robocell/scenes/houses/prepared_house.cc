@@ -5,12 +5,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstdint>
+#include <exception>
 #include <map>
 #include <mutex>
+#include <optional>
+#include <set>
 #include <system_error>
 #include <utility>
+#include <nlohmann/json.hpp>
 
 #include "robocell/assets/model_files.h"
 #include "robocell/base/error.h"
@@ -40,6 +45,18 @@ bool IsBelow(const fs::path& path, const fs::path& root) {
   return !relative.empty() && *relative.begin() != "..";
 }
 
+// Returns true if `entry` is the hash of an asset, 32 hexadecimal digits, that is a part of a body's
+// name: "mug_<hash>_1_0_2".
+bool HasHash(const std::string& name, const std::string& entry) {
+  constexpr size_t kDigits = 32;
+  const auto is_hex = [](unsigned char c) { return std::isxdigit(c) != 0; };
+  if (entry.size() != kDigits || !std::ranges::all_of(entry, is_hex)) return false;
+  const size_t at = name.find(entry);
+  if (at == std::string::npos) return false;
+  const size_t end = at + kDigits;
+  return (at == 0 || name[at - 1] == '_') && (end == name.size() || name[end] == '_');
+}
+
 std::string Shortened(const std::vector<std::string>& all) {
   const size_t shown = std::min(all.size(), kMostListed);
   std::string text;
@@ -48,8 +65,10 @@ std::string Shortened(const std::vector<std::string>& all) {
   return text;
 }
 
-// Returns why the files of a house cannot be used; "" if they can.
-std::string WhyNotFiles(const HouseFiles& files, const HouseFolder& folder) {
+// Returns why the files of a house cannot be used; "" if they can, with the files and folders
+// whose changes count: documents, and folders of assets.
+std::string WhyNotFiles(const HouseFiles& files, const HouseFolder& folder,
+                        std::set<fs::path>& watched) {
   std::error_code error;
   const uint64_t bytes = fs::file_size(files.model, error);
   if (error) return "its model cannot be read";
@@ -66,6 +85,9 @@ std::string WhyNotFiles(const HouseFiles& files, const HouseFolder& folder) {
                        missing.size() == 1 ? "is" : "are", Shortened(missing));
   uint64_t total = 0;
   for (const fs::path& file : found.files) {
+    // Files of other houses come and go in the house's own folder.
+    if (file.parent_path() != files.model.parent_path()) watched.insert(file.parent_path());
+    if (file.extension() == ".xml") watched.insert(file);
     total += fs::file_size(file, error);
     const bool is_inside = std::ranges::any_of(
         folder.roots(), [&](const fs::path& root) { return IsBelow(file, root); });
@@ -125,6 +147,7 @@ class Mending {
       names.push_back(mjs_getString(mjs_getName(e)));
     }
     if (names.empty()) return;
+    Record("balanced", names);
     notes_.push_back(
         fmt::format("impossible inertias of {} were balanced: {}",
                     names.size() == 1 ? "one body" : std::to_string(names.size()) + " bodies",
@@ -143,7 +166,7 @@ class Mending {
     const auto is_listed = [&](const std::string& name) {
       const auto object = objects.find(name);
       return std::ranges::any_of(entries, [&](const std::string& entry) {
-        return name == entry || (entry.size() >= 16 && name.find(entry) != std::string::npos) ||
+        return name == entry || HasHash(name, entry) ||
                (object != objects.end() &&
                 (object->second.asset == entry || object->second.id == entry));
       });
@@ -162,43 +185,99 @@ class Mending {
       e = mjs_firstElement(spec_, mjOBJ_BODY);  // the tree below it went too
     }
     if (names.empty()) return;
+    Record("left out", names);
     while (mjsElement* key = mjs_firstElement(spec_, mjOBJ_KEY)) mjs_delete(spec_, key);
     notes_.push_back(
         fmt::format("left out {}: {}", Counted(names.size(), "object"), Shortened(names)));
   }
+  // What was changed, for people: long lists of names are shortened.
   const std::vector<std::string>& notes() const { return notes_; }
+  // The same with every name. Two equal ones of the same model give the same house.
+  const std::string& changes() const { return changes_; }
 
  private:
+  void Record(const char* change, const std::vector<std::string>& names) {
+    changes_ += fmt::format("{} {}\n", change, names.size());
+    for (const std::string& name : names) changes_ += fmt::format("{} {}\n", name.size(), name);
+  }
+
   mjSpec* spec_;
   const HouseFiles& files_;
   std::vector<std::string> notes_;
+  std::string changes_;
 };
 
-// Lets relative names of assets start at the house's own folder.
-void MakeFoldersAbsolute(mjSpec* spec, const fs::path& folder) {
-  for (mjString* name : {spec->compiler.meshdir, spec->compiler.texturedir})
-    mjs_setString(name, (folder / mjs_getString(name)).lexically_normal().string().c_str());
+// Lets relative names of assets start at the house's own folder, from a model in `start`. A dataset
+// that keeps both can be moved, because the names stay relative.
+void MakeFoldersRelative(mjSpec* spec, const fs::path& folder, const fs::path& start) {
+  const fs::path from = fs::weakly_canonical(start);
+  for (mjString* name : {spec->compiler.meshdir, spec->compiler.texturedir}) {
+    const fs::path target = fs::weakly_canonical(folder / mjs_getString(name));
+    mjs_setString(name, target.lexically_relative(from).string().c_str());
+  }
 }
 
+// Returns the file in the cache. Its name follows from the model with all its files, and from every
+// change.
 fs::path WriteMended(mjSpec* spec, const HouseFiles& files, const std::string& context,
-                     const std::vector<std::string>& notes) {
-  MakeFoldersAbsolute(spec, files.model.parent_path());
-  std::string key = files.model.string() + "\n" + Fingerprint(ReadRealFile(files.model)) + "\n" +
-                    std::string(Version()) + "\n";
-  for (const std::string& note : notes) key += note + "\n";
+                     const std::string& changes) {
+  std::string key = fmt::format("{}\n{}\n{}", files.model.string(), Version(), changes);
+  for (const fs::path& file : FindModelFiles(files.model).files) key += FileIdentity(file) + "\n";
   const fs::path file = HousesCacheFolder() / "mended" /
                         fmt::format("{}_{}.xml", Fingerprint(key), files.model.stem().string());
   if (CanReadFile(file)) return file;
   Compile(spec, nullptr, context, nullptr, JacobianGuard::kOff);
   std::error_code error;
   fs::create_directories(file.parent_path(), error);
+  MakeFoldersRelative(spec, files.model.parent_path(), file.parent_path());
   AtomicWrite(file, SaveXmlString(spec, context));
   return file;
 }
 
-PreparedHouse Prepare(const HouseFiles& files, const HouseFolder& folder) {
+// A house that can be used, on the disk: a set has thousands of houses, and each process of a run
+// would read them all. It holds while nothing watched changes.
+class PreparedOnDisk {
+ public:
+  explicit PreparedOnDisk(const std::string& key)
+      : file_(HousesCacheFolder() / "prepared" /
+              (Fingerprint(key + "\n" + std::string(Version())) + ".json")) {}
+
+  std::optional<PreparedHouse> Read() const {
+    if (!CanReadFile(file_)) return std::nullopt;
+    try {
+      const nlohmann::json json = nlohmann::json::parse(ReadRealFile(file_));
+      for (const auto& [path, identity] : json.at("watched").items()) {
+        if (FileIdentity(path) != identity.get<std::string>()) return std::nullopt;
+      }
+      PreparedHouse house{.model = json.at("model").get<std::string>(),
+                          .notes = json.at("notes").get<std::vector<std::string>>()};
+      if (CanReadFile(house.model)) return house;
+    } catch (const std::exception&) {  // a damaged file is written again
+    }
+    return std::nullopt;
+  }
+  void Write(const PreparedHouse& house, const std::set<fs::path>& watched) const {
+    nlohmann::json identities = nlohmann::json::object();
+    for (const fs::path& path : watched) identities[path.string()] = FileIdentity(path);
+    const nlohmann::json json = {
+        {"watched", identities}, {"model", house.model.string()}, {"notes", house.notes}};
+    std::error_code error;
+    fs::create_directories(file_.parent_path(), error);
+    try {
+      AtomicWrite(file_, json.dump());
+    } catch (const std::exception&) {  // without it the house is prepared again
+    }
+  }
+
+ private:
+  fs::path file_;
+};
+
+PreparedHouse Prepare(const HouseFiles& files, const HouseFolder& folder,
+                      std::set<fs::path>& watched) {
   const std::string context = fmt::format("house '{}'", files.model.string());
-  PreparedHouse house{.why_not = WhyNotFiles(files, folder), .model = files.model, .notes = {}};
+  PreparedHouse house{
+      .why_not = WhyNotFiles(files, folder, watched), .model = files.model, .notes = {}};
   if (!house.why_not.empty()) return house;
   try {
     const SpecPtr spec = ParseXmlFile(files.model, context);
@@ -206,7 +285,8 @@ PreparedHouse Prepare(const HouseFiles& files, const HouseFolder& folder) {
     mending.MendInertias();
     mending.Remove(folder.without());
     house.notes = mending.notes();
-    if (!house.notes.empty()) house.model = WriteMended(spec.get(), files, context, house.notes);
+    if (!house.notes.empty())
+      house.model = WriteMended(spec.get(), files, context, mending.changes());
   } catch (const Error& error) {
     house.why_not = error.what();
   }
@@ -223,16 +303,22 @@ PreparedHouse PrepareHouse(const HouseFiles& files, const HouseFolder& folder) {
   std::string key = FileIdentity(files.model) + "\n" + FileIdentity(files.metadata) + "\n";
   for (const std::string& entry : folder.without()) key += entry + "\n";
   for (const fs::path& root : folder.roots()) key += root.string() + "\n";
-  key += HousesCacheFolder().string();
+  const std::string place = key + HousesCacheFolder().string();
   {
     const std::lock_guard lock(mutex);
-    const auto it = known.find(key);
+    const auto it = known.find(place);
     if (it != known.end() && CanReadFile(it->second.model)) return it->second;
   }
-  PreparedHouse house = Prepare(files, folder);  // without the lock, because it may log
-  if (!house.why_not.empty()) return house;      // its files may come later
+  const PreparedOnDisk on_disk(key);
+  std::optional<PreparedHouse> house = on_disk.Read();
+  if (!house) {
+    std::set<fs::path> watched;
+    house = Prepare(files, folder, watched);     // without the lock, because it may log
+    if (!house->why_not.empty()) return *house;  // its files may come later
+    on_disk.Write(*house, watched);
+  }
   const std::lock_guard lock(mutex);
-  return known[key] = std::move(house);
+  return known[place] = *std::move(house);
 }
 
 }  // namespace robocell::internal

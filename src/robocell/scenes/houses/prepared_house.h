@@ -19,7 +19,7 @@ struct PreparedHouse {
   std::vector<std::string> notes = {};  // what was mended or left out
 };
 
-// Returns what was prepared before in this process, unless the files changed.
+// Returns what was prepared before on this machine, unless the files changed.
 PreparedHouse PrepareHouse(const HouseFiles& files, const HouseFolder& folder);
 
 // Returns ROBOCELL_CACHE_DIR/houses, or its default place.
