@@ -24,9 +24,10 @@
 namespace robocell::internal {
 namespace {
 
-constexpr double kHollowGap = 0.003;  // m between a sampled object and the walls of a hollow
-constexpr double kLevelFloor = 0.98;  // cosine of the tilt of a floor
-constexpr double kRegionShare = 0.6;  // of a region that samples lie in
+constexpr double kHollowGap = 0.003;   // m between a sampled object and the walls of a hollow
+constexpr double kLevelFloor = 0.98;   // cosine of the tilt of a floor
+constexpr double kRegionShare = 0.6;   // of a region that samples lie in, if there is room
+constexpr double kWholeRegion = 0.95;  // ... else; less than all, so that the relation surely holds
 
 // An object of a scene whose poses are sampled.
 class Subject {
@@ -88,9 +89,9 @@ class Subject {
 
 // Draws poses until `count` of them are free of what is there already; fewer where there is little
 // room. draw(i): the i-th pose.
+constexpr int kDrawsPerPose = 4;
 template <class Draw>
 RelationSamples DrawFree(const Subject& subject, int count, Draw&& draw) {
-  constexpr int kDrawsPerPose = 4;
   RelationSamples samples;
   PlaceOverlap overlap(subject.scene(), subject.id());
   for (int i = 0; i < kDrawsPerPose * count && static_cast<int>(samples.poses.size()) < count;
@@ -301,7 +302,9 @@ class InRegion final : public BoundRelation {
   // On what the object stands on now. The first pose is the middle of the region, if that is free.
   RelationSamples Sample(Rng& rng, int count) const override {
     return DrawFree(subject_, count, [&](int i) {
-      const Eigen::Vector3d at = region_.Draw(i == 0 ? 0 : kRegionShare, rng);
+      const bool is_tight = i >= kDrawsPerPose / 2 * count;  // about half of the draws failed
+      const double share = is_tight ? kWholeRegion : kRegionShare;
+      const Eigen::Vector3d at = region_.Draw(i == 0 ? 0 : share, rng);
       return subject_.CentredOver(at.head<2>(), subject_.lowest(),
                                   i == 0 ? 0 : rng.Uniform(-kPi, kPi));
     });

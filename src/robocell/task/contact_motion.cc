@@ -13,7 +13,8 @@ namespace robocell {
 namespace {
 
 constexpr int kContactRestarts = 40;
-constexpr size_t kLeastOut = 2;  // points of the line out that have to be free
+constexpr size_t kLeastOut = 2;    // points of the line out that have to be free
+constexpr size_t kStepsBack = 16;  // places along a path from which a way out is sought
 // Largest motion of a joint from one pose of a path to the next, rad (m): a solution farther away is
 // on another branch.
 constexpr double kMostContactStep = 0.35;
@@ -55,13 +56,26 @@ ContactMotions::ContactMotions(PlanningScene& planning, std::vector<ContactPath>
   std::ranges::stable_sort(starts_, {}, &Start::path);
 }
 
+// Returns the line from the end of a motion along the path, as far as it is free. Fingers that let go
+// may still touch the target.
+JointPath ContactMotions::WayOut(const ContactPath& path, const JointPath& along) {
+  const Robot& robot = planning_.robot();
+  const Pose end = world_in_base_ * path.tcp_in_world[along.size() - 1];
+  JointPath out =
+      internal::LineAbove(robot.chain(), internal::TaskSpaceOf(robot), end, along.back(),
+                          Rotate(world_in_base_.quaternion(), path.away), path.after);
+  const auto blocked = std::find_if(out.begin() + 1, out.end(), [&](const JointVector& q) {
+    return !planning_.IsFree(q, {.gap = path.free_gap, .touch_target = true});
+  });
+  if (blocked != out.end()) obstacles_.Add(planning_.obstacle());
+  out.erase(blocked, out.end());
+  return out;
+}
+
 std::optional<ContactMotion> ContactMotions::Try(const Start& start) {
   const ContactPath& path = paths_[start.path];
   const Chain& chain = planning_.robot().chain();
   const internal::TaskSpace task = internal::TaskSpaceOf(planning_.robot());
-  const auto in_base = [&](const Eigen::Vector3d& direction) {
-    return Rotate(world_in_base_.quaternion(), direction);
-  };
   const auto is_free = [&](const JointVector& q, double gap, bool touch) {
     if (planning_.IsFree(q, {.gap = gap, .touch_target = touch})) return true;
     ++in_collision_;
@@ -70,7 +84,7 @@ std::optional<ContactMotion> ContactMotions::Try(const Start& start) {
   };
   ContactMotion motion{.path = start.path};
   motion.in = internal::LineAbove(chain, task, world_in_base_ * path.tcp_in_world.front(), start.q,
-                                  in_base(path.from), path.before);
+                                  Rotate(world_in_base_.quaternion(), path.from), path.before);
   if (internal::MissingShare(motion.in) > 0) return ++no_line_, std::nullopt;
   for (size_t i = 1; i < motion.in.size(); ++i) {
     if (!is_free(motion.in[i], path.free_gap, false)) return std::nullopt;
@@ -88,22 +102,22 @@ std::optional<ContactMotion> ContactMotions::Try(const Start& start) {
     }
     motion.along.push_back(ik.q);
   }
-  motion.share = paths_[start.path].tcp_in_world.size() < 2
-                     ? 1
-                     : static_cast<double>(motion.along.size() - 1) /
-                           static_cast<double>(path.tcp_in_world.size() - 1);
-  if (motion.share < options_.least_share) return ++no_way_, std::nullopt;
-  const Pose end = world_in_base_ * path.tcp_in_world[motion.along.size() - 1];
-  motion.out =
-      internal::LineAbove(chain, task, end, motion.along.back(), in_base(path.away), path.after);
-  // The hand leaves as far as that is free. Fingers that let go may still touch the target.
-  size_t free = 1;
-  while (free < motion.out.size() &&
-         planning_.IsFree(motion.out[free], {.gap = path.free_gap, .touch_target = true}))
-    ++free;
-  if (free < motion.out.size()) obstacles_.Add(planning_.obstacle());
-  motion.out.resize(free);
-  if (free <= kLeastOut) return ++no_way_out_, std::nullopt;
+  const size_t steps = path.tcp_in_world.size();
+  const auto share = [&] {
+    if (steps < 2) return 1.0;
+    return static_cast<double>(motion.along.size() - 1) / static_cast<double>(steps - 1);
+  };
+  if (share() < options_.least_share) return ++no_way_, std::nullopt;
+  const size_t back = std::max<size_t>(1, motion.along.size() / kStepsBack);
+  motion.out = WayOut(path, motion.along);
+  // At the end of the reach there may be no way out: a hand that may stop earlier leaves from there.
+  while (motion.out.size() <= kLeastOut && motion.along.size() > back) {
+    motion.along.resize(motion.along.size() - back);
+    if (share() < options_.least_share) break;
+    motion.out = WayOut(path, motion.along);
+  }
+  if (motion.out.size() <= kLeastOut) return ++no_way_out_, std::nullopt;
+  motion.share = share();
   std::ranges::reverse(motion.in);
   return motion;
 }

@@ -40,7 +40,7 @@ struct ContactMotion {
 
 struct ContactMotionOptions {
   // Motions that follow less than this share of their path are rejected. Those that follow all of it
-  // come first.
+  // come first. Below 1, a motion ends earlier where the hand has no way out from the end.
   double least_share = 1;
 };
 
@@ -62,6 +62,7 @@ class ContactMotions {
     JointVector q;
   };
   std::optional<ContactMotion> Try(const Start& start);
+  JointPath WayOut(const ContactPath& path, const JointPath& along);
 
   PlanningScene& planning_;
   std::vector<ContactPath> paths_;

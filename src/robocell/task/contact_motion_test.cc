@@ -47,10 +47,12 @@ TEST(ContactMotions, TakesAPartOfAPathIfThatIsOfUse) {
   planning.Update();
   const std::vector<ContactPath> paths = {Over({0, 0, 0.65}, 3, 300)};
   EXPECT_FALSE(ContactMotions(planning, paths, scene.home()).Next().has_value());
-  const auto part = ContactMotions(planning, paths, scene.home(), {.least_share = 0.05}).Next();
-  ASSERT_TRUE(part.has_value());
+  ContactMotions parts(planning, paths, scene.home(), {.least_share = 0.05});
+  const auto part = parts.Next();
+  ASSERT_TRUE(part.has_value()) << parts.Reasons();
   EXPECT_GT(part->share, 0.05);
   EXPECT_LT(part->share, 1);
+  EXPECT_GT(part->out.size(), 2u);
 }
 
 // The hand comes free to the contact, and cannot leave: its way out leads into the table.

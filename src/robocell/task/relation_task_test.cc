@@ -179,7 +179,8 @@ TEST_F(RelationTaskTest, PutsObjectsWhereTheStartHoldsAndNothingElseIs) {
   const auto held = BindRelation(*scene_, ParseRelation("red in_region 0.3 0 0.06"));
   for (int i = 0; i < 10; ++i) {
     Put("red", {0, 0, 0.02});
-    ASSERT_FALSE(task.Arrange(*scene_, rng).has_value());
+    const std::optional<Refusal> refused = task.Arrange(*scene_, rng);
+    ASSERT_FALSE(refused.has_value()) << refused->reason;
     EXPECT_TRUE(held->Holds());
     EXPECT_THAT(task.resting_objects(), ElementsAre("red"));
     const Eigen::Vector3d apart =
