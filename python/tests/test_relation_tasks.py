@@ -68,9 +68,7 @@ def test_an_environment_has_the_task_too(kind: str):
         env.restore("start")
         again, same_reward, _, _, _ = env.step(stay)
         assert same_reward == reward
-        assert first.keys() == again.keys()
-        for name, value in first.items():
-            np.testing.assert_array_equal(again[name], value, err_msg=name)
+        np.testing.assert_equal(again, first)
     assert env.instruction.startswith(
         {"stack": "put the blue cube on", "press": "press the "}[kind]
     )

@@ -35,6 +35,7 @@ GIVEN = {
     " std::vector<uint16_t> millimetres",
     "env": "Scene scene",
     "environments": "EnvConfig config",
+    "grasps": "Robot robot",
     "kinematics": "const mjModel* model, void (*Command)(std::span<const double>)",
     "math": "Pose base_in_world, Pose tcp_in_base, Pose target, Pose difference, Pose start,"
     " Pose goal, PoseMoveLimits limits, double time",

@@ -135,6 +135,15 @@ class Resolved:
                         f"{place}: the {what} of its '{name}' are {_text(theirs)} instead of "
                         f"{_text(ours)}. {remedy}"
                     )
+            read, read_there = (
+                sorted({term.column for term in each.terms}) for each in (feature, there)
+            )
+            if read != read_there:
+                raise ArgumentError(
+                    f"{place}: its '{name}' is made of {_text(read_there)} instead of "
+                    f"{_text(read)}. "
+                    f"{remedy}"
+                )
         if self.images != other.images:
             raise ArgumentError(
                 f"{place}: its cameras are {_text(other.images.values())} instead of "

@@ -38,7 +38,7 @@ class BuiltInRelationsTest : public ::testing::Test {
     board.fixed = true;
     spec.objects.push_back(board);
     spec.objects.push_back(
-        {.name = "dish", .mjcf_path = "tray", .pos = Vec3{-1, 0, 0}, .fixed = true});
+        {.name = "dish", .mjcf_path = "tray", .pos = Vec3{-1, 0, 0.01}, .fixed = true});
     spec.objects.push_back(
         {.name = "chest", .mjcf_path = "drawer_unit", .pos = Vec3{0, 2, 0}, .fixed = true});
     const std::string marks = folder_.Write("marks", R"(<worldbody><body name="marks">
