@@ -1,7 +1,7 @@
 """The examples of the C++ reference compile, run, and print what they show.
 
-To compile them takes longer than all else: `make check` does it. `make test` compiles the ten lines
-of the page on installing (test_readme.py) and a plugin (test_plugin.py).
+To compile them takes longer than all else: `make check` does it. `make test` compiles a program
+against an install (test_packaging.py).
 """
 
 from __future__ import annotations

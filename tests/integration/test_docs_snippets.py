@@ -25,6 +25,7 @@ LONG = {
     "the commands": {
         "concepts/determinism",
         "concepts/durability",
+        "howto/benchmark",
         "howto/evaluate_policy",
         "howto/record_depth",
         "howto/render_kept",
@@ -34,7 +35,15 @@ LONG = {
         "tutorials/own_task",
         "tutorials/train_and_evaluate",
     },
-    "the python": {"data", "environments", "export"},
+    "the python": {
+        "data",
+        "environments",
+        "export",
+        "howto/train_diffusion_policy",
+        "howto/train_groot",
+        "howto/train_openpi",
+        "howto/train_robomimic",
+    },
 }
 
 

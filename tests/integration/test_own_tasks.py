@@ -280,6 +280,7 @@ def evaluated(run_file: Path, output: Path, episodes: int, code: int) -> dict[st
     return json.loads(result.stdout)
 
 
+@pytest.mark.proof  # policies that raise are in test_policy.py
 def test_in_an_evaluation_an_expert_that_raises_fails(run_file: Path, tmp_path: Path):
     """Generation takes another start; an evaluation does not, for the sake of the comparison."""
     module = run_file.with_name("stack_cubes.py")
