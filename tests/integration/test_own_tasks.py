@@ -490,6 +490,7 @@ def mini(tmp_path: Path) -> Path:
     return tmp_path / "mini.yaml"
 
 
+@pytest.mark.proof  # which modules these are, is above and in test_own_code.py
 def test_every_imported_module_is_part_of_the_run(mini: Path, tmp_path: Path):
     out = tmp_path / "out"
     generate(mini, out, "--episodes", 1)
