@@ -221,13 +221,23 @@ def _home_of(value: object) -> str:
 
 def _imports_of(file: Path, name: str) -> list[str]:
     """Returns the names that a source imports, at its top or in a function."""
-    try:
-        tree = ast.parse(file.read_bytes())
-    except (SyntaxError, ValueError, OSError, RecursionError, MemoryError):
-        return []
     # A module's parts up to its package, from which relative names count.
     parts = name.split(".")
     package = parts if file.name == "__init__.py" else parts[:-1]
+    try:
+        return list(_imports_in(file.read_bytes(), tuple(package)))
+    except OSError:
+        return []
+
+
+# A run looks at the same sources many times; to parse them takes longer than all else of it.
+@functools.lru_cache(maxsize=256)
+def _imports_in(source: bytes, package: tuple[str, ...]) -> tuple[str, ...]:
+    """Returns the names that the source of a module in a package imports."""
+    try:
+        tree = ast.parse(source)
+    except (SyntaxError, ValueError, RecursionError, MemoryError):
+        return ()
     names: list[str] = []
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
@@ -237,7 +247,7 @@ def _imports_of(file: Path, name: str) -> list[str]:
             names += [parent, *(f"{parent}.{alias.name}" for alias in node.names)]
         elif isinstance(node, ast.Call):
             names += _called_for(node, package)
-    return [each for each in names if each]
+    return tuple(each for each in names if each)
 
 
 def _absolute(package: Sequence[str], level: int, name: str) -> str:

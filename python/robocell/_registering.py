@@ -138,10 +138,7 @@ def require_hooks(call: str, made: object, base: type) -> None:
     `base`: those that only `made` inherits from robocell fit.
     """
     kind = made if inspect.isclass(made) else type(made)
-    for hook in dir(base):
-        own = inspect.getattr_static(base, hook)
-        if hook.startswith("_") or not (hasattr(own, "__nb_signature__") or callable(own)):
-            continue
+    for hook, own in _hooks_of(base):
         written = inspect.getattr_static(made, hook, own)
         if written is own or hasattr(written, "__nb_signature__"):
             continue
@@ -172,6 +169,17 @@ def require_hooks(call: str, made: object, base: type) -> None:
                 f"arguments {arguments_of(called_as)}: write def {hook}"
                 f"({arguments if bound else ', '.join(given)})"
             )
+
+
+@functools.cache  # of robocell's own classes, for each object that a run makes
+def _hooks_of(base: type) -> list[tuple[str, object]]:
+    """Returns the public methods of a base class, by their names."""
+    named = [(name, inspect.getattr_static(base, name)) for name in dir(base)]
+    return [
+        (name, own)
+        for name, own in named
+        if not name.startswith("_") and (hasattr(own, "__nb_signature__") or callable(own))
+    ]
 
 
 def _given_to(hook: object) -> list[str]:

@@ -146,10 +146,7 @@ def create(
             starts.append(start)
             if on_start is not None:
                 on_start(done, episodes)
-        with tempfile.TemporaryDirectory() as folder:
-            run.output = str(Path(folder) / "out")
-            prepare_dataset(run)
-            manifest = manifest_of_dataset(run.output) or {}
+        manifest = _manifest_of(run)
     relative = os.path.relpath(Path(source).resolve(), path.resolve().parent)
     content = {
         "format": FORMAT,
@@ -263,7 +260,9 @@ def evaluate(
     with modules_of_one_run():
         run = _run_of(own.place, named, own.seed, len(own.starts))
         first = next(iter(_drawn(run, make_plan(run)[:1])))
+        manifest = _manifest_of(run)
     _require_same(own, own.starts[0], first)  # before hours of rollouts
+    _require_same_task(own, manifest)
     place = Path(output) if output is not None else default_output(own.path, policy, own.seed)
     result = evaluate_run(
         own.place,
@@ -306,6 +305,14 @@ def _drawn(run: RunConfig, plan: Sequence[PlanItem]) -> Iterator[dict[str, Any]]
         }
 
 
+def _manifest_of(run: RunConfig) -> dict[str, Any]:
+    """Returns what a dataset of the run would say of it. Changes the run's output."""
+    with tempfile.TemporaryDirectory() as folder:
+        run.output = str(Path(folder) / "out")
+        prepare_dataset(run)
+        return manifest_of_dataset(run.output) or {}
+
+
 def _task_of(manifest: dict[str, Any]) -> str:
     """Returns the task in a dataset's description of its run."""
     lines = str(manifest.get("identity", "")).splitlines(keepends=True)
@@ -324,7 +331,20 @@ def _is_state(name: str) -> bool:
 
 def _require_rollouts(own: Benchmark, rollouts: Dataset) -> None:
     """Raises ArgumentError unless rollouts began as the benchmark says, with its models."""
-    manifest = manifest_of_dataset(rollouts.folder) or {}
+    _require_same_task(own, manifest_of_dataset(rollouts.folder) or {})
+    for start in own.starts:
+        if start["id"] in rollouts:
+            episode = rollouts[start["id"]]
+            state = {
+                name: np.ravel(episode[name][0]).tolist()
+                for name in start["state"]
+                if name in episode
+            }
+            _require_same(own, start, {"state": state})
+
+
+def _require_same_task(own: Benchmark, manifest: dict[str, Any]) -> None:
+    """Raises ArgumentError unless a dataset has the task and the models of the benchmark."""
     for name, digest in manifest.get("files", {}).items():
         if own.files.get(name, digest) != digest:
             raise ArgumentError(
@@ -336,15 +356,6 @@ def _require_rollouts(own: Benchmark, rollouts: Dataset) -> None:
             f"the task is not that of benchmark '{own.path}', so its successes mean something "
             f"else:\n{task}instead of\n{own.task}"
         )
-    for start in own.starts:
-        if start["id"] in rollouts:
-            episode = rollouts[start["id"]]
-            state = {
-                name: np.ravel(episode[name][0]).tolist()
-                for name in start["state"]
-                if name in episode
-            }
-            _require_same(own, start, {"state": state})
 
 
 def _require_same(own: Benchmark, start: dict[str, Any], found: dict[str, Any]) -> None:

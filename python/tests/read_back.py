@@ -21,6 +21,7 @@ from made_once import made_once
 SIZE = (64, 48)
 CAMERAS = {
     "resolution": list(SIZE),
+    "renderer": {"backend": "soft"},  # OpenGL starts anew in each process
     "streams": [
         {"name": "wrist", "camera": "wrist_camera", "depth": True, "segmentation": True},
         {"name": "exo", "camera": "exo_camera"},

@@ -13,7 +13,7 @@ import yaml
 from robocell._core import self_hashed_json
 
 import robocell
-from command_line import RC7, refused, robocell_command, write_run
+from command_line import RC7, RUN, refused, robocell_command, write_run
 from robocell import benchmark
 
 
@@ -82,7 +82,7 @@ def test_the_command_evaluates_a_benchmark(folder: Path, result: Any):
 def test_a_benchmark_of_a_dataset_has_its_cell(folder: Path, result: Any, tmp_path: Path):
     made = benchmark.create(folder / "expert", tmp_path / "more.json", episodes=1, seed=7)
     assert made.place.resolve() == (folder / "expert").resolve()
-    found = benchmark.evaluate(made, "random", output=tmp_path / "random")
+    found = benchmark.evaluate(made, "random", output=tmp_path / "random", max_steps=5)
     assert found.rollouts == 1
 
 
@@ -121,7 +121,7 @@ def test_what_cannot_be_compared_is_refused(
     folder: Path, result: Any, tmp_path: Path, change: Any, message: str
 ):
     file = edited(folder, tmp_path / "b.json", change)
-    # The rollouts are there already: evaluating them again only looks at them.
+    # The rollouts are there already: evaluating again only reads them.
     with pytest.raises(robocell.ArgumentError) as raised:
         benchmark.evaluate(file, "expert", output=folder / "expert")
     assert message in str(raised.value)
@@ -135,6 +135,7 @@ def test_a_task_that_was_changed_is_refused(folder: Path, tmp_path: Path):
     file = edited(folder, tmp_path / "b.json", lambda c: c.update(source="run.yaml"))
     with pytest.raises(robocell.ArgumentError, match="its successes mean something else"):
         benchmark.evaluate(file, "random", output=tmp_path / "out")
+    assert not (tmp_path / "out").exists(), "it is refused before the first rollout"
 
 
 def test_mistakes_are_named(folder: Path, tmp_path: Path):
@@ -167,7 +168,7 @@ def with_module(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """A benchmark whose module leaves a file when it is imported."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "marking.py").write_text(MARKING)
-    write_run(tmp_path, cameras={"streams": []})
+    write_run(tmp_path, cameras={"streams": []}, rates={**RUN["rates"], "max_steps": 5})
     arguments = ("benchmark", "run.yaml", "picks.json", "-n", 1, "--import", "marking.py")
     said = robocell_command(*arguments)
     assert said.returncode == 0, said.stderr

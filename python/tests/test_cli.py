@@ -224,7 +224,7 @@ def test_rejects_an_invalid_shard(tmp_path: Path):
 
 
 def test_rejects_a_changed_configuration_and_shows_the_difference(tmp_path: Path):
-    path = write_run(tmp_path)
+    path = write_run(tmp_path, cameras={"streams": []}, episodes_per_scene=1)
     robocell.generate.prepare_dataset(robocell.RunConfig.load(path))
     assert robocell_command("generate", path, "--seed", 7, "--dry-run").returncode == 0
     (tmp_path / "out" / "s0000_e0000").mkdir()

@@ -484,6 +484,7 @@ def own_number(scene):
 """
 
 
+@pytest.mark.proof  # errors of a task are in test_replay.py
 def test_replay_errors_of_custom_code_name_the_import_and_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):

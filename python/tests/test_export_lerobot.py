@@ -478,12 +478,10 @@ KILLED = """
 """
 
 
+@pytest.mark.proof  # as in test_export_arrays.py
 @pytest.mark.parametrize(
     ("number", "cut"),
-    [
-        pytest.param(0, "pass", marks=pytest.mark.proof),
-        (2, "path_of('data/chunk-000/file-002.parquet').touch()"),
-    ],
+    [(0, "pass"), (2, "path_of('data/chunk-000/file-002.parquet').touch()")],
 )
 def test_a_killed_export_leaves_nothing_under_its_name_and_continues(
     dataset: robocell.Dataset,

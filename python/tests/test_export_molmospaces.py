@@ -131,6 +131,7 @@ KILLED = """
 """
 
 
+@pytest.mark.proof  # as in test_export_arrays.py
 def test_a_killed_export_leaves_nothing_under_its_name_and_continues(
     dataset: robocell.Dataset, tmp_path: Path
 ):

@@ -42,7 +42,9 @@ def opened(folder: Path) -> robocell.Dataset:
     return robocell.Dataset(folder)
 
 
-@pytest.mark.parametrize("format", ["lerobot-v3", "lerobot-v2.1"])
+@pytest.mark.parametrize(
+    "format", ["lerobot-v3", pytest.param("lerobot-v2.1", marks=pytest.mark.proof)]
+)
 def test_lerobot_datasets_come_back(dataset: robocell.Dataset, tmp_path: Path, format: str):
     export_dataset(dataset, tmp_path / "there", format)
     result = import_dataset(tmp_path / "there", tmp_path / "back")

@@ -116,6 +116,7 @@ class TestRobots:
         assert "suction cups and magnets" in (tmp_path / "out.yaml").read_text()
         assert "NOTE" not in (tmp_path / "out.yaml").read_text()
 
+    @pytest.mark.proof  # an arm with a gripper picks below
     def test_a_suction_cup_picks(self, tmp_path: Path):
         init(tmp_path, init_models.suction_arm())
         done = robocell_command(

@@ -156,7 +156,7 @@ def test_a_soft_arm_of_motors_picks_and_its_episodes_replay(tmp_path: Path):
     checked = robocell_command("check", robot)
     assert checked.returncode == 0, checked.stderr
     assert checked.stdout.splitlines()[-1] == "no problems found"
-    run = write_run(tmp_path, robot=str(robot), max_attempts=3)
+    run = write_run(tmp_path, robot=str(robot), max_attempts=3, cameras={"streams": []})
     estimated = robocell_command("generate", run, "--dry-run")
     assert estimated.returncode == 0, estimated.stderr
     made = robocell_command("generate", run, "--workers", 1, "--progress", "jsonl")

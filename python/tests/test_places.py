@@ -89,7 +89,7 @@ class Tower(rc.tasks.Task):
         return ["cube", "brick"]
 
 
-@pytest.mark.parametrize("runs_own", [False, True])
+@pytest.mark.parametrize("runs_own", [pytest.param(False, marks=pytest.mark.proof), True])
 def test_a_run_can_replace_the_places_of_a_task(tmp_path: Path, runs_own: bool):
     rc.register_task("tower_of_test")(Tower)
     run = pick()

@@ -14,7 +14,13 @@ from command_line import RUN, refused, robocell_command, write_run
 CAMERAS = {**RUN["cameras"], "streams": [{"name": "exo", "camera": "exo_camera"}]}
 
 
-@pytest.mark.parametrize(("rates", "fps"), [("policy_hz: 7.5", (15, 2)), ("policy_hz: 6", (6, 1))])
+@pytest.mark.parametrize(
+    ("rates", "fps"),
+    [
+        ("policy_hz: 7.5", (15, 2)),
+        pytest.param("policy_hz: 6", (6, 1), marks=pytest.mark.proof),
+    ],
+)
 def test_rows_times_and_frames_have_exactly_the_rate(
     tmp_path: Path, rates: str, fps: tuple[int, int]
 ):

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import h5py
@@ -122,19 +123,37 @@ def test_a_damaged_episode_is_reported_and_the_others_are_replayed(dataset: Path
     assert f"Did you mean '{copy}'?" in refused("report", tmp_path)
 
 
-def test_replay_with_code_rejects_a_damaged_manifest(dataset: Path, tmp_path: Path):
+MANIFEST_DAMAGES: dict[str, Callable[[bytes], bytes]] = {
+    "cut": lambda whole: whole[:100],
+    "no text": lambda _: b"\xff",
+    "empty": lambda _: b"",
+    "a list": lambda _: b"[]",
+    "a field renamed": lambda whole: whole.replace(b'"versions"', b'"version_s"'),
+}
+
+
+@pytest.mark.parametrize(
+    "damage",
+    ["cut", *(pytest.param(name, marks=pytest.mark.proof) for name in list(MANIFEST_DAMAGES)[1:])],
+)
+def test_replay_with_code_rejects_a_damaged_manifest(dataset: Path, tmp_path: Path, damage: str):
+    copy, module = shutil.copytree(dataset, tmp_path / "copy"), tmp_path / "mine_of_test.py"
+    module.touch()
+    manifest = copy / "dataset.json"
+    whole = manifest.read_bytes()
+    damaged = MANIFEST_DAMAGES[damage](whole)
+    assert damaged != whole
+    manifest.write_bytes(damaged)
+    text = refused("replay", copy, IDS[0], "--import", module, code=3)
+    assert text.startswith(f"error: '{manifest}' is damaged: ")
+    assert f"`robocell verify --repair {copy}` sets it aside" in text
+
+
+def test_replay_with_code_works_without_a_manifest(dataset: Path, tmp_path: Path):
     copy, module = shutil.copytree(dataset, tmp_path / "copy"), tmp_path / "mine_of_test.py"
     module.touch()
     words = ("replay", copy, IDS[0], "--import", module)
     manifest = copy / "dataset.json"
-    whole = manifest.read_bytes()
-    changed = whole.replace(b'"versions"', b'"version_s"')
-    assert changed != whole
-    for damaged in (whole[:100], b"\xff", b"", b"[]", changed):
-        manifest.write_bytes(damaged)
-        text = refused(*words, code=3)
-        assert text.startswith(f"error: '{manifest}' is damaged: ")
-        assert f"`robocell verify --repair {copy}` sets it aside" in text
     manifest.unlink()
     result = robocell_command(*words)
     assert result.returncode == 0, result.stderr
@@ -244,7 +263,11 @@ OWN_MEMORY = """
 """
 
 
-@pytest.mark.parametrize("hook", ["", OWN_MEMORY], ids=["attributes", "memory"])
+@pytest.mark.parametrize(
+    "hook",
+    [pytest.param("", marks=pytest.mark.proof), OWN_MEMORY],
+    ids=["attributes", "memory"],
+)
 def test_replays_a_task_that_keeps_its_start(tmp_path: Path, hook: str):
     """In a process whose task has never begun."""
     module = tmp_path / "push_of_replay.py"

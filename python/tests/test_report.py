@@ -283,6 +283,7 @@ def test_a_damaged_report_does_not_stop_a_run(dataset: Path, tmp_path: Path):
     assert "1 episode, made by commands that were killed" in text
 
 
+@pytest.mark.proof  # runs that go on are below
 def test_shards_have_separate_reports_and_one_table(tmp_path: Path):
     run = write_run(tmp_path, cameras={"streams": []})
     for shard in ("0/2", "1/2"):

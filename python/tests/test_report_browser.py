@@ -60,6 +60,7 @@ def test_a_browser_draws_the_page_without_a_network(page: Path):
     assert not said, "neither errors nor requests, which the page's policy stops and reports"
 
 
+@pytest.mark.proof
 def test_the_policy_of_the_page_stops_requests(page: Path, tmp_path: Path):
     other = tmp_path / "report.html"
     picture = '<img src="https://robocell.invalid/picture.png"><footer'

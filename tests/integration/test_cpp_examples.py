@@ -1,7 +1,7 @@
 """The examples of the C++ reference compile, run, and print what they show.
 
-To compile them takes longer than all else: `make check` does it. `make test` compiles the ten lines
-of the page on installing (test_readme.py) and a plugin (test_plugin.py).
+To compile them takes longer than all else: `make check` does it. `make test` compiles a program
+against an install (test_packaging.py).
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from test_docs_snippets import make_demo
+from test_docs_snippets import put_demo, put_models
 from test_packaging import BUILD, CONSUMER, ROOT, run
 
 from made_once import made_once
@@ -47,9 +47,8 @@ def program(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder as the examples expect it: robocell's own files, and a dataset of `make demo`."""
     path = tmp_path_factory.mktemp("work")
-    for name in ("examples", "models"):
-        (path / name).symlink_to(ROOT / name)
-    make_demo(path)
+    put_models(path)
+    put_demo(path, tmp_path_factory)
     return path
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -10,9 +11,10 @@ from typing import Any
 
 import console_blocks
 import pytest
-from commands import warnings_of
+from commands import robocell_command, warnings_of
 from test_packaging import ROOT, run
 
+from made_once import made_once
 from menagerie import require_menagerie
 
 DOCS = ROOT / "docs"
@@ -23,6 +25,7 @@ LONG = {
     "the commands": {
         "concepts/determinism",
         "concepts/durability",
+        "howto/benchmark",
         "howto/evaluate_policy",
         "howto/record_depth",
         "howto/render_kept",
@@ -32,7 +35,15 @@ LONG = {
         "tutorials/own_task",
         "tutorials/train_and_evaluate",
     },
-    "the python": {"data", "environments", "export"},
+    "the python": {
+        "data",
+        "environments",
+        "export",
+        "howto/train_diffusion_policy",
+        "howto/train_groot",
+        "howto/train_openpi",
+        "howto/train_robomimic",
+    },
 }
 
 
@@ -53,28 +64,41 @@ def blocks(page: Path, language: str) -> list[str]:
     return [str(block) for block in found]
 
 
-def make_demo(folder: Path) -> None:
-    """What `make demo` leaves, but small."""
-    small = ["--episodes=2", "--set", "cameras.resolution=[64, 48]"]
-    command = [sys.executable, "-m", "robocell", "generate", "examples/demo.yaml", *small]
-    subprocess.run(command, cwd=folder, capture_output=True, check=True)
+def put_models(folder: Path) -> None:
+    """Puts the folders of the repository there that pages and examples name."""
+    for name in ("examples", "models"):
+        (folder / name).symlink_to(ROOT / name)
+
+
+def put_demo(folder: Path, tmp_path_factory: pytest.TempPathFactory) -> None:
+    """Puts a small dataset of `make demo` there, which is made once."""
+
+    def make(made: Path) -> None:
+        put_models(made)
+        small = ("--episodes", 2, "--workers", 1, "--set", "cameras.resolution=[64, 48]")
+        done = robocell_command("generate", "examples/demo.yaml", *small, cwd=made)
+        assert done.returncode == 0, done.stderr
+
+    made = made_once(tmp_path_factory, "small_demo", make)
+    shutil.copytree(made / "experiment_output", folder / "experiment_output")
 
 
 def prepare(page: Path, folder: Path) -> None:
     """The files that a page takes as given, and those that it shows."""
-    for name in ("examples", "models"):
-        (folder / name).symlink_to(ROOT / name)
+    put_models(folder)
     console_blocks.write_files(page, folder)
 
 
 @pytest.mark.parametrize("page", each([p for p in PAGES if blocks(p, "python")], "the python"))
-def test_the_python_of_a_page_runs_from_top_to_bottom(page: Path, tmp_path: Path):
+def test_the_python_of_a_page_runs_from_top_to_bottom(
+    page: Path, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory
+):
     code = "\n".join(blocks(page, "python"))
     if "fr3_2f85" in code:
         require_menagerie("franka_fr3", "robotiq_2f85")
     prepare(page, tmp_path)
     if "experiment_output/demo" in code:
-        make_demo(tmp_path)
+        put_demo(tmp_path, tmp_path_factory)
     script = tmp_path / "page.py"
     script.write_text(code)
     done = subprocess.run(

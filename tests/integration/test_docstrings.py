@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
-from test_docs_snippets import make_demo
+from test_docs_snippets import put_demo, put_models
 from test_packaging import ROOT
 
 sys.path.append(str(ROOT / "scripts" / "docsite"))
@@ -28,9 +28,8 @@ WITH_EXAMPLE = {name: text for name, text in DOCSTRINGS.items() if ">>> " in tex
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder as the examples expect it: robocell's own files, and a dataset of `make demo`."""
     path = tmp_path_factory.mktemp("examples")
-    for name in ("examples", "models"):
-        (path / name).symlink_to(ROOT / name)
-    make_demo(path)
+    put_models(path)
+    put_demo(path, tmp_path_factory)
     return path
 
 

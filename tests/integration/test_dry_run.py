@@ -41,6 +41,7 @@ def expect_what_came(run: Path, dataset: Path, scratch: Path, *options: object) 
     return expected
 
 
+@pytest.mark.proof  # a small run without a second camera is in test_estimate.py
 @pytest.mark.parametrize(
     ("run", "made", "options"),
     [

@@ -174,6 +174,7 @@ def test_an_evaluation_stores_its_cell(dataset: Path, tmp_path: Path):
         compare(longer, same)
 
 
+@pytest.mark.proof  # of a recorded one in test_evaluate_recorded.py
 def test_the_cell_of_a_moved_dataset_and_of_its_run_file_is_the_same(dataset: Path, tmp_path: Path):
     shutil.copytree(dataset, tmp_path / "moved")
     run = yaml.safe_load(DEMO.read_text()) | {"output": "out"}
@@ -279,6 +280,7 @@ def policy_file(folder: Path, name: str) -> Path:
     return file
 
 
+@pytest.mark.proof  # as in test_evaluate_recorded.py
 def test_a_killed_worker_costs_no_rollout(dataset: Path, tmp_path: Path):
     file = policy_file(tmp_path, "dying")
     result = evaluate(dataset, f"{file}:Dying", episodes=3, workers=2, output=tmp_path / "out")

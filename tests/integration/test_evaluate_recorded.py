@@ -125,6 +125,7 @@ def test_policies_get_the_same_new_starts(recorded: Path, tmp_path: Path):
     assert other[0].metadata["user"]["evaluation"]["policy"] == policy(recorded, "Still")
 
 
+@pytest.mark.proof  # of runs in test_evaluate.py
 def test_another_seed_or_number_of_workers(recorded: Path, tmp_path: Path):
     def first_state(output: Path, **options: int) -> np.ndarray:
         evaluate(recorded, "random", episodes=2, max_steps=3, output=output, **options)
@@ -190,6 +191,7 @@ def test_an_evaluation_continues_only_as_the_same(recorded: Path, tmp_path: Path
         evaluate(recorded, f"{file}:Picker", episodes=2, output=out)
 
 
+@pytest.mark.proof  # as other weights in test_evaluate.py
 def test_a_corrected_policy_is_another_evaluation(recorded: Path, tmp_path: Path):
     """Its rollouts have no episode: they ended before their first action."""
     file = tmp_path / "corrected.py"

@@ -77,13 +77,18 @@ def files_of(folder: Path) -> dict[str, bytes]:
     return {file.parent.name: file.read_bytes() for file in sorted(folder.glob("s*/steps.h5"))}
 
 
-def test_episodes_are_generated_in_custom_scenes(run_file: Path, tmp_path: Path):
+@pytest.mark.proof
+def test_a_run_in_custom_scenes_is_estimated(run_file: Path):
     assert robocell_command("generate", run_file, "--dry-run").returncode == 0
-    generate(run_file, tmp_path / "two", "--workers", 2, "--episodes", 4)
-    generate(run_file, tmp_path / "one", "--workers", 1, "--episodes", 2)
-    generate(run_file, tmp_path / "one", "--workers", 1, "--episodes", 4)  # it goes on
+
+
+@pytest.mark.parametrize("per_scene", [1, pytest.param(2, marks=pytest.mark.proof)])
+def test_episodes_are_generated_in_custom_scenes(run_file: Path, tmp_path: Path, per_scene: int):
+    generate(run_file, tmp_path / "two", "--workers", 2, "--episodes", 2 * per_scene)
+    generate(run_file, tmp_path / "one", "--workers", 1, "--episodes", per_scene)
+    generate(run_file, tmp_path / "one", "--workers", 1, "--episodes", 2 * per_scene)  # it goes on
     two = files_of(tmp_path / "two")
-    assert list(two) == ["s0000_e0000", "s0000_e0001", "s0001_e0000", "s0001_e0001"]
+    assert list(two) == [f"s000{s}_e000{e}" for s in range(2) for e in range(per_scene)]
     assert files_of(tmp_path / "one") == two
     for episode in rc.Dataset(tmp_path / "two"):
         top = 0.45 + 0.05 * int(episode.metadata["scene"])
@@ -92,9 +97,11 @@ def test_episodes_are_generated_in_custom_scenes(run_file: Path, tmp_path: Path)
         assert rc.data.verify_replay(episode).ok
     manifest = json.loads((tmp_path / "two" / "dataset.json").read_text())
     assert "code/own_desks.py" in manifest["files"]
-    assert "4 episodes" in robocell_command("report", tmp_path / "two").stdout
+    said = robocell_command("report", tmp_path / "two").stdout
+    assert f"{2 * per_scene} episodes" in said
 
 
+@pytest.mark.proof  # as code of tasks in test_own_tasks.py
 def test_code_of_scenes_is_part_of_a_dataset(run_file: Path, tmp_path: Path):
     generate(run_file, tmp_path / "out", "--workers", 1, "--episodes", 1)
     module = run_file.with_name("own_desks.py")
@@ -137,7 +144,11 @@ def test_annotations_can_be_derived_from_geometry(run_file: Path, tmp_path: Path
     ("line", "method"),
     [
         ('        spec = rc.SceneSpec(name="desk"', "make"),
-        ("        return rc.tasks.BasePlacement(0.35", "choose_base_placement"),
+        pytest.param(
+            "        return rc.tasks.BasePlacement(0.35",
+            "choose_base_placement",
+            marks=pytest.mark.proof,
+        ),
     ],
 )
 def test_an_exception_names_its_line(run_file: Path, tmp_path: Path, line: str, method: str):

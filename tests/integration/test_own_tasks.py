@@ -280,6 +280,7 @@ def evaluated(run_file: Path, output: Path, episodes: int, code: int) -> dict[st
     return json.loads(result.stdout)
 
 
+@pytest.mark.proof  # policies that raise are in test_policy.py
 def test_in_an_evaluation_an_expert_that_raises_fails(run_file: Path, tmp_path: Path):
     """Generation takes another start; an evaluation does not, for the sake of the comparison."""
     module = run_file.with_name("stack_cubes.py")
@@ -489,6 +490,7 @@ def mini(tmp_path: Path) -> Path:
     return tmp_path / "mini.yaml"
 
 
+@pytest.mark.proof  # which modules these are, is above and in test_own_code.py
 def test_every_imported_module_is_part_of_the_run(mini: Path, tmp_path: Path):
     out = tmp_path / "out"
     generate(mini, out, "--episodes", 1)

@@ -85,6 +85,7 @@ def test_the_expert_can_be_subclassed(tmp_path: Path):
     assert Counting.actions >= len(rc.Dataset(run.output)[0]["phase"])
 
 
+@pytest.mark.proof  # other tasks are evaluated in test_evaluate.py
 def test_the_task_is_evaluated_like_any_other(tmp_path: Path):
     words = ("--set", "cameras.streams=[]", "--episodes", 2, "--workers", 1)
     generate(EXAMPLE, tmp_path / "out", *words)

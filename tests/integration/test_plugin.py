@@ -1,4 +1,7 @@
-"""A task of a user's own in C++: examples/plugin, built and run as its CMakeLists.txt says."""
+"""A task of a user's own in C++: examples/plugin, built and run as its CMakeLists.txt says.
+
+To compile plugins takes longer than to try them: `make check-proofs` does it.
+"""
 
 from __future__ import annotations
 
@@ -143,6 +146,7 @@ def files_of(folder: Path) -> dict[str, bytes]:
     return {file.parent.name: file.read_bytes() for file in sorted(folder.glob("s*/steps.h5"))}
 
 
+@pytest.mark.proof
 def test_a_library_stacks_cubes(plugin: Path, run_file: Path, tmp_path: Path):
     named = ("--import", plugin, "--episodes", 2)
     generate(run_file, tmp_path / "two", *named, "--workers", 2)
@@ -163,6 +167,7 @@ def test_a_library_stacks_cubes(plugin: Path, run_file: Path, tmp_path: Path):
     assert said.returncode == 0, said.stderr
 
 
+@pytest.mark.proof
 def test_a_dataset_records_the_hash_of_its_library(plugin: Path, run_file: Path, tmp_path: Path):
     mine = Path(shutil.copy(plugin, tmp_path))
     generate(run_file, tmp_path / "out", "--import", mine, "--workers", 1, "--episodes", 1)
@@ -174,6 +179,7 @@ def test_a_dataset_records_the_hash_of_its_library(plugin: Path, run_file: Path,
     assert "code file libstack.so: changed since then" in said
 
 
+@pytest.mark.proof
 def test_a_run_file_can_import_a_library(plugin: Path, run_file: Path, tmp_path: Path):
     shutil.copy(plugin, tmp_path)
     run_file.write_text(run_file.read_text() + "imports: [libstack.so]\n")

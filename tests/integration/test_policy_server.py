@@ -102,7 +102,7 @@ def test_a_policy_of_openpi_is_evaluated_with_a_preset(evaluated: Evaluated):
     np.testing.assert_allclose(first["observation/joint_position"], qpos[0], atol=1e-6)
 
 
-@pytest.mark.parametrize("recorded", [False, True])
+@pytest.mark.parametrize("recorded", [False, pytest.param(True, marks=pytest.mark.proof)])
 def test_a_preset_may_be_a_file_in_the_working_folder(
     run: Path, evaluated: Evaluated, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, recorded: bool
 ):
@@ -179,6 +179,7 @@ def test_a_hostile_server_fails_rollouts_and_a_lost_one_stops_the_evaluation(
     assert all(reason.startswith("policy error: policy server ws://") for reason in result.failures)
 
 
+@pytest.mark.proof  # several workers are below
 def test_an_expert_over_the_socket_succeeds(tmp_path: Path):
     demo = ROOT / "examples" / "demo.yaml"
     with served("expert", demo) as url:

@@ -73,7 +73,8 @@ def test_the_plugin_of_the_page_on_tasks_is_the_example():
     assert [line for line in shown.splitlines() if line not in lines] == []
 
 
-# The ten lines alone are built below, and the examples of the reference in test_cpp_examples.py.
+# A program against an install is built in test_packaging.py, the examples of the reference in
+# test_cpp_examples.py.
 @pytest.mark.proof
 def test_the_c_plus_plus_compiles_and_runs_against_an_install(tmp_path: Path):
     if not (BUILD / "librobocell.so").exists():
@@ -91,6 +92,7 @@ def test_the_c_plus_plus_compiles_and_runs_against_an_install(tmp_path: Path):
     assert re.search(r"-?\d+\.\d+", printed), printed
 
 
+@pytest.mark.proof
 def test_the_commands_of_the_c_plus_plus_build_and_run_it(tmp_path: Path):
     if not (BUILD / "librobocell.so").exists():
         pytest.skip("build/release holds no library; run make build")

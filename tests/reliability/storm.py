@@ -32,6 +32,7 @@ RUN = {
     "rates": {"policy_ms": 198},  # fewer images, at which no test looks
     "cameras": {
         "resolution": [32, 24],
+        "renderer": {"backend": "soft"},  # OpenGL starts anew in each process
         "streams": [{"name": "wrist", "camera": "wrist_camera", "depth": True}],
     },
 }

@@ -7,6 +7,7 @@ import shlex
 import sys
 import threading
 from pathlib import Path
+from typing import Any
 
 import pytest
 import storm
@@ -43,7 +44,8 @@ def run_file(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_model_that_crashes_the_engine_loses_workers_but_not_the_run(run_file: Path):
+def crash(run_file: Path) -> tuple[Path, dict[str, Any]]:
+    """Runs it; returns the dataset and what the report says of the item that crashes."""
     done = robocell_command("generate", str(run_file), "--workers", "2")
     assert done.returncode == 1, done.stderr
     assert "Traceback" not in done.stderr
@@ -64,7 +66,17 @@ def test_a_model_that_crashes_the_engine_loses_workers_but_not_the_run(run_file:
     assert "try it alone: " + unmade["reproduce"] in done.stderr
     kept = json.loads((dataset / "dataset.json").read_text())["identity"]
     assert CRASHING.name in kept, "what the item was made from is kept with the dataset"
+    return dataset, unmade
 
+
+def test_a_model_that_crashes_the_engine_loses_workers_but_not_the_run(run_file: Path):
+    crash(run_file)
+
+
+@pytest.mark.proof
+def test_an_item_that_crashed_is_tried_alone_and_by_the_next_command(run_file: Path):
+    dataset, unmade = crash(run_file)
+    good = robocell.data.verify(dataset).good
     program, *arguments = shlex.split(unmade["reproduce"])
     assert program == "robocell"
     with robocell.data.DatasetLock(dataset):  # as when the run still goes on
@@ -72,7 +84,7 @@ def test_a_model_that_crashes_the_engine_loses_workers_but_not_the_run(run_file:
     assert again.returncode == 1, again.stderr
     assert "s0001_e0000 could not be made" in again.stderr
     assert "was killed by SIGSEGV" in again.stderr
-    assert robocell.data.verify(dataset).good == result.good
+    assert robocell.data.verify(dataset).good == good
 
     on = robocell_command("generate", str(run_file))
     assert on.returncode == 1, on.stderr

@@ -1,6 +1,6 @@
 """`robocell generate` before and after its workers: calls of prepare, lock and report may fail.
 
-Chosen ones in `make test`, every one in `make soak`.
+Chosen ones in `make test`, more in `make check-proofs`, every one in `make soak`.
 The episode is there, without cameras; manifest, models, lock and report are not. What workers do is
 for test_failing_disk.py.
 """
@@ -12,7 +12,7 @@ import os
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from fnmatch import fnmatch
 from pathlib import Path
 
@@ -95,15 +95,19 @@ class Command:
         """Ends the process."""
         self._forks.communicate()
 
-    def at_points(self, do: str) -> Iterator[Ending]:
+    def at_some_points(self, do: str) -> Iterator[Ending]:
+        """One ending per second point; a death and an error share them."""
+        return self.at_points(do, POINTS[do == "fail" :: 2])
+
+    def at_points(self, do: str, points: Sequence[str] = POINTS) -> Iterator[Ending]:
         """One ending per point."""
-        for point in POINTS:
+        for point in points:
             self.fresh()
             call, path = point.split()
             ending = self.run(f"{call} {self.storm.dataset / path}", do)
             assert fnmatch(ending.fault, point), f"{point} was not met: {ending.said}"
             yield ending
-        figures.note("calls", program="generate", do=do, times=len(POINTS))
+        figures.note("calls", program="generate", do=do, times=len(points))
 
     def everywhere(self, do: str) -> Iterator[Ending]:
         """One ending per call, until the fault comes too late."""
@@ -143,7 +147,11 @@ def command(blind: Storm, tmp_path: Path) -> Iterator[Command]:
         command.close()
 
 
-ENDINGS = [Command.at_points, pytest.param(Command.everywhere, marks=pytest.mark.soak)]
+ENDINGS = [
+    Command.at_some_points,
+    pytest.param(Command.at_points, marks=pytest.mark.proof),
+    pytest.param(Command.everywhere, marks=pytest.mark.soak),
+]
 
 
 @pytest.mark.parametrize("endings", ENDINGS)

@@ -60,7 +60,8 @@ def kill_workers(command: subprocess.Popen[str], kills: int, killed: set[int]) -
             kills -= 1
 
 
-@pytest.mark.parametrize("render", ["always", pytest.param("kept", marks=pytest.mark.proof)])
+@pytest.mark.proof  # a few deaths are in test_kill_loop.py
+@pytest.mark.parametrize("render", ["always", "kept"])
 def test_killed_workers_lose_nothing_and_double_nothing(tmp_path: Path, calm: Storm, render: str):
     stormy = Storm(tmp_path, render=render)
     command = stormy.start(2)

@@ -22,6 +22,7 @@ namespace {
 constexpr double kGrid = 0.05;           // metres between the places that are tried
 constexpr int kMostPlaces = 20;          // cells in each direction: large robots get a coarser grid
 constexpr int kTurns = 4;                // turns of the gripper around the vertical, in half a turn
+constexpr int kRestarts = 40;            // as the experts: what they would not find is not advised
 constexpr double kTolerance = 1e-3;      // m and rad
 constexpr double kRounding = 1e-9;       // m
 constexpr double kTypicalGap = 0.04;     // metres between the fingers
@@ -70,7 +71,7 @@ class Search {
       return Where(ReachedPart::kAll, "a grasp from above, pregrasp and lift included, is in reach",
                    all);
     }
-    const auto unlifted = Those([](const BasePlace& p) { return p.grasp && p.pregrasp; });
+    const auto unlifted = Those([](const BasePlace& p) { return p.pregrasp; });
     if (!unlifted.empty()) {
       return Where(ReachedPart::kPregrasp,
                    fmt::format("no place of the base lets the arm lift by {:.2f} m "
@@ -100,12 +101,13 @@ class Search {
     return (robot_.base().pose().inverse() * robot_.base_in_world()).translation().z();
   }
 
-  // Returns the places from which all of a pick is in reach.
+  // Returns the places from which all of a pick is in reach. What follows a grasp counts only where
+  // the part before it is in reach: searching for joint values that do not exist takes longest.
   std::vector<BasePlace> Usable() {
-    Try(0, &BasePlace::grasp);
-    Try(motion_.above, &BasePlace::pregrasp);
-    Try(motion_.lift, &BasePlace::lift);
-    return Those([](const BasePlace& p) { return p.grasp && p.pregrasp && p.lift; });
+    Try(0, &BasePlace::grasp, [](const BasePlace&) { return true; });
+    Try(motion_.above, &BasePlace::pregrasp, [](const BasePlace& p) { return p.grasp; });
+    Try(motion_.lift, &BasePlace::lift, [](const BasePlace& p) { return p.pregrasp; });
+    return Those([](const BasePlace& p) { return p.lift; });
   }
 
   template <class Wanted>
@@ -126,18 +128,25 @@ class Search {
     return robot_.base_in_world().inverse() * grasp * shape_->grasp_in_tcp().inverse();
   }
 
-  void Try(double above, bool BasePlace::*reached) {
+  // Sets `reached` of the wanted places from which the arm reaches `above` a grasp.
+  template <class Wanted>
+  void Try(double above, bool BasePlace::*reached, const Wanted& wanted) {
     std::vector<Pose> targets;
-    for (const BasePlace& place : places_) {
+    std::vector<BasePlace*> places;
+    for (BasePlace& place : places_) {
+      if (!wanted(place)) continue;
+      places.push_back(&place);
       for (int turn = 0; turn < kTurns; ++turn) targets.push_back(Tcp(place, turn, above));
     }
+    if (targets.empty()) return;
     IkBatchOptions options;
     options.ik.tolerance = kTolerance;
+    options.ik.max_restarts = kRestarts;
     const std::vector<double> home = robot_.arm().joint_pos();
     const IkBatchResult result = IkBatch(robot_.chain(), targets, home, options);
     for (int b = 0; b < result.size; ++b) {
       const size_t i = static_cast<size_t>(b);
-      bool& is_reached = places_[i / kTurns].*reached;
+      bool& is_reached = places[i / kTurns]->*reached;
       if (is_reached) continue;
       is_reached = result.success[b] ||
                    task_.SolveWithin(robot_.chain(), targets[i], home, kMostTilt).success;
