@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
-from command_line import RC7, robocell_command, write_run
+from command_line import RC7, write_run
 from robocell._cli.robot_scene import load_robot
 from robocell._teleop.device import COMMANDS
 from robocell._teleop.follower import ArmFollower
@@ -80,15 +80,16 @@ def test_the_tcp_moves_along_the_axes_of_the_frame(frame: str):
         camera = scene.camera_pose("exo_camera").rotation
         axes = np.stack([-camera[:, 2], -camera[:, 0], camera[:, 1]], axis=1)
     expected = base.T @ axes @ np.array([0.008, 0.002, -0.004])
-    np.testing.assert_allclose(after.translation - before.translation, expected, atol=1e-4)
+    np.testing.assert_allclose(after.translation - before.translation, expected, atol=2e-5)
     turned = before.rotation.T @ after.rotation
     assert np.arccos(np.clip((np.trace(turned) - 1) / 2, -1, 1)) < 1e-3
 
 
-def test_speeds_limits_and_lead_hold_for_any_motion():
+@pytest.mark.parametrize("lead", [0.15, 10.0])
+def test_speeds_limits_and_lead_hold_for_any_motion(lead: float):
     rng = np.random.default_rng(1)
     robot = arm()
-    options = FollowOptions(max_speed=0.3, max_angular_speed=1.0, stops_at_collisions=False)
+    options = FollowOptions(max_speed=0.3, max_lead=lead, stops_at_collisions=False)
     for _ in range(20):
         lower, upper = np.asarray(robot.joint_limits).T
         robot.set_joint_pos(rng.uniform(np.maximum(lower, -3), np.minimum(upper, 3)))
@@ -98,16 +99,17 @@ def test_speeds_limits_and_lead_hold_for_any_motion():
             numbers = rng.normal(scale=10.0, size=6)
             follower.follow(Motion(tuple(numbers[:3]), tuple(numbers[3:])), 0.05)
             after = moved_by(robot, follower)
-            assert np.linalg.norm(after.translation - before.translation) < 0.3 * 0.05 * 1.05
+            distance = np.linalg.norm(after.translation - before.translation)
+            assert lead < 1 or distance < 0.3 * 0.05 * 1.02
             assert np.all(np.abs(follower.command - q) <= 1.5 * 0.05 + 1e-9)
             assert np.all(follower.command >= lower - 1e-9)
             assert np.all(follower.command <= upper + 1e-9)
             measured = np.asarray(robot.arm.joint_pos)
-            assert np.all(np.abs(follower.command - measured) <= options.max_lead + 1e-9)
+            assert np.all(np.abs(follower.command - measured) <= lead + 1e-9)
 
 
 def test_the_arm_stops_before_what_stands_still_and_may_leave_it():
-    spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True)
+    spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=False)
     config = rc.RobotConfig.load(str(RC7))
     spec.robots.append(rc.RobotSpec(name="arm", config=config, control_modes=config.used_modes()))
     scene = rc.Scene.build(spec)
@@ -192,11 +194,9 @@ def test_episodes_are_ordinary_and_a_session_replays_exactly(tmp_path: Path):
     assert [(each.id, each.success, each.rows) for each in made] == [("s0000_e0000", False, 13)]
     assert device.closed
     out = tmp_path / "out"
-    done = robocell_command("verify", out)
-    assert done.returncode == 0, done.stdout + done.stderr
-    done = robocell_command("replay", out)
-    assert done.returncode == 0, done.stdout + done.stderr
+    assert rc.data.verify(out).ok
     episode = rc.Dataset(out)["s0000_e0000"]
+    assert rc.data.verify_replay(episode).first is None
     session = out / "device_sessions" / "s0000_e0000.json"
     again = RecordedDevice(session)
     run = config_of(tmp_path, episodes_per_scene=1, output=str(tmp_path / "again"))

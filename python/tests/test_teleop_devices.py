@@ -135,7 +135,8 @@ class Arm:
 
     def __init__(self, port: str = "", numbers: dict[str, Any] | None = None) -> None:
         self.port, self.connected = port, False
-        self.numbers = numbers or {"a.pos": 90.0, "b.pos": -45.0, "gripper.pos": 25.0}
+        rest = {"a.pos": 90.0, "b.pos": -45.0, "gripper.pos": 25.0}
+        self.numbers = rest if numbers is None else numbers
 
     def connect(self) -> None:
         if self.port == "none":

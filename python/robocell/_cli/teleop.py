@@ -151,7 +151,7 @@ def _config(
         fields.append(f"seed={seed}")
     config = source.load(fields)
     config.output = output or f"{str(config.output).rstrip('/')}_teleop"
-    config.rates.max_steps = max(1, round(1000 * max_seconds / config.rates.policy_ms))
+    config.rates.max_steps = 1 + max(1, round(1000 * max_seconds / config.rates.policy_ms))
     return config
 
 

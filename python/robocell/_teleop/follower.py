@@ -22,6 +22,7 @@ from robocell._teleop.device import FRAMES, Motion
 
 # The device's x forward, y left, z up in MuJoCo's axes of cameras: x right, y up, view along -z.
 DEVICE_IN_CAMERA = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]])
+PARTS = 8  # of an action, so that the TCP keeps to its line and its speed
 
 
 @dataclass(frozen=True)
@@ -152,18 +153,24 @@ class ArmFollower:
             return self._command
         turn = self._axes_in_base(frame, camera)
         twist = np.concatenate([turn @ linear, turn @ angular]) / seconds
-        moved = self._robot.kinematics.differential_ik(
-            self._command,
-            twist,
-            "base",
-            seconds,
-            np.full(len(self._command), options.max_joint_speed),
-            None,
-            0.0,
-        )
-        if moved.slower:
-            self.blocked = "limit"
-        return self._command + seconds * np.asarray(moved.velocity)
+        wanted, part = self._command, seconds / PARTS
+        fastest = np.full(len(wanted), options.max_joint_speed)
+        for _ in range(PARTS):
+            moved = self._robot.kinematics.differential_ik(
+                wanted, twist, "base", part, fastest, None, 0.0
+            )
+            wanted = wanted + part * np.asarray(moved.velocity)
+            if moved.slower:
+                self.blocked = "limit"
+        return self._no_faster(wanted, options.max_speed * seconds)
+
+    def _no_faster(self, wanted: NDArray[np.float64], longest: float) -> NDArray[np.float64]:
+        """Shortens a motion whose TCP moves further: at limits, turning may cost translation."""
+        start = self._robot.fk_frame(self._command).translation
+        moved = float(np.linalg.norm(self._robot.fk_frame(wanted).translation - start))
+        if moved <= longest:
+            return wanted
+        return self._command + (wanted - self._command) * (longest / moved)
 
     def _axes_in_base(self, frame: str, camera: str) -> NDArray[np.float64]:
         """Returns the axes of a frame in those of the robot's base (3, 3)."""

@@ -179,6 +179,7 @@ class Teleoperator(Expert):
         super().__init__()
         self._operator, self._start = operator, start
         self._seconds = run.rates.policy_ms / 1000
+        self._most_actions = max(run.rates.max_steps - 1, 1)
         self._follower: ArmFollower | None = None
         self._robot = ""
         self._due = 0.0
@@ -235,19 +236,22 @@ class Teleoperator(Expert):
         return {self._robot: commands}
 
     def done(self) -> bool:
-        """Returns True after `success` or `failure`, when the person has kept or dropped it."""
-        if self._is_done:
-            self._review()
-        return self._is_done
+        """Returns True after `success`, `failure` or the last action, when the episode is kept.
+
+        A discarded one is not done: the runner stops before the next action, and commits nothing.
+        The last action is one before the run's `max_steps`, after which nothing could be asked.
+        """
+        if not self._is_done and len(self._operator.motions) < self._most_actions:
+            return False
+        return self._review()
 
     def ends_at_success(self) -> bool:
         """Is called after an action that the task judges as a success."""
         self._succeeded = True
-        if self._operator.options.ends_at_success:
-            self._operator.note(success=True)
-            self._review()
-            return True
-        return False
+        if not self._operator.options.ends_at_success:
+            return False
+        self._operator.note(success=True)
+        return self._review()
 
     def failure(self) -> str:
         """Returns why the person ended the episode as a failure."""
@@ -261,17 +265,17 @@ class Teleoperator(Expert):
         """Returns no names."""
         return []
 
-    def _review(self) -> None:
-        """Asks whether to keep the episode; `discard` ends the rollout without one."""
+    def _review(self) -> bool:
+        """Asks whether to keep the episode; after `discard` the rollout stops."""
         operator = self._operator
-        if operator.stop.is_set or operator.phase == REVIEW:
-            return
+        if operator.stop.is_set:
+            return False
         operator.phase = REVIEW
         operator.note(ended=self._failure or "ended")
-        if not operator.options.asks:
-            return
-        if operator.wait_for(self._start.scene, "keep", "discard") == "discard":
-            operator.stop.set()
+        if operator.options.asks:
+            if operator.wait_for(self._start.scene, "keep", "discard") == "discard":
+                operator.stop.set()
+        return not operator.stop.is_set
 
     def _wait(self) -> None:
         """Waits until the next action is due; a slow computer begins to count again."""

@@ -79,17 +79,13 @@ def record(
         SpecError: The run is not valid, or its output belongs to another run.
     """
     operator = Operator(device, options or OperatorOptions(), screen)
-
-    def make(run: RunConfig, start: EpisodeStart) -> Expert:
-        return Teleoperator(run, start, operator)
-
-    make.__module__ = __name__
-    expert_registration(TELEOP, (), __name__)(make)
+    expert_registration(TELEOP, (), __name__)(_teleoperator)
     run.expert, run.keep = TELEOP, Keep.FIRST
     prepare_dataset(run)
     folder = Path(run.output)
     recorded: list[Recorded] = []
     device.start()
+    _acting.append(operator)
     try:
         with DatasetLock(folder, 0, 1):
             runner = Runner(run)
@@ -99,8 +95,21 @@ def record(
                 if not _record_one(runner, item, operator, folder, recorded, on_recorded):
                     break
     finally:
+        _acting.remove(operator)
         device.close()
     return recorded
+
+
+# Whoever acts: what is registered lives as long as the process, and must not keep a scene.
+_acting: list[Operator] = []
+
+
+def _teleoperator(run: RunConfig, start: EpisodeStart) -> Expert:
+    if not _acting:
+        raise ArgumentError(
+            f"the expert '{TELEOP}' is a person: record episodes with `robocell teleop`"
+        )
+    return Teleoperator(run, start, _acting[-1])
 
 
 def _record_one(

@@ -1,6 +1,6 @@
 // SceneView draws a scene: shapes from `geometry`, poses of bodies from frames, with an orbit camera.
 "use strict";
-const RC = {};
+const RC = { SLOW_MS: 100 };
 
 // Returns the header of packed bytes, and a function that returns the array of one of its entries.
 RC.unpack = function (buffer) {
@@ -34,14 +34,19 @@ RC.SceneView = class {
     this.bodies = [];
     this.shown = { frames: "none", collision: false };
     this.dirty = true;
-    const draw = () => {
+    let before = 0, slow = 0;
+    const draw = (now) => {
       requestAnimationFrame(draw);
       this.resize();
-      if (!this.dirty) return;
+      if (!this.dirty) { before = 0; return; }
       this.dirty = false;
+      // A browser without a graphics card draws faster without shadows.
+      slow = before && now - before > RC.SLOW_MS ? slow + 1 : 0;
+      before = now;
+      if (slow > 10) this.renderer.shadowMap.enabled = this.sun.castShadow = false;
       this.renderer.render(this.scene, this.camera);
     };
-    draw();
+    requestAnimationFrame(draw);
   }
 
   resize() {
