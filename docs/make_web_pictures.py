@@ -127,8 +127,7 @@ def teleop(tab: Tab, folder: Path) -> None:
 
     def act() -> None:
         tab.wait_for("document.documentElement.dataset.phase === 'recording'")
-        press(tab, "wrist")
-        picture(tab, "teleop.png", "RC.page.cameras.wrist.width === 320")
+        picture(tab, "teleop.png", "RC.page.cameras.exo.width === 320")
 
     of_site(tab, site, act)
     hand.quits = True

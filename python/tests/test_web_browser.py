@@ -113,7 +113,7 @@ def test_a_dataset_is_listed_and_its_episodes_play(
         )
         assert tab.value(rows) == len(good)
         tab.value("document.querySelector('tbody a').click()")
-        tab.wait_for("document.documentElement.dataset.loaded && RC.page && RC.page.slider")
+        tab.wait_for("document.documentElement.dataset.loaded && !!RC.page?.slider")
         assert tab.value("document.title") == f"{good[0]}, success"
         episode = dataset[good[0]]
         tab.value(f"RC.page.show({len(episode) - 1})")
@@ -144,10 +144,11 @@ def test_an_episode_is_recorded_in_the_browser(tab: Tab, tmp_path: Path):
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment_with({}))
     try:
         assert process.stdout is not None
-        url = next(line.removeprefix("page: ") for line in process.stdout if "page: " in line)
+        url = next(
+            line.removeprefix("page: ") for line in process.stdout if line.startswith("page: ")
+        )
         tab.open(url.strip())
         tab.wait_for("document.documentElement.dataset.phase === 'waiting'")
-        press(tab, "wrist")
         tab.key("Enter")
         tab.wait_for("document.documentElement.dataset.phase === 'recording'")
         tab.key("KeyR", "r", 1.0)
@@ -157,7 +158,7 @@ def test_an_episode_is_recorded_in_the_browser(tab: Tab, tmp_path: Path):
             ".getBoundingClientRect(); return [box.x + 60, box.y + 60]; })()"
         )
         tab.drag(*pad, 30, -30)
-        tab.wait_for("RC.page.cameras.wrist.width > 0")
+        tab.wait_for("RC.page.cameras.wrist.width === 64")
         tab.screenshot(tmp_path / "recording.png")
         tab.key("KeyN", "n")
         tab.wait_for("document.documentElement.dataset.phase === 'review'")

@@ -77,7 +77,7 @@ class Motion:
             raise ArgumentError(
                 f"a Motion has no '{unknown[0]}'; it has {', '.join(sorted(known))}"
             )
-        values = {
+        values: dict[str, Any] = {
             name: tuple(value) if isinstance(value, list) else value
             for name, value in fields.items()
         }

@@ -107,7 +107,7 @@ class Gamepad(Device):
 
     def _events(self) -> list[int]:
         """Takes what has happened; returns the buttons that were pressed, in order."""
-        pressed = []
+        pressed: list[int] = []
         while True:
             try:
                 event = self._device.read_one()

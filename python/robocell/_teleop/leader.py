@@ -183,14 +183,15 @@ def _made(name: str, options: Mapping[str, Any]) -> Any:
         module = importlib.import_module(module_name)
     except ImportError as error:
         raise SpecError(f"'{name}': cannot import '{module_name}': {error}") from error
-    kind = getattr(module, attribute, None)
+    kind: Any = getattr(module, attribute, None)
     if not inspect.isclass(kind):
         raise SpecError(f"'{name}': module '{module_name}' has no class '{attribute}'")
     try:
-        config = getattr(kind, "config_class", None)
+        config: Any = getattr(kind, "config_class", None)
         if config is None:
             config = typing.get_type_hints(kind.__init__).get("config")
-        return kind(config(**options)) if inspect.isclass(config) else kind(**options)
+        is_configured = inspect.isclass(config)
+        return kind(config(**options)) if is_configured else kind(**options)
     except RAISED as error:
         raise_interrupt(error)
         raise SpecError(f"'{name}' cannot be made: {place_of(error)}") from error

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from robocell._core import EpisodeStart, GroupCommand, Rng, RunConfig, Scene, StopFlag
+from robocell._core import EpisodeStart, GroupCommand, Rates, Rng, RunConfig, Scene, StopFlag
 from robocell._own_code import RAISED, raise_interrupt
 from robocell._raised import place_of
 from robocell._teleop.device import Device, DeviceLostError, Motion
@@ -22,6 +22,7 @@ from robocell.tasks import Expert
 
 FRAME_S = 1 / 30
 SILENT_S = 0.5  # without a word from the device, it counts as silent
+DEFAULT_POLICY_S = 0.066  # of a run that says nothing about it
 WAITING, COUNTDOWN, RECORDING, REVIEW = "waiting", "countdown", "recording", "review"
 MARKED = "marked as a failure"
 
@@ -178,7 +179,7 @@ class Teleoperator(Expert):
     def __init__(self, run: RunConfig, start: EpisodeStart, operator: Operator) -> None:
         super().__init__()
         self._operator, self._start = operator, start
-        self._seconds = run.rates.policy_ms / 1000
+        self._seconds = policy_seconds(run.rates)
         self._most_actions = max(run.rates.max_steps - 1, 1)
         self._follower: ArmFollower | None = None
         self._robot = ""
@@ -272,9 +273,9 @@ class Teleoperator(Expert):
             return False
         operator.phase = REVIEW
         operator.note(ended=self._failure or "ended")
-        if operator.options.asks:
-            if operator.wait_for(self._start.scene, "keep", "discard") == "discard":
-                operator.stop.set()
+        asks, scene = operator.options.asks, self._start.scene
+        if asks and operator.wait_for(scene, "keep", "discard") == "discard":
+            operator.stop.set()
         return not operator.stop.is_set
 
     def _wait(self) -> None:
@@ -287,6 +288,13 @@ class Teleoperator(Expert):
         elif now > self._due + 2 * self._seconds:
             self._due = now
         self._due += self._seconds
+
+
+def policy_seconds(rates: Rates) -> float:
+    """Returns the time per action of a run, s."""
+    if rates.policy_ms is not None:
+        return rates.policy_ms / 1000
+    return DEFAULT_POLICY_S if rates.policy_hz is None else 1 / rates.policy_hz
 
 
 def _arm_of(robot: Any) -> str:

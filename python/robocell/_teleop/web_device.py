@@ -58,8 +58,8 @@ class WebDevice(Device):
     """
 
     help = (
-        "page: hold W S A D R F to move, I K J L U O to turn, Space for the gripper; or drag the "
-        "pads"
+        "On the page hold W S A D R F to move, I K J L U O to turn, Space for the gripper; or drag "
+        "the pads"
     )
 
     def __init__(self) -> None:

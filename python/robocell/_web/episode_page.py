@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from robocell import _core
 from robocell._core import Episode, Error
@@ -68,12 +69,14 @@ class EpisodePage:
 
     def _poses(self, packed: Packed) -> tuple[dict[str, Any] | None, str]:
         """Returns the poses of all bodies in every row, or the reason why there are none."""
+        import mujoco  # not needed by other pages
+
         from robocell.export._states import replayed
 
-        poses = []
+        poses: list[NDArray[np.float32]] = []
         try:
             for scene in replayed(self._episode):
-                scene.forward()
+                mujoco.mj_kinematics(scene.model, scene.data)  # the simulation goes on unchanged
                 if not poses:
                     self.geometry = geometry_of(scene)
                 poses.append(body_poses(scene))

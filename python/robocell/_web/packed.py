@@ -17,7 +17,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-TYPES = {"f4": np.dtype("<f4"), "u4": np.dtype("<u4"), "u1": np.dtype("u1"), "i4": np.dtype("<i4")}
+TYPES: dict[str, np.dtype[Any]] = {
+    "f4": np.dtype("<f4"),
+    "u4": np.dtype("<u4"),
+    "u1": np.dtype("u1"),
+    "i4": np.dtype("<i4"),
+}
 
 
 class Packed:

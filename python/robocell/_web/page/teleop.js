@@ -9,6 +9,7 @@ RC.KEYS = {
   KeyU: ["angular", 2, 1], KeyO: ["angular", 2, -1],
 };
 RC.COMMAND_KEYS = { Enter: "record", KeyY: "success", KeyN: "failure", KeyC: "resync", KeyZ: "reset_origin", KeyQ: "quit", Backspace: "discard" };
+RC.MOST_STREAMS = 2; // shown at the beginning
 RC.METRES_PER_PIXEL = 0.0006;
 RC.RADIANS_PER_PIXEL = 0.006;
 RC.BANNERS = {
@@ -74,16 +75,24 @@ RC.TeleopPage = class extends RC.LivePage {
     return this.drive;
   }
 
+  // The images lie over the view, where the operator looks.
   streamSection() {
     this.cameras = {};
-    const section = RC.section("Cameras", true);
-    for (const name of this.streams || []) {
-      const canvas = RC.element("canvas", { hidden: true });
+    this.overlay?.remove();
+    this.overlay = RC.element("div", { className: "overlay" });
+    this.box.append(this.overlay);
+    const buttons = RC.element("div", { className: "buttons" });
+    (this.streams || []).forEach((name, i) => {
+      const on = i < RC.MOST_STREAMS;
+      const canvas = RC.element("canvas", { hidden: true, ariaLabel: name });
+      const show = (shown) => { if (!shown) canvas.hidden = true; canvas.wanted = shown; this.send({ op: "camera", name, on: shown }); };
+      const toggle = RC.toggle(name, (shown) => { show(shown); toggle.blur(); }, on);
       this.cameras[name] = canvas;
-      const toggle = RC.toggle(name, (on) => { canvas.hidden = !on; this.send({ op: "camera", name, on }); toggle.blur(); });
-      section.append(RC.element("div", { className: "camera" }, toggle, canvas));
-    }
-    return section;
+      this.overlay.append(canvas);
+      buttons.append(toggle);
+      if (on) show(true);
+    });
+    return RC.section("Cameras", true, buttons);
   }
 
   // A pad turns drags of mouse or finger into displacements along two axes (down and right on the
@@ -189,6 +198,7 @@ RC.TeleopPage = class extends RC.LivePage {
       document.documentElement.dataset.phase = this.phase;
     }
     super.show(header, array);
+    for (const { name } of header.images) if (this.cameras[name]?.wanted) this.cameras[name].hidden = false;
     const [text, kind] = RC.BANNERS[header.phase];
     const more = header.phase === "countdown" ? ` ${Math.max(header.left_s, 0).toFixed(1)} s`
       : header.phase === "recording" ? `, ${header.rows} actions` : "";
