@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 import pty
 import struct
+import sys
 from collections.abc import Sequence
 from pathlib import Path
-from types import SimpleNamespace
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -213,6 +214,35 @@ def test_files_of_leaders_are_explained(text: str, message: str, tmp_path: Path)
     file.write_text(text)
     with pytest.raises(rc.SpecError, match=message):
         make_device(f"leader:{file}")
+
+
+class FakeConfig:
+    def __init__(self, port: str) -> None:
+        self.port = port
+
+
+class FakeLeader(Arm):
+    config_class = FakeConfig
+
+    def __init__(self, config: FakeConfig) -> None:
+        super().__init__(config.port)
+
+
+def test_a_leader_of_lerobot_has_its_own_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    module = ModuleType("lerobot.teleoperators.so101_leader")
+    module.SO101Leader, module.Config = FakeLeader, FakeConfig  # type: ignore[attr-defined]
+    for name in ("lerobot", "lerobot.teleoperators"):
+        monkeypatch.setitem(sys.modules, name, ModuleType(name))
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    (tmp_path / "options.yaml").write_text("port: /dev/ttyACM0")
+    for name in ("SO101Leader", "so101_leader"):
+        device = make_device(f"lerobot:{name}", tmp_path / "options.yaml")
+        device.start()
+        assert device.read(0.1) is not None
+    with pytest.raises(rc.SpecError, match="lerobot:module:Class"):
+        make_device("lerobot:Koch")
+    with pytest.raises(rc.SpecError, match="cannot be made"):
+        make_device("lerobot:SO101Leader")
 
 
 def test_a_device_of_ones_own(tmp_path: Path):

@@ -6,9 +6,11 @@ import contextlib
 import http.client
 import json
 import socket
+import ssl
 import threading
 import time
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -20,6 +22,7 @@ from websockets.sync.client import ClientConnection, connect
 from robocell import IoError
 from robocell._channel import MisbehavedError
 from robocell._web import web_server
+from robocell._web.certificate import make_certificate
 from robocell._web.web_server import Reply, WebServer, message_of, number_of, vector_of
 
 
@@ -190,3 +193,28 @@ def test_a_closed_server_ends_its_pages():
     assert site.ended.wait(5)
     with pytest.raises(ConnectionClosed):
         page.recv(5)
+
+
+def test_https_with_a_certificate_of_its_own(tmp_path: Path):
+    certificate = make_certificate(tmp_path, "127.0.0.1")
+    server = WebServer(Echo(), token="secret", certificate=certificate)
+    server.start()
+    try:
+        assert server.url.startswith("https://127.0.0.1:")
+        trust = ssl.create_default_context(cafile=certificate[0])
+        connection = http.client.HTTPSConnection("127.0.0.1", server.port, context=trust, timeout=5)
+        connection.request("GET", "/?token=secret")
+        assert connection.getresponse().status == 200
+        with socket.create_connection(("127.0.0.1", server.port)) as plain:
+            plain.sendall(b"GET / HTTP/1.1\r\n\r\n")
+            assert b"200 OK" not in plain.recv(1000)
+        origin = f"https://127.0.0.1:{server.port}"
+        url = f"wss://127.0.0.1:{server.port}/socket?token=secret"
+        with connect(url, ssl=trust, origin=origin) as page:  # type: ignore[arg-type]
+            page.send('{"op": "echo"}')
+            assert page.recv(5) == '{"op": "echo"}'
+        with pytest.raises(IoError, match="certificate"):
+            WebServer(Echo(), certificate=(certificate[1], certificate[0]))
+    finally:
+        server.close()
+    assert certificate[1].stat().st_mode & 0o077 == 0

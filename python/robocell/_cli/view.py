@@ -79,7 +79,7 @@ def view(
         play(target.parent, target.name, speed, screenshot)
         return
     if is_dataset(target):
-        fail(f"'{target}' is a dataset: give one of its episodes, {target}/EPISODE")
+        fail(f"'{target}' is a dataset: give one of its episodes, {target}/EPISODE, or --web")
     shown = load(target, index)
     show(shown.scene, target.stem, speed, screenshot)
 

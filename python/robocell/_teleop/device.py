@@ -90,7 +90,8 @@ class Motion:
 class Device:
     """A device that a person moves. Subclasses define `read`.
 
-    A session calls `start`, then `read` once for each action, and `close` at the end.
+    A session calls `start`, `begin` for each episode, `read` once for each action, and `close` at
+    the end. It reads the device between episodes, too.
 
     Attributes:
         help: What the device's keys and buttons do, for people; lines of text.
@@ -114,6 +115,9 @@ class Device:
             DeviceLostError: The device is gone; the session ends.
         """
         raise NotImplementedError
+
+    def begin(self) -> None:
+        """Forgets what was said before: an episode begins, with an open gripper."""
 
     def reset_origin(self) -> None:
         """Makes the present pose of the device its zero."""

@@ -16,7 +16,7 @@ NAMES = {
     "gamepad": "a gamepad, or gamepad:/dev/input/eventN",
     "spacemouse": "a SpaceMouse",
     "leader:FILE.yaml": "a leader arm, described by a file",
-    "lerobot:Class": "a LeRobot Teleoperator, as module:Class, with --device-config FILE.yaml",
+    "lerobot:Class": "a LeRobot Teleoperator, such as SO101Leader, with --device-config FILE.yaml",
     "replay:FILE": "a recorded session, of a dataset's device_sessions/",
     "module:Class": "your own robocell.teleop.Device",
 }

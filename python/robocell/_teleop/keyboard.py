@@ -75,7 +75,7 @@ class Keyboard(Device):
             commands=tuple(commands),
         )
 
-    def reset_origin(self) -> None:
+    def begin(self) -> None:
         """Begins with an open hand again."""
         self._closed_hand = False
 

@@ -15,6 +15,7 @@ from __future__ import annotations
 import importlib
 import inspect
 import math
+import re
 import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -27,6 +28,7 @@ from robocell._raised import place_of
 from robocell._teleop.device import Device, DeviceLostError, Motion
 from robocell._teleop.devices import options_of
 
+LEROBOT = "lerobot.teleoperators"
 FIELDS = {"class", "options", "joints", "gripper"}
 
 
@@ -114,8 +116,12 @@ class Leader(Device):
 
     @classmethod
     def of_lerobot(cls, name: str, config: Path | None) -> Leader:
-        """Returns a LeRobot Teleoperator, with the options in a file. Raises SpecError."""
-        return cls(_made(name, options_of(config)))
+        """Returns a LeRobot Teleoperator, with the options in a file. Raises SpecError.
+
+        `name` is module:Class, or LeRobot's own name of a class or of its folder, such as
+        SO101Leader or so101_leader.
+        """
+        return cls(_made(name if ":" in name else _of_lerobot(name), options_of(config)))
 
     def start(self) -> None:
         """Connects the leader."""
@@ -172,6 +178,33 @@ class Leader(Device):
             raise_interrupt(error)
             kind = type(self._leader).__name__
             raise DeviceLostError(f"{kind}.{method}(): {place_of(error)}") from error
+
+
+def _of_lerobot(name: str) -> str:
+    """Returns module:Class of a Teleoperator that comes with LeRobot. Raises SpecError."""
+    folder = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
+    module_name = f"{LEROBOT}.{folder}"
+    try:
+        module = importlib.import_module(module_name)
+    except ImportError as error:
+        raise SpecError(
+            f"device 'lerobot:{name}': cannot import '{module_name}': {error}. Give "
+            "lerobot:module:Class for a class elsewhere"
+        ) from error
+    found = [
+        key
+        for key, value in vars(module).items()
+        if inspect.isclass(value)
+        and hasattr(value, "get_action")
+        and hasattr(value, "config_class")
+    ]
+    chosen = [key for key in found if key in (name, module.__name__)] or found
+    if len(chosen) != 1:
+        raise SpecError(
+            f"device 'lerobot:{name}': '{module_name}' has the classes "
+            f"{', '.join(found) or 'none'}; give lerobot:{module_name}:CLASS"
+        )
+    return f"{module_name}:{chosen[0]}"
 
 
 def _made(name: str, options: Mapping[str, Any]) -> Any:

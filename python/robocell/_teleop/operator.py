@@ -204,7 +204,7 @@ class Teleoperator(Expert):
             operator.phase = COUNTDOWN
             operator.wait_for(scene, seconds=options.countdown_s)
         operator.phase = RECORDING
-        operator.device.reset_origin()
+        operator.device.begin()
         operator.forget_commands()
         self._due = time.monotonic()
 
@@ -217,6 +217,7 @@ class Teleoperator(Expert):
         operator, follower = self._operator, self._follower
         assert follower is not None
         operator.show(scene)
+        operator.row = {}  # its images cannot be drawn later
         self._wait()
         motion = None if operator.stop.is_set else operator.read(self._seconds)
         operator.motions.append(motion)

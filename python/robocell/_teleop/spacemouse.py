@@ -78,10 +78,13 @@ class SpaceMouse(Device):
             commands=("record", "success", "keep") if pressed & 2 else (),
         )
 
+    def begin(self) -> None:
+        """Begins with an open hand again."""
+        self._closed_hand = False
+
     def reset_origin(self) -> None:
         """Takes the present deflection as rest."""
         self._rest = list(self._counts)
-        self._closed_hand = False
 
     def close(self) -> None:
         """Closes the device."""

@@ -104,7 +104,7 @@ class WebDevice(Device):
             frame=given["frame"],
         )
 
-    def reset_origin(self) -> None:
+    def begin(self) -> None:
         """Forgets drags that nobody followed."""
         self._drag, self._turn = np.zeros(3), np.zeros(3)
 
@@ -122,4 +122,4 @@ class WebDevice(Device):
 
     def _let_go(self) -> None:
         self.driver, self._heard, self._input = 0, -np.inf, {}
-        self.reset_origin()
+        self.begin()

@@ -115,6 +115,10 @@ class WithPage(Device):
         motion = motion or Motion(clutch=False)
         return replace(motion, commands=(*motion.commands, *commands))
 
+    def begin(self) -> None:
+        """Begins an episode."""
+        self._device.begin()
+
     def reset_origin(self) -> None:
         """Makes the present pose of the device its zero."""
         self._device.reset_origin()

@@ -47,6 +47,7 @@ MOST_BYTES = 1 << 16  # of a message from a page
 MOST_LEVELS = 8  # of lists and maps in it
 MESSAGE_S = 10.0  # for a message, once its first byte is there, and for an answer to be read
 HANDSHAKE_S = 10.0
+RESPONSE_S = 120.0  # for shapes and videos to be read, on a slow network too
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
     "media-src blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
@@ -162,7 +163,7 @@ class WebServer(ChannelServer):
             return
         response = self._response(protocol, request, is_one_too_many)
         protocol.send_response(response)
-        channel.flush(Deadline(MESSAGE_S, "reader"))
+        channel.flush(Deadline(RESPONSE_S, "reader"))
         if response.status_code == http.HTTPStatus.SWITCHING_PROTOCOLS:
             self._converse(channel)
 
