@@ -155,16 +155,19 @@ METRES_PER_SECOND = 0.2  # of a key
 def step(tab: Tab, keys: str, away: float) -> None:
     """Holds the first or the second key until a distance should be covered."""
     code = f"Key{keys[0] if away > 0 else keys[1]}"
-    tab.key(code, code[-1].lower(), min(0.8 * abs(away) / METRES_PER_SECOND, 0.5))
+    tab.key(code, code[-1].lower(), min(0.6 * abs(away) / METRES_PER_SECOND, 0.5))
+    before = None
+    while before != (before := [round(each, 3) for each in tab.value(AWAY)]):
+        time.sleep(0.2)  # until the arm is there
 
 
 def pick(tab: Tab) -> None:
     """Moves above the target, down to it, closes the gripper and lifts, by keys alone."""
     for _ in range(100):
         forward, left, up = tab.value(AWAY)
-        if abs(forward) > 0.008:
+        if abs(forward) > 0.012:
             step(tab, "WS", forward)
-        elif abs(left) > 0.008:
+        elif abs(left) > 0.012:
             step(tab, "AD", left)
         elif up < -0.012:
             step(tab, "RF", max(up, -0.05))
@@ -181,7 +184,8 @@ def pick(tab: Tab) -> None:
 def test_a_pick_is_recorded_in_the_browser(tab: Tab, tmp_path: Path):
     run = write_run(tmp_path, rates={"policy_ms": 66, "control_ms": 2, "sim_ms": 2})
     command = [sys.executable, "-m", "robocell", "teleop", str(run), "-n", "1"]
-    command += ["--output", str(tmp_path / "out"), "--countdown", "0.2"]
+    command += ["--output", str(tmp_path / "out"), "--countdown", "0.2", "--max-seconds", "300"]
+    tab.resize(760, 560)  # without a graphics card, large pictures take long
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment_with({}))
     try:
         assert process.stdout is not None

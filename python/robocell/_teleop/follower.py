@@ -167,10 +167,12 @@ class ArmFollower:
     def _no_faster(self, wanted: NDArray[np.float64], longest: float) -> NDArray[np.float64]:
         """Shortens a motion whose TCP moves further: at limits, turning may cost translation."""
         start = self._robot.fk_frame(self._command).translation
-        moved = float(np.linalg.norm(self._robot.fk_frame(wanted).translation - start))
-        if moved <= longest:
-            return wanted
-        return self._command + (wanted - self._command) * (longest / moved)
+        for _ in range(PARTS):  # joints move the TCP on arcs, so that one division is not exact
+            moved = float(np.linalg.norm(self._robot.fk_frame(wanted).translation - start))
+            if moved <= longest * (1 + 1e-6):
+                break
+            wanted = self._command + (wanted - self._command) * (longest / moved)
+        return wanted
 
     def _axes_in_base(self, frame: str, camera: str) -> NDArray[np.float64]:
         """Returns the axes of a frame in those of the robot's base (3, 3)."""
