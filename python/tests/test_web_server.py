@@ -152,7 +152,7 @@ def test_garbage_ends_its_own_connection_alone(message: str | bytes):
 
 
 @given(st.recursive(st.none() | st.floats() | st.integers() | st.text(), st.lists))
-@settings(max_examples=200)
+@settings(max_examples=50)
 def test_no_value_of_a_message_raises_anything_else(value: object):
     text = json.dumps({"op": "x", "value": value})
     for read in (
@@ -188,11 +188,11 @@ def test_it_listens_on_this_machine_alone_and_names_a_taken_port():
 
 def test_a_closed_server_ends_its_pages():
     site = Echo()
-    with serving(site) as server:
-        page = visiting(server)
-    assert site.ended.wait(5)
-    with pytest.raises(ConnectionClosed):
-        page.recv(5)
+    with serving(site) as server, visiting(server) as page:
+        server.close()
+        assert site.ended.wait(5)
+        with pytest.raises(ConnectionClosed):
+            page.recv(5)
 
 
 def test_https_with_a_certificate_of_its_own(tmp_path: Path):

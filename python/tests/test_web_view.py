@@ -11,6 +11,7 @@ from urllib.parse import urlsplit
 
 import pytest
 
+import robocell as rc
 from command_line import RC7, environment_with, refused, write_run
 from report_dataset import mixed_dataset
 from robocell._web.dataset_page import DatasetPages
@@ -56,15 +57,16 @@ def test_every_kind_of_target_has_its_page(
 def test_a_dataset_has_a_list_and_its_episodes(tmp_path_factory: pytest.TempPathFactory):
     folder = mixed_dataset(tmp_path_factory)
     pages = DatasetPages(folder)
+    first, second = rc.Dataset(folder).ids[:2]
     assert pages.page({}) == ("dataset", f"Dataset {folder.name}")
     assert pages.page({"episode": "none"}) is None
     assert pages.page({"episode": "../out"}) is None
-    assert pages.get("video", {"episode": "s0000_e0000", "camera": "../../run"}) is None
-    assert pages.get("secrets", {"episode": "s0000_e0000"}) is None
-    alone = DatasetPages(folder, "s0000_e0000")
-    shown = alone.page({"episode": "s0000_e0001"})
+    assert pages.get("video", {"episode": first, "camera": "../../run"}) is None
+    assert pages.get("secrets", {"episode": first}) is None
+    alone = DatasetPages(folder, first)
+    shown = alone.page({"episode": second})
     assert shown is not None
-    assert shown[1].startswith("s0000_e0000")
+    assert shown[1].startswith(first)
     assert alone.get("list", {}) is None
 
 

@@ -223,8 +223,8 @@ def _made(name: str, options: Mapping[str, Any]) -> Any:
         config: Any = getattr(kind, "config_class", None)
         if config is None:
             config = typing.get_type_hints(kind.__init__).get("config")
-        is_configured = inspect.isclass(config)
-        return kind(config(**options)) if is_configured else kind(**options)
+        make: Any = kind
+        return make(config(**options)) if inspect.isclass(config) else make(**options)
     except RAISED as error:
         raise_interrupt(error)
         raise SpecError(f"'{name}' cannot be made: {place_of(error)}") from error
