@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -244,6 +245,23 @@ def test_a_lost_device_ends_the_session_without_an_episode(error: Exception, tmp
     with pytest.raises(DeviceLostError, match=r"unplugged|left"):
         record(config_of(tmp_path), device, FAST)
     assert device.closed
+    assert rc.Dataset(tmp_path / "out").ids == []
+
+
+@pytest.mark.parametrize(
+    ("options", "motion", "message"),
+    [
+        (OperatorOptions(robot="left"), Motion(), "left"),
+        (OperatorOptions(follow=FollowOptions(frame="camera:top")), Motion(), "wrist_camera"),
+        (OperatorOptions(), Motion(joints={"elbow": 1.0}), "elbow"),
+    ],
+)
+def test_wrong_names_end_a_session_without_an_episode(
+    options: OperatorOptions, motion: Motion, message: str, tmp_path: Path
+):
+    fast = replace(options, countdown_s=0, asks=False, real_time=False)
+    with pytest.raises(rc.NotFoundError, match=message):
+        record(config_of(tmp_path), Says([motion] * 3), fast)
     assert rc.Dataset(tmp_path / "out").ids == []
 
 

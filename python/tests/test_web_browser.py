@@ -21,6 +21,7 @@ from report_dataset import mixed_dataset
 from robocell._cli.robot_scene import load_robot
 from robocell._web.dataset_page import DatasetPages
 from robocell._web.live_scene import LiveScene
+from robocell._web.teleop_page import PageDevice, TeleopPage
 from robocell._web.web_server import WebServer
 
 pytestmark = pytest.mark.proof
@@ -215,3 +216,50 @@ def test_a_pick_is_recorded_in_the_browser(tab: Tab, tmp_path: Path):
     [episode] = rc.Dataset(tmp_path / "out")
     assert episode.success
     assert rc.data.verify(tmp_path / "out", decode_videos=True).ok
+
+
+class Phone(threading.Thread):
+    """A session without a run: reads the device, and shows a scene as if it recorded."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.device, self.turned, self.ends = PageDevice(), np.zeros(3), threading.Event()
+        self.site = self.device.site = TeleopPage("phone", self.device, [])
+        self.scene = load_robot(RC7).scene
+        self.start()
+
+    def run(self) -> None:
+        status = {"phase": "recording", "rows": 0, "episode": "", "success": False}
+        status |= {"left_s": None, "silent": False, "blocked": "", "instruction": ""}
+        while not self.ends.wait(0.03):
+            motion = self.device.read(0.03)
+            if motion is not None:
+                self.turned += motion.rotation
+            self.site.show(self.scene, status, {})
+
+
+def test_a_phone_turns_the_tool(tab: Tab):
+    phone = Phone()
+    try:
+        with served(phone.site) as server:
+            tab.call("Emulation.setTouchEmulationEnabled", enabled=True)
+            coarse = [{"name": "pointer", "value": "coarse"}]
+            tab.call("Emulation.setEmulatedMedia", features=coarse)
+            tab.open(server.url)
+            tab.wait_for("document.documentElement.dataset.phase === 'recording'")
+            tab.value("RC.page.frame = 'base'")
+            press(tab, "Turn with the phone")
+            for alpha, beta, gamma in ((0, 0, 0), (30, 0, 0), (30, 20, 0), (30, 20, 10)):
+                tab.call(
+                    "DeviceOrientation.setDeviceOrientationOverride",
+                    alpha=alpha,
+                    beta=beta,
+                    gamma=gamma,
+                )
+                time.sleep(1)
+    finally:
+        phone.ends.set()
+        phone.join()
+        tab.call("Emulation.setTouchEmulationEnabled", enabled=False)
+        tab.call("Emulation.setEmulatedMedia", features=[])
+    np.testing.assert_allclose(np.degrees(phone.turned), [10, -20, 30], atol=0.1)

@@ -9,11 +9,13 @@ import sys
 from pathlib import Path
 from urllib.parse import urlsplit
 
+import numpy as np
 import pytest
 
 import robocell as rc
 from command_line import RC7, environment_with, refused, write_run
 from report_dataset import mixed_dataset
+from robocell._cli.view import load
 from robocell._web.dataset_page import DatasetPages
 from robocell._web.packed import unpacked
 
@@ -68,6 +70,21 @@ def test_a_dataset_has_a_list_and_its_episodes(tmp_path_factory: pytest.TempPath
     assert shown is not None
     assert shown[1].startswith(first)
     assert alone.get("list", {}) is None
+
+
+def test_a_reset_goes_to_the_start_of_the_run(tmp_path: Path):
+    shown = load(write_run(tmp_path, cameras={"streams": []}), 1)
+    start = shown.scene.state()
+    for _ in range(50):
+        for robot in shown.scene.robots:
+            robot.jnt_pos_cmd[0] += 0.01
+            robot.update()
+        shown.scene.step()
+    assert np.abs(shown.scene.state() - start).max() > 0.01
+    shown.restart()
+    np.testing.assert_allclose(shown.scene.state(), start, atol=1e-9)
+    robot = shown.scene.robots[0]
+    np.testing.assert_allclose(robot.jnt_pos_cmd, robot.arm.joint_pos)
 
 
 def test_what_cannot_be_shown_is_named(tmp_path: Path):

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from robocell._core import EpisodeStart, GroupCommand, Rates, Rng, RunConfig, Scene, StopFlag
+from robocell._core import EpisodeStart, Error, GroupCommand, Rates, Rng, RunConfig, Scene, StopFlag
 from robocell._own_code import RAISED, raise_interrupt
 from robocell._raised import place_of
 from robocell._teleop.device import Device, DeviceLostError, Motion
@@ -72,7 +72,7 @@ class Operator:
         quits: True when the person has enough.
         motions: The motion of each action of the present episode; None where the device was silent.
         phase: What is going on.
-        lost: The error of a device that is gone.
+        lost: The error that ended the session: of a device that is gone, or of a wrong name.
     """
 
     def __init__(
@@ -82,7 +82,7 @@ class Operator:
         self.stop, self.quits = StopFlag(), False
         self.motions: list[Motion | None] = []
         self.phase = WAITING
-        self.lost: DeviceLostError | None = None
+        self.lost: Exception | None = None
         self.row: Mapping[str, Any] = {}
         self._screen = screen or NoScreen()
         self._heard = time.monotonic()
@@ -109,21 +109,22 @@ class Operator:
         """Reads the device, and keeps its commands for `take`. A lost device ends the session."""
         try:
             motion = self.device.read(seconds)
-        except DeviceLostError as error:
-            self._lose(error)
+        except Error as error:
+            self.end(error)
             return None
         except RAISED as error:
             raise_interrupt(error)
             text = f"{type(self.device).__name__}.read(): {place_of(error)}"
-            self._lose(DeviceLostError(text))
+            self.end(DeviceLostError(text))
             return None
         if motion is not None:
             self._heard = time.monotonic()
             self._commands += motion.commands
         return motion
 
-    def _lose(self, error: DeviceLostError) -> None:
-        self.lost, self.quits = error, True
+    def end(self, error: Exception) -> None:
+        """Ends the session; the present episode is dropped, and `record` raises the error."""
+        self.lost, self.quits = self.lost or error, True
         self.stop.set()
 
     def take(self, *names: str) -> str:
@@ -190,6 +191,12 @@ class Teleoperator(Expert):
 
     def begin(self, scene: Scene, rng: Rng) -> None:
         """Waits for `record`, and counts down."""
+        try:
+            self._begin(scene)
+        except Error as error:  # else the runner would keep a failed episode
+            self._operator.end(error)
+
+    def _begin(self, scene: Scene) -> None:
         operator, options = self._operator, self._operator.options
         self._robot = options.robot or next(robot.name for robot in scene.robots if _arm_of(robot))
         self._follower = ArmFollower(scene.robot(self._robot), options.follow)
@@ -214,8 +221,14 @@ class Teleoperator(Expert):
 
     def act(self, scene: Scene, rng: Rng) -> dict[str, dict[str, GroupCommand]]:
         """Returns the commands that follow the device."""
-        operator, follower = self._operator, self._follower
-        assert follower is not None
+        try:
+            return {} if self._follower is None else self._act(scene, self._follower)
+        except Error as error:
+            self._operator.end(error)
+            return {}
+
+    def _act(self, scene: Scene, follower: ArmFollower) -> dict[str, dict[str, GroupCommand]]:
+        operator = self._operator
         operator.show(scene)
         operator.row = {}  # its images cannot be drawn later
         self._wait()

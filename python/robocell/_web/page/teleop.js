@@ -125,12 +125,13 @@ RC.TeleopPage = class extends RC.LivePage {
     return pad;
   }
 
-  // The orientation of a phone turns the tool. Browsers give it to pages of https alone.
+  // The orientation of a phone turns the tool. Browsers give it to pages of https alone: alpha about
+  // its z axis, up, beta about x, to the right, gamma about y, forward.
   phoneButton() {
     if (!window.isSecureContext || !window.DeviceOrientationEvent || !matchMedia("(pointer: coarse)").matches) return "";
     let before = null;
     const onTurn = (event) => {
-      const now = [event.beta, -event.gamma, event.alpha].map((degrees) => ((degrees || 0) * Math.PI) / 180);
+      const now = [event.beta, event.gamma, event.alpha].map((degrees) => ((degrees || 0) * Math.PI) / 180);
       if (before) now.forEach((angle, i) => {
         const change = Math.atan2(Math.sin(angle - before[i]), Math.cos(angle - before[i]));
         this.turn[i === 0 ? 1 : i === 1 ? 0 : 2] += i === 0 ? -change : change;
