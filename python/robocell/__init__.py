@@ -17,7 +17,7 @@ the errors. All names are in modules by topic:
 
 They are there after `import robocell`. Modules that need packages of an extra are imported by
 name: `robocell.gym`, `robocell.sb3`, `robocell.lerobot`, `robocell.export`,
-`robocell.policy_server`, `robocell.compat`.
+`robocell.policy_server`, `robocell.teleop`, `robocell.compat`.
 
 Importing it does no work: no file is read, nothing is drawn, the package mujoco is imported by the
 first scene.
@@ -78,6 +78,7 @@ from robocell._core import (
     __version__,
 )
 from robocell._elsewhere import ON_FIRST_USE, add_hints, no_such, not_at_the_top
+from robocell._notebook import show
 from robocell.tasks import register_task
 
 __all__ = [
@@ -120,6 +121,7 @@ __all__ = [
     "robots",
     "scene",
     "scenes",
+    "show",
     "tasks",
     "viewer",
 ]

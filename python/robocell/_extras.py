@@ -35,6 +35,13 @@ EXTRAS = {
     "plots": {"matplotlib": "matplotlib", "plotly": "plotly"},
     "report": {"PIL": "pillow", "jinja2": "Jinja2", "plotly": "plotly", "yaml": "PyYAML"},
     "policy": {"msgpack": "msgpack", "websockets": "websockets", "yaml": "PyYAML"},
+    "web": {"websockets": "websockets"},
+    "teleop": {
+        "websockets": "websockets",
+        "evdev": "evdev",
+        "hid": "hidapi",
+        "yaml": "PyYAML",
+    },
     "sb3": {"gymnasium": "gymnasium", "stable_baselines3": "stable-baselines3"},
     "torch": {"torch": "torch"},
     "objects": {"coacd": "coacd", "trimesh": "trimesh"},

@@ -18,6 +18,8 @@ from robocell import _core
 if TYPE_CHECKING:
     import numpy as np
 
+    from robocell._web.html_file import Shown
+
 WIDTH, HEIGHT = 360, 270  # of pictures, pixels
 MOST_ROWS = 12  # of a table; what is beyond is counted
 METHOD = "_repr_html_"
@@ -79,17 +81,15 @@ def has_arm(robot: _core.Robot) -> bool:
         return False
 
 
-def view_of(scene: _core.Scene, size: float | None = None) -> _core.OrbitCamera:
-    """Returns a camera that sees all arms, or the whole model without arms."""
+def orbit_of(scene: _core.Scene, size: float | None = None) -> tuple[tuple[float, ...], float]:
+    """Returns the point and the distance from which all arms are seen, or the model without arms.
+
+    `size` replaces the distance.
+    """
     robots = [robot for robot in scene.robots if has_arm(robot)]
     if not robots:
         model = scene.model
-        return _core.OrbitCamera(
-            lookat=tuple(model.stat.center),
-            distance=2 * model.stat.extent,
-            azimuth=135,
-            elevation=-25,
-        )
+        return tuple(model.stat.center), size or 2 * model.stat.extent
     points = [
         point
         for robot in robots
@@ -99,8 +99,14 @@ def view_of(scene: _core.Scene, size: float | None = None) -> _core.OrbitCamera:
     highest = [max(point[i] for point in points) for i in range(3)]
     middle = tuple((low + high) / 2 for low, high in zip(lowest, highest, strict=True))
     across = max(high - low for low, high in zip(lowest, highest, strict=True))
-    distance = size or across + 1.1 * max(robot.reach for robot in robots)
-    return _core.OrbitCamera(lookat=middle, distance=distance, azimuth=135, elevation=-20)
+    return middle, size or across + 1.1 * max(robot.reach for robot in robots)
+
+
+def view_of(scene: _core.Scene, size: float | None = None) -> _core.OrbitCamera:
+    """Returns a camera that sees all arms, or the whole model without arms."""
+    lookat, distance = orbit_of(scene, size)
+    elevation = -20 if any(map(has_arm, scene.robots)) else -25
+    return _core.OrbitCamera(lookat=lookat, distance=distance, azimuth=135, elevation=elevation)
 
 
 def drawn(scene: _core.Scene) -> np.ndarray:
@@ -187,6 +193,33 @@ def dataset_html(dataset: _core.Dataset) -> str:
     if len(dataset) > MOST_ROWS:
         rows.append(("…", f"{len(dataset) - MOST_ROWS} more"))
     return page([], rows, f"Dataset {dataset.folder}")
+
+
+def show(what: Any) -> Shown:
+    """Returns a page with a scene to look at from all sides, or with an episode to play.
+
+    A notebook shows it as the value of a cell; `save` writes it into a file. The page needs no
+    server: the shapes are in it, and of an episode also states, columns and videos.
+
+    Args:
+        what: A scene, a robot (its scene), an environment, or an episode.
+
+    Raises:
+        ArgumentError: `what` is nothing of these.
+
+    Examples:
+        >>> rc.show(scene).save("scene.html")
+    """
+    from robocell._web.html_file import page_of_episode, page_of_scene
+
+    if isinstance(what, _core.Episode):
+        return page_of_episode(what)
+    scene = what if isinstance(what, _core.Scene) else getattr(what, "scene", None)
+    if isinstance(scene, _core.Scene):
+        return page_of_scene(scene)
+    raise _core.ArgumentError(
+        f"show() takes a scene, a robot, an environment or an episode, got {type(what).__name__}"
+    )
 
 
 def attach() -> None:

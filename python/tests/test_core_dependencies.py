@@ -16,6 +16,7 @@ SOURCES = only_core.ROOT / "python" / "robocell"
 # Packages that go by another name than their module.
 MODULES = {
     "foxglove-schemas-protobuf": "foxglove_schemas_protobuf",
+    "hidapi": "hid",
     "mcap-protobuf-support": "mcap_protobuf",
     "mujoco-menagerie": "mujoco_menagerie",
     "pillow": "PIL",

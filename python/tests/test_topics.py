@@ -36,7 +36,7 @@ SHORTER_ELSEWHERE = ("builtin_", "menagerie_", "models_root", "resolve_model")  
 # Names that most programs use. Errors are at the top too: tracebacks show robocell.SpecError.
 EVERYDAY = {
     "Dataset", "Env", "EnvConfig", "Pose", "Robot", "RobotConfig", "RobotSpec", "RunConfig",
-    "Scene", "SceneObject", "SceneSpec", "Shape", "register_task",
+    "Scene", "SceneObject", "SceneSpec", "Shape", "register_task", "show",
 }  # fmt: skip
 
 

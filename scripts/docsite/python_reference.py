@@ -38,6 +38,7 @@ TOPICS = {
     "benchmark": "evaluations from frozen starts",
     "policy": "policies and what they are asked",
     "policy_server": "policies over a socket",
+    "teleop": "devices that a person moves, and recording what they do",
     "diagnose": "checks of robots and runs, renderers of this machine",
     "models": "built-in robots, objects and scenes",
     "menagerie": "robots of the MuJoCo Menagerie",

@@ -36,6 +36,7 @@ COMMANDS = (
     "ik-test",
     "reach",
     "view",
+    "teleop",
     "add-object",
     "fetch",
     "doctor",

@@ -32,7 +32,9 @@ PURPOSES = {
     "extra: envs": "for robocell.gym, robocell.lerobot and compat.rcs",
     "extra: plots": "for the pictures of `robocell reach`",
     "extra: sb3": "for robocell.sb3",
+    "extra: teleop": "for `robocell teleop`: gamepads and SpaceMouse devices",
     "extra: torch": "for robocell.data.torch_dataset",
+    "extra: web": "for pages in a browser: `robocell view --web`",
     "PyKDL": "for functions that return KDL objects",
 }
 GL_REMEDY = "unset MUJOCO_GL, or export MUJOCO_GL=egl"

@@ -1,4 +1,4 @@
-"""`robocell view`: a window of a robot, a scene, an environment's cell, or a start of a run."""
+"""`robocell view`: a window or a page of a robot, a scene, a cell, or a start of a run."""
 
 from __future__ import annotations
 
@@ -22,6 +22,16 @@ class Shown:
 
     scene: Scene
     owner: Any = None
+    start: Any = None  # state
+
+    def restart(self) -> None:
+        """Brings the scene to its start: that of a run, or of a cell, is not the scene's home."""
+        self.scene.reset()
+        if self.start is not None:
+            self.scene.set_state(self.start)
+            for robot in self.scene.robots:
+                if _has_arm(robot):
+                    robot.set_joint_pos(robot.arm.joint_pos)
 
 
 def view(
@@ -39,21 +49,38 @@ def view(
     screenshot: Annotated[
         Path | None, typer.Option(help="Write the window's picture into this PNG, and end.")
     ] = None,
+    web: Annotated[
+        bool, typer.Option("--web", help="Show it in a browser; prints the page's address.")
+    ] = False,
+    host: Annotated[
+        str, typer.Option(help="With --web: address to listen at, such as 0.0.0.0.")
+    ] = "127.0.0.1",
+    port: Annotated[int, typer.Option(help="With --web: the port; 0 is a free one.")] = 0,
 ) -> None:
-    """Show a robot, a scene, a start of a run or an episode in a window.
+    """Show a robot, a scene, a start of a run or an episode in a window or in a browser.
 
     Drag the handle at a robot's TCP, and the arm follows by inverse kinematics;
     the sliders at the right move joints and controls. Press F1 in the window
     for the keys. Of an episode, Space stops and goes on, the arrows scrub.
+
+    With --web the command prints the address of a page, which also lists the
+    episodes of a DATASET. Only this machine reaches it unless --host says more.
     """
+    if web:
+        from robocell._cli.web_view import view_in_browser
+
+        if screenshot:
+            fail("--screenshot is of the window: leave out --web")
+        view_in_browser(target, index, speed, host, port)
+        return
     if (target / "episode.json").is_file():
         from robocell._cli.episode_player import play
 
         play(target.parent, target.name, speed, screenshot)
         return
     if is_dataset(target):
-        fail(f"'{target}' is a dataset: give one of its episodes, {target}/EPISODE")
-    shown = _load(target, index)
+        fail(f"'{target}' is a dataset: give one of its episodes, {target}/EPISODE, or --web")
+    shown = load(target, index)
     show(shown.scene, target.stem, speed, screenshot)
 
 
@@ -77,7 +104,7 @@ def _has_arm(robot: Robot) -> bool:
     return any(robot.group(name).kind == "arm" for name in robot.group_names)
 
 
-def _load(path: Path, index: int) -> Shown:
+def load(path: Path, index: int) -> Shown:
     """Builds the scene of a file; robocell's errors end the command."""
     if not path.exists():
         fail_missing(path, "file", lambda each: is_yaml(each) or each.suffix in MODELS)
@@ -100,13 +127,13 @@ def _load(path: Path, index: int) -> Shown:
 
         env = RunEnv(RunConfig.load(path))
         env.reset(index)
-        return Shown(env.scene, env)
+        return Shown(env.scene, env, start=env.scene.state())
     if kind is EnvConfig:
         from robocell import Env
 
         cell = Env(EnvConfig.load(path))
         cell.reset(0)
-        return Shown(cell.scene, cell)
+        return Shown(cell.scene, cell, start=cell.scene.state())
     return Shown(Scene.build(SceneSpec.load(path)))
 
 

@@ -24,11 +24,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from robocell._channel import Channel, Deadline, DroppedError, MisbehavedError
 from robocell._core import ArgumentError, Error
 from robocell._extras import needed_by
 from robocell._raised import LostPolicyError
 from robocell._suggestions import shortened
-from robocell.policy_server._channel import Channel, Deadline, DroppedError, MisbehavedError
 from robocell.policy_server._wire import WireError, name_of, pack, unpack
 
 with needed_by("robocell.policy_server", "policy"):

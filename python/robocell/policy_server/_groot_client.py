@@ -20,8 +20,8 @@ from urllib.parse import urlsplit
 import numpy as np
 from numpy.typing import NDArray
 
+from robocell._channel import Deadline, DroppedError, MisbehavedError
 from robocell._core import ArgumentError
-from robocell.policy_server._channel import Deadline, DroppedError, MisbehavedError
 from robocell.policy_server._client import (
     CONNECT_S,
     KEY,

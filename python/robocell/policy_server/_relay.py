@@ -15,9 +15,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
+from robocell._channel import DroppedError
 from robocell._core import Error
 from robocell.policy_server._batches import BATCH, MOST_MESSAGES
-from robocell.policy_server._channel import DroppedError
 from robocell.policy_server._client import LostServerError, PolicyClient, PolicyServerError
 from robocell.policy_server._server import MOST_BYTES, PassesOn, PolicyServer
 from robocell.policy_server._wire import WireError, unpack

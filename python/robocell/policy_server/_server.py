@@ -9,18 +9,16 @@ A client that sends garbage, reads slowly or disappears ends its own connection 
 
 from __future__ import annotations
 
-import contextlib
 import hmac
 import http
-import socket
 import sys
-import threading
 import time
 import traceback
 from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
-from robocell._core import ArgumentError, Error, IoError
+from robocell._channel import Channel, ChannelServer, Deadline, DroppedError
+from robocell._core import Error
 from robocell._extras import needed_by
 from robocell._own_code import RAISED, raise_interrupt
 from robocell.policy_server._batches import (
@@ -31,7 +29,6 @@ from robocell.policy_server._batches import (
     InfersMany,
     endpoint_of,
 )
-from robocell.policy_server._channel import Channel, Deadline, DroppedError, MisbehavedError
 from robocell.policy_server._client import key_of
 from robocell.policy_server._wire import pack, unpack
 
@@ -73,7 +70,7 @@ class PassesOn:
         raise NotImplementedError
 
 
-class PolicyServer:
+class PolicyServer(ChannelServer):
     """Listens from its construction on.
 
     Args:
@@ -110,22 +107,15 @@ class PolicyServer:
         batch: InfersMany | None = None,
         most_clients: int | None = None,
     ) -> None:
-        if not 0 <= port < 65536:
-            raise ArgumentError(f"port must be from 0 to 65535, got {port}")
         self._make_session, self._end_session = make_session, end_session
         self._batch = batch
-        self._most_clients = most_clients or MOST_CLIENTS
         own: dict[str, Any] = {"server": "robocell", "endpoints": ["infer", "reset"]}
         if batch is not None:
             own |= {"endpoints": ["infer", "reset", BATCH], BATCH: MOST_MESSAGES}
         self._metadata = pack(own | dict(metadata or {}))
         self._key = key_of(api_key)
         self._most_bytes = most_bytes
-        self._channels: set[Channel] = set()
-        self._lock = threading.Lock()
-        self._closed = False
-        self._socket = _listening(host, port)
-        self.host, self.port = self._socket.getsockname()[:2]
+        super().__init__(host, port, most_clients or MOST_CLIENTS, "policy client")
 
     @property
     def url(self) -> str:
@@ -136,67 +126,23 @@ class PolicyServer:
             >>> PolicyServer(session, host="127.0.0.1", port=8000).url  # doctest: +SKIP
             'ws://127.0.0.1:8000'
         """
-        host = f"[{self.host}]" if ":" in self.host else self.host
-        return f"ws://{host}:{self.port}"
+        return f"ws://{self.netloc}"
 
     @property
     def has_key(self) -> bool:
         """True if clients need a key."""
         return bool(self._key)
 
-    def serve(self) -> None:
-        """Answers clients until `close` is called from another thread or a signal handler."""
-        while not self._closed:
-            try:
-                connection, _ = self._socket.accept()
-            except OSError:
-                if self._closed:
-                    return
-                time.sleep(0.05)  # out of file descriptors, for example
-                continue
-            self._begin(connection)
+    def protocol(self) -> ServerProtocol:
+        """Returns the state of a new connection, which no browser may open."""
+        return ServerProtocol(origins=[None], max_size=self._most_bytes)
 
-    def _begin(self, connection: socket.socket) -> None:
-        """Starts the thread of a connection."""
-        protocol = ServerProtocol(origins=[None], max_size=self._most_bytes)
-        channel = Channel(connection, protocol)
-        with self._lock:
-            others = len(self._channels)
-            if others < 2 * self._most_clients:
-                self._channels.add(channel)
-        if others >= 2 * self._most_clients:  # also of those that say nothing
-            channel.abort()
-            return
-        threading.Thread(
-            target=self._serve_client,
-            args=(channel, protocol, others >= self._most_clients),
-            name="policy client",
-            daemon=True,
-        ).start()
-
-    def close(self) -> None:
-        """Stops listening and ends all connections."""
-        self._closed = True
-        with contextlib.suppress(OSError):
-            self._socket.shutdown(socket.SHUT_RDWR)
-        self._socket.close()
-        with self._lock:
-            channels = list(self._channels)
-        for channel in channels:
-            channel.abort()
-
-    def _serve_client(
+    def serve_client(
         self, channel: Channel, protocol: ServerProtocol, is_one_too_many: bool
     ) -> None:
-        try:
-            if self._accepts(channel, protocol, is_one_too_many):
-                self._converse(channel)
-        except (DroppedError, MisbehavedError, TimeoutError):
-            pass  # the client's end of the connection
-        finally:
-            channel.close()
-            with self._lock:
-                self._channels.discard(channel)
+        """Answers the messages of a client."""
+        if self._accepts(channel, protocol, is_one_too_many):
+            self._converse(channel)
 
     def _accepts(self, channel: Channel, protocol: ServerProtocol, is_one_too_many: bool) -> bool:
         """Answers the HTTP request of a client. Returns True if it may speak WebSocket."""
@@ -257,23 +203,6 @@ class PolicyServer:
         finally:
             if session is not None and self._end_session is not None:
                 self._end_session(session)
-
-
-def _listening(host: str, port: int) -> socket.socket:
-    try:
-        family, kind, protocol, _, address = socket.getaddrinfo(
-            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
-        )[0]
-        listening = socket.socket(family, kind, protocol)
-        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listening.bind(address)
-        listening.listen(MOST_CLIENTS)
-    except OSError as error:
-        raise IoError(
-            f"cannot listen at {host}:{port}: {error.strerror or error}. Choose another --port, or "
-            "0 for a free one"
-        ) from error
-    return listening
 
 
 def _envelope(message: bytes | str) -> dict[str, Any] | None:

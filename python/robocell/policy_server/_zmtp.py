@@ -11,7 +11,7 @@ import contextlib
 import socket
 import struct
 
-from robocell.policy_server._channel import CHUNK, Deadline, DroppedError, MisbehavedError
+from robocell._channel import CHUNK, Deadline, DroppedError, MisbehavedError
 
 SIGNATURE = b"\xff\x00\x00\x00\x00\x00\x00\x00\x00\x7f"
 NULL = b"NULL".ljust(20, b"\0")

@@ -1,4 +1,4 @@
-"""A WebSocket connection whose every operation ends in time and in a bounded amount of memory.
+"""WebSocket connections whose every operation ends in time and in a bounded amount of memory.
 
 The protocol is that of the package websockets, without its threads and event loop: a send and a
 receive here have a deadline for the whole message, however slowly the other end reads or writes.
@@ -9,16 +9,18 @@ from __future__ import annotations
 import contextlib
 import math
 import socket
+import threading
 import time
 
-from robocell._core import Error
+from robocell._core import ArgumentError, Error, IoError
 from robocell._extras import needed_by
 
-with needed_by("robocell.policy_server", "policy"):
+with needed_by("a WebSocket", "web"):
     from websockets.exceptions import PayloadTooBig
     from websockets.frames import CloseCode, Frame, Opcode
     from websockets.http11 import Request, Response
     from websockets.protocol import Event, Protocol, State
+    from websockets.server import ServerProtocol
 
 CHUNK = 1 << 18  # bytes per read
 
@@ -208,3 +210,127 @@ def _decoded(data: bytes, is_text: bool) -> bytes | str:
 def _reason(close: object) -> str:
     code, reason = getattr(close, "code", None), getattr(close, "reason", "")
     return f" (code {code}{f': {reason}' if reason else ''})" if code else ""
+
+
+class ChannelServer:
+    """Listens from its construction on, and gives each connection a thread.
+
+    Subclasses define `protocol` and `serve_client`. More than `most_clients` connections are marked
+    as one too many, and more than twice as many are closed at once, also those that say nothing.
+
+    Args:
+        host: Address to listen at.
+        port: 0 for a free one; see `port`.
+        most_clients: Connections at one time.
+        thread: Name of the threads.
+
+    Attributes:
+        host: The address.
+        port: The port.
+
+    Raises:
+        ArgumentError: There is no such port.
+        IoError: The address or the port cannot be used.
+    """
+
+    def __init__(self, host: str, port: int, most_clients: int, thread: str) -> None:
+        if not 0 <= port < 65536:
+            raise ArgumentError(f"port must be from 0 to 65535, got {port}")
+        self._most_clients, self._thread = most_clients, thread
+        self._channels: set[Channel] = set()
+        self._lock = threading.Lock()
+        self._closed = False
+        self._socket = _listening(host, port, most_clients)
+        self.host, self.port = self._socket.getsockname()[:2]
+
+    def protocol(self) -> ServerProtocol:
+        """Returns the state of a new connection."""
+        raise NotImplementedError
+
+    def serve_client(
+        self, channel: Channel, protocol: ServerProtocol, is_one_too_many: bool
+    ) -> None:
+        """Talks to a client until it or this server has enough; runs in the client's thread."""
+        raise NotImplementedError
+
+    def serve(self) -> None:
+        """Answers clients until `close` is called from another thread or a signal handler."""
+        while not self._closed:
+            try:
+                connection, _ = self._socket.accept()
+            except OSError:
+                if self._closed:
+                    return
+                time.sleep(0.05)  # out of file descriptors, for example
+                continue
+            self._begin(connection)
+
+    def close(self) -> None:
+        """Stops listening and ends all connections."""
+        self._closed = True
+        with contextlib.suppress(OSError):
+            self._socket.shutdown(socket.SHUT_RDWR)
+        self._socket.close()
+        with self._lock:
+            channels = list(self._channels)
+        for channel in channels:
+            channel.abort()
+
+    @property
+    def netloc(self) -> str:
+        """Address and port as URLs write them."""
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"{host}:{self.port}"
+
+    def wrapped(self, connection: socket.socket) -> socket.socket:
+        """Returns the socket to talk on: a subclass may encrypt it. Does not block."""
+        return connection
+
+    def _begin(self, connection: socket.socket) -> None:
+        """Starts the thread of a connection."""
+        protocol = self.protocol()
+        try:
+            channel = Channel(self.wrapped(connection), protocol)
+        except OSError:
+            connection.close()
+            return
+        with self._lock:
+            others = len(self._channels)
+            if others < 2 * self._most_clients:
+                self._channels.add(channel)
+        if others >= 2 * self._most_clients:  # also of those that say nothing
+            channel.abort()
+            return
+        threading.Thread(
+            target=self._talk,
+            args=(channel, protocol, others >= self._most_clients),
+            name=self._thread,
+            daemon=True,
+        ).start()
+
+    def _talk(self, channel: Channel, protocol: ServerProtocol, is_one_too_many: bool) -> None:
+        try:
+            self.serve_client(channel, protocol, is_one_too_many)
+        except (DroppedError, MisbehavedError, TimeoutError):
+            pass  # the client's end of the connection
+        finally:
+            channel.close()
+            with self._lock:
+                self._channels.discard(channel)
+
+
+def _listening(host: str, port: int, waiting: int) -> socket.socket:
+    try:
+        family, kind, protocol, _, address = socket.getaddrinfo(
+            host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE
+        )[0]
+        listening = socket.socket(family, kind, protocol)
+        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        listening.bind(address)
+        listening.listen(waiting)
+    except OSError as error:
+        raise IoError(
+            f"cannot listen at {host}:{port}: {error.strerror or error}. Choose another --port, or "
+            "0 for a free one"
+        ) from error
+    return listening

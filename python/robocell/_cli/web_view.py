@@ -1,0 +1,63 @@
+"""`robocell view --web`: a page of a robot, a scene, a start of a run, an episode or a dataset."""
+
+from __future__ import annotations
+
+import contextlib
+import signal
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+from robocell._cli.common import fail, is_dataset, print_warning
+from robocell._cli.view import load
+from robocell._web.dataset_page import DatasetPages
+from robocell._web.live_scene import LiveScene
+from robocell._web.web_server import LOOPBACK_NAMES, Site, WebServer
+
+
+def view_in_browser(target: Path, index: int, speed: float, host: str, port: int) -> None:
+    """Serves a page until Ctrl-C."""
+    if (target / "episode.json").is_file():
+        wait_serving(DatasetPages(target.parent, target.name), host, port)
+        return
+    if is_dataset(target):
+        wait_serving(DatasetPages(target), host, port)
+        return
+    if target.is_dir():
+        fail(f"'{target}' is a folder without episodes; give a dataset, or one of its episodes")
+    shown = load(target, index)
+    live = LiveScene(shown.scene, target.stem, speed, shown.restart)
+    with serving(live, host, port), contextlib.suppress(KeyboardInterrupt):
+        live.run()
+
+
+def wait_serving(site: Site, host: str, port: int) -> None:
+    """Serves a site whose data stay as they are until Ctrl-C."""
+    with serving(site, host, port), contextlib.suppress(KeyboardInterrupt):
+        threading.Event().wait()
+
+
+@contextlib.contextmanager
+def serving(
+    site: Site, host: str, port: int, certificate: tuple[Path, Path] | None = None
+) -> Iterator[WebServer]:
+    """Serves a site, prints its address, and ends at SIGTERM as at Ctrl-C."""
+    server = WebServer(site, host=host, port=port, certificate=certificate)
+    if host not in LOOPBACK_NAMES:
+        print_warning(
+            f"the page can be opened from other machines that reach {host}; its address is a "
+            "password"
+        )
+    print(f"page: {server.url}", flush=True)
+    print("Ctrl-C ends it.", flush=True)
+
+    def end(_signal: int, _frame: object) -> None:
+        raise KeyboardInterrupt
+
+    before = signal.signal(signal.SIGTERM, end)
+    server.start()
+    try:
+        yield server
+    finally:
+        signal.signal(signal.SIGTERM, before)
+        server.close()

@@ -1,0 +1,257 @@
+"""Lets an arm follow the motions of a device, within its limits and without collisions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from robocell._core import (
+    ArgumentError,
+    CollisionFilter,
+    GroupCommand,
+    NotFoundError,
+    Pose,
+    Robot,
+    Scene,
+)
+from robocell._suggestions import did_you_mean
+from robocell._teleop.device import FRAMES, Motion
+
+# The device's x forward, y left, z up in MuJoCo's axes of cameras: x right, y up, view along -z.
+DEVICE_IN_CAMERA = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]])
+PARTS = 8  # of an action, so that the TCP keeps to its line and its speed
+
+
+@dataclass(frozen=True)
+class FollowOptions:
+    """How an arm follows.
+
+    Attributes:
+        scale: Metres of the TCP for a metre of the device.
+        rotation_scale: Angle of the TCP for an angle of the device.
+        frame: Axes of the device: "base" of the robot, "world", "tool", or "camera:NAME" for those
+            of a camera of the scene.
+        max_speed: Largest speed of the TCP, m/s.
+        max_angular_speed: Its largest angular speed, rad/s.
+        max_joint_speed: Largest speed of a joint, rad/s or m/s.
+        max_lead: How far the command of a joint may lead the joint, rad or m: a blocked arm presses
+            no harder.
+        clearance: Distance that the arm keeps from everything that stands still, m.
+        stops_at_collisions: False lets the arm touch everything.
+    """
+
+    scale: float = 1.0
+    rotation_scale: float = 1.0
+    frame: str = "base"
+    max_speed: float = 0.25
+    max_angular_speed: float = 1.5
+    max_joint_speed: float = 1.5
+    max_lead: float = 0.15
+    clearance: float = 0.0
+    stops_at_collisions: bool = True
+
+    def __post_init__(self) -> None:
+        """Raises ArgumentError for values that are out of range."""
+        for name in ("max_speed", "max_angular_speed", "max_joint_speed", "max_lead"):
+            if not 0 < getattr(self, name) < np.inf:
+                raise ArgumentError(f"{name} must be above 0, got {getattr(self, name)}")
+        for name in ("scale", "rotation_scale", "clearance"):
+            if not 0 <= getattr(self, name) < np.inf:
+                raise ArgumentError(f"{name} must be at least 0, got {getattr(self, name)}")
+        kind, _, camera = self.frame.partition(":")
+        if kind not in FRAMES or (kind == "camera") != bool(camera):
+            raise ArgumentError(
+                f"no frame '{self.frame}'; there are base, world, tool and camera:NAME"
+            )
+
+
+class ArmFollower:
+    """Turns motions into commands of a robot's arm and gripper.
+
+    Args:
+        robot: The robot, at the start of an episode.
+        options: How it follows.
+
+    Attributes:
+        blocked: Why the last motion was cut short: "collision", "limit", or "".
+    """
+
+    def __init__(self, robot: Robot, options: FollowOptions) -> None:
+        self._robot, self._options = robot, options
+        self._scene: Scene = robot.scene
+        kind, _, camera = options.frame.partition(":")
+        self._frame, self._camera = kind, camera
+        if camera and camera not in self._scene.camera_names():
+            cameras = self._scene.camera_names()
+            raise NotFoundError(
+                f"no camera '{camera}' for the frame.{did_you_mean(camera, cameras)} "
+                f"The scene has: {', '.join(cameras)}"
+            )
+        self._names = _plain(robot)
+        self._limits = np.asarray(robot.joint_limits)
+        self._command = np.array(robot.arm.joint_pos, float)
+        self._opening = float(robot.gripper.opening) if robot.has_gripper else None
+        self._filter = self._make_filter()
+        self.blocked = ""
+
+    @property
+    def command(self) -> NDArray[np.float64]:
+        """The commanded joint positions (n,), a copy."""
+        return self._command.copy()
+
+    def resync(self) -> None:
+        """Lets the command begin at the measured positions again."""
+        self._command = np.clip(self._robot.arm.joint_pos, *self._limits.T)
+
+    def hold(self) -> dict[str, GroupCommand]:
+        """Returns the commands that keep arm and gripper where they are commanded to be."""
+        self.blocked = ""
+        commands = {self._arm: GroupCommand.joints(self._command)}
+        if self._opening is not None and (gripper := self._robot.gripper_of(self._arm)):
+            commands[gripper] = GroupCommand.opening(self._opening)
+        return commands
+
+    def follow(self, motion: Motion, seconds: float) -> dict[str, GroupCommand]:
+        """Returns the commands of one action of so many seconds."""
+        self.blocked = ""
+        if motion.opening is not None and self._opening is not None:
+            self._opening = min(max(motion.opening, 0.0), 1.0)
+        if not motion.clutch:
+            return self.hold()
+        wanted = (
+            self._towards_joints(motion, seconds)
+            if motion.joints
+            else self._towards_pose(motion, seconds)
+        )
+        if np.any(wanted != self._command) and not self._may_move_to(wanted):
+            self.blocked = "collision"
+        else:
+            self._command = wanted
+        self._keep_lead()
+        blocked = self.blocked
+        commands = self.hold()
+        self.blocked = blocked
+        return commands
+
+    @property
+    def _arm(self) -> str:
+        return next(
+            name for name in self._robot.group_names if self._robot.group(name).kind == "arm"
+        )
+
+    def _towards_pose(self, motion: Motion, seconds: float) -> NDArray[np.float64]:
+        options = self._options
+        frame, camera = motion.frame or self._frame, self._camera
+        linear = _cut(options.scale * np.array(motion.translation), options.max_speed * seconds)
+        angular = _cut(
+            options.rotation_scale * np.array(motion.rotation), options.max_angular_speed * seconds
+        )
+        if not linear.any() and not angular.any():
+            return self._command
+        turn = self._axes_in_base(frame, camera)
+        twist = np.concatenate([turn @ linear, turn @ angular]) / seconds
+        wanted, part = self._command, seconds / PARTS
+        fastest = np.full(len(wanted), options.max_joint_speed)
+        for _ in range(PARTS):
+            moved = self._robot.kinematics.differential_ik(
+                wanted, twist, "base", part, fastest, None, 0.0
+            )
+            wanted = wanted + part * np.asarray(moved.velocity)
+            if moved.slower:
+                self.blocked = "limit"
+        return self._no_faster(wanted, options.max_speed * seconds)
+
+    def _no_faster(self, wanted: NDArray[np.float64], longest: float) -> NDArray[np.float64]:
+        """Shortens a motion whose TCP moves further: at limits, turning may cost translation."""
+        start = self._robot.fk_frame(self._command).translation
+        for _ in range(PARTS):  # joints move the TCP on arcs, so that one division is not exact
+            moved = float(np.linalg.norm(self._robot.fk_frame(wanted).translation - start))
+            if moved <= longest * (1 + 1e-6):
+                break
+            wanted = self._command + (wanted - self._command) * (longest / moved)
+        return wanted
+
+    def _axes_in_base(self, frame: str, camera: str) -> NDArray[np.float64]:
+        """Returns the axes of a frame in those of the robot's base (3, 3)."""
+        base = self._robot.base_in_world.rotation
+        if frame == "base":
+            return np.eye(3)
+        if frame == "tool":
+            tcp: Pose = self._robot.fk_frame(self._command)
+            return np.asarray(tcp.rotation)
+        if frame == "camera" and camera:
+            world = self._scene.camera_pose(camera).rotation @ DEVICE_IN_CAMERA
+            return np.asarray(base.T @ world)
+        return np.asarray(base.T)  # of a page's own view, which sends world axes, too
+
+    def _towards_joints(self, motion: Motion, seconds: float) -> NDArray[np.float64]:
+        wanted = self._command.copy()
+        for name, value in motion.joints.items():
+            wanted[self._place(name)] = value
+        wanted = np.clip(wanted, *self._limits.T)
+        step = self._options.max_joint_speed * seconds
+        return self._command + np.clip(wanted - self._command, -step, step)
+
+    def _place(self, name: str) -> int:
+        if name in self._names:
+            return self._names.index(name)
+        if name.isdigit() and int(name) < len(self._names):
+            return int(name)
+        raise NotFoundError(
+            f"the device moves '{name}', which is no joint of robot '{self._robot.name}'."
+            f"{did_you_mean(name, self._names)} Its joints: {', '.join(self._names)}; or 0 to "
+            f"{len(self._names) - 1}"
+        )
+
+    def _keep_lead(self) -> None:
+        measured = np.asarray(self._robot.arm.joint_pos)
+        lead = self._options.max_lead
+        self._command = measured + np.clip(self._command - measured, -lead, lead)
+        self._command = np.clip(self._command, *self._limits.T)
+
+    def _make_filter(self) -> Any:
+        """Returns the test of configurations: only what stands still is in the way.
+
+        Objects, doors and drawers must be touched to be moved.
+        """
+        if not self._options.stops_at_collisions:
+            return None
+        ignored = _movable_bodies(self._scene)
+        return CollisionFilter(self._robot, self._options.clearance, ignored)
+
+    def _may_move_to(self, wanted: NDArray[np.float64]) -> bool:
+        """Returns False if a free arm would touch something; one that touches may move away."""
+        if self._filter is None:
+            return True
+        self._filter.update()
+        now, then = self._filter(np.array([self._command, wanted]))
+        return bool(then or not now)
+
+
+def _cut(vector: NDArray[np.float64], longest: float) -> NDArray[np.float64]:
+    length = float(np.linalg.norm(vector))
+    return vector if length <= longest else vector * (longest / length)
+
+
+def _plain(robot: Robot) -> list[str]:
+    """Returns the names of the joints as the robot's file has them."""
+    return [name.removeprefix(robot.prefix) for name in robot.joint_names]
+
+
+def _movable_bodies(scene: Scene) -> list[str]:
+    """Returns the bodies, of no robot, that hang on joints: the first one of each tree."""
+    model: Any = scene.model
+    tops = {int(model.body(record.top_body).id) for record in scene.compiled.robots}
+    of_robot = np.zeros(model.nbody, bool)
+    found = []
+    for i in range(1, model.nbody):
+        parent = int(model.body_parentid[i])
+        of_robot[i] = i in tops or of_robot[parent]
+        moves = model.body_jntnum[i] > 0 or model.body_mocapid[i] >= 0
+        parent_moves = parent != 0 and model.body_weldid[parent] != 0
+        if moves and not parent_moves and not of_robot[i] and model.body(i).name:
+            found.append(model.body(i).name)
+    return found

@@ -1,0 +1,347 @@
+"""Teleoperation: the arm follows within its limits, episodes are ordinary, devices fail safely."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import robocell as rc
+from command_line import RC7, write_run
+from robocell._cli.robot_scene import load_robot
+from robocell._teleop.device import COMMANDS
+from robocell._teleop.follower import ArmFollower
+from robocell._teleop.recorded import RecordedDevice
+from robocell._teleop.web_device import WebDevice, checked_command, checked_input
+from robocell.teleop import (
+    Device,
+    DeviceLostError,
+    FollowOptions,
+    Motion,
+    OperatorOptions,
+    make_device,
+    record,
+)
+
+FAST = OperatorOptions(countdown_s=0, asks=False, real_time=False)
+
+
+class Says(Device):
+    """Says what it was given, then ends the episode."""
+
+    def __init__(self, motions: Sequence[Motion | None], end: str = "success") -> None:
+        self.motions, self.end, self.closed = list(motions), end, False
+        self.recording = False
+
+    def read(self, seconds: float) -> Motion | None:
+        if not self.recording:
+            self.recording = True
+            return Motion(commands=("record",))
+        if self.motions:
+            return self.motions.pop(0)
+        self.recording = False
+        return Motion(clutch=False, commands=(self.end,))
+
+    def close(self) -> None:
+        self.closed = True
+
+
+def arm(tmp_path: Path | None = None) -> rc.Robot:
+    return load_robot(RC7).robot
+
+
+def moved_by(robot: rc.Robot, follower: ArmFollower) -> rc.Pose:
+    """The commanded TCP in the base frame."""
+    return robot.fk_frame(follower.command)
+
+
+@pytest.mark.parametrize("frame", ["base", "tool", "world", "camera:exo_camera"])
+def test_the_tcp_moves_along_the_axes_of_the_frame(frame: str):
+    robot = arm()
+    scene = robot.scene
+    follower = ArmFollower(robot, FollowOptions(frame=frame, scale=2.0))
+    before = moved_by(robot, follower)
+    follower.follow(Motion(translation=(0.004, 0.001, -0.002)), 0.1)
+    after = moved_by(robot, follower)
+    base = robot.base_in_world.rotation
+    in_world = {
+        "base": base,
+        "tool": base @ before.rotation,
+        "world": np.eye(3),
+    }
+    if frame in in_world:
+        axes = in_world[frame]
+    else:  # x where the camera looks, y left, z up in its image
+        camera = scene.camera_pose("exo_camera").rotation
+        axes = np.stack([-camera[:, 2], -camera[:, 0], camera[:, 1]], axis=1)
+    expected = base.T @ axes @ np.array([0.008, 0.002, -0.004])
+    np.testing.assert_allclose(after.translation - before.translation, expected, atol=2e-5)
+    turned = before.rotation.T @ after.rotation
+    assert np.arccos(np.clip((np.trace(turned) - 1) / 2, -1, 1)) < 1e-3
+
+
+@pytest.mark.parametrize("lead", [0.15, 10.0])
+def test_speeds_limits_and_lead_hold_for_any_motion(lead: float):
+    rng = np.random.default_rng(1)
+    robot = arm()
+    options = FollowOptions(max_speed=0.3, max_lead=lead, stops_at_collisions=False)
+    for _ in range(20):
+        lower, upper = np.asarray(robot.joint_limits).T
+        robot.set_joint_pos(rng.uniform(np.maximum(lower, -3), np.minimum(upper, 3)))
+        follower = ArmFollower(robot, options)
+        for _ in range(10):
+            before, q = moved_by(robot, follower), follower.command
+            numbers = rng.normal(scale=10.0, size=6)
+            follower.follow(Motion(tuple(numbers[:3]), tuple(numbers[3:])), 0.05)
+            after = moved_by(robot, follower)
+            distance = np.linalg.norm(after.translation - before.translation)
+            assert lead < 1 or distance < 0.3 * 0.05 * 1.02
+            assert np.all(np.abs(follower.command - q) <= 1.5 * 0.05 + 1e-9)
+            assert np.all(follower.command >= lower - 1e-9)
+            assert np.all(follower.command <= upper + 1e-9)
+            measured = np.asarray(robot.arm.joint_pos)
+            assert np.all(np.abs(follower.command - measured) <= lead + 1e-9)
+
+
+def test_the_arm_stops_before_what_stands_still_and_may_leave_it():
+    spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=False)
+    config = rc.RobotConfig.load(str(RC7))
+    spec.robots.append(rc.RobotSpec(name="arm", config=config, control_modes=config.used_modes()))
+    scene = rc.Scene.build(spec)
+    robot = scene.robot("arm")
+    follower = ArmFollower(robot, FollowOptions(max_lead=10))
+    free = rc.kinematics.CollisionFilter(robot)
+    down, blocked = Motion(translation=(0, 0, -0.01)), False
+    for _ in range(200):
+        follower.follow(down, 0.1)
+        blocked = blocked or follower.blocked == "collision"
+        assert free(follower.command[None])[0]
+    assert blocked
+    stuck = moved_by(robot, follower)
+    follower.follow(Motion(translation=(0, 0, 0.01)), 0.1)
+    assert moved_by(robot, follower).translation[2] > stuck.translation[2] + 0.009
+    robot.set_joint_pos(follower.command)
+    pressing = ArmFollower(robot, FollowOptions(stops_at_collisions=False, max_lead=10))
+    for _ in range(20):
+        pressing.follow(down, 0.1)
+    assert not free(pressing.command[None])[0], "the test would not see a collision otherwise"
+
+
+def test_a_leader_is_followed_no_faster_than_joints_may_move():
+    robot = arm()
+    follower = ArmFollower(robot, FollowOptions(max_joint_speed=1.0, max_lead=10))
+    start = follower.command
+    follower.follow(Motion(joints={"joint1": 0.5, "1": start[1] - 0.05}, opening=0.25), 0.1)
+    np.testing.assert_allclose((follower.command - start)[:3], [0.1, -0.05, 0], atol=1e-9)
+    with pytest.raises(rc.NotFoundError, match=r"joint77.*Did you mean 'joint7'"):
+        follower.follow(Motion(joints={"joint77": 0.5}), 0.1)
+
+
+def test_an_open_clutch_and_silence_hold_the_arm():
+    robot = arm()
+    follower = ArmFollower(robot, FollowOptions())
+    start = follower.command
+    follower.follow(Motion(translation=(1, 1, 1), clutch=False), 0.1)
+    follower.hold()
+    np.testing.assert_array_equal(follower.command, start)
+
+
+@pytest.mark.parametrize(
+    "fields",
+    [
+        {"translation": [1, 2]},
+        {"rotation": [float("nan"), 0, 0]},
+        {"opening": float("inf")},
+        {"commands": ["jump"]},
+        {"frame": "moon"},
+        {"speed": 1},
+        {"joints": {"a": float("nan")}},
+        {"translation": 3},
+    ],
+)
+def test_motions_with_wrong_parts_are_refused(fields: dict[str, Any]):
+    with pytest.raises(rc.ArgumentError):
+        Motion.of_json(fields)
+
+
+def test_a_motion_survives_its_file():
+    motion = Motion((1, 2, 3), (0, 0, 0.1), 0.5, {"j": 1.0}, False, ("resync",), "tool")
+    assert Motion.of_json(json.loads(json.dumps(motion.as_json()))) == motion
+    assert Motion().as_json() == {}
+
+
+def config_of(folder: Path, **changes: Any) -> rc.RunConfig:
+    changes.setdefault("cameras", {"streams": []})
+    run = rc.RunConfig.load(str(write_run(folder, **changes)))
+    run.rates.max_steps = 40
+    return run
+
+
+def test_episodes_are_ordinary_and_a_session_replays_exactly(tmp_path: Path):
+    """They verify, replay, and the recorded session makes the same episode again."""
+    rng = np.random.default_rng(2)
+    motions = [
+        None if i % 7 == 3 else Motion(tuple(rng.normal(scale=0.01, size=3)), opening=float(i % 2))
+        for i in range(12)
+    ]
+    device = Says(motions)
+    made = record(config_of(tmp_path, episodes_per_scene=1), device, FAST)
+    assert [(each.id, each.success, each.rows) for each in made] == [("s0000_e0000", False, 13)]
+    assert device.closed
+    out = tmp_path / "out"
+    assert rc.data.verify(out).ok
+    episode = rc.Dataset(out)["s0000_e0000"]
+    assert rc.data.verify_replay(episode).first is None
+    session = out / "device_sessions" / "s0000_e0000.json"
+    again = RecordedDevice(session)
+    run = config_of(tmp_path, episodes_per_scene=1, output=str(tmp_path / "again"))
+    record(run, again, again.options())
+    same = rc.Dataset(tmp_path / "again")["s0000_e0000"]
+    for name in episode.columns:
+        np.testing.assert_array_equal(episode[name], same[name], err_msg=name)
+    assert np.ptp(episode["robots/rc7/action/arm"], axis=0).max() > 0.001
+
+
+def test_failure_discard_and_quit(tmp_path: Path):
+    """A marked failure is kept as one, a discarded episode leaves nothing, quitting ends it."""
+    script = [
+        *("record", "", "discard"),
+        *("record", "", "failure", "discard"),
+        *("record", "", "failure", "keep"),
+        *("record", "", "quit"),
+    ]
+
+    class Presses(Device):
+        def read(self, seconds: float) -> Motion:
+            name = script.pop(0) if script else "quit"
+            return Motion(commands=(name,) if name else ())
+
+    options = OperatorOptions(countdown_s=0, asks=True, real_time=False)
+    made = record(config_of(tmp_path), Presses(), options)
+    assert [(each.id, each.success) for each in made] == [("s0000_e0000", False)]
+    assert made[0].reason == "marked as a failure"
+    dataset = rc.Dataset(tmp_path / "out")
+    assert dataset.ids == ["s0000_e0000"]
+    assert dataset[0].end_reason == "marked as a failure"
+    made = record(config_of(tmp_path), Says([Motion()]), FAST)
+    assert [each.id for each in made] == ["s0000_e0001"], "the session goes on"
+
+
+@pytest.mark.parametrize("error", [DeviceLostError("unplugged"), KeyError("left")])
+def test_a_lost_device_ends_the_session_without_an_episode(error: Exception, tmp_path: Path):
+    class Breaks(Says):
+        def read(self, seconds: float) -> Motion | None:
+            if len(self.motions) == 1:
+                raise error
+            return super().read(seconds)
+
+    device = Breaks([Motion(), Motion(), Motion()])
+    with pytest.raises(DeviceLostError, match=r"unplugged|left"):
+        record(config_of(tmp_path), device, FAST)
+    assert device.closed
+    assert rc.Dataset(tmp_path / "out").ids == []
+
+
+@pytest.mark.parametrize(
+    ("options", "motion", "message"),
+    [
+        (OperatorOptions(robot="left"), Motion(), "left"),
+        (OperatorOptions(follow=FollowOptions(frame="camera:top")), Motion(), "wrist_camera"),
+        (OperatorOptions(), Motion(joints={"elbow": 1.0}), "elbow"),
+    ],
+)
+def test_wrong_names_end_a_session_without_an_episode(
+    options: OperatorOptions, motion: Motion, message: str, tmp_path: Path
+):
+    fast = replace(options, countdown_s=0, asks=False, real_time=False)
+    with pytest.raises(rc.NotFoundError, match=message):
+        record(config_of(tmp_path), Says([motion] * 3), fast)
+    assert rc.Dataset(tmp_path / "out").ids == []
+
+
+class Picks(Device):
+    """Picks the target as a person would who sees the scene: a screen, too."""
+
+    def __init__(self) -> None:
+        self.scene: rc.Scene | None = None
+        self.status: Mapping[str, Any] = {}
+        self.closed_for = 0
+
+    def show(self, scene: rc.Scene, status: Mapping[str, Any], row: Mapping[str, Any]) -> None:
+        self.scene, self.status = scene, status
+
+    def read(self, seconds: float) -> Motion | None:
+        if self.scene is None or self.status["phase"] == "waiting":
+            self.closed_for = 0
+            return Motion(commands=("record",))
+        robot = self.scene.robots[0]
+        tcp = robot.tcp_in_world
+        target = next(n for n in self.scene.object_names if not n.startswith("table"))
+        away = self.scene.body_pose(target).translation - tcp.translation
+        if self.closed_for > 4:
+            return Motion(translation=(0, 0, 0.02), opening=0, frame="world")
+        if np.linalg.norm(away) < 0.012 or self.closed_for:
+            self.closed_for += 1
+            return Motion(opening=0, frame="world")
+        if np.linalg.norm(away[:2]) > 0.01:
+            away[2] = max(away[2] + 0.12, -0.02)
+        return Motion(translation=tuple(away), opening=1, frame="world")
+
+
+def test_a_pick_through_a_device_succeeds(tmp_path: Path):
+    device = Picks()
+    run = config_of(tmp_path, episodes_per_scene=1)
+    run.rates.max_steps = 300
+    run.rates.policy_ms = 66
+    made = record(run, device, FAST, screen=device)
+    assert [each.success for each in made] == [True], made
+
+
+def test_one_page_drives_and_silence_stops_it(monkeypatch: pytest.MonkeyPatch):
+    now = [100.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    device = WebDevice()
+    go = checked_input({"op": "input", "linear": [1, 0, 0], "drag": [0, 0.01, 0], "clutch": True})
+    device.apply(1, {"op": "input", **go})
+    device.apply(2, {"op": "input", **go, "linear": np.array([-1.0, 0, 0])})
+    motion = device.read(0.1)
+    assert motion is not None
+    np.testing.assert_allclose(motion.translation, [0.02, 0.01, 0])
+    assert device.driver == 1
+    now[0] += 1
+    assert device.read(0.1) is None
+    device.apply(2, {"op": "input", **go})
+    assert device.driver == 2
+    device.apply(2, {"op": "gone"})
+    assert device.read(0.1) is None
+    device.apply(1, {"op": "command", **checked_command({"op": "command", "name": "quit"})})
+    motion = device.read(0.1)
+    assert motion is not None
+    assert motion.commands == ("quit",)
+    assert not motion.clutch
+
+
+def test_names_of_devices_are_explained(tmp_path: Path):
+    with pytest.raises(rc.ArgumentError, match="Did you mean 'gamepad'"):
+        make_device("gamepd")
+    with pytest.raises(rc.IoError):
+        make_device(f"replay:{tmp_path}/none.json")
+    (tmp_path / "bad.json").write_text("{}")
+    with pytest.raises(rc.ArgumentError, match="no session"):
+        make_device(f"replay:{tmp_path}/bad.json")
+    assert set(COMMANDS) >= {"record", "success", "failure", "resync", "reset_origin"}
+
+
+def test_the_operator_waits_in_real_time(tmp_path: Path):
+    run = config_of(tmp_path, episodes_per_scene=1)
+    run.rates.policy_ms = 40
+    began = time.monotonic()
+    options = OperatorOptions(countdown_s=0.05, asks=False)
+    record(run, Says([Motion()] * 10), options)  # some of them during the countdown
+    assert time.monotonic() - began > 0.05 + 5 * 0.04
