@@ -37,6 +37,7 @@ EXTRAS = {
     "policy": {"msgpack": "msgpack", "websockets": "websockets", "yaml": "PyYAML"},
     "sb3": {"gymnasium": "gymnasium", "stable_baselines3": "stable-baselines3"},
     "torch": {"torch": "torch"},
+    "molmo-spaces": {"pydantic": "pydantic"},
     "objects": {"coacd": "coacd", "trimesh": "trimesh"},
 }
 
