@@ -22,7 +22,7 @@ from robocell.compat.molmo_spaces.configs.camera_configs import (
 )
 from robocell.compat.molmo_spaces.data_generation._cameras import StartCameras, looking
 from robocell.compat.molmo_spaces.data_generation._robot_files import write_robot
-from robocell.compat.molmo_spaces.data_generation._run import _streams
+from robocell.compat.molmo_spaces.data_generation._run import streams_of
 from robocell.compat.molmo_spaces.data_generation._sampler import install_groups
 
 # A user's module: a robot with a sensor of its own, and a sampler that chooses where it stands.
@@ -125,20 +125,28 @@ class TestGroupsInScenes:
         install_groups(robot, _Experiment(ToyConfig(robot_view_factory=HeavyView)))
         assert np.allclose(robot.arm.noop_ctrl, robot.arm.joint_pos + 0.125)
 
-    def test_a_base_on_wheels_is_planar(self, tmp_path: Path):
+    def test_a_base_on_wheels_drives_from_where_it_was_put(self, tmp_path: Path):
         from test_compat_molmo_spaces import _Mobile
 
         config = ToyConfig(
-            robot_xml_path=Path("mobile.xml"), robot_view_factory=MobileView, robot_cls=_Mobile
+            robot_xml_path=Path("mobile.xml"),
+            robot_view_factory=MobileView,
+            robot_cls=_Mobile,
+            init_qpos={},
         )
-        robot = write_robot(config.model_copy(update={"init_qpos": {}}), tmp_path)
-        assert robot.base.kind == rc.robots.BaseKind.PLANAR
-        spec = rc.SceneSpec(timestep=0.002, add_floor=True, add_skybox=False)
-        spec.robots.append(rc.RobotSpec(name="toy", config=robot, prefix="robot_0/"))
+        spec = rc.SceneSpec(timestep=0.002, add_floor=False, add_skybox=False)
+        robot_config = write_robot(config, tmp_path)
+        spec.robots.append(rc.RobotSpec(name="toy", config=robot_config, prefix="robot_0/"))
         scene = rc.Scene.build(spec)
         view = MobileView(scene.data, "robot_0/")
-        scene.robot("toy").base.pose = rc.Pose(translation=[0.5, -0.25, 0])
+        scene.robot("toy").base.pose = rc.Pose(translation=[0.5, -0.25, 0], rpy=[0, 0, 1])
+        scene.forward()
         assert np.allclose(view.base.pose[:2, 3], [0.5, -0.25])
+        view.base.pose = rc.Pose(translation=[0.75, 0.5, 0], rpy=[0, 0, 0.5]).matrix
+        scene.forward()
+        assert np.allclose(scene.body_pose("robot_0/wheels").matrix, view.base.pose)
+        assert np.allclose(view.base.noop_ctrl, view.base.joint_pos)
+        assert scene.robot("toy").group("base_joints").nu == 3
 
 
 def test_a_users_place_and_sensors_are_in_the_episodes(
@@ -205,7 +213,7 @@ def test_each_start_places_its_cameras(tmp_path: Path):
         robot_config=ToyConfig(), camera_config=SimpleNamespace(cameras=[fixed, drawn, shaky])
     )
     robot_config = write_robot(ToyConfig(), tmp_path)
-    _streams(experiment, robot_config)
+    streams_of(experiment, robot_config)
     spec = rc.SceneSpec(timestep=0.002, add_floor=False, add_skybox=False)
     spec.robots.append(rc.RobotSpec(name="toy", config=robot_config, prefix="robot_0/"))
     scene = rc.Scene.build(spec)

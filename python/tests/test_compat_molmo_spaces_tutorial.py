@@ -113,7 +113,7 @@ def test_the_tcp_goes_back_and_forth(config: Any, parallel: bool):
     assert heights[0] - heights[1] == pytest.approx(0.1)
     for answer in answers:
         assert answer.positions is not None
-        assert answer.position_error < 1e-4
+        assert answer.position_error < 5e-4
         assert answer.rotation_error < 1e-3
         assert answer.positions["gripper"].tolist() == [0, 0]
 
@@ -195,18 +195,18 @@ def test_wrong_names_get_the_next_step(project: Path):
     with pytest.raises(rc.ArgumentError, match="is not a class of BaseRobotConfig"):
         config_class("xarm7", "XArm7Robot")
     Path("original.py").write_text("import molmo_spaces.robots.abstract\n")
-    with pytest.raises(rc.NotFoundError, match=r"import 'robocell.compat.molmo_spaces.robots.abs"):
+    with pytest.raises(rc.NotFoundError, match=r"is called 'robocell.compat.molmo_spaces': write"):
         config_class("original", "X")
     with pytest.raises(rc.NotFoundError, match="no 'XArm7Pick'"):
         generation.prepare("xarm7_datagen:XArm7Pick", Path("unused"))
 
 
-def test_cameras_that_are_not_there_are_named(project: Path, datagen: ModuleType, tmp_path: Path):
+def test_cameras_that_are_not_there_are_named(datagen: ModuleType):
     from robocell.compat.molmo_spaces.configs.camera_configs import (
         MjcfCameraConfig,
         RobotMountedCameraConfig,
     )
-    from robocell.compat.molmo_spaces.data_generation._run import write_run
+    from robocell.compat.molmo_spaces.data_generation._run import streams_of
 
     experiment = getattr(datagen, REGISTERED)()
     wrong = (
@@ -220,7 +220,7 @@ def test_cameras_that_are_not_there_are_named(project: Path, datagen: ModuleType
     for camera, said in wrong:
         experiment.camera_config.cameras = [camera]
         with pytest.raises(rc.Error, match=rf"camera 'a'.*{said}"):
-            write_run(REGISTERED, experiment, tmp_path)
+            streams_of(experiment, rc.RobotConfig())
 
 
 @pytest.mark.proof

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -39,7 +40,7 @@ def load_spec(path: Path) -> mujoco.MjSpec:
 
 def without_meshes(spec: mujoco.MjSpec) -> mujoco.MjSpec:
     """Deletes the geoms of meshes. Bodies keep their masses and inertias."""
-    model = spec.copy().compile()
+    model = spec.compile()
     for body in spec.bodies[1:]:
         compiled = model.body(body.id)
         if compiled.mass[0] > 0:
@@ -57,6 +58,9 @@ def robot_alone(robot_config: Any, prefix: str, strip_meshes: bool = False) -> m
     """Returns a spec with nothing but the robot, at the origin, with its overrides."""
     robot_cls, _ = robot_config.require_classes()
     spec = mujoco.MjSpec()
+    # Those of robocell's scenes.
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.cone, spec.option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, 10
     robot_cls.add_robot_to_scene(
         robot_config,
         spec,
@@ -70,6 +74,16 @@ def robot_alone(robot_config: Any, prefix: str, strip_meshes: bool = False) -> m
     return spec
 
 
+def compiled(spec: mujoco.MjSpec, name: str) -> mujoco.MjModel:
+    """Compiles the spec of a robot. Raises SpecError with the engine's reason."""
+    try:
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", "Attach")  # options that the empty model keeps
+            return spec.compile()
+    except (ValueError, mujoco.FatalError) as error:
+        raise rc.SpecError(f"robot '{name}' does not compile: {error}") from None
+
+
 def compile_alone(
     robot_config: Any, prefix: str, strip_meshes: bool = False
 ) -> tuple[mujoco.MjModel, mujoco.MjData, RobotView]:
@@ -78,10 +92,7 @@ def compile_alone(
     Raises SpecError with the engine's reason for a model that does not compile.
     """
     spec = robot_alone(robot_config, prefix, strip_meshes)
-    try:
-        model = spec.compile()
-    except (ValueError, mujoco.FatalError) as error:
-        raise rc.SpecError(f"robot '{robot_config.name}' does not compile: {error}") from None
+    model = compiled(spec, robot_config.name)
     data = mujoco.MjData(model)
     view = view_of(robot_config, data, prefix)
     for name, positions in robot_config.init_qpos.items():

@@ -40,10 +40,10 @@ def import_named(name: str) -> ModuleType:
 
 def _without(name: str, missing: str) -> rc.NotFoundError:
     """Returns the error for a module that imports one that there is not."""
-    if missing == ORIGINAL or missing.startswith(f"{ORIGINAL}."):
+    if missing.partition(".")[0] == ORIGINAL:
         return rc.NotFoundError(
-            f"module '{name}' imports '{missing}', which is not installed. With robocell the "
-            f"package is called '{OURS}': import '{OURS}{missing.removeprefix(ORIGINAL)}'"
+            f"module '{name}' imports '{ORIGINAL}', which is not installed. With robocell the "
+            f"package is called '{OURS}': write this name in its imports"
         )
     if missing.startswith(f"{OURS}."):
         return rc.NotFoundError(

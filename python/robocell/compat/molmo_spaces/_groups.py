@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import robocell as rc
-from robocell.compat.molmo_spaces._names import name_of
+from robocell.compat.molmo_spaces._elements import name_of
 from robocell.compat.molmo_spaces.robots.robot_views.abstract import (
     GripperGroup,
+    MJCFFrameMixin,
     MoveGroup,
     RobotBaseGroup,
+    SimplyActuatedMoveGroup,
 )
 
 Numbers = NDArray[np.float64]
@@ -27,7 +29,10 @@ class _OwnGroup:
         return self.own.name
 
     def get_kind(self) -> str:
-        return "generic"
+        is_arm = isinstance(self.own, SimplyActuatedMoveGroup) and isinstance(
+            self.own, MJCFFrameMixin
+        )
+        return "arm" if is_arm else "generic"
 
     def get_joint_names(self) -> list[str]:
         return [name_of(self.own.mj_model, "joint", each) for each in self.own._joint_ids]
@@ -85,7 +90,7 @@ class _OwnGroup:
     def get_jacobian(self) -> Numbers:
         return self.own.get_jacobian()[:, self.own._joint_veladr]
 
-    def integrate(self, q: Numbers, v: Numbers) -> Numbers:
+    def integrate(self, q: ArrayLike, v: ArrayLike) -> Numbers:
         return self.own.integrate_joint_vel(q, v)
 
 

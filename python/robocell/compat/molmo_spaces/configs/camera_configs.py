@@ -7,7 +7,7 @@ from typing import Annotated, Any, TypeAlias
 import pydantic
 
 import robocell as rc
-from robocell.compat.molmo_spaces._names import look_up
+from robocell.compat.molmo_spaces._elements import look_up
 from robocell.compat.molmo_spaces.configs.abstract_config import Config
 
 __all__ = [

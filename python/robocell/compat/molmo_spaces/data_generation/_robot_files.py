@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import re
 import shutil
+import warnings
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -19,8 +20,8 @@ import mujoco
 import numpy as np
 
 import robocell as rc
-from robocell.compat.molmo_spaces._assembly import robot_alone, view_of
-from robocell.compat.molmo_spaces._names import name_of
+from robocell.compat.molmo_spaces._assembly import compiled, robot_alone, view_of
+from robocell.compat.molmo_spaces._elements import name_of
 from robocell.compat.molmo_spaces.robots.robot_views.abstract import (
     FreeJointRobotBaseGroup,
     GripperGroup,
@@ -32,6 +33,9 @@ from robocell.compat.molmo_spaces.robots.robot_views.abstract import (
     SimplyActuatedMoveGroup,
 )
 
+# The robot's names meanwhile. Without a prefix, the default classes of its model and of the empty
+# one would have the same names.
+PREFIX = "robot_0/"
 CONTROLS = {
     "joint_position": "joint_position",
     "joint_rel_position": "relative_joint_position",
@@ -45,21 +49,19 @@ def write_robot(robot_config: Any, folder: Path) -> rc.RobotConfig:
 
     Raises ArgumentError or NotFoundError, with the field, for what robocell cannot take over.
     """
-    spec = robot_alone(robot_config, "")
-    try:
-        model = spec.compile()
-    except (ValueError, mujoco.FatalError) as error:
-        raise rc.SpecError(f"robot '{robot_config.name}' does not compile: {error}") from None
+    spec = robot_alone(robot_config, PREFIX)
+    model = compiled(spec, robot_config.name)
     data = mujoco.MjData(model)
-    view = view_of(robot_config, data, "")
+    view = view_of(robot_config, data, PREFIX)
     for name, positions in robot_config.init_qpos.items():
         if name in view.move_group_ids():
             view.get_move_group(name).joint_pos = positions
     mujoco.mj_forward(model, data)
-    base = name_of(model, "body", view.base.root_body_id)
+    base = own_name(model, "body", view.base.root_body_id)
     path = folder / f"{file_name(robot_config.name)}.xml"
     _write_model(spec, base, path)
-    groups = {name: _group(view, name) for name in _groups_of(view)}
+    _require_same(model, path)
+    groups = {_name_of_group(name): _group(view, name) for name in _groups_of(view)}
     return rc.RobotConfig(
         name=file_name(robot_config.name),
         model=str(path),
@@ -72,6 +74,11 @@ def write_robot(robot_config: Any, folder: Path) -> rc.RobotConfig:
     )
 
 
+def own_name(model: mujoco.MjModel, kind: str, index: int) -> str:
+    """Returns the name of an element in the robot's own model."""
+    return name_of(model, kind, index).removeprefix(PREFIX)
+
+
 def file_name(name: str) -> str:
     """Returns a name without the characters that paths do not have."""
     return re.sub(r"[^\w.-]+", "_", name) or "robot"
@@ -79,7 +86,11 @@ def file_name(name: str) -> str:
 
 def _write_model(spec: mujoco.MjSpec, base: str, path: Path) -> None:
     """Writes the model; robocell itself makes the base movable, so the body is an ordinary one."""
-    root = ElementTree.fromstring(spec.to_xml())
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Attach")
+        text = spec.to_xml()
+    text = text.replace(f'"{PREFIX}main"', '"robot_main"').replace(f'"{PREFIX}', '"')
+    root = ElementTree.fromstring(text)
     for body in root.iter("body"):
         if body.get("name") == base:
             body.attrib.pop("mocap", None)
@@ -96,6 +107,27 @@ def _write_model(spec: mujoco.MjSpec, base: str, path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     if not path.is_file() or path.read_text() != text:  # the same file is not another one
         path.write_text(text)
+
+
+def _require_same(model: mujoco.MjModel, path: Path) -> None:
+    """Raises SpecError if the file does not have the elements and numbers of the model."""
+    written = mujoco.MjModel.from_xml_path(str(path))
+    for kind, count in (
+        ("body", "nbody"),
+        ("joint", "njnt"),
+        ("actuator", "nu"),
+        ("site", "nsite"),
+    ):
+        names = [
+            [own_name(each, kind, i) for i in range(getattr(each, count))]
+            for each in (model, written)
+        ]
+        if names[0] != names[1]:
+            raise rc.SpecError(f"'{path}' has another {kind} than the robot: {names}")
+    for field in ("body_mass", "body_pos", "jnt_axis", "jnt_range", "actuator_gainprm", "site_pos"):
+        wanted, found = (getattr(each, field) for each in (model, written))
+        if not np.allclose(found, wanted, rtol=1e-4, atol=1e-5):
+            raise rc.SpecError(f"'{path}' has another {field} than the robot")
 
 
 def _copied(file: Path, folder: Path) -> str:
@@ -125,9 +157,12 @@ def _groups_of(view: RobotView) -> list[str]:
 
 
 def _base_kind(base: RobotBaseGroup) -> str:
-    if isinstance(base, FreeJointRobotBaseGroup):
-        return "free"
-    return "planar" if isinstance(base, HoloJointsRobotBaseGroup) else "mocap"
+    return "free" if isinstance(base, FreeJointRobotBaseGroup) else "mocap"
+
+
+def _name_of_group(name: str) -> str:
+    """Returns the name of a group in robocell, where `base` is what carries the robot."""
+    return "base_joints" if name == "base" else name
 
 
 def _group(view: RobotView, name: str) -> dict[str, Any]:
@@ -135,20 +170,20 @@ def _group(view: RobotView, name: str) -> dict[str, Any]:
     model = view.mj_model
     fields: dict[str, Any] = {
         "kind": "generic",
-        "joints": [name_of(model, "joint", each) for each in group._joint_ids],
-        "actuators": [name_of(model, "actuator", each) for each in group._actuator_ids],
+        "joints": [own_name(model, "joint", each) for each in group._joint_ids],
+        "actuators": [own_name(model, "actuator", each) for each in group._actuator_ids],
     }
     if isinstance(group, RobotBaseGroup):
-        return fields | {"kind": "base"}
+        return fields  # robocell's own group `base` is that of the body that carries the robot
     if isinstance(group, MJCFFrameMixin):
-        leaf = name_of(model, group.leaf_frame_type, group.leaf_frame_id)
+        leaf = own_name(model, group.leaf_frame_type, group.leaf_frame_id)
         fields["leaf"] = {group.leaf_frame_type: leaf}
     if isinstance(group, GripperGroup):
         return fields | {"kind": "gripper"} | _ends(group, fields["actuators"]) | _fingers(group)
     if isinstance(group, SimplyActuatedMoveGroup) and "leaf" in fields:
         return fields | {
             "kind": "arm",
-            "root": {"body": name_of(model, "body", group.root_body_id)},
+            "root": {"body": own_name(model, "body", group.root_body_id)},
         }
     return fields
 
@@ -180,14 +215,14 @@ def _fingers(group: GripperGroup) -> dict[str, Any]:
     bodies = [{int(model.geom_bodyid[geom]) for geom in side} for side in sides]
     if not sides or any(len(each) != 1 for each in bodies):
         return {}
-    fingers = []
+    fingers: list[dict[str, Any]] = []
     for side, (body,) in zip(sides, bodies, strict=True):
         if len(side) > 1:
-            fingers.append({"body": name_of(model, "body", body)})
+            fingers.append({"body": own_name(model, "body", body)})
             continue
-        name = name_of(model, "geom", side[0])
+        name = own_name(model, "geom", side[0])
         place = {
-            "body": name_of(model, "body", body),
+            "body": own_name(model, "body", body),
             "index": int(side[0] - model.body_geomadr[body]),
         }
         fingers.append({"geom": name or place})
@@ -213,22 +248,23 @@ def _measured_geoms() -> Iterator[list[tuple[int, int]]]:
 
 def _positions(given: dict[str, list[float]], groups: dict[str, Any]) -> dict[str, Any]:
     return {
-        name: np.asarray(values, dtype=np.float64)
+        _name_of_group(name): np.asarray(values, dtype=np.float64)
         for name, values in given.items()
-        if name in groups and len(values)
+        if _name_of_group(name) in groups and len(values)
     }
 
 
 def _controls(robot_config: Any, groups: dict[str, Any]) -> dict[str, str]:
     controls = {}
     for name, mode in robot_config.command_mode.items():
-        if mode is None or name not in groups:
+        group = _name_of_group(name)
+        if mode is None or group not in groups:
             continue
         if mode not in CONTROLS:
             raise rc.ArgumentError(
                 f"{type(robot_config).__name__}.command_mode['{name}']: robocell has no "
                 f"'{mode}'. It has: {', '.join(CONTROLS)}"
             )
-        if groups[name]["kind"] == "arm" or mode != "joint_position":
-            controls[name] = CONTROLS[mode]
+        if groups[group]["kind"] == "arm" or mode != "joint_position":
+            controls[group] = CONTROLS[mode]
     return controls

@@ -13,14 +13,19 @@ import numpy as np
 import robocell as rc
 from robocell._suggestions import did_you_mean
 from robocell.compat.molmo_spaces._assembly import compile_alone
-from robocell.compat.molmo_spaces._names import look_up
+from robocell.compat.molmo_spaces._elements import look_up
 from robocell.compat.molmo_spaces.configs.camera_configs import (
     MjcfCameraConfig,
     RobotMountedCameraConfig,
 )
 from robocell.compat.molmo_spaces.configs.task_sampler_configs import set_without_effect
 from robocell.compat.molmo_spaces.data_generation._cameras import looking
-from robocell.compat.molmo_spaces.data_generation._robot_files import file_name, write_robot
+from robocell.compat.molmo_spaces.data_generation._robot_files import (
+    PREFIX,
+    file_name,
+    own_name,
+    write_robot,
+)
 from robocell.compat.molmo_spaces.data_generation._sampler import sampler_class, sampler_kind
 from robocell.compat.molmo_spaces.env.env import CPUMujocoEnv
 
@@ -48,7 +53,7 @@ def write_run(name: str, experiment: Any, folder: Path | None = None) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     _warn_of_unused(experiment)
     robot = write_robot(experiment.robot_config, folder)
-    streams = _streams(experiment, robot)
+    streams = streams_of(experiment, robot)
     sensors = _sensors(experiment)
     module = inspect.getfile(type(experiment))
     imports = [str(Path(module).absolute())]
@@ -145,11 +150,11 @@ def _numbered(source: dict[str, Any], numbers: list[int] | None) -> dict[str, An
     return source if numbers is None else source | {"houses": list(numbers)}
 
 
-def _streams(experiment: Any, robot: rc.RobotConfig) -> list[rc.render.CameraConfig]:
+def streams_of(experiment: Any, robot: rc.RobotConfig) -> list[rc.render.CameraConfig]:
     """Returns an image stream for each camera; adds those on bodies to the robot."""
-    model, _, _ = compile_alone(experiment.robot_config, "")
-    bodies = [model.body(i).name for i in range(model.nbody)]
-    own_cameras = [model.camera(i).name for i in range(model.ncam)]
+    model, _, _ = compile_alone(experiment.robot_config, PREFIX)
+    bodies = [own_name(model, "body", i) for i in range(model.nbody)]
+    own_cameras = [own_name(model, "camera", i) for i in range(model.ncam)]
     streams = []
     for camera in experiment.camera_config.cameras:
         name = camera.name

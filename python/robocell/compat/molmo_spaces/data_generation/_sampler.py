@@ -56,7 +56,7 @@ class ExperimentStarts(rc.tasks.StartSampler):
     def propose_base_pose(
         self,
         robot: rc.Robot,
-        support: rc.tasks.Support,
+        support: rc.scenes.Support,
         target_in_world: rc.Pose,
         placement: rc.tasks.BasePlacement,
         rng: rc.tasks.Rng,
@@ -72,7 +72,7 @@ class ExperimentStarts(rc.tasks.StartSampler):
         scene.forward()
         seed = rng.integer(2**31)
         random.seed(seed)
-        np.random.seed(seed)  # noqa: NPY002  what users' code draws from
+        np.random.seed(seed)  # noqa: NPY002
         return self.sampler.place(
             environment(scene, self.experiment),
             body,

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 import robocell as rc
-from robocell.compat.molmo_spaces._names import look_up
+from robocell.compat.molmo_spaces._elements import look_up
 from robocell.compat.molmo_spaces.configs.abstract_exp_config import MlSpacesExpConfig
 from robocell.compat.molmo_spaces.data_generation._sampler import register_parts
 

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import robocell as rc
 from robocell._suggestions import did_you_mean
-from robocell.compat.molmo_spaces._names import name_of
+from robocell.compat.molmo_spaces._elements import name_of
 from robocell.compat.molmo_spaces.utils.mj_model_and_data_utils import body_pose
 from robocell.compat.molmo_spaces.utils.pose import (
     pos_quat_to_pose_mat,

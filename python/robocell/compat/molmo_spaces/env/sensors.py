@@ -26,7 +26,7 @@ class TCPPoseSensor(Sensor):
     def get_observation(
         self, env: Any, task: Any = None, batch_index: int = 0
     ) -> NDArray[np.float64]:
-        """Returns position and quaternion (7,) now, as float32. w is never negative."""
+        """Returns position and quaternion (7,) now, as float32."""
         del task
         view = env.robots[batch_index].robot_view
         grippers = view.get_gripper_movegroup_ids()
@@ -35,7 +35,4 @@ class TCPPoseSensor(Sensor):
                 f"sensor '{self.uuid}': robot view '{view.name}' has no GripperGroup, whose leaf "
                 f"frame is the TCP. Its move groups: {', '.join(view.move_group_ids())}"
             )
-        pose = pose_mat_to_7d(view.get_gripper(grippers[0]).leaf_frame_to_robot)
-        if pose[3] < 0:
-            pose[3:] *= -1
-        return pose.astype(np.float32)
+        return pose_mat_to_7d(view.get_gripper(grippers[0]).leaf_frame_to_robot).astype(np.float32)

@@ -12,13 +12,14 @@ from numpy.typing import ArrayLike, NDArray
 
 import robocell as rc
 from robocell.compat.molmo_spaces._assembly import compile_alone
-from robocell.compat.molmo_spaces._names import name_of, require_among
+from robocell.compat.molmo_spaces._elements import name_of, require_among
 from robocell.compat.molmo_spaces.robots.robot_views.abstract import (
     FreeJointRobotBaseGroup,
     ImmobileRobotBaseGroup,
     MJCFFrameMixin,
     MoveGroup,
     RobotView,
+    _dimensions,
 )
 from robocell.compat.molmo_spaces.utils.pose import inverse_pose
 from robocell.kinematics import Chain
@@ -122,8 +123,7 @@ class GroupChain:
             at = 0
             for joint in of_group._joint_ids:
                 places[name_of(model, "joint", joint)] = (name, at)
-                is_single = model.jnt_type[joint] >= mujoco.mjtJoint.mjJNT_SLIDE
-                at += 1 if is_single else (7 if model.jnt_type[joint] == 0 else 4)
+                at += _dimensions(model, joint)[0]
         self.places = [places.get(name) for name in self.chain.joint_names]
         self.link_places = [places.get(name) for name in self.chain.link_joint_names]
 

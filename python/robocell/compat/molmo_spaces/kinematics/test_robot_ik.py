@@ -32,7 +32,6 @@ STEP_M = 0.05  # above and below the beginning
 PERIOD_S = 2.0
 PICTURES = 6
 SIZE_PX = (360, 360)
-ROBOTS_PREFIX = ""
 LARGEST_ERROR = 5e-4  # norm, m and rad, as SimpleWarpKinematics
 
 
@@ -71,8 +70,7 @@ def back_and_forth(
 
     The errors are those of a view of the solution, not what the solver says.
     """
-    config = config.model_copy(update={"robot_namespace": ROBOTS_PREFIX})
-    model, data, view = compile_alone(config, ROBOTS_PREFIX)
+    model, data, view = compile_alone(config, config.robot_namespace)
     group = _group(view, move_group)
     q0 = {name: view.get_move_group(name).joint_pos for name in view.move_group_ids()}
     start, base = view.get_move_group(group).leaf_frame_to_world, view.base.pose
@@ -121,7 +119,7 @@ def draw_strip(config: Any, answers: Sequence[Answer], path: Path) -> None:
         spec.robots.append(rc.RobotSpec(name="robot", config=robot))
         scene = rc.Scene.build(spec)
         view = config.robot_view_factory(scene.data, scene.robots[0].prefix)
-        renderer = rc.render.Renderer(scene, shadows=True, multisamples=4)
+        renderer = rc.render.Renderer(scene, shadows=True)
         pictures = []
         for answer in answers:
             if answer.positions is not None:
@@ -143,8 +141,7 @@ def _show(config: Any, answers: Sequence[Answer]) -> None:
     """Shows the solutions in turn until the window is closed."""
     from mujoco import viewer
 
-    config = config.model_copy(update={"robot_namespace": ROBOTS_PREFIX})
-    model, data, view = compile_alone(config, ROBOTS_PREFIX)
+    model, data, view = compile_alone(config, config.robot_namespace)
     with viewer.launch_passive(model, data) as window:
         turn = 0
         while window.is_running():

@@ -24,7 +24,7 @@ def finger_ranges(robot_config: Any, settle_time: float = 2.0) -> dict[str, tupl
     Returns the smaller and the larger distance, m, of each gripper. Raises NotFoundError for a
     robot without grippers, and DivergedError if the simulation diverges.
     """
-    model, data, view = compile_alone(robot_config, "")
+    model, data, view = compile_alone(robot_config, robot_config.robot_namespace)
     names = view.get_gripper_movegroup_ids()
     if not names:
         raise rc.NotFoundError(

@@ -101,8 +101,7 @@ def _batch(
 ) -> tuple[list[Mapping[str, ArrayLike]], list[Numbers], bool]:
     """Returns positions and poses of each element, and whether no argument had a batch."""
     sizes: dict[str, int] = {}
-    is_list = not isinstance(positions, Mapping)
-    if is_list:
+    if not isinstance(positions, Mapping):
         sizes["positions"] = len(positions)
     arrays = {}
     for name, given in poses.items():
@@ -118,7 +117,7 @@ def _batch(
         said = ", ".join(f"{size} {name}" for name, size in sizes.items())
         raise rc.ArgumentError(f"batches of different sizes: {said}")
     size = next(iter(sizes.values()), 1)
-    every = list(positions) if is_list else [positions] * size  # type: ignore[arg-type,list-item]
+    every = [positions] * size if isinstance(positions, Mapping) else list(positions)
     return (
         every,
         [np.broadcast_to(array, (size, 4, 4)) for array in arrays.values()],

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import robocell as rc
-from robocell.compat.molmo_spaces._names import look_up, name_of
+from robocell.compat.molmo_spaces._elements import look_up, name_of
 from robocell.compat.molmo_spaces.utils.mj_model_and_data_utils import body_pose, site_pose
 from robocell.compat.molmo_spaces.utils.pose import (
     as_pose_mat,
@@ -42,7 +42,7 @@ __all__ = [
 
 Numbers = NDArray[np.float64]
 # Numbers of a joint's position and velocity, by its type.
-_DIMENSIONS = {mujoco.mjtJoint.mjJNT_FREE: (7, 6), mujoco.mjtJoint.mjJNT_BALL: (4, 3)}
+_DIMENSIONS = {int(mujoco.mjtJoint.mjJNT_FREE): (7, 6), int(mujoco.mjtJoint.mjJNT_BALL): (4, 3)}
 # Velocities of a free joint that leave the ground: z, and rotations about x and y.
 _OFF_THE_GROUND = [2, 3, 4]
 
@@ -78,7 +78,7 @@ class MoveGroup(ABC):
         self._joint_posadr: list[int] = []
         self._joint_veladr: list[int] = []
         for joint in self._joint_ids:
-            nq, nv = _DIMENSIONS.get(self.mj_model.jnt_type[joint], (1, 1))
+            nq, nv = _dimensions(self.mj_model, joint)
             q, v = int(self.mj_model.jnt_qposadr[joint]), int(self.mj_model.jnt_dofadr[joint])
             self._joint_posadr += range(q, q + nq)
             self._joint_veladr += range(v, v + nv)
@@ -143,7 +143,7 @@ class MoveGroup(ABC):
         limits = np.full((self.pos_dim, 2), [-np.inf, np.inf])
         at = 0
         for joint in self._joint_ids:
-            nq, _ = _DIMENSIONS.get(self.mj_model.jnt_type[joint], (1, 1))
+            nq, _ = _dimensions(self.mj_model, joint)
             if nq == 1 and self.mj_model.jnt_limited[joint]:
                 limits[at] = self.mj_model.jnt_range[joint]
             at += nq
@@ -438,13 +438,17 @@ class HoloJointsRobotBaseGroup(RobotBaseGroup, SimplyActuatedMoveGroup):
 
     @property
     def pose(self) -> Numbers:
-        """Pose (4, 4) of the base in the world, from its three joints."""
+        """Pose (4, 4) of the base in the world, from its three joints.
+
+        Where the joints hang on a mocap body, as in scenes of robocell, they start at its pose.
+        """
         x, y, yaw = self.joint_pos
-        return pos_quat_to_pose_mat([x, y, 0], [np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)])
+        turned = [np.cos(yaw / 2), 0, 0, np.sin(yaw / 2)]
+        return self._start() @ pos_quat_to_pose_mat([x, y, 0], turned)
 
     @pose.setter
     def pose(self, pose: ArrayLike) -> None:
-        matrix = as_pose_mat(pose)
+        matrix = relative_pose(pose, self._start())
         self.joint_pos = [matrix[0, 3], matrix[1, 3], np.arctan2(matrix[1, 0], matrix[0, 0])]
 
     @property
@@ -462,7 +466,7 @@ class HoloJointsRobotBaseGroup(RobotBaseGroup, SimplyActuatedMoveGroup):
     @property
     def noop_ctrl(self) -> Numbers:
         """Targets that hold the base where its site is."""
-        pose = site_pose(self.mj_data, self._holo_base_site_id)
+        pose = relative_pose(site_pose(self.mj_data, self._holo_base_site_id), self._start())
         return np.array([pose[0, 3], pose[1, 3], np.arctan2(pose[1, 0], pose[0, 0])])
 
     def get_jacobian(self) -> Numbers:
@@ -472,6 +476,16 @@ class HoloJointsRobotBaseGroup(RobotBaseGroup, SimplyActuatedMoveGroup):
             self.mj_model, self.mj_data, jacobian[:3], jacobian[3:], self._holo_base_site_id
         )
         return jacobian
+
+    def _start(self) -> Numbers:
+        """Returns the pose (4, 4) at which the joints are zero."""
+        parent = int(self.mj_model.body_parentid[self.mj_model.jnt_bodyid[self._joint_ids[0]]])
+        carrier = _mocap_carrier(self.mj_model, parent)
+        if carrier is None:
+            return np.eye(4)
+        mocap = int(self.mj_model.body_mocapid[carrier[0]])
+        pos, quat = self.mj_data.mocap_pos[mocap], self.mj_data.mocap_quat[mocap]
+        return pos_quat_to_pose_mat(pos, quat) @ carrier[1]
 
 
 class _JointlessBaseGroup(RobotBaseGroup):
@@ -651,6 +665,11 @@ class RobotView(ABC):
 
 RobotViewFactory: TypeAlias = Callable[[mujoco.MjData, str], RobotView]
 """Makes the view of a robot from the data and the namespace of its names; a class is one."""
+
+
+def _dimensions(model: mujoco.MjModel, joint: int) -> tuple[int, int]:
+    """Returns how many positions and velocities a joint has."""
+    return _DIMENSIONS.get(int(model.jnt_type[joint]), (1, 1))
 
 
 def _ids(values: Sequence[int], count: int, what: str) -> list[int]:
