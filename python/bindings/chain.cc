@@ -2,8 +2,10 @@
 #include "robocell/kinematics/chain.h"
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
 
 #include <cmath>
+#include <cstdint>
 
 #include "arrays.h"
 #include "chain_batch.h"

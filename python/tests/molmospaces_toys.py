@@ -18,6 +18,7 @@ from robocell.compat.molmo_spaces.kinematics.mujoco_kinematics import MlSpacesKi
 from robocell.compat.molmo_spaces.kinematics.parallel.warp_kinematics import SimpleWarpKinematics
 from robocell.compat.molmo_spaces.robots.abstract import Robot
 from robocell.compat.molmo_spaces.robots.robot_views.abstract import (
+    FreeJointRobotBaseGroup,
     GripperGroup,
     HoloJointsRobotBaseGroup,
     MJCFFrameMixin,
@@ -71,11 +72,16 @@ def _model(bodies: str, servos: str) -> str:
     )
 
 
+HAND = ARM[ARM.index('<body name="hand"') : ARM.rindex("</body></body></body></body>")] + "</body>"
+FLYING = _model(
+    HAND.replace('pos=".2 0 0">', 'pos="0 0 1"><freejoint name="fly"/>', 1),
+    '<position name="grip" joint="f1" kp="100" ctrlrange="0 .03"/>',
+)
 FIXED = _model(ARM, SERVOS)
 MOBILE = _model(WHEELS.format(arm=ARM), DRIVES + SERVOS)
 MODEL = _model(WHEELS.format(arm=ARM) + BESIDE, DRIVES + SERVOS)
 _folder = tempfile.TemporaryDirectory()
-for _name, _text in (("fixed.xml", FIXED), ("mobile.xml", MOBILE)):
+for _name, _text in (("fixed.xml", FIXED), ("mobile.xml", MOBILE), ("flying.xml", FLYING)):
     Path(_folder.name, _name).write_text(_text)
 
 
@@ -147,6 +153,17 @@ class MobileView(RobotView):
             "gripper": HandGroup(mj_data, base, namespace),
         }
         super().__init__(mj_data, groups)
+
+    base = property(lambda self: self._move_groups["base"])
+
+
+class FlyingView(RobotView):
+    name = "flying hand"
+
+    def __init__(self, mj_data: mujoco.MjData, namespace: str = "") -> None:
+        free = mj_data.model.joint(f"{namespace}fly").id
+        base = FreeJointRobotBaseGroup(mj_data, free, [], [], floating=True)
+        super().__init__(mj_data, {"base": base, "gripper": HandGroup(mj_data, base, namespace)})
 
     base = property(lambda self: self._move_groups["base"])
 
@@ -296,3 +313,42 @@ class Rc7Config(BaseRobotConfig):
         "gripper": [0.044, 0.044],
     }
     gravcomp: bool = True
+
+
+class TwoArms(ToyRobot):
+    """Two of the toys in one robot."""
+
+    @classmethod
+    def add_robot_to_scene(
+        cls,
+        robot_config: Any,
+        spec: mujoco.MjSpec,
+        prefix: str,
+        pos: list[float],
+        quat: list[float],
+        randomize_textures: bool = False,
+        strip_meshes: bool = False,
+    ) -> None:
+        base = spec.worldbody.add_body(name=f"{prefix}base", pos=pos, quat=quat, mocap=True)
+        for side, y in (("left/", 0.2), ("right/", -0.2)):
+            own = cls._load_robot_spec(robot_config, strip_meshes)
+            frame = base.add_frame(pos=[0, y, 0.1])
+            frame.attach_body(own.body("link0"), prefix + side, "")
+
+    @staticmethod
+    def robot_model_root_name() -> str:
+        return "base"
+
+
+class TwoArmsView(RobotView):
+    name = "two toys"
+
+    def __init__(self, mj_data: mujoco.MjData, namespace: str = "") -> None:
+        base = MocapRobotBaseGroup(mj_data, mj_data.model.body(f"{namespace}base").id)
+        groups: dict[str, Any] = {"base": base}
+        for side in ("left", "right"):
+            groups[f"{side}_arm"] = ArmGroup(mj_data, base, f"{namespace}{side}/")
+            groups[f"{side}_gripper"] = HandGroup(mj_data, base, f"{namespace}{side}/")
+        super().__init__(mj_data, groups)
+
+    base = property(lambda self: self._move_groups["base"])

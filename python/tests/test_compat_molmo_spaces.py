@@ -13,7 +13,16 @@ import numpy as np
 import pytest
 
 import robocell as rc
-from molmospaces_toys import MODEL, ArmGroup, MobileView, ToyConfig, ToyRobot
+from molmospaces_toys import (
+    MODEL,
+    ArmGroup,
+    FlyingView,
+    MobileView,
+    ToyConfig,
+    ToyRobot,
+    TwoArms,
+    TwoArmsView,
+)
 from robocell.compat.molmo_spaces.configs.camera_configs import (
     CameraSystemConfig,
     MjcfCameraConfig,
@@ -415,6 +424,35 @@ class TestKinematics:
         assert np.allclose(one.fk(found, np.eye(4))["arm"], target, atol=1e-4)
         assert one.ik("arm", target, ["arm"], q0, np.eye(4)) is None
 
+    def test_a_free_base_goes_where_its_gripper_should_be(self):
+        config = ToyConfig(
+            robot_xml_path=Path("flying.xml"),
+            robot_view_factory=FlyingView,
+            robot_cls=_Flying,
+            init_qpos={},
+        )
+        one, many = MlSpacesKinematics(config), SimpleWarpKinematics(config)
+        q0 = {"base": [0, 0, 1, 1, 0, 0, 0], "gripper": [0.01, 0.01]}
+        target = pos_quat_to_pose_mat([1, 2, 3], [0.5, 0.5, 0.5, 0.5])
+        found = one.ik("gripper", target, None, q0, np.eye(4))
+        assert np.allclose(one.fk(found, np.eye(4))["gripper"], target)
+        again = many.ik("gripper", np.array([target] * 2), None, q0, np.eye(4))
+        assert np.allclose(again[1]["base"], found["base"])
+        assert one.ik("gripper", target, ["gripper"], q0, np.eye(4)) is None
+
+    def test_two_arms_of_one_robot_are_solved_apart(self):
+        config = ToyConfig(robot_view_factory=TwoArmsView, robot_cls=TwoArms, init_qpos={})
+        many = SimpleWarpKinematics(config)
+        q0 = {"base": [], "left_gripper": [0, 0], "right_gripper": [0, 0]}
+        q0 |= {"left_arm": [0.2, 0.3], "right_arm": [0.1, -0.2]}
+        poses = many.fk(q0 | {"left_arm": [0.6, -0.1], "right_arm": [1, 1]}, np.eye(4))
+        start = many.fk(q0, np.eye(4))
+        assert not np.allclose(start["left_arm"], poses["left_arm"], atol=0.1)
+        for arm, other in (("left_arm", "right_arm"), ("right_arm", "left_arm")):
+            found = many.ik(arm, poses[arm], None, q0, np.eye(4))
+            assert np.allclose(many.fk(found, np.eye(4))[arm], poses[arm], atol=1e-3)
+            assert found[other].tolist() == q0[other]
+
 
 class TestBodiesAndSensors:
     def test_poses_of_bodies_are_read_and_written(self, data: mujoco.MjData):
@@ -492,6 +530,18 @@ def _passive(data: mujoco.MjData, joints: list[int] | None = None) -> MoveGroup:
 
     model = data.model
     return Passive(data, joints or [model.joint("free").id, model.joint("ball").id], [], 0)
+
+
+class _Flying(ToyRobot):
+    """The gripper alone."""
+
+    @staticmethod
+    def robot_model_root_name() -> str:
+        return "hand"
+
+    add_robot_to_scene = classmethod(
+        lambda cls, *given, **named: super(ToyRobot, cls).add_robot_to_scene(*given, **named)
+    )
 
 
 class _Mobile(ToyRobot):

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 import robocell as rc
-from molmospaces_toys import ArmGroup, MobileView, ToyConfig, ToyView
+from molmospaces_toys import ArmGroup, MobileView, ToyConfig, ToyView, TwoArms, TwoArmsView
 from robocell.compat.molmo_spaces._groups import as_group
 from robocell.compat.molmo_spaces.configs.camera_configs import (
     FixedExocentricCameraConfig,
@@ -147,6 +147,20 @@ class TestGroupsInScenes:
         assert np.allclose(scene.body_pose("robot_0/wheels").matrix, view.base.pose)
         assert np.allclose(view.base.noop_ctrl, view.base.joint_pos)
         assert scene.robot("toy").group("base_joints").nu == 3
+
+
+def test_two_arms_of_one_robot_are_in_one_file(tmp_path: Path):
+    config = ToyConfig(robot_view_factory=TwoArmsView, robot_cls=TwoArms, init_qpos={})
+    spec = rc.SceneSpec(timestep=0.002, add_floor=False, add_skybox=False)
+    robot_config = write_robot(config, tmp_path)
+    spec.robots.append(rc.RobotSpec(name="toy", config=robot_config, prefix="robot_0/"))
+    scene = rc.Scene.build(spec)
+    robot, view = scene.robot("toy"), TwoArmsView(scene.data, "robot_0/")
+    assert robot.gripper_of("left_arm") == "left_gripper"
+    assert robot.gripper_of("right_arm") == "right_gripper"
+    robot.apply({"right_arm": rc.control.GroupCommand.joints([0.3, 0.2])})
+    robot.update()
+    assert view.get_move_group("right_arm").ctrl.tolist() == [0.3, 0.2]
 
 
 def test_a_users_place_and_sensors_are_in_the_episodes(

@@ -100,10 +100,7 @@ def test_the_fingers_are_measured_as_the_tutorial_prints_them(
     assert range_tool.main(["xarm7_config", "XArm7RobotConfig"]) == 0
     title, line = capsys.readouterr().out.splitlines()
     assert title == "Gripper finger ranges:"
-    assert line.startswith("    Gripper 'gripper': ")
-    closed, opened = (float(number) for number in line.split(": ")[1].split(" - "))
-    assert closed == pytest.approx(0.004, abs=1e-3)
-    assert opened == pytest.approx(0.089, abs=1e-3)
+    assert line == "    Gripper 'gripper': 0.004 - 0.089"
 
 
 @pytest.mark.parametrize("parallel", [False, True])

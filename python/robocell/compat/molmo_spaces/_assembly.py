@@ -38,16 +38,22 @@ def load_spec(path: Path) -> mujoco.MjSpec:
     return spec
 
 
-def without_meshes(spec: mujoco.MjSpec) -> mujoco.MjSpec:
-    """Deletes the geoms of meshes. Bodies keep their masses and inertias."""
+def write_inertias(spec: mujoco.MjSpec) -> None:
+    """Writes the mass and inertia that each body has in the compiled model into the spec."""
     model = spec.compile()
     for body in spec.bodies[1:]:
-        compiled = model.body(body.id)
-        if compiled.mass[0] > 0:
+        of_model = model.body(body.id)
+        if of_model.mass[0] > 0:
             body.explicitinertial = True
-            body.mass, body.inertia = compiled.mass[0], compiled.inertia
-            body.ipos, body.iquat = compiled.ipos, compiled.iquat
+            body.mass, body.inertia = of_model.mass[0], of_model.inertia
+            body.ipos, body.iquat = of_model.ipos, of_model.iquat
             body.fullinertia = [float("nan")] * 6
+
+
+def without_meshes(spec: mujoco.MjSpec) -> mujoco.MjSpec:
+    """Deletes the geoms of meshes. Bodies keep their masses and inertias."""
+    write_inertias(spec)
+    for body in spec.bodies[1:]:
         for geom in list(body.geoms):
             if geom.type == mujoco.mjtGeom.mjGEOM_MESH:
                 spec.delete(geom)

@@ -20,7 +20,12 @@ import mujoco
 import numpy as np
 
 import robocell as rc
-from robocell.compat.molmo_spaces._assembly import compiled, robot_alone, view_of
+from robocell.compat.molmo_spaces._assembly import (
+    compiled,
+    robot_alone,
+    view_of,
+    write_inertias,
+)
 from robocell.compat.molmo_spaces._elements import name_of
 from robocell.compat.molmo_spaces.robots.robot_views.abstract import (
     FreeJointRobotBaseGroup,
@@ -88,6 +93,8 @@ def _write_model(spec: mujoco.MjSpec, base: str, path: Path) -> None:
     """Writes the model; robocell itself makes the base movable, so the body is an ordinary one."""
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", "Attach")
+        write_inertias(spec)  # parts may have settings of their own, of which a file has one
+        spec.compile()
         text = spec.to_xml()
     text = text.replace(f'"{PREFIX}main"', '"robot_main"').replace(f'"{PREFIX}', '"')
     root = ElementTree.fromstring(text)

@@ -21,7 +21,11 @@ from robocell.compat.molmo_spaces.robots.robot_views.abstract import (
     RobotView,
     _dimensions,
 )
-from robocell.compat.molmo_spaces.utils.pose import inverse_pose
+from robocell.compat.molmo_spaces.utils.pose import (
+    inverse_pose,
+    pos_quat_to_pose_mat,
+    pose_mat_to_7d,
+)
 from robocell.kinematics import Chain
 
 Numbers = NDArray[np.float64]
@@ -75,14 +79,13 @@ class RobotAlone:
             group._numbers("joint_pos", q0[name], group.pos_dim)
 
     def put(self, qpos: Mapping[str, ArrayLike], base_pose: ArrayLike) -> None:
-        """Puts the robot at a base pose and joint positions."""
+        """Puts the robot at a base pose and joint positions, which are those of the base too."""
         base = self.view.base
         if not isinstance(base, ImmobileRobotBaseGroup):
             base.pose = base_pose
         for name, positions in qpos.items():
             group = self.view.get_move_group(name)
-            if group is not base or group.is_mobile:
-                group.joint_pos = positions
+            group.joint_pos = positions
         mujoco.mj_kinematics(self.model, self.data)
         mujoco.mj_comPos(self.model, self.data)
 
@@ -93,6 +96,44 @@ class RobotAlone:
             self._chains[mg_id] = GroupChain(self, mg_id)
         return self._chains[mg_id]
 
+    def base_poses(self, all_q: Sequence[Mapping[str, ArrayLike]], given: Numbers) -> Numbers:
+        """Returns the poses (B, 4, 4) of the base: given, or the positions of its free joint."""
+        base = self.view.base
+        if not isinstance(base, FreeJointRobotBaseGroup):
+            return given
+        numbers = [np.asarray(q[base.name], dtype=np.float64) for q in all_q]
+        return np.array([pos_quat_to_pose_mat(each[:3], each[3:7]) for each in numbers])
+
+    def solve(
+        self,
+        mg_id: str,
+        targets: Numbers,
+        unlocked: Sequence[str] | None,
+        all_q: Sequence[Mapping[str, ArrayLike]],
+        base_poses: Numbers,
+        rel_to_base: bool,
+        eps: float,
+    ) -> list[QposDict | None]:
+        """Solves for each target (B, 4, 4) from its own positions and base pose (B, 4, 4)."""
+        for q in {id(each): each for each in all_q}.values():
+            self.require_positions(q)
+        chain, bases = self.chain(mg_id), self.base_poses(all_q, base_poses)
+        locked = chain.locked_joints(unlocked)
+        if not chain.has_joints:
+            return chain.bases_for(targets, unlocked, all_q, bases, rel_to_base)
+        # Largest norms, m and rad, whose root of squares is `eps`.
+        options = {"tolerance": eps / np.sqrt(2), "locked_joints": locked}
+        seeds = np.array([chain.start(q) for q in all_q])
+        in_base = chain.in_base(targets, bases, rel_to_base)
+        if len(targets) == 1:
+            one = chain.chain.ik(in_base[0], seed=seeds[0], **options)
+            return [chain.positions(one.q, all_q[0]) if one.success else None]
+        found = chain.chain.ik_batch(in_base, seeds=seeds, **options)
+        return [
+            chain.positions(q, q0) if success else None
+            for q, q0, success in zip(found.q, all_q, found.success, strict=True)
+        ]
+
 
 class GroupChain:
     """The joints from the base, or from the world if the base drives, to a group's leaf frame.
@@ -100,6 +141,7 @@ class GroupChain:
     Attributes:
         chain: robocell's chain.
         from_world: True if the joints of the base are in the chain.
+        has_joints: True if there are joints; else the leaf frame is fixed in the base.
     """
 
     def __init__(self, alone: RobotAlone, mg_id: str) -> None:
@@ -115,6 +157,10 @@ class GroupChain:
         self.from_world = base.n_joints > 0 and not isinstance(base, FreeJointRobotBaseGroup)
         start = "world" if self.from_world else name_of(model, "body", base.root_body_id)
         tip = name_of(model, group.leaf_frame_type, group.leaf_frame_id)
+        self.has_joints = self.from_world or self._moves_in_base(group)
+        if not self.has_joints:
+            self.leaf_in_base = group.leaf_frame_to_robot
+            return
         self.chain = Chain.from_model(model, start, **{f"tip_{group.leaf_frame_type}": tip})
         # Where the values of each joint of the chain are: in which group, and at which index.
         places = {}
@@ -127,11 +173,50 @@ class GroupChain:
         self.places = [places.get(name) for name in self.chain.joint_names]
         self.link_places = [places.get(name) for name in self.chain.link_joint_names]
 
+    def _moves_in_base(self, group: Any) -> bool:
+        """Returns True if there is a joint between the base and the leaf frame."""
+        model, base = self.alone.model, self.alone.view.base.root_body_id
+        body = int(group.leaf_frame_id)
+        if group.leaf_frame_type == "site":
+            body = int(model.site_bodyid[body])
+        while body not in (0, base):
+            if model.body_jntnum[body]:
+                return True
+            body = int(model.body_parentid[body])
+        return False
+
+    def bases_for(
+        self,
+        targets: Numbers,
+        unlocked: Sequence[str] | None,
+        all_q: Sequence[Mapping[str, ArrayLike]],
+        bases: Numbers,
+        rel_to_base: bool,
+    ) -> list[QposDict | None]:
+        """Returns positions with the poses of a free base that put the leaf frame at targets."""
+        base = self.alone.view.base
+        if not isinstance(base, FreeJointRobotBaseGroup):
+            raise rc.ArgumentError(
+                f"inverse kinematics of move group '{self.mg_id}': no joint moves its leaf frame. "
+                f"Put the base there: base.pose = target @ inv(leaf_frame_to_robot)"
+            )
+        if unlocked is not None and base.name not in unlocked:
+            return [None] * len(targets)
+        found: list[QposDict | None] = []
+        for target, q, pose in zip(targets, all_q, bases, strict=True):
+            in_world = pose @ target if rel_to_base else target
+            result = {name: np.array(each, dtype=np.float64) for name, each in q.items()}
+            result[base.name][:7] = pose_mat_to_7d(in_world @ inverse_pose(self.leaf_in_base))
+            found.append(result)
+        return found
+
     def locked_joints(self, unlocked: Sequence[str] | None) -> list[str]:
         """Returns the joints that do not move: those of other groups, and of none."""
         ids = self.alone.view.move_group_ids()
         if unlocked is not None:
             require_among(unlocked, ids, f"robot '{self.alone.config.name}': unlocked group")
+        if not self.has_joints:
+            return []
         free = ids if unlocked is None else unlocked
         return [
             name
@@ -162,8 +247,3 @@ class GroupChain:
         if self.from_world:
             return base_poses @ poses if rel_to_base else poses
         return poses if rel_to_base else inverse_pose(base_poses) @ poses
-
-
-def combined_tolerance(eps: float) -> float:
-    """Returns the bound on both norms, m and rad, whose root of squares is `eps`."""
-    return float(eps) / np.sqrt(2)

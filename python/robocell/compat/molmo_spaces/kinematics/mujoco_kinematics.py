@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import robocell as rc
-from robocell.compat.molmo_spaces.kinematics._solver import RobotAlone, combined_tolerance
+from robocell.compat.molmo_spaces.kinematics._solver import RobotAlone
 from robocell.compat.molmo_spaces.utils.pose import as_pose_mat, inverse_pose
 
 __all__ = ["MlSpacesKinematics"]
@@ -71,16 +71,16 @@ class MlSpacesKinematics:
         Returns positions within the limits, or None without a solution.
         """
         del max_iter, damping, dt
-        self._robot.require_positions(q0)
-        chain = self._robot.chain(move_group_id)
-        target = chain.in_base(as_pose_mat(pose), as_pose_mat(base_pose, "base_pose"), rel_to_base)
-        found = chain.chain.ik(
-            target,
-            seed=chain.start(q0),
-            tolerance=combined_tolerance(eps),
-            locked_joints=chain.locked_joints(unlocked_move_group_ids),
+        (found,) = self._robot.solve(
+            move_group_id,
+            as_pose_mat(pose)[np.newaxis],
+            unlocked_move_group_ids,
+            [q0],
+            as_pose_mat(base_pose, "base_pose")[np.newaxis],
+            rel_to_base,
+            eps,
         )
-        return chain.positions(found.q, q0) if found.success else None
+        return found
 
     def twist_to_joint_vel(
         self,

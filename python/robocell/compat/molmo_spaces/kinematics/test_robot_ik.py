@@ -121,20 +121,30 @@ def draw_strip(config: Any, answers: Sequence[Answer], path: Path) -> None:
         view = config.robot_view_factory(scene.data, scene.robots[0].prefix)
         renderer = rc.render.Renderer(scene, shadows=True)
         pictures = []
+        seen: tuple[rc.render.OrbitCamera, float] | None = None
         for answer in answers:
             if answer.positions is not None:
                 for name, positions in answer.positions.items():
                     view.get_move_group(name).joint_pos = positions
             scene.forward()
-            middle = answer.target[:3, 3] / 2
-            reach = float(np.linalg.norm(answer.target[:3, 3]))
-            eye = rc.render.OrbitCamera(
-                lookat=middle, distance=2.2 * reach + 0.3, azimuth=130, elevation=-15, fovy=45
-            )
+            eye, size = seen = seen or _eye_of(scene)
             frames = [("", rc.Pose(answer.target))]
-            drawn = renderer.render(eye, *SIZE_PX, frames=frames, frame_length=0.2 * reach)
+            drawn = renderer.render(eye, *SIZE_PX, frames=frames, frame_length=0.15 * size)
             pictures.append(drawn["rgb"])
         rc.render.write_png(path, np.concatenate(pictures, axis=1))
+
+
+def _eye_of(scene: rc.Scene) -> tuple[rc.render.OrbitCamera, float]:
+    """Returns a view of all bodies, and their size, m."""
+    model, data = scene.model, scene.data
+    solid = model.geom_bodyid > 0
+    at, around = data.geom_xpos[solid], model.geom_rbound[solid, np.newaxis]
+    low, high = (at - around).min(axis=0), (at + around).max(axis=0)
+    size = float(np.linalg.norm(high - low))
+    eye = rc.render.OrbitCamera(
+        lookat=(low + high) / 2, distance=1.2 * size, azimuth=130, elevation=-15, fovy=45
+    )
+    return eye, size
 
 
 def _show(config: Any, answers: Sequence[Answer]) -> None:

@@ -18,7 +18,7 @@ from robocell.compat.molmo_spaces._command import config_class, run_main
 __all__ = ["finger_ranges", "main"]
 
 
-def finger_ranges(robot_config: Any, settle_time: float = 2.0) -> dict[str, tuple[float, float]]:
+def finger_ranges(robot_config: Any, settle_time: float = 1.0) -> dict[str, tuple[float, float]]:
     """Opens, then closes all grippers, each for `settle_time` seconds of simulation.
 
     Returns the smaller and the larger distance, m, of each gripper. Raises NotFoundError for a
@@ -67,7 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("module", help="module of the robot's configuration, such as xarm7_config")
     parser.add_argument("config_class", help="its class, such as XArm7RobotConfig")
     parser.add_argument(
-        "--settle-time", type=float, default=2.0, help="seconds to open and to close (2)"
+        "--settle-time", type=float, default=1.0, help="seconds to open and to close (1)"
     )
     given = parser.parse_args(arguments)
     if not 0 < given.settle_time < 1000:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import robocell as rc
-from robocell.compat.molmo_spaces.kinematics._solver import RobotAlone, combined_tolerance
+from robocell.compat.molmo_spaces.kinematics._solver import RobotAlone
 from robocell.compat.molmo_spaces.kinematics.parallel.parallel_kinematics import (
     ParallelKinematics,
 )
@@ -80,19 +80,9 @@ class SimpleWarpKinematics(ParallelKinematics):
         """
         del converge_eps, max_iter, damping, dt
         all_q, (targets, bases), is_single = _batch(q0_dicts, poses=poses, base_poses=base_poses)
-        for q in {id(each): each for each in all_q}.values():
-            self._robot.require_positions(q)
-        chain = self._robot.chain(move_group_id)
-        found = chain.chain.ik_batch(
-            chain.in_base(targets, bases, rel_to_base),
-            seeds=np.array([chain.start(q) for q in all_q]),
-            tolerance=combined_tolerance(success_eps),
-            locked_joints=chain.locked_joints(unlocked_move_group_ids),
+        results = self._robot.solve(
+            move_group_id, targets, unlocked_move_group_ids, all_q, bases, rel_to_base, success_eps
         )
-        results = [
-            chain.positions(q, q0) if success else None
-            for q, q0, success in zip(found.q, all_q, found.success, strict=True)
-        ]
         return results[0] if is_single else results
 
 
