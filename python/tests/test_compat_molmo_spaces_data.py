@@ -45,6 +45,7 @@ from robocell.compat.molmo_spaces.tasks.pick_task_sampler import PickTaskSampler
 
 class Facing(PickTaskSampler):
     def _sample_and_place_robot(self, env):
+        assert np.allclose(env.current_robot.robot_view.base.pose, np.eye(4))
         super()._sample_and_place_robot(env)
         task = self.config.task_config
         lies = create_mlspaces_body(env.current_data, task.pickup_obj_name)
@@ -147,6 +148,16 @@ class TestGroupsInScenes:
         assert np.allclose(scene.body_pose("robot_0/wheels").matrix, view.base.pose)
         assert np.allclose(view.base.noop_ctrl, view.base.joint_pos)
         assert scene.robot("toy").group("base_joints").nu == 3
+
+
+def test_solutions_are_drawn_side_by_side(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    from robocell.compat.molmo_spaces.kinematics import test_robot_ik as ik_tool
+
+    monkeypatch.setattr(ik_tool, "SIZE_PX", (40, 30))
+    config = ToyConfig()
+    answers = ik_tool.back_and_forth(config, "arm", count=2)
+    ik_tool.draw_strip(config, answers, tmp_path / "strip.png")
+    assert (tmp_path / "strip.png").read_bytes()[16:24] == (80).to_bytes(4) + (30).to_bytes(4)
 
 
 def test_two_arms_of_one_robot_are_in_one_file(tmp_path: Path):

@@ -115,6 +115,7 @@ def test_the_tcp_goes_back_and_forth(config: Any, parallel: bool):
         assert answer.positions["gripper"].tolist() == [0, 0]
 
 
+@pytest.mark.proof
 def test_without_a_display_the_ik_test_draws_a_strip(
     project: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ):

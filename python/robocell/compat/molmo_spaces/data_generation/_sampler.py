@@ -69,6 +69,7 @@ class ExperimentStarts(rc.tasks.StartSampler):
         scene = robot.scene
         body = scene.compiled.object("target").root_body
         scene.set_body_pose(body, target_in_world)
+        robot.base.pose = rc.Pose()  # where the original's scenes begin
         scene.forward()
         seed = rng.integer(2**31)
         random.seed(seed)

@@ -147,7 +147,7 @@ class GroupChain:
     def __init__(self, alone: RobotAlone, mg_id: str) -> None:
         """Raises ArgumentError for a group whose leaf frame is no site or body of the model."""
         self.alone, self.mg_id = alone, mg_id
-        group = alone.view.get_move_group(mg_id)
+        group: Any = alone.view.get_move_group(mg_id)
         if not isinstance(group, MJCFFrameMixin):
             raise rc.ArgumentError(
                 f"inverse kinematics of move group '{mg_id}': {type(group).__name__} does not say "
@@ -159,7 +159,7 @@ class GroupChain:
         tip = name_of(model, group.leaf_frame_type, group.leaf_frame_id)
         self.has_joints = self.from_world or self._moves_in_base(group)
         if not self.has_joints:
-            self.leaf_in_base = group.leaf_frame_to_robot
+            self.leaf_in_base: Numbers = alone.view.get_move_group(mg_id).leaf_frame_to_robot
             return
         self.chain = Chain.from_model(model, start, **{f"tip_{group.leaf_frame_type}": tip})
         # Where the values of each joint of the chain are: in which group, and at which index.

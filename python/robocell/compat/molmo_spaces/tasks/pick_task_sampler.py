@@ -30,7 +30,9 @@ class PickTaskSampler:
         self._propose: Callable[[], rc.Pose | None] | None = None
 
     def _sample_and_place_robot(self, env: CPUMujocoEnv) -> None:
-        """Puts the robot's base somewhere in the ranges of `task_sampler_config`.
+        """Puts the robot's base, which is at the origin, where the robot is to stand.
+
+        Unless a subclass replaces it, somewhere in the ranges of `task_sampler_config`.
 
         Sets `robot_base_pose` and the poses of the object in `config.task_config`. Raises Error if
         no place is free.
