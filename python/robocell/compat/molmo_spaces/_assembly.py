@@ -21,7 +21,11 @@ _WITH_FILES = {
 
 
 def load_spec(path: Path) -> mujoco.MjSpec:
-    """Reads a model; the paths of its files become absolute. Raises SpecError with the reason."""
+    """Reads a model, to be attached to another one. Raises SpecError with the reason.
+
+    The paths of its files become absolute. Its options become the engine's defaults: those of the
+    other model hold, and MuJoCo would warn of each that differs.
+    """
     try:
         spec = mujoco.MjSpec.from_file(str(path))
     except (ValueError, mujoco.FatalError) as error:
@@ -35,6 +39,10 @@ def load_spec(path: Path) -> mujoco.MjSpec:
                 if file:
                     element.cubefiles[i] = str((folder / file).resolve())
     spec.meshdir = spec.texturedir = ""
+    defaults = mujoco.MjSpec().option
+    for name in dir(defaults):
+        if not name.startswith("_") and not callable(getattr(defaults, name)):
+            setattr(spec.option, name, getattr(defaults, name))
     return spec
 
 
@@ -64,9 +72,6 @@ def robot_alone(robot_config: Any, prefix: str, strip_meshes: bool = False) -> m
     """Returns a spec with nothing but the robot, at the origin, with its overrides."""
     robot_cls, _ = robot_config.require_classes()
     spec = mujoco.MjSpec()
-    # Those of robocell's scenes.
-    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
-    spec.option.cone, spec.option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, 10
     robot_cls.add_robot_to_scene(
         robot_config,
         spec,
@@ -75,6 +80,9 @@ def robot_alone(robot_config: Any, prefix: str, strip_meshes: bool = False) -> m
         quat=[1.0, 0.0, 0.0, 0.0],
         strip_meshes=strip_meshes,
     )
+    # Those of robocell's scenes.
+    spec.option.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+    spec.option.cone, spec.option.impratio = mujoco.mjtCone.mjCONE_ELLIPTIC, 10
     own = robot_config.model_copy(update={"robot_namespace": prefix})
     robot_cls.apply_control_overrides(spec, own)
     return spec

@@ -117,7 +117,6 @@ class FrankaRobot(Robot):
         hand = load_spec(folder / "2f85.xml")
         if strip_meshes:
             hand = without_meshes(hand)
-        arm.option.cone, arm.option.impratio = hand.option.cone, hand.option.impratio
         site = arm.site("attachment_site")
         mount = site.parent.add_frame(pos=site.pos, quat=site.quat)
         mount.attach_body(hand.worldbody.first_body(), "gripper/", "")
