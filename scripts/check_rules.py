@@ -58,6 +58,8 @@ PYTHON_CHANCE = re.compile(
     r"\b(?:np|numpy)\.random\.(?!Generator|default_rng|SeedSequence|PCG64|Philox)\w+"
     r"|^\s*(?:import random\b|from random import)"
 )
+# Code of users draws from the global generators, which this file seeds for each start.
+SEEDS_USERS_CHANCE = re.compile(r"/compat/molmo_spaces/data_generation/_sampler\.py$")
 BY_ACTUATOR = re.compile(
     r"->actuator_(?:gear|acc0|length0|lengthrange)\b|mjModel::nu\b"
     r"|\bfor\s*\([^;]*;[^;]*<\s*[\w.>()-]*->nu\s*;"
@@ -132,7 +134,7 @@ def cpp_chance(path: str, line: str) -> str | None:
 
 def python_chance(path: str, line: str) -> str | None:
     """A global random generator in the Python package."""
-    match = PYTHON_CHANCE.search(line)
+    match = None if SEEDS_USERS_CHANCE.search(path) else PYTHON_CHANCE.search(line)
     return match and f"'{match.group().strip()}': use a seeded numpy.random.Generator"
 
 

@@ -2,8 +2,10 @@
 #include "robocell/kinematics/chain.h"
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
 
 #include <cmath>
+#include <cstdint>
 
 #include "arrays.h"
 #include "chain_batch.h"
@@ -34,6 +36,22 @@ Chain FromScene(const Scene& scene, const std::string& base_body, const std::str
   if (tip_body.empty() == tip_site.empty())
     throw ArgumentError("chain: give either tip_body or tip_site");
   return Chain(scene.model(), base_body,
+               tip_site.empty() ? ChainTip::Body(tip_body) : ChainTip::Site(tip_site));
+}
+
+// The model is Python's; a chain copies what it needs of it.
+Chain FromModel(nb::handle model, const std::string& base_body, const std::string& tip_body,
+                const std::string& tip_site) {
+  if (!nb::isinstance(model, nb::module_::import_("mujoco").attr("MjModel"))) {
+    throw nb::type_error(("chain: expected a mujoco.MjModel, got " +
+                          nb::cast<std::string>(model.type().attr("__name__")))
+                             .c_str());
+  }
+  if (tip_body.empty() == tip_site.empty())
+    throw ArgumentError("chain: give either tip_body or tip_site");
+  // NOLINTNEXTLINE(performance-no-int-to-ptr): the address is how Python hands the model over.
+  const auto* own = reinterpret_cast<const mjModel*>(nb::cast<uintptr_t>(model.attr("_address")));
+  return Chain(own, base_body,
                tip_site.empty() ? ChainTip::Body(tip_body) : ChainTip::Site(tip_site));
 }
 
@@ -276,6 +294,11 @@ void BindChain(nb::module_& m) {
   c.def_static(
        "from_scene", &FromScene, "scene"_a, "base_body"_a, "tip_body"_a = "", "tip_site"_a = "",
        "Makes a chain of the joints between two bodies, or a body and a site, by their full names.")
+      .def_static(
+          "from_model", &FromModel, "model"_a, "base_body"_a, "tip_body"_a = "", "tip_site"_a = "",
+          nb::sig("def from_model(model: mujoco.MjModel, base_body: str, tip_body: str = '', "
+                  "tip_site: str = '') -> Chain"),
+          "Makes a chain of a model that MuJoCo's own Python package compiled, as from_scene.")
       .def_static(
           "from_kdl", &FromKdlChain, "chain"_a, "limits"_a = nb::none(),
           nb::sig("def from_kdl(chain: typing.Any, limits: numpy.typing.ArrayLike | None = "

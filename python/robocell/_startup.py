@@ -7,7 +7,8 @@ The command looks for modules in the working folder last, since it needs many of
 the shell closed of its standard streams (`2>&-`) is opened on nothing, or the next file that is
 opened would take its place.
 
-`python -m robocell.generate` is an error: modules do nothing by themselves.
+`python -m robocell.generate` is an error: modules do nothing by themselves, but for the tools of
+robocell.compat.
 """
 
 from __future__ import annotations
@@ -43,11 +44,17 @@ def refusal_of_module(arguments: list[str]) -> str:
         return ""
     folder = Path(__file__).parent
     path = folder.joinpath(*parts)
-    if not (path.is_dir() or path.with_name(f"{path.name}.py").is_file()):
+    file = path.with_name(f"{path.name}.py")
+    if not (path.is_dir() or file.is_file()) or _is_program(file):
         return ""
     known = COMMANDS_OF_MODULES.get(".".join(parts))
     remedy = f"Run `robocell {known}`" if known else "`robocell --help` lists the commands"
     return f"error: '{name}' is a module to import, and does nothing by itself. {remedy}"
+
+
+def _is_program(file: Path) -> bool:
+    """Returns True for a module that does something by itself, as the tools of robocell.compat."""
+    return file.is_file() and 'if __name__ == "__main__":' in file.read_text(encoding="utf-8")
 
 
 def _what_runs(arguments: list[str]) -> tuple[str, str]:

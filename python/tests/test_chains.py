@@ -298,3 +298,26 @@ def test_a_chain_between_two_places_of_a_scene():
     assert chain.fk(np.zeros(7)) == scene.robot("a").fk_frame(np.zeros(7))
     with pytest.raises(rc.ArgumentError, match="give either tip_body or tip_site"):
         rc.kinematics.Chain.from_scene(scene, "base_link")
+
+
+def test_a_chain_of_a_model_of_mujocos_own_package():
+    import mujoco
+
+    text = (
+        "<mujoco><worldbody><body name='base' pos='1 2 3' euler='10 20 30'>"
+        "<body name='a' pos='0 0 .3'><joint name='j' axis='0 1 0'/><geom size='.1'/>"
+        "<body name='b' pos='.3 0 0'><joint name='k' axis='0 0 1'/><geom size='.1'/>"
+        "<site name='tip' pos='.1 .2 .3'/></body></body></body></worldbody></mujoco>"
+    )
+    model = mujoco.MjModel.from_xml_string(text)
+    chain = rc.kinematics.Chain.from_model(model, "base", tip_site="tip")
+    data, q = mujoco.MjData(model), [0.4, -0.7]
+    data.qpos[:] = q
+    mujoco.mj_kinematics(model, data)
+    del model  # the chain keeps what it needs
+    base = rc.Pose(translation=data.xpos[1], quaternion=np.roll(data.xquat[1], -1))
+    assert np.allclose((base * chain.fk(q)).translation, data.site("tip").xpos, atol=1e-12)
+    with pytest.raises(TypeError, match=r"expected a mujoco.MjModel, got MjData"):
+        rc.kinematics.Chain.from_model(data, "base", tip_site="tip")
+    with pytest.raises(rc.NotFoundError, match="no body 'bas'"):
+        rc.kinematics.Chain.from_model(data.model, "bas", tip_site="tip")

@@ -94,6 +94,8 @@ def test_a_module_that_is_run_like_a_command_names_the_command(module: str):
     [
         ("python -u -m robocell.data.derive", True),
         ("python -m robocell", False),
+        ("python -m robocell.compat.molmo_spaces.data_generation.main a:B", False),
+        ("python -m robocell.compat.molmo_spaces.env.env", True),
         ("python -m robocell._generation.work run.yaml", False),
         ("python -m robocell.nothing", False),
         ("python script.py -m robocell.generate", False),

@@ -30,6 +30,7 @@ PURPOSES = {
     "graphics: osmesa": "one of the two draws `backend: gl`; `soft` needs neither",
     "menagerie": "for robots named `menagerie:...`; built-in robots do not need it",
     "extra: envs": "for robocell.gym, robocell.lerobot and compat.rcs",
+    "extra: molmo-spaces": "for robocell.compat.molmo_spaces",
     "extra: plots": "for the pictures of `robocell reach`",
     "extra: sb3": "for robocell.sb3",
     "extra: teleop": "for `robocell teleop`: gamepads and SpaceMouse devices",

@@ -1,0 +1,1 @@
+"""Controllers: from a target of a move group to the controls of its actuators."""

@@ -1,0 +1,1 @@
+"""Data generation: registered configurations and the command that runs them."""

@@ -1,0 +1,1 @@
+"""The environment, its sensors, and bodies by name."""

@@ -1,0 +1,1 @@
+"""Forward and inverse kinematics, and a tool that tests them."""

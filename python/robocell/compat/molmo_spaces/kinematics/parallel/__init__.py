@@ -1,0 +1,1 @@
+"""Kinematics of many poses at once."""

@@ -1,0 +1,1 @@
+"""Views of a robot in a model: its move groups."""

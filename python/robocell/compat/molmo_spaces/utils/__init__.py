@@ -1,0 +1,1 @@
+"""Poses, and frames of a model."""

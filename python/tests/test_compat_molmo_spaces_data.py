@@ -1,0 +1,272 @@
+"""Data generation with MolmoSpaces' classes: users' places, sensors and groups in episodes."""
+
+from __future__ import annotations
+
+import sys
+import tempfile
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import mujoco
+import numpy as np
+import pytest
+
+import robocell as rc
+from molmospaces_toys import ArmGroup, MobileView, ToyConfig, ToyView, TwoArms, TwoArmsView
+from robocell.compat.molmo_spaces._groups import as_group
+from robocell.compat.molmo_spaces.configs.camera_configs import (
+    FixedExocentricCameraConfig,
+    RandomizedExocentricCameraConfig,
+    RobotMountedCameraConfig,
+)
+from robocell.compat.molmo_spaces.data_generation._cameras import StartCameras, looking
+from robocell.compat.molmo_spaces.data_generation._robot_files import write_robot
+from robocell.compat.molmo_spaces.data_generation._run import streams_of
+from robocell.compat.molmo_spaces.data_generation._sampler import install_groups
+
+# A user's module: a robot with a sensor of its own, and a sampler that chooses where it stands.
+MODULE = """
+from pathlib import Path
+
+import numpy as np
+
+from molmospaces_toys import Rc7Config, Rc7Robot
+from robocell.compat.molmo_spaces.configs import PickTaskSamplerConfig
+from robocell.compat.molmo_spaces.configs.base_pick_config import PickBaseConfig
+from robocell.compat.molmo_spaces.configs.camera_configs import (
+    CameraSystemConfig,
+    RobotMountedCameraConfig,
+)
+from robocell.compat.molmo_spaces.data_generation.config_registry import register_config
+from robocell.compat.molmo_spaces.env.data_views import create_mlspaces_body
+from robocell.compat.molmo_spaces.tasks.pick_task_sampler import PickTaskSampler
+
+
+class Facing(PickTaskSampler):
+    def _sample_and_place_robot(self, env):
+        assert np.allclose(env.current_robot.robot_view.base.pose, np.eye(4))
+        super()._sample_and_place_robot(env)
+        task = self.config.task_config
+        lies = create_mlspaces_body(env.current_data, task.pickup_obj_name)
+        assert np.allclose(lies.position, task.pickup_obj_start_pose[:3])
+        assert np.isclose(task.pickup_obj_goal_pose[2], lies.position[2] + 0.05)
+        base = env.current_robot.robot_view.base
+        pose = base.pose
+        pose[2, 3] += 0.01 + 1e-3 * np.random.rand()
+        base.pose = pose
+
+
+@register_config("FacingPick")
+class FacingPick(PickBaseConfig):
+    robot_config: Rc7Config = Rc7Config()
+    camera_config: CameraSystemConfig = CameraSystemConfig()
+    output_dir: Path = Path("out")
+    task_sampler_config: PickTaskSamplerConfig = PickTaskSamplerConfig(
+        task_sampler_class=Facing,
+        house_inds=[0],
+        samples_per_house=1,
+        base_pose_sampling_radius_range=(0.35, 0.6),
+        robot_object_z_offset=-0.25,
+        robot_object_z_offset_random_min=-0.05,
+        robot_object_z_offset_random_max=0.05,
+    )
+"""
+
+
+@pytest.fixture
+def toy() -> rc.Scene:
+    """The arm of two joints in a scene of robocell, as data generation makes it."""
+    with tempfile.TemporaryDirectory() as folder:
+        robot = write_robot(ToyConfig(), Path(folder))
+        spec = rc.SceneSpec(timestep=0.002, add_floor=False, add_skybox=False)
+        spec.robots.append(rc.RobotSpec(name="toy", config=robot, prefix="robot_0/"))
+        return rc.Scene.build(spec)
+
+
+class TestGroupsInScenes:
+    def test_a_users_gripper_and_arm_are_groups_of_the_robot(self, toy: rc.Scene):
+        robot = toy.robot("toy")
+        view = ToyView(toy.data, "robot_0/")
+        for name in ("arm", "gripper", "base"):
+            robot.set_group(as_group(view.get_move_group(name)))
+        gripper = robot.gripper
+        assert gripper.inter_finger_dist_range == (0.0, 0.06)
+        view.get_gripper("gripper").joint_pos = [0.015, 0.015]
+        assert gripper.inter_finger_dist == pytest.approx(0.03)
+        assert gripper.opening == pytest.approx(0.5)
+        gripper.close()
+        robot.update()
+        assert view.get_gripper("gripper").ctrl.tolist() == [0]
+        robot.apply({"arm": rc.control.GroupCommand.joints([0.3, 0.2])})
+        robot.update()
+        assert view.get_move_group("arm").ctrl.tolist() == [0.3, 0.2]
+        arm = robot.group("arm")
+        assert np.allclose(arm.joint_pos_limits, view.get_move_group("arm").joint_pos_limits)
+        assert np.allclose(arm.jacobian(), view.get_jacobian("arm", ["arm"]))
+        robot.base.pose = rc.Pose(translation=[1, 2, 3])
+        toy.forward()
+        assert np.allclose(toy.body_pose("robot_0/base").translation, [1, 2, 3])
+
+    def test_a_group_that_holds_itself_differently_replaces_robocells(self, toy: rc.Scene):
+        class Heavy(ArmGroup):
+            @property
+            def noop_ctrl(self) -> Any:
+                return self.joint_pos + 0.125
+
+        class HeavyView(ToyView):
+            def __init__(self, mj_data: mujoco.MjData, namespace: str) -> None:
+                super().__init__(mj_data, namespace)
+                self._move_groups["arm"] = Heavy(mj_data, self.base, namespace)
+                self._move_groups["arm"]._name = "arm"
+
+        robot, before = toy.robot("toy"), toy.robot("toy").arm
+        install_groups(robot, _Experiment(ToyConfig()))
+        assert robot.arm is before or type(robot.arm) is type(before)
+        install_groups(robot, _Experiment(ToyConfig(robot_view_factory=HeavyView)))
+        assert np.allclose(robot.arm.noop_ctrl, robot.arm.joint_pos + 0.125)
+
+    def test_a_base_on_wheels_drives_from_where_it_was_put(self, tmp_path: Path):
+        from test_compat_molmo_spaces import _Mobile
+
+        config = ToyConfig(
+            robot_xml_path=Path("mobile.xml"),
+            robot_view_factory=MobileView,
+            robot_cls=_Mobile,
+            init_qpos={},
+        )
+        spec = rc.SceneSpec(timestep=0.002, add_floor=False, add_skybox=False)
+        robot_config = write_robot(config, tmp_path)
+        spec.robots.append(rc.RobotSpec(name="toy", config=robot_config, prefix="robot_0/"))
+        scene = rc.Scene.build(spec)
+        view = MobileView(scene.data, "robot_0/")
+        scene.robot("toy").base.pose = rc.Pose(translation=[0.5, -0.25, 0], rpy=[0, 0, 1])
+        scene.forward()
+        assert np.allclose(view.base.pose[:2, 3], [0.5, -0.25])
+        view.base.pose = rc.Pose(translation=[0.75, 0.5, 0], rpy=[0, 0, 0.5]).matrix
+        scene.forward()
+        assert np.allclose(scene.body_pose("robot_0/wheels").matrix, view.base.pose)
+        assert np.allclose(view.base.noop_ctrl, view.base.joint_pos)
+        assert scene.robot("toy").group("base_joints").nu == 3
+
+
+def test_solutions_are_drawn_side_by_side(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    from robocell.compat.molmo_spaces.kinematics import test_robot_ik as ik_tool
+
+    monkeypatch.setattr(ik_tool, "SIZE_PX", (40, 30))
+    config = ToyConfig()
+    answers = ik_tool.back_and_forth(config, "arm", count=2)
+    ik_tool.draw_strip(config, answers, tmp_path / "strip.png")
+    assert (tmp_path / "strip.png").read_bytes()[16:24] == (80).to_bytes(4) + (30).to_bytes(4)
+
+
+def test_two_arms_of_one_robot_are_in_one_file(tmp_path: Path):
+    config = ToyConfig(robot_view_factory=TwoArmsView, robot_cls=TwoArms, init_qpos={})
+    spec = rc.SceneSpec(timestep=0.002, add_floor=False, add_skybox=False)
+    robot_config = write_robot(config, tmp_path)
+    spec.robots.append(rc.RobotSpec(name="toy", config=robot_config, prefix="robot_0/"))
+    scene = rc.Scene.build(spec)
+    robot, view = scene.robot("toy"), TwoArmsView(scene.data, "robot_0/")
+    assert robot.gripper_of("left_arm") == "left_gripper"
+    assert robot.gripper_of("right_arm") == "right_gripper"
+    robot.apply({"right_arm": rc.control.GroupCommand.joints([0.3, 0.2])})
+    robot.update()
+    assert view.get_move_group("right_arm").ctrl.tolist() == [0.3, 0.2]
+
+
+def test_a_users_place_and_sensors_are_in_the_episodes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    from robocell._generation.run_source import RunSource
+    from robocell.compat.molmo_spaces.data_generation.main import prepare
+
+    monkeypatch.chdir(tmp_path)
+    Path("facing_pick.py").write_text(MODULE)
+    try:
+        run = RunSource(str(prepare("facing_pick:FacingPick"))).load(
+            ["scenes={source: tabletop}", "rates.policy_ms=100"]
+        )
+        assert list(run.features) == ["tcp_pose"]
+        rc.generate.prepare_dataset(run)
+        (item,) = rc.generate.make_plan(run)
+        result = rc.generate.Runner(run).run(item)
+        assert result.success
+        episode = rc.data.Dataset(run.output)[0]
+    finally:
+        sys.modules.pop("facing_pick", None)
+    tcp = np.asarray(episode["features/tcp_pose"])
+    base, world = (np.asarray(episode[f"robots/rc7/{name}"]) for name in ("base_pose", "tcp_pose"))
+    assert tcp.shape == (len(base), 7)
+    lengths = np.linalg.norm(tcp[:, 3:], axis=1)
+    assert np.allclose(lengths, 1, atol=1e-5)
+    assert world.shape[0] == len(tcp)
+
+
+def test_a_camera_looks_at_its_point():
+    point = np.array([0.5, -1, 0.2])
+    for up in np.eye(3):
+        pose = rc.Pose(looking([1, 2, 3], point, up))
+        seen = pose.inverse() * rc.Pose(translation=point)
+        assert np.allclose(seen.translation[:2], 0, atol=1e-9)
+        assert seen.translation[2] < 0
+        higher = pose.inverse() * rc.Pose(translation=point + 0.1 * up)
+        assert higher.translation[1] > 0
+    with pytest.raises(rc.ArgumentError, match="looks along the direction that is up"):
+        looking([0, 0, 1], [0, 0, 0], [0, 0, 1])
+
+
+def test_each_start_places_its_cameras(tmp_path: Path):
+    """A fixed one stands in the world, a drawn one in its ranges, noise in its bounds."""
+    fixed = FixedExocentricCameraConfig(
+        name="fixed", fov=60, pos=[2, 1, 1.5], forward=[-1, 0, -0.5], up=[0, 0, 1]
+    )
+    drawn = RandomizedExocentricCameraConfig(
+        name="drawn",
+        distance_range=(0.8, 1.2),
+        height_range=(0.3, 0.6),
+        azimuth_range=(0, 1),
+        fov_range=(40, 50),
+    )
+    shaky = RobotMountedCameraConfig(
+        name="shaky",
+        reference_body_names=["nothing", "hand"],
+        fov=60,
+        pos_noise_range=(-0.01, 0.01),
+        orientation_noise_degrees=2,
+    )
+    experiment = SimpleNamespace(
+        robot_config=ToyConfig(), camera_config=SimpleNamespace(cameras=[fixed, drawn, shaky])
+    )
+    robot_config = write_robot(ToyConfig(), tmp_path)
+    streams_of(experiment, robot_config)
+    spec = rc.SceneSpec(timestep=0.002, add_floor=False, add_skybox=False)
+    spec.robots.append(rc.RobotSpec(name="toy", config=robot_config, prefix="robot_0/"))
+    scene = rc.Scene.build(spec)
+    robot = scene.robot("toy")
+    robot.base.pose = rc.Pose(translation=[1, 2, 0.5], rpy=[0, 0, 1])
+    scene.forward()
+    still = scene.camera_pose("robot_0/shaky")
+    cameras = StartCameras(experiment.camera_config.cameras)
+    target, rng, places = np.array([1.5, 2, 0.6]), rc.tasks.Rng.stream(0, "test"), []
+    for _ in range(5):
+        cameras.place(scene, robot, target, rng)
+        assert np.allclose(scene.camera_pose("robot_0/fixed").translation, [2, 1, 1.5])
+        middle = (target + robot.tcp_in_world.translation) / 2
+        pose = scene.camera_pose("robot_0/drawn")
+        x, y, height = pose.translation - middle
+        assert 0.8 <= np.hypot(x, y) <= 1.2
+        assert 0.3 <= height <= 0.6
+        seen = pose.inverse() * rc.Pose(translation=middle)
+        assert np.allclose(seen.translation[:2], 0, atol=1e-6)
+        moved = still.inverse() * scene.camera_pose("robot_0/shaky")
+        assert 0 < np.abs(moved.translation).max() <= 0.01 + 1e-6
+        assert 0 < moved.angle <= np.radians(2) * np.sqrt(3)
+        fovy = scene.model.cam_fovy[scene.model.camera("robot_0/drawn").id]
+        assert 40 <= fovy <= 50
+        places.append(pose.translation)
+    assert np.ptp(places, axis=0).max() > 0.05
+
+
+class _Experiment:
+    def __init__(self, robot_config: Any) -> None:
+        self.robot_config = robot_config
