@@ -29,8 +29,8 @@ option(ROBOCELL_UNITY "Compile several sources of a layer together" ON)
 # More would make the build after one change slow: 15 to 20 seconds a unit are the most.
 set(ROBOCELL_UNITY_FILES 12)
 set(ROBOCELL_UNITY_WAITING 15)  # optimised less
-set(ROBOCELL_UNITY_TESTS 16)  # not optimised: headers are most of their time
-set(ROBOCELL_UNITY_BINDINGS 5)  # nanobind's templates are many
+set(ROBOCELL_UNITY_TESTS 24)  # not optimised: headers are most of their time
+set(ROBOCELL_UNITY_BINDINGS 8)  # nanobind's templates are many
 
 # robocell_unity(TARGET MOST SOURCES...): groups of at most that many sources and of about the same size, never across
 # folders.
@@ -68,17 +68,22 @@ function(robocell_unity target most)
   target_compile_options(${target} PRIVATE "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>")
 endfunction()
 
+# robocell_launcher(PATH COMMAND): a program that starts the compiler it is given through ccache, or another one in its place.
+function(robocell_launcher path command)
+  file(CONFIGURE OUTPUT "${path}.in" @ONLY CONTENT [[#!/bin/sh
 # ccache takes precompiled headers when it is told that macros defined before them do not matter.
+export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:-pch_defines,time_macros}"
+@command@
+]])
+  file(COPY_FILE "${path}.in" "${path}" ONLY_IF_DIFFERENT)
+  file(CHMOD "${path}" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
+    WORLD_READ WORLD_EXECUTE)
+endfunction()
+
 find_program(CCACHE_PROGRAM ccache)
 if(CCACHE_PROGRAM AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   set(launcher "${PROJECT_BINARY_DIR}/ccache")  # tools that read the commands know that name
-  file(CONFIGURE OUTPUT "${launcher}.in" @ONLY CONTENT [[#!/bin/sh
-export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:-pch_defines,time_macros}"
-exec "@CCACHE_PROGRAM@" "$@"
-]])
-  file(COPY_FILE "${launcher}.in" "${launcher}" ONLY_IF_DIFFERENT)
-  file(CHMOD "${launcher}" PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ GROUP_EXECUTE
-    WORLD_READ WORLD_EXECUTE)
+  robocell_launcher("${launcher}" "exec \"${CCACHE_PROGRAM}\" \"$@\"")
   set(CMAKE_CXX_COMPILER_LAUNCHER "${launcher}")
   set(CMAKE_C_COMPILER_LAUNCHER "${launcher}")
 endif()

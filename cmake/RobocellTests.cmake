@@ -22,6 +22,20 @@ endif()
 set(keep_memory "MALLOC_TRIM_THRESHOLD_=1000000000;MALLOC_MMAP_THRESHOLD_=1000000000")
 set(slowest_layers scene rollout task expert motion scenes render robot data media env kinematics)
 
+# clang++ takes two thirds of g++'s time for code that is not optimised, and reads the headers with other eyes. The
+# library stays g++'s. CMake knows one compiler for a language, so the launcher puts the other in its place.
+if(PROJECT_IS_TOP_LEVEL AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_BUILD_TYPE STREQUAL "Release")
+  find_program(ROBOCELL_TEST_COMPILER clang++)
+endif()
+set(ROBOCELL_TEST_COMPILER "${ROBOCELL_TEST_COMPILER}" CACHE FILEPATH "Compiler of tests that are not optimised; empty: as the library")
+mark_as_advanced(ROBOCELL_TEST_COMPILER)
+if(ROBOCELL_TEST_COMPILER)
+  set(test_launcher "${PROJECT_BINARY_DIR}/test_compiler")
+  robocell_launcher("${test_launcher}"
+    "shift  # g++, whose options clang does not know are ignored\nexec ${CCACHE_PROGRAM} \"${ROBOCELL_TEST_COMPILER}\" \"$@\" \\
+  -Wno-unknown-warning-option -Wno-ignored-optimization-argument -Wno-unused-command-line-argument")
+endif()
+
 # robocell_test(NAME SOURCES...): a test program and its tests.
 function(robocell_test name)
   add_executable(${name} ${ARGN})
@@ -32,8 +46,13 @@ function(robocell_test name)
   # Tests wait for the library, which is optimised; optimising them costs more than it brings, but for
   # those that compute much themselves.
   set(level -O0 ${ROBOCELL_FOLD_CASTS})
+  if(ROBOCELL_TEST_COMPILER)
+    set(level -O0)
+    set_target_properties(${name} PROPERTIES CXX_COMPILER_LAUNCHER "${test_launcher}")
+  endif()
   if(name MATCHES "^(math|kinematics|control|render|threads)_test$")
     set(level -Og)
+    set_target_properties(${name} PROPERTIES CXX_COMPILER_LAUNCHER "${CMAKE_CXX_COMPILER_LAUNCHER}")
     if(ROBOCELL_SANITIZE)  # what is instrumented runs slowly enough
       set(level -O1)
     endif()

@@ -92,7 +92,7 @@ TEST_F(Resolving, SuggestsTheNearestFile) {
        {std::pair<std::string, std::string>{"models/storck.xml", "models/stork.xml"},
         {"models/cranne.urdf", "models/crane.urdf"},
         {At("robots/models/storck.xml"), At("robots/models/stork.xml")}}) {
-    ExpectThrow<NotFoundError>([&] { Resolve(name, At("robots")); },
+    ExpectThrow<NotFoundError>([&, &name = name] { Resolve(name, At("robots")); },
                                "Did you mean '" + near + "'?");
   }
   EXPECT_THAT(ExpectThrow<NotFoundError>([&] { Resolve("models/heron.xml", At("robots")); }, ""),

@@ -57,13 +57,14 @@ TEST_F(RealFileTest, RejectsPathsThatAreNotFiles) {
            {"folder_link", "a link to '" + temp.path().string() + "'"},
            {"pipe", "a pipe"},
            {"folder", "a folder"}}) {
-    EXPECT_EQ(WhatIsAt(temp / name), what);
-    const std::string text = "cannot read '" + (temp / name).string() + "': it is " + what +
+    const std::filesystem::path path = temp / name;
+    EXPECT_EQ(WhatIsAt(path), what);
+    const std::string text = "cannot read '" + path.string() + "': it is " + what +
                              ", not a file. Remove it, or put the file itself there";
-    ExpectThrow<IoError>([&] { ReadRealFile(temp / name); }, text);
-    ExpectThrow<IoError>([&] { Sha256RealFile(temp / name); }, text);
-    ExpectThrow<IoError>([&] { RequireReadable(temp / name); }, text);
-    EXPECT_FALSE(CanReadFile(temp / name));
+    ExpectThrow<IoError>([&] { ReadRealFile(path); }, text);
+    ExpectThrow<IoError>([&] { Sha256RealFile(path); }, text);
+    ExpectThrow<IoError>([&] { RequireReadable(path); }, text);
+    EXPECT_FALSE(CanReadFile(path));
   }
 }
 

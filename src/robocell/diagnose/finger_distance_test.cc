@@ -129,7 +129,7 @@ TEST_F(HingedFingers, SuggestWhereToMeasureTheDistance) {
   double last = 1.1;
   for (const double opening : {1.0, 0.8, 0.6, 0.4, 0.2}) {
     robot.gripper().SetOpening(opening);
-    for (int i = 0; i < 1000; ++i) robot.scene().Step();
+    ASSERT_TRUE(robot.scene().StepN(1000).ok());
     EXPECT_LT(robot.gripper().opening(), last - 0.05) << opening;
     last = robot.gripper().opening();
   }

@@ -183,7 +183,7 @@ TEST_F(EnvTaskTest, RejectsInfeasibleGoalsWithTheReason) {
         Case{{0.4, 0.2, 0.5}, "put down there it falls by"},
         Case{{0.3, -0.3, 0.45}, "put down there it falls by"},
         Case{{0.3, 0.3, 1.8}, "out of reach"}}) {
-    ExpectThrow<HookError>([&] { Env env(placing(goal)); }, why);
+    ExpectThrow<HookError>([&, &goal = goal] { Env env(placing(goal)); }, why);
   }
   for (const Vec3& goal : {Vec3{0.4, 0.2, 0.02}, Vec3{0.4, 0.2, 0}, Vec3{0.3, -0.3, 0.32},
                            Vec3{0.41, -0.3, 0.32}, Vec3{0.3, -0.3, 0.345}})

@@ -135,7 +135,7 @@ TEST(IkTowards, APureRotationKeepsTheTipPosition) {
     </body></body></body></body></body></body></body></worldbody></mujoco>)");
   const Chain chain(model.model(), "base", ChainTip::Site("tip"));
   for (const double angle : {0.01, 0.05, -0.05}) {
-    for (const Eigen::Vector3d& axis : {Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX()}) {
+    for (const Eigen::Vector3d axis : {Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitX()}) {
       JointVector q(std::vector<double>{0, 0.3, 0.9, 0, 0, 0});
       const Pose first = chain.Fk(q);
       const Eigen::Vector3d start = first.translation();

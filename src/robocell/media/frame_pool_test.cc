@@ -25,7 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr VideoOptions kPooled{.width = 32, .height = 16, .keyframe_interval = 10};
+const VideoOptions kPooled{.width = 32, .height = 16, .keyframe_interval = 10};
 using Rgb = std::vector<uint8_t>;
 
 std::vector<Rgb> AllFrames(const fs::path& path) {

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr VideoOptions kClosely{
+const VideoOptions kClosely{
     .width = 96, .height = 64, .fps_num = 500, .fps_den = 33, .keyframe_interval = 10};
 
 int64_t CountFrames(const fs::path& path) {

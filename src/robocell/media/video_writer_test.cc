@@ -29,7 +29,7 @@ namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-constexpr VideoOptions kSmall{.width = 96, .height = 64, .fps_num = 500, .fps_den = 33};
+const VideoOptions kSmall{.width = 96, .height = 64, .fps_num = 500, .fps_den = 33};
 
 // Expects an empty folder, also without hidden files.
 void ExpectEmpty(const TempDir& folder) { EXPECT_TRUE(fs::is_empty(folder.path())); }

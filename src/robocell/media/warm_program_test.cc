@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 using ::testing::HasSubstr;
 
-constexpr VideoOptions kTiny{.width = 96, .height = 64, .fps_num = 500, .fps_den = 33};
+const VideoOptions kTiny{.width = 96, .height = 64, .fps_num = 500, .fps_den = 33};
 
 std::string Printed(ChildProcess& child) {
   std::string text(4096, '\0');

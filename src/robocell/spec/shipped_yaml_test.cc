@@ -72,17 +72,18 @@ std::set<std::string> Misspellings(const std::string& key) {
 using Parser = void (*)(const std::string& text, const std::string& folder);
 
 template <class T>
-void Parse(const std::string& text, const std::string& folder) {
+void ParseShipped(const std::string& text, const std::string& folder) {
   ParseYaml<T>(text, "f.yaml", folder);
 }
 
 // The keys of a file show its kind.
 Parser ParserFor(const std::string& text) {
   const YAML::Node root = YAML::Load(text);
-  if (root["run"]) return Parse<RunConfig>;
-  if (root["model"]) return Parse<RobotConfig>;
-  if (root["category"]) return Parse<ObjectInfo>;
-  return root["robots"] && root["robots"].IsMap() ? Parse<EnvConfig> : Parse<SceneSpec>;
+  if (root["run"]) return ParseShipped<RunConfig>;
+  if (root["model"]) return ParseShipped<RobotConfig>;
+  if (root["category"]) return ParseShipped<ObjectInfo>;
+  return root["robots"] && root["robots"].IsMap() ? ParseShipped<EnvConfig>
+                                                  : ParseShipped<SceneSpec>;
 }
 
 std::string ErrorOf(const std::string& text, const std::string& folder, Parser parse) {
@@ -98,7 +99,7 @@ void ExpectEveryMisspellingIsNoticed(const std::string& text, const std::string&
   std::vector<Key> keys;
   CollectKeys(YAML::Load(text), 0, keys);
   ASSERT_FALSE(keys.empty());
-  const bool is_env = ParserFor(text) == Parser(Parse<EnvConfig>);
+  const bool is_env = ParserFor(text) == Parser(ParseShipped<EnvConfig>);
   static const std::regex kPlace(R"(\.yaml:\d+:\d+: )");
   for (const Key& key : keys) {
     if (is_env && key.is_name) continue;  // may be unused
@@ -229,7 +230,7 @@ TEST(CustomRobot, SceneFilesNeedNoSource) {
 TEST(CustomRobot, AMissingSceneSourceErrorListsTheSources) {
   for (const std::string source : {"procedural", "procthor-10k"}) {
     EXPECT_THAT(ErrorOf(RunWithScenes("{source: " + source + ", root: x}"), ExamplesFolder(),
-                        Parse<RunConfig>),
+                        ParseShipped<RunConfig>),
                 ::testing::AllOf(
                     ::testing::HasSubstr("f.yaml:6:18: scenes.source: no scene source '" + source),
                     ::testing::HasSubstr("files, houses, tabletop")));
