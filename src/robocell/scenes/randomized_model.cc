@@ -1,6 +1,7 @@
 #include "robocell/scenes/randomized_model.h"
 
 #include <fmt/format.h>
+#include <mujoco/mjxmacro.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
@@ -34,6 +35,52 @@ constexpr std::array<std::string_view, 6> kLooks = {"colour",      "specular", "
 
 bool IsOf(std::string_view property, const auto& list) {
   return std::ranges::find(list, property) != list.end();
+}
+
+// Fields that values change, and those that follow from masses.
+constexpr bool IsVaried(std::string_view field) {
+  for (const std::string_view each : {"geom_rgba",
+                                      "geom_matid",
+                                      "geom_friction",
+                                      "mat_texid",
+                                      "mat_texuniform",
+                                      "mat_texrepeat",
+                                      "mat_emission",
+                                      "mat_specular",
+                                      "mat_shininess",
+                                      "mat_reflectance",
+                                      "mat_metallic",
+                                      "mat_roughness",
+                                      "mat_rgba",
+                                      "light_active",
+                                      "light_pos",
+                                      "light_dir",
+                                      "light_diffuse",
+                                      "light_specular",
+                                      "light_poscom0",
+                                      "light_pos0",
+                                      "light_dir0",
+                                      "cam_poscom0",
+                                      "cam_pos0",
+                                      "cam_mat0",
+                                      "body_mass",
+                                      "body_inertia",
+                                      "body_subtreemass",
+                                      "body_invweight0",
+                                      "dof_invweight0",
+                                      "dof_M0",
+                                      "dof_length",
+                                      "dof_damping",
+                                      "tendon_length0",
+                                      "tendon_invweight0",
+                                      "tendon_lengthspring",
+                                      "actuator_acc0",
+                                      "actuator_length0",
+                                      "actuator_gainprm",
+                                      "actuator_biasprm"}) {
+    if (field == each) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -70,44 +117,16 @@ void RandomizedModel::KeepAll() {
   saved_.clear();
   Keep(&m->vis, 1);
   Keep(&m->stat, 1);
-  Keep(m->geom_rgba, 4 * m->ngeom);
-  Keep(m->geom_matid, m->ngeom);
-  Keep(m->geom_friction, 3 * m->ngeom);
-  Keep(m->mat_texid, static_cast<int64_t>(mjNTEXROLE) * m->nmat);
-  Keep(m->mat_texuniform, m->nmat);
-  Keep(m->mat_texrepeat, 2 * m->nmat);
-  Keep(m->mat_emission, m->nmat);
-  Keep(m->mat_specular, m->nmat);
-  Keep(m->mat_shininess, m->nmat);
-  Keep(m->mat_reflectance, m->nmat);
-  Keep(m->mat_metallic, m->nmat);
-  Keep(m->mat_roughness, m->nmat);
-  Keep(m->mat_rgba, 4 * m->nmat);
-  Keep(m->light_active, m->nlight);
-  Keep(m->light_pos, 3 * m->nlight);
-  Keep(m->light_dir, 3 * m->nlight);
-  Keep(m->light_diffuse, 3 * m->nlight);
-  Keep(m->light_specular, 3 * m->nlight);
-  Keep(m->light_poscom0, 3 * m->nlight);
-  Keep(m->light_pos0, 3 * m->nlight);
-  Keep(m->light_dir0, 3 * m->nlight);
-  Keep(m->cam_poscom0, 3 * m->ncam);
-  Keep(m->cam_pos0, 3 * m->ncam);
-  Keep(m->cam_mat0, 9 * m->ncam);
-  Keep(m->body_mass, m->nbody);
-  Keep(m->body_inertia, 3 * m->nbody);
-  Keep(m->body_subtreemass, m->nbody);
-  Keep(m->body_invweight0, 2 * m->nbody);
-  Keep(m->dof_invweight0, m->nv);
-  Keep(m->dof_M0, m->nv);
-  Keep(m->dof_damping, m->nv);
-  Keep(m->tendon_length0, m->ntendon);
-  Keep(m->tendon_invweight0, m->ntendon);
-  Keep(m->tendon_lengthspring, 2 * m->ntendon);
-  Keep(m->actuator_acc0, m->nactuator);
-  Keep(m->actuator_length0, m->nactuator);
-  Keep(m->actuator_gainprm, static_cast<int64_t>(mjNGAIN) * m->nactuator);
-  Keep(m->actuator_biasprm, static_cast<int64_t>(mjNBIAS) * m->nactuator);
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-variable"  // sizes of other arrays
+  MJMODEL_POINTERS_PREAMBLE(m)
+#pragma GCC diagnostic pop
+#define X(type, name, rows, columns) \
+  if constexpr (IsVaried(#name)) Keep(m->name, static_cast<int64_t>(m->rows) * (columns));
+#define XNV X
+  MJMODEL_POINTERS
+#undef X
+#undef XNV
 }
 
 void RandomizedModel::Restore() {

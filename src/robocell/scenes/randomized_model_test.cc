@@ -4,14 +4,13 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <cstddef>
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
-#include "robocell/render/renderer.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell::internal {
@@ -62,23 +61,6 @@ std::vector<std::byte> BytesOf(const mjModel* m) {
   return bytes;
 }
 
-class Camera {
- public:
-  Camera() : renderer_(MakeRenderer({.backend = "soft", .quality = {.shadows = true}})) {}
-  std::vector<uint8_t> Picture(const Scene& scene) {
-    if (!is_set_) renderer_->SetModel(scene.model());
-    is_set_ = true;
-    std::vector<uint8_t> rgb(3 * 48 * 32);
-    renderer_->Render(scene.data(), {.camera = view_, .width = 48, .height = 32}, {.rgb = rgb});
-    return rgb;
-  }
-
- private:
-  std::unique_ptr<Renderer> renderer_;
-  OrbitCamera view_{.lookat = {0, 0, 0.1}, .distance = 0.9, .elevation = -15};
-  bool is_set_ = false;
-};
-
 TEST(RandomizedModel, RestoringGivesTheModelBackToTheByte) {
   Scene scene = CubeOnFloor();
   const std::vector<std::byte> before = BytesOf(scene.model());
@@ -111,40 +93,6 @@ TEST(RandomizedModel, ValuesAreOfTheModelsOwnHoweverOftenTheyAreApplied) {
   EXPECT_NEAR(mass, 5, 1e-12);
 }
 
-TEST(RandomizedModel, PicturesShowEachOfThemAndAreTheSameAgainAfterwards) {
-  Scene scene = CubeOnFloor();
-  Camera camera;
-  const std::vector<uint8_t> before = camera.Picture(scene);
-  RandomizedModel model(scene);
-  for (const RandomizedValues& values :
-       {RandomizedValues{{"cube/texture", {.numbers = {}, .word = "dots"}}},
-        RandomizedValues{{"floor/texture", {.numbers = {}, .word = "bricks"}}},
-        RandomizedValues{{"cube/colour", {.numbers = {0, 0, 1}}}},
-        RandomizedValues{{"sky/horizon", {.numbers = {1, 0, 0}}}},
-        RandomizedValues{{"light/0/azimuth", {.numbers = {10}}}},
-        RandomizedValues{{"light/number", {.numbers = {3}}}},
-        RandomizedValues{{"light/ambient", {.numbers = {0.9}}}}}) {
-    model.Apply(values);
-    EXPECT_NE(camera.Picture(scene), before) << values.keys().front();
-    model.Restore();
-    EXPECT_EQ(camera.Picture(scene), before) << values.keys().front();
-  }
-}
-
-TEST(RandomizedModel, ASeedChoosesColoursAndPattern) {
-  Scene scene = CubeOnFloor();
-  Camera camera;
-  RandomizedModel model(scene);
-  std::vector<std::vector<uint8_t>> pictures;
-  for (const double seed : {1.0, 2.0, 1.0}) {
-    model.Apply({{"cube/texture", {.numbers = {}, .word = "marble"}},
-                 {"cube/texture_seed", {.numbers = {seed}}}});
-    pictures.push_back(camera.Picture(scene));
-  }
-  EXPECT_NE(pictures[0], pictures[1]);
-  EXPECT_EQ(pictures[0], pictures[2]);
-}
-
 TEST(RandomizedModel, WhatIsNotThereIsNamedWithTheNearest) {
   Scene scene = CubeOnFloor();
   RandomizedModel model(scene);
@@ -160,11 +108,6 @@ TEST(RandomizedModel, WhatIsNotThereIsNamedWithTheNearest) {
   ExpectThrow<ArgumentError>([&] { apply("cube/colour", {.numbers = {1}}); },
                              "red, green and blue");
   ExpectThrow<ArgumentError>([&] { apply("cube/mass", {.numbers = {0}}); }, "must be above 0");
-  ExpectThrow<NotFoundError>([&] { model.targets().RequireMatch("mug_*", {"mag"}, "run 'a'"); },
-                             "objects, robots, cube");
-  EXPECT_THAT(model.targets().Matching("c*"), ::testing::ElementsAre("cube"));
-  EXPECT_THAT(model.targets().Matching("objects"), ::testing::ElementsAre("cube", "door"));
-  EXPECT_THAT(model.targets().Matching("door_door"), ::testing::ElementsAre("door_door"));
 }
 
 }  // namespace
