@@ -71,7 +71,9 @@ void BindRandomizeSpecs(nb::module_& m) {
            nb::sig("def pin(self, values: dict[str, float | list[float] | str]) -> None"),
            "Fixes values by their names, such as those of an episode: "
            "`run.randomize.pin(episode.randomized)`.")
-      .def("describe", &Describe, "Returns one line for each thing that varies.");
+      .def(
+          "describe", [](const RandomizeConfig& config) { return Describe(config); },
+          "Returns one line for each thing that varies.");
 }
 
 }  // namespace robocell::python

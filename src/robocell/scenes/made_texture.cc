@@ -46,25 +46,29 @@ class Noise {
  public:
   explicit Noise(uint32_t seed) : seed_(seed) {}
 
-  // Returns a number in 0 to 1; `scale` cells per unit. A face repeats if `scale` is whole.
+  // Returns a number in 0 to 1 for a place in 0 to 1; `scale` cells per unit.
   double At(const std::array<double, 3>& at, int scale) const {
-    std::array<int64_t, 3> cell;
+    std::array<std::array<uint32_t, 2>, 3> cell;
     std::array<double, 3> part;
     for (size_t k = 0; k < 3; ++k) {
       const double x = at[k] * scale;
-      cell[k] = static_cast<int64_t>(std::floor(x));
-      part[k] = Smooth(x - std::floor(x));
+      const int below = static_cast<int>(x);
+      part[k] = Smooth(x - below);
+      cell[k][0] = static_cast<uint32_t>(below < scale ? below : 0);
+      cell[k][1] = cell[k][0] + 1 < static_cast<uint32_t>(scale) ? cell[k][0] + 1 : 0;
     }
     double sum = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-      double weight = 1;
-      std::array<int64_t, 3> of = cell;
-      for (size_t k = 0; k < 3; ++k) {
-        const bool is_far = (corner >> k & 1) != 0;
-        weight *= is_far ? part[k] : 1 - part[k];
-        of[k] = ((of[k] + (is_far ? 1 : 0)) % scale + scale) % scale;
+    for (size_t i = 0; i < 2; ++i) {
+      if (part[2] == 0 && i == 1) break;  // a face has no depth
+      const uint32_t layer = Mixed(seed_ * 0x9e3779b1U, cell[2][i]);
+      double rows[2];
+      for (size_t j = 0; j < 2; ++j) {
+        const uint32_t row = Mixed(layer, cell[1][j]);
+        const double left = Value(Mixed(row, cell[0][0])), right = Value(Mixed(row, cell[0][1]));
+        rows[j] = left + part[0] * (right - left);
       }
-      sum += weight * Value(of);
+      const double of_layer = rows[0] + part[1] * (rows[1] - rows[0]);
+      sum += (i == 1 ? part[2] : 1 - part[2]) * of_layer;
     }
     return sum;
   }
@@ -79,12 +83,11 @@ class Noise {
   }
 
  private:
-  double Value(const std::array<int64_t, 3>& cell) const {
-    uint32_t h = seed_ * 0x9e3779b1U;
-    for (const int64_t c : cell) {
-      h = (h ^ static_cast<uint32_t>(c)) * 0x85ebca6bU;
-      h ^= h >> 13;
-    }
+  static uint32_t Mixed(uint32_t h, uint32_t cell) {
+    h = (h ^ cell) * 0x85ebca6bU;
+    return h ^ h >> 13;
+  }
+  static double Value(uint32_t h) {
     h *= 0xc2b2ae35U;
     return static_cast<double>((h ^ h >> 16) & 0xffffU) / 65535.0;
   }
@@ -119,12 +122,12 @@ class Pattern {
       const bool is_joint = x < 0.06 || y < 0.12;
       return is_joint ? 1 : 0.25 * noise_.At(place.at, 8 * count_);
     }
-    const double cloud = noise_.Cloud(place.at, 2, 5);
+    const double cloud = noise_.Cloud(place.at, 2, 4);
     if (kind_ == "marble") return Wave(count_ * (place.at[0] + place.at[1]) + 3 * cloud);
     // wood: rings that are stretched along the grain
     std::array<double, 3> grain = place.at;
     grain[is_across_ ? 1 : 0] *= 0;
-    const double fine = noise_.Cloud(grain, 16, 3);
+    const double fine = noise_.Cloud(grain, 16, 2);
     const double ring = Wave(count_ * (is_across_ ? place.at[0] : place.at[1]) + 1.5 * cloud);
     return 0.65 * ring + 0.35 * fine;
   }

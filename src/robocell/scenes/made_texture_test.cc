@@ -22,7 +22,7 @@ std::vector<uint8_t> Texels(const std::string& kind, uint32_t seed, const Textur
 }
 
 TEST(MadeTexture, EachKindHasAPatternOfItsOwnThatASeedRepeats) {
-  const TextureSize size{.side = 32, .faces = 6};
+  const TextureSize size{.side = 16, .faces = 6};
   std::set<std::vector<uint8_t>> different;
   for (const std::string& kind : MadeTextures()) {
     const std::vector<uint8_t> texels = Texels(kind, 3, size);

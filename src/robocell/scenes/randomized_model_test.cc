@@ -44,7 +44,7 @@ RandomizedValues Everything() {
           {"cube/mass_scale", {.numbers = {1.7}}},
           {"cube/inertia_scale", {.numbers = {1.3}}},
           {"cube/friction", {.numbers = {0.3}}},
-          {"floor/texture", {.numbers = {}, .word = "wood"}},
+          {"floor/texture", {.numbers = {}, .word = "stripes"}},
           {"floor/specular", {.numbers = {0.9}}},
           {"door/colour_scale", {.numbers = {0.5, 1.5, 1}}},
           {"door/damping_scale", {.numbers = {3}}},
