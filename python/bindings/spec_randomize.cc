@@ -10,19 +10,12 @@
 namespace robocell::python {
 namespace {
 
-RandomizedValue ToValue(nb::handle value, const FieldPath& path) {
-  if (IsText(value)) return {.word = ToText(value, path)};
-  RandomizedValue out;
-  Convert<std::vector<double>>::Set(out.numbers, value, path);
-  return out;
-}
-
 void Pin(RandomizeConfig& config, const nb::dict& values) {
   RandomizedValues pinned = config.pinned;
   for (const auto& [key, value] : values) {
     const FieldPath path("values");
     const std::string name = ToKey(key, path);
-    pinned[name] = ToValue(value, FieldPath(path, name));
+    pinned[name] = *ToSpecBox<RandomizedValue>(value, FieldPath(path, name));
   }
   config.pinned = std::move(pinned);
 }

@@ -136,6 +136,12 @@ void Randomization::Validate(const std::vector<std::string>& others) {
     if (const std::string of = name.substr(0, slash); !model_.targets().Has(of))
       model_.targets().RequireMatch(of, others, where("pinned") + "." + name);
   }
+  for (const std::string& kind : ClutterKinds(config_)) {
+    if (IsObjectKind(kind)) continue;
+    std::vector<std::string> known = ObjectKinds();
+    for (const auto& [category, kinds] : ObjectCategories()) known.push_back(category);
+    throw NotFoundError(NoSuchName(where("clutter"), "kind", kind, known));
+  }
   if (config_.sky && !model_.has_sky()) {
     throw NotFoundError(where("sky") +
                         ": the scene has no sky; add one (add_skybox), or leave it out");

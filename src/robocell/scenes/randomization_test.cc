@@ -114,6 +114,7 @@ TEST(Randomization, WhatMeansNothingIsReportedWithTheTargets) {
                              "'red' has no servos");
   ExpectThrow<NotFoundError>([&] { validate("appearance: {red: {texture: [./nowhere/]}}"); },
                              "./nowhere/");
+  ExpectThrow<NotFoundError>([&] { validate("clutter: {kinds: [mugg]}"); }, "Did you mean 'mug'?");
   ExpectThrow<NotFoundError>([&] { validate("pinned: {reed/mass: 1}"); }, "Did you mean 'red'?");
 }
 
