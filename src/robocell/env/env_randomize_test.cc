@@ -91,7 +91,7 @@ TEST(EnvRandomize, AnActionTakesEffectAfterItsDelay) {
     EXPECT_NEAR(step.time, 0.05, 1e-9);
     return env.scene().data()->qpos[0] - before;
   };
-  const double at_once = moved_after(0), later = moved_after(0.03), at_the_end = moved_after(0.05);
+  const double at_once = moved_after(0), later = moved_after(0.046), at_the_end = moved_after(0.05);
   EXPECT_GT(at_once, 2 * later);
   EXPECT_GT(later, 1e-5);
   EXPECT_NEAR(at_the_end, 0, 1e-6);
