@@ -35,8 +35,8 @@ const RandomizeConfig& Wide() {
   static const RandomizeConfig config = Read(
       "lights: {number: {choice: [1, 2, 3]}, intensity: {uniform: [0.2, 0.6]}}\n"
       "sky: {uniform: [0.3, 1]}\n"
-      "appearance: {objects: {colour: {uniform: [0, 1]}, texture: [wood, own]}, floor: {texture: "
-      "[checker]}}\n"
+      "appearance: {objects: {colour: {uniform: [0, 1]}, texture: [wood, own]}, floor: {specular: "
+      "0.3}}\n"
       "dynamics: {'*d': {mass: {scale: {log_uniform: [0.25, 4]}}}, objects: {friction: {uniform: "
       "[0.4, 1]}}}\n");
   return config;
