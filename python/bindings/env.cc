@@ -15,6 +15,7 @@
 #include "handles.h"
 #include "in_use.h"
 #include "number_like.h"
+#include "randomized.h"
 #include "scene_cycles.h"
 #include "scene_sharing.h"
 #include "signals.h"
@@ -467,6 +468,10 @@ void BindEnv(nb::module_& m) {
       .def("forget", &Env::Forget, "name"_a, "Drops a saved state.")
       .def_prop_ro(
           "saved", [](const Env& e) { return e.saved(); }, "Returns the names of saved states.")
+      .def_prop_ro(
+          "randomized", [](const Env& e) { return RandomizedDict(e.randomized()); },
+          nb::sig("def randomized(self, /) -> dict[str, float | list[float] | str]"),
+          "The values that `randomize` drew for this episode, by their names.")
       .def_prop_ro(
           "instruction", [](const Env& e) { return e.instruction(); },
           "The task's instruction in words; '' without a task.")

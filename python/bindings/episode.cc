@@ -187,6 +187,18 @@ void BindEpisode(nb::module_& m) {
           "    >>> episode.metadata[\"seed\"]\n"
           "    0")
       .def_prop_ro(
+          "randomized",
+          [](const Episode& e) {
+            const nb::dict metadata = nb::cast<nb::dict>(Json(e.metadata_json()));
+            return metadata.contains("randomized") ? nb::cast<nb::dict>(metadata["randomized"])
+                                                   : nb::dict();
+          },
+          nb::sig("def randomized(self) -> dict[str, float | list[float] | str]"),
+          "The values that `randomize` drew for the episode, by their names; empty without it."
+          "\n\nExamples:\n"
+          "    >>> episode.randomized.get(\"light/0/intensity\", \"not varied\")\n"
+          "    'not varied'")
+      .def_prop_ro(
           "features", [](const Episode& e) { return FeatureList(e.features()); },
           nb::sig("def features(self) -> list[Feature]"),
           "Features of the columns: role, unit, frame, range of each. Empty in episodes that were "

@@ -8,6 +8,7 @@
 #include "features.h"
 #include "in_use.h"
 #include "python_owner.h"
+#include "randomized.h"
 #include "sampler.h"
 #include "scene_sharing.h"
 #include "signals.h"
@@ -122,6 +123,10 @@ void BindRunEnv(nb::module_& m) {
       .def_prop_ro(
           "object_kinds", [](const RunEnv& env) { return env.start().object_kinds; },
           "Kinds of the objects of this episode, the target's first.")
+      .def_prop_ro(
+          "randomized", [](const RunEnv& env) { return RandomizedDict(env.start().randomized); },
+          nb::sig("def randomized(self, /) -> dict[str, float | list[float] | str]"),
+          "The values that `randomize` drew for this episode, by their names.")
       .def_prop_ro(
           "scene", [](const RunEnv& env) { return Scene(env.start().scene); },
           "The scene of this episode.");

@@ -124,6 +124,7 @@ void BindSpec(nb::module_& m) {
   BindPickSpecs(m);
   BindTaskSpecs(m);
   BindSceneSourceSpecs(m);
+  BindRandomizeSpecs(m);
   BindRunSpecs(m);
   BindEnvSpecs(m);
   m.def("missing_spec_file", &MissingSpecFile, nb::arg("path"), nb::arg("type"),

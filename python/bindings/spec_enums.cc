@@ -133,6 +133,8 @@ void BindRunEnums(nb::module_& m) {
       m, "Relations between the places of two objects.",
       {"One lies on the other.", "One lies in a hollow of the other.",
        "One lies beside the other, on the same support, at most the gap (default 0.1 m) away."});
+  BindEnum<RandomizeEvery>(m, "How often values are drawn.",
+                           {"For each episode.", "Once for each scene."});
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "robocell/spec/env_action.h"
+#include "robocell/spec/randomize_config.h"
 #include "robocell/spec/robot_config.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_object.h"
@@ -58,5 +59,7 @@ template <>
 inline constexpr const char* kEnumName<OnCollision> = "OnCollision";
 template <>
 inline constexpr const char* kEnumName<Relation> = "Relation";
+template <>
+inline constexpr const char* kEnumName<RandomizeEvery> = "RandomizeEvery";
 
 }  // namespace robocell::python

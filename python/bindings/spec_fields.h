@@ -324,6 +324,11 @@ Box<S> PairToSpecBox(nb::handle pair, const FieldPath& path) {
 // Returns true if a dictionary has keys other than fields, in the form of whole specs.
 bool HoldsOthers(const std::vector<Field>& fields, nb::handle dict);
 
+// Specs that a plain number can stand for.
+template <class S>
+inline constexpr bool kIsNumber =
+    std::is_same_v<S, RandomNumber> || std::is_same_v<S, RandomProperty>;
+
 inline bool IsPath(nb::handle value) { return IsText(value) || nb::hasattr(value, "__fspath__"); }
 
 // Accepts an object of class S, a dictionary of its fields, or another form in which it can be
@@ -336,6 +341,23 @@ Box<S> ToSpecBox(nb::handle value, const FieldPath& path) {
   }
   if constexpr (std::is_same_v<S, RobotConfig>) {
     if (IsPath(value)) return std::make_shared<S>(RobotConfig::Load(ToText(value, path)));
+  }
+  if constexpr (kIsNumber<S>) {
+    if (IsNumber(value)) {
+      auto number = std::make_shared<S>();
+      number->value = ToDouble(value, path);
+      return number;
+    }
+  }
+  if constexpr (std::is_same_v<S, RandomizedValue>) {
+    if (!nb::isinstance<nb::dict>(value) && !nb::isinstance<S>(value)) {
+      auto values = std::make_shared<S>();
+      if (IsText(value))
+        values->word = ToText(value, path);
+      else
+        Convert<std::vector<double>>::Set(values->numbers, value, path);
+      return values;
+    }
   }
   Box<S> box;
   if (nb::isinstance<nb::dict>(value)) {
@@ -360,6 +382,9 @@ struct Convert<S> {
       type += fmt::format(" | tuple[{}, {}]", FieldsOf<S>()[0].set_type, FieldsOf<S>()[1].set_type);
     }
     if constexpr (std::is_same_v<S, RobotConfig>) type += " | str | os.PathLike[str]";
+    if constexpr (kIsNumber<S>) type += " | float";
+    if constexpr (std::is_same_v<S, RandomizedValue>)
+      type += " | float | str | collections.abc.Iterable[float]";
     return type;
   }
   static nb::object Get(S& value, const char*, nb::handle owner) {

@@ -11,6 +11,7 @@ void BindSceneSpecs(nb::module_& m);
 void BindPickSpecs(nb::module_& m);
 void BindTaskSpecs(nb::module_& m);
 void BindSceneSourceSpecs(nb::module_& m);
+void BindRandomizeSpecs(nb::module_& m);
 void BindRunSpecs(nb::module_& m);
 void BindEnvSpecs(nb::module_& m);
 

@@ -27,6 +27,7 @@ EQUIPMENT = [
     "receiver",
     "region",
     "robotiq_d405_mount",
+    "studio",
     "table",
     "tray",
 ]

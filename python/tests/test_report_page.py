@@ -208,6 +208,51 @@ def test_randomised_values_are_those_that_differ():
     assert [g.name for g in found["target: colour"].groups] == ["#000000", "#ff0000"]
 
 
+def test_the_value_that_explains_the_failures_comes_first():
+    rng = np.random.default_rng(1)
+    noise, mass = rng.uniform(0, 1, 60), rng.uniform(0.5, 2, 60)
+    episodes = [
+        replace(
+            an_episode(f"e{i:02d}", success=bool(mass[i] < 1.4)),
+            randomized={
+                "light/0/intensity": float(noise[i]),
+                "cube/mass_scale": float(mass[i]),
+                "table/texture": "wood" if i % 2 else "noise",
+                "light/number": 2.0,
+            },
+        )
+        for i in range(60)
+    ]
+    found = {effect.name: effect for effect in variation.effects(episodes)}
+    assert next(iter(found)) == "cube/mass_scale"
+    heavy = found["cube/mass_scale"]
+    assert heavy.share > 0.6
+    assert [group.share for group in heavy.groups][::4] == [1.0, 0.0]
+    assert sum(group.rollouts for group in heavy.groups) == 60
+    assert found["light/0/intensity"].share < 0.1
+    assert found["table/texture"].range == "noise, wood"
+    assert found["light/number"].groups == []
+    assert found["light/number"].range == "2"
+
+
+def test_recorded_values_become_numbers_and_words():
+    recorded = {
+        "cube/colour": [1, 0, 0.5],
+        "cube/texture": "wood",
+        "cube/texture_seed": 12,
+        "light/number": 2,
+        "strange": {"a": 1},
+    }
+    assert facts._randomized(recorded) == {
+        "cube/colour, red": 1.0,
+        "cube/colour, green": 0.0,
+        "cube/colour, blue": 0.5,
+        "cube/texture": "wood",
+        "light/number": 2.0,
+    }
+    assert facts._randomized(None) == {}
+
+
 @pytest.mark.parametrize("scene", ["", "objects: [", "objects: 3", "objects:\n  - 7", "\0"])
 def test_scenes_that_are_not_specs_have_no_randomised_values(scene: str):
     assert variation.find([an_episode("a", scene=scene), an_episode("b", scene=scene)], {}) == []

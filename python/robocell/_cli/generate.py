@@ -216,6 +216,10 @@ def _say_plan(job: Job, *, as_json: bool) -> None:
         print(f"run:      {job.run.run}")
         print(f"dataset:  {job.dataset.absolute()}")
         print(f"episodes: {len(job.items)} planned, {len(made)} on the disk, {len(to_do)} to make")
+        if job.run.randomize:
+            print("randomize:")
+            for line in job.run.randomize.describe():
+                print(f"  {line}")
         print(f"workers:  {job.run.workers}", flush=True)
     if not to_do:
         return

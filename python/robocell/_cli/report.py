@@ -294,6 +294,32 @@ def _episode_table(found: Sequence[EpisodeFacts], reports: Sequence[RunReport]) 
     return table
 
 
+def _randomized(found: Sequence[EpisodeFacts]) -> dict[str, Any]:
+    """Returns the values that `randomize` drew, those first that explain most of the failures."""
+    if not any(episode.randomized for episode in found):
+        return {}
+    from robocell._report import variation  # with numpy
+
+    effects = [
+        {
+            "name": effect.name,
+            "range": effect.range,
+            "explained": effect.share,
+            "groups": [
+                {
+                    "name": group.name,
+                    "successes": group.successes,
+                    "rollouts": group.rollouts,
+                    "interval": group.interval,
+                }
+                for group in effect.groups
+            ],
+        }
+        for effect in variation.effects(found)
+    ]
+    return {"randomized": effects}
+
+
 def _json(
     found: Sequence[EpisodeFacts], damaged: dict[str, str], reports: Sequence[RunReport]
 ) -> dict[str, Any]:
@@ -302,5 +328,6 @@ def _json(
         "on_disk": [{key: getattr(episode, key) for key in SHOWN} for episode in found],
         "damaged": damaged,
         "totals": totals.record() if totals else None,
+        **_randomized(found),
         "reports": [report.to_json() for report in reports],
     }

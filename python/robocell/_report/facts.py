@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path
 from typing import Any, cast
@@ -59,6 +59,7 @@ class EpisodeFacts:
         versions: Part -> version.
         warnings: Warnings of its scene.
         seed: The seed of its run; None if unknown.
+        randomized: Name -> number or word, of the values that `randomize` drew.
     """
 
     id: str
@@ -81,6 +82,7 @@ class EpisodeFacts:
     versions: Mapping[str, str]
     warnings: tuple[str, ...]
     seed: int | None
+    randomized: Mapping[str, float | str] = field(default_factory=dict)
 
     @classmethod
     def of(cls, episode: Episode) -> EpisodeFacts:
@@ -111,6 +113,7 @@ class EpisodeFacts:
             versions={part: str(number) for part, number in described["versions"].items()},
             warnings=tuple(episode.warnings),
             seed=metadata["seed"] if isinstance(metadata.get("seed"), int) else None,
+            randomized=_randomized(metadata.get("randomized")),
         )
 
     @property
@@ -178,6 +181,22 @@ def _camera(described: Mapping[str, Any]) -> tuple[int, int, float, str]:
         described["fps"][0] / described["fps"][1],
         ", ".join(["colour", *kinds]),
     )
+
+
+def _randomized(recorded: object) -> dict[str, float | str]:
+    """Returns one number for each channel of a colour; seeds of textures explain nothing."""
+    values: dict[str, float | str] = {}
+    for name, value in recorded.items() if isinstance(recorded, dict) else ():
+        if name.endswith("/texture_seed"):
+            continue
+        if isinstance(value, str):
+            values[name] = value
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            values[name] = float(value)
+        elif isinstance(value, list) and len(value) == 3:
+            channels = zip(("red", "green", "blue"), value, strict=True)
+            values |= {f"{name}, {channel}": float(number) for channel, number in channels}
+    return values
 
 
 def _earlier(metadata: Mapping[str, Any]) -> tuple[EarlierAttempt, ...]:

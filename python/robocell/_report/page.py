@@ -173,6 +173,7 @@ class _Page:
             groups=self._groups(charts),
             success=self._success(charts),
             variations=self._variations(charts),
+            effects=variation.effects(self.episodes),
             only_successes=self.keep == {"successes"},
             stages=self._stages(charts),
             lengths=self._lengths(charts),

@@ -7,7 +7,7 @@ stands is in the first row of the time series, so only episodes count that were 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -36,6 +36,62 @@ class Varied:
     name: str
     values: Mapping[str, Value]
     groups: Sequence[Rate]
+
+
+@dataclass(frozen=True)
+class Effect:
+    """A value that `randomize` drew, and the success of the episodes by it.
+
+    Attributes:
+        name: Its name in the episodes.
+        range: The values that came, in words.
+        groups: Success rates of its values or ranges of values, in order; [] if it never differs.
+        share: Share of the variance of success that the groups explain beyond chance, 0 to 1
+            (omega squared).
+    """
+
+    name: str
+    range: str
+    groups: Sequence[Rate]
+    share: float
+
+
+def effects(episodes: Sequence[EpisodeFacts]) -> list[Effect]:
+    """Returns the randomised values, those first that explain most of the failures."""
+    success = {episode.id: episode.success for episode in episodes}
+    found: dict[str, dict[str, Value]] = {}
+    for episode in episodes:
+        for name, value in episode.randomized.items():
+            found.setdefault(name, {})[episode.id] = value
+    listed = []
+    for name, values in found.items():
+        groups = _grouped(values, success)
+        listed.append(Effect(name, _range(values.values()), groups, _explained(groups)))
+    return sorted(listed, key=lambda each: (-each.share, each.name))
+
+
+def _range(values: Iterable[Value]) -> str:
+    listed = list(values)
+    words = sorted({value for value in listed if isinstance(value, str)})
+    if words:
+        more = len(words) - MOST_CATEGORIES
+        return ", ".join(words[:MOST_CATEGORIES]) + (f" and {more} more" if more > 0 else "")
+    low, high = min(map(float, listed)), max(map(float, listed))
+    return f"{low:.4g}" if low == high else f"{low:.4g} … {high:.4g}"
+
+
+def _explained(groups: Sequence[Rate]) -> float:
+    """Returns omega squared of success over the groups: 0 where chance explains them."""
+    number = sum(group.rollouts for group in groups)
+    if len(groups) < 2 or number <= len(groups):
+        return 0.0
+    mean = sum(group.successes for group in groups) / number
+    between = sum(group.rollouts * (group.share - mean) ** 2 for group in groups)
+    total = number * mean * (1 - mean)
+    within = (total - between) / (number - len(groups))
+    if total + within <= 0:
+        return 0.0
+    return max(0.0, (between - (len(groups) - 1) * within) / (total + within))
 
 
 def find(

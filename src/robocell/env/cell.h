@@ -58,6 +58,10 @@ class Cell {
   StepOutcome Send(const Action& action) { return stepper_.Apply(action); }
   CellStep Step(const CellCommand& command);
 
+  // Actions take effect so many control ticks after the beginning of their step.
+  void set_action_delay(int64_t ticks) { action_delay_ = ticks; }
+  int64_t action_delay() const { return action_delay_; }
+
   void set_on_control_tick(OnControlTick callback) {
     stepper_.set_on_control_tick(std::move(callback));
   }
@@ -66,11 +70,13 @@ class Cell {
 
  private:
   void Simulate(const CellCommand& command, StepOutcome& outcome);
+  StepOutcome SimulateDelayed(const CellCommand& command);
 
   Stepper stepper_;
   // Says that episodes step the scene (scene/step_gate.h).
   std::shared_ptr<SceneObserver> mark_ = std::make_shared<SceneObserver>();
   std::optional<TaskJudge> judge_;  // with a task
+  int64_t action_delay_ = 0;
 };
 
 }  // namespace robocell::internal

@@ -143,6 +143,7 @@ const std::vector<ArmMotion>& Env::motions() const { return state_->motions(); }
 const std::vector<CellImage>& Env::frames() const { return state_->cameras().frames(); }
 void Env::DrawFrames() { state_->DrawFrames(); }
 std::string Env::instruction() const { return state_->instruction(); }
+const RandomizedValues& Env::randomized() const { return state_->randomized(); }
 void Env::Save(const std::string& name) { state_->Save(name); }
 void Env::Restore(const std::string& name) { state_->Restore(name); }
 void Env::Forget(const std::string& name) { state_->Forget(name); }
@@ -180,6 +181,12 @@ Env::State::State(EnvConfig config, Scene scene, std::optional<int> copy,
       observation_(layout_.observation.size()),
       motions_(arms_.size()),
       draws_(!drawing) {
+  if (config_.randomize) {
+    randomization_.emplace(
+        *config_.randomize, scene_.inner(),
+        internal::Randomization::Options{.place = place(), .directory = config_.source_dir});
+    randomization_->Validate();
+  }
   const bool is_first = copy.value_or(0) == 0;  // only the first copy logs
   if (is_first) {
     for (const std::string& warning : scene_.compiled()->warnings())
@@ -245,6 +252,12 @@ void Env::State::Reset(const EnvResetOptions& options) {
   const uint64_t seed = seeds_.NextBits();
   Rng variation = Rng::Stream(seed, "env variation");
   variations_.Draw(variation);
+  if (config_.randomize) {
+    constexpr double kSeeds = 4294967296.0;  // a state keeps the seed as a number
+    Rng stream = Rng::Stream(seed, "env randomization");
+    const bool is_of_scene = config_.randomize->every == RandomizeEvery::kScene;
+    Randomize(is_of_scene ? 0 : std::floor(stream.Uniform(0, kSeeds)));
+  }
   if (const auto refused = MakeStart(seed, options.keyframe, kept))
     throw ArgumentError(NoStart(*refused));
   cell_.Begin();
@@ -257,6 +270,25 @@ void Env::State::Reset(const EnvResetOptions& options) {
   Observe();
   phase_ = Phase::kReady;
   for (EnvObserver* observer : observers_) observer->OnStart();
+}
+
+// The values follow from the seed and the configuration alone, so the scene is at its reset state.
+void Env::State::Randomize(double seed) {
+  if (randomization_seed_ == seed) return;
+  randomization_seed_ = -1;  // until the values are applied
+  randomization_->Restore();
+  scene_.Reset();
+  const RandomizedValues& values =
+      randomization_->Apply(Rng::Stream(static_cast<uint64_t>(seed), "env randomize"));
+  randomization_seed_ = seed;
+  const RandomizedValue* delay = values.find("action_delay");
+  const double seconds = delay && !delay->numbers.empty() ? delay->numbers.front() : 0;
+  cell_.set_action_delay(std::llround(seconds / scene_.timestep()));
+}
+
+const RandomizedValues& Env::State::randomized() const {
+  static const RandomizedValues none;
+  return randomization_ ? randomization_->values() : none;
 }
 
 void Env::State::AddObserver(EnvObserver* observer) {

@@ -41,6 +41,7 @@
 #include "robocell/features/cell_images.h"
 #include "robocell/scene/scene.h"
 #include "robocell/spec/env_config.h"
+#include "robocell/spec/randomize_config.h"
 #include "robocell/task/task.h"
 
 namespace robocell {
@@ -110,6 +111,8 @@ class Env {
   void DrawFrames();
   // Returns the task in words; "" without a task.
   std::string instruction() const;
+  // Returns the values that `randomize` drew for this episode; empty without it.
+  const RandomizedValues& randomized() const;
 
   // Saves the present state under a name. Restore goes back to it any number of times, with the
   // same continuation to the bit and the same observations; images are rendered again. Only Forget

@@ -33,12 +33,18 @@ void RequireBatch(const EnvConfig& config, int count, std::optional<int> max_epi
   }
 }
 
+// Copies whose models differ have one each.
+bool HasOwnModels(const EnvConfig& config) {
+  return !config.variations.empty() || config.randomize.has_value();
+}
+
 // Colours are written to a copy of the first model; without variations all copies use the first.
 std::shared_ptr<internal::SharedDrawing> NewDrawing(const EnvConfig& config, const mjModel* model) {
   auto drawing = std::make_shared<internal::SharedDrawing>();
   drawing->renderer = MakeRenderer(
       {.backend = config.cameras.renderer.backend, .quality = config.cameras.renderer.quality});
-  if (!config.variations.empty()) drawing->model = CopyModel(model);
+  if (HasOwnModels(config)) drawing->model = CopyModel(model);
+  drawing->has_looks = config.randomize.has_value();
   drawing->renderer->SetModel(drawing->model ? drawing->model.get() : model);
   return drawing;
 }
@@ -117,7 +123,7 @@ EnvBatch::EnvBatch(const EnvConfig& config, int count, int threads,
     : config_(config), max_episode_steps_(max_episode_steps) {
   RequireBatch(config, count, max_episode_steps);
   const std::shared_ptr<CompiledScene> compiled = CompileEnvScene(config);
-  const bool shared = config.variations.empty();
+  const bool shared = !HasOwnModels(config);
   const std::shared_ptr<internal::SharedDrawing> drawing =
       config.cameras.drawn().empty() ? nullptr : NewDrawing(config, compiled->model());
   compiled->Freeze();

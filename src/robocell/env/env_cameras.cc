@@ -7,7 +7,9 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
+#include "robocell/mujoco/model_watch.h"
 #include "robocell/render/stream_camera.h"
+#include "robocell/scenes/randomized_model.h"
 
 namespace robocell::internal {
 namespace {
@@ -40,7 +42,11 @@ void RequireRate(const CameraConfig& stream, double timestep) {
 }  // namespace
 
 void SharedDrawing::TakeColours(const mjModel* copy) {
-  if (model) std::copy_n(copy->geom_rgba, 4 * copy->ngeom, model->geom_rgba);
+  if (!model) return;
+  if (!has_looks)
+    std::copy_n(copy->geom_rgba, 4 * copy->ngeom, model->geom_rgba);
+  else if (CopyLooks(copy, model.get()))
+    TexturesChange(model.get());
 }
 
 EnvCameras::EnvCameras(Scene scene, const CameraSystemConfig& config,

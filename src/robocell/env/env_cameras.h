@@ -35,6 +35,7 @@ struct SharedDrawing {
   std::shared_ptr<Renderer> renderer;
   // Separate model that takes each copy's colours; set if copies differ in colour.
   ModelPtr model;
+  bool has_looks = false;  // copies also differ in materials, textures and lights
 
   // Uses the colours of this copy of the model for the next drawing. Copies have no other visible
   // difference.

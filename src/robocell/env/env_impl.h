@@ -25,7 +25,9 @@
 #include "robocell/features/declared_features.h"
 #include "robocell/features/observed_object.h"
 #include "robocell/robot/action.h"
+#include "robocell/scenes/randomization.h"
 #include "robocell/scenes/start_inspector.h"
+#include "robocell/spec/randomize_config.h"
 
 namespace robocell {
 
@@ -56,6 +58,7 @@ class Env::State {
   CellFeatures& features();
   void DrawFrames() { cameras_.Draw(TimeSinceReset()); }
   std::string instruction() const;
+  const RandomizedValues& randomized() const;
   void Save(const std::string& name);
   void Restore(const std::string& name);
   void Forget(const std::string& name);
@@ -75,6 +78,8 @@ class Env::State {
     EnvState state;
   };
 
+  void Randomize(double seed);
+  std::vector<double> DrawnVariations() const;
   BodyPoses TaskStarts(Rng& rng);
   void ResetToStart(const ResetOptions& options);
   void TryStart(bool is_first);
@@ -121,6 +126,8 @@ class Env::State {
   EnvConfig config_;
   Scene scene_;  // all other handles here are inner() ones: garbage collectors rely on that
   internal::ObjectVariations variations_;
+  std::optional<internal::Randomization> randomization_;  // if the configuration has it
+  double randomization_seed_ = -1;  // its values follow from it; -1 before it was drawn
   std::shared_ptr<Task> task_;
   DeclaredFeatures signals_;  // of the task
   internal::ChosenFeatures chosen_;

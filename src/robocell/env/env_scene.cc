@@ -10,6 +10,7 @@
 
 #include "robocell/assets/resolve.h"
 #include "robocell/scene/saved_scene.h"
+#include "robocell/scenes/randomized_model.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/task_kind.h"
 
@@ -199,6 +200,7 @@ SceneSpec EnvSceneSpec(const EnvConfig& config) {
     AddObjects(*objects, Attachment(robot), scene);
   AddCameras(config, scene);
   scene.locations = LocateScene(config);
+  if (config.randomize && config.randomize->needs_studio()) internal::AddStudio(scene);
   PrepareTask(config, scene);
   return scene;
 }

@@ -193,11 +193,18 @@ EnvState Env::State::state() const {
   return state;
 }
 
+// Returns the numbers from which the model of this episode follows.
+std::vector<double> Env::State::DrawnVariations() const {
+  std::vector<double> drawn = variations_.drawn();
+  if (config_.randomize) drawn.push_back(randomization_seed_);
+  return drawn;
+}
+
 EnvState Env::State::CellState() const {
   RequireReady();
   EnvState state{.root_frame_to_world = config_.root_frame_to_world,
                  .physics = scene_.state(),
-                 .variations = variations_.drawn(),
+                 .variations = DrawnVariations(),
                  .touching = collisions_.memory(),
                  .ticks = ticks_,
                  .names_hash = HashOfNames(config_, scene_.model())};
@@ -208,7 +215,7 @@ EnvState Env::State::CellState() const {
 void Env::State::RequireState(const EnvState& state) const {
   bool fits = state.names_hash == HashOfNames(config_, scene_.model()) &&
               state.arms.size() == arms_.size() &&
-              state.variations.size() == variations_.drawn().size() &&
+              state.variations.size() == DrawnVariations().size() &&
               (task_ ? internal::TaskCalls(*task_).CanRecall(state.task) : state.task.empty()) &&
               state.physics.size() == scene_.state().size();
   for (size_t i = 0; fits && i < arms_.size(); ++i) {
@@ -258,7 +265,11 @@ void Env::State::RequireFrame(const EnvState& state, StateFrame frame) const {
 
 // Restores everything but the task and the observation.
 void Env::State::RecallCell(const EnvState& state) {
-  if (state.variations != variations_.drawn()) variations_.Apply(state.variations);
+  if (config_.randomize) {
+    if (state.variations.back() != randomization_seed_) Randomize(state.variations.back());
+  } else if (state.variations != variations_.drawn()) {
+    variations_.Apply(state.variations);
+  }
   scene_.SetState(state.physics);
   RecallOthers();
   for (size_t i = 0; i < arms_.size(); ++i) arms_[i].Recall(state.arms[i]);

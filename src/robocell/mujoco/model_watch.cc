@@ -7,13 +7,13 @@
 namespace robocell {
 namespace {
 
-using Flag = std::atomic<bool>;
+using State = ModelWatch::State;
 
 // State of the watched models. It lives as long as the process, because models may be freed at its
 // end.
 struct Watched {
   std::mutex mutex;
-  std::unordered_map<const mjModel*, std::weak_ptr<Flag>> flags;
+  std::unordered_map<const mjModel*, std::weak_ptr<State>> states;
 };
 
 Watched& AllWatched() {
@@ -26,21 +26,30 @@ Watched& AllWatched() {
 ModelWatch::ModelWatch(const mjModel* model) {
   Watched& watched = AllWatched();
   const std::lock_guard lock(watched.mutex);
-  std::erase_if(watched.flags, [](const auto& entry) { return entry.second.expired(); });
-  std::weak_ptr<Flag>& known = watched.flags[model];
-  std::shared_ptr<Flag> flag = known.lock();
-  if (!flag) known = flag = std::make_shared<Flag>(false);
-  gone_ = std::move(flag);
+  std::erase_if(watched.states, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<State>& known = watched.states[model];
+  std::shared_ptr<State> state = known.lock();
+  if (!state) known = state = std::make_shared<State>();
+  state_ = std::move(state);
 }
 
 void ModelEnds(const mjModel* model) noexcept {
   Watched& watched = AllWatched();
   const std::lock_guard lock(watched.mutex);
-  const auto found = watched.flags.find(model);
-  if (found == watched.flags.end()) return;
-  if (const std::shared_ptr<Flag> flag = found->second.lock())
-    flag->store(true, std::memory_order_release);
-  watched.flags.erase(found);
+  const auto found = watched.states.find(model);
+  if (found == watched.states.end()) return;
+  if (const std::shared_ptr<State> state = found->second.lock())
+    state->gone.store(true, std::memory_order_release);
+  watched.states.erase(found);
+}
+
+void TexturesChange(const mjModel* model) noexcept {
+  Watched& watched = AllWatched();
+  const std::lock_guard lock(watched.mutex);
+  const auto found = watched.states.find(model);
+  if (found == watched.states.end()) return;
+  if (const std::shared_ptr<State> state = found->second.lock())
+    state->textures.fetch_add(1, std::memory_order_release);
 }
 
 }  // namespace robocell

@@ -50,6 +50,7 @@ void DrawnScene::SetModel(const mjModel* model) {
   cull_ = ViewCull(model);
   feet_ = PedestalFeet(model);
   watch_ = ModelWatch(model);
+  textures_ = watch_.textures();
   signature_ = model->signature;
   body_of_id_.reserve(static_cast<size_t>(scene_->get()->maxgeom));
   model_ = model;

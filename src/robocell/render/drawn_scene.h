@@ -45,6 +45,8 @@ class DrawnScene {
   CameraModel Update(const mjData* data, const RenderRequest& request);
 
   const mjModel* model() const { return model_; }
+  // Returns true if textures of the model changed since SetModel: what was uploaded is old.
+  bool has_old_textures() const { return model_ && watch_.textures() != textures_; }
   mjvScene* scene() { return scene_->get(); }
   // Adds markers to the list; Update removes them again.
   void Add(std::span<const Marker> markers);
@@ -61,6 +63,7 @@ class DrawnScene {
   mjvOption visible_;
   const mjModel* model_ = nullptr;
   ModelWatch watch_;        // watch of the caller's model
+  uint64_t textures_ = 0;   // ModelWatch::textures at SetModel
   uint64_t signature_ = 0;  // the model's, which its data have too
   DataPtr scratch_;         // poses for drawing
   std::unique_ptr<MjvScene> scene_;

@@ -117,7 +117,11 @@ void GlRenderer::SetModel(const mjModel* model) { impl_->SetModel(model); }
 CameraModel GlRenderer::Render(const mjData* data, const RenderRequest& request,
                                const RenderOutputs& outputs) {
   RequireOutputs(request, outputs);
-  const CameraModel camera = impl_->drawn.Update(data, request);
+  CameraModel camera = impl_->drawn.Update(data, request);
+  if (impl_->drawn.has_old_textures()) {
+    impl_->SetModel(impl_->drawn.model());
+    camera = impl_->drawn.Update(data, request);
+  }
   impl_->Draw(request, outputs, camera);
   return camera;
 }

@@ -205,6 +205,10 @@ CameraModel SoftRenderer::Render(const mjData* data, const RenderRequest& reques
   const RenderQuality& quality = r.options.quality;
   r.clock.Begin();
   CameraModel camera = r.drawn.Update(data, request);
+  if (r.drawn.has_old_textures()) {
+    SetModel(r.drawn.model());
+    camera = r.drawn.Update(data, request);
+  }
   r.clock.Mark(SoftStage::kList);
   r.scene.Update(r.drawn.model(), *r.drawn.scene(), r.drawn.BodyOfId(), camera,
                  {.sky = r.options.visibility.skybox,

@@ -347,6 +347,9 @@ std::unique_ptr<Env> EnvOfEpisode(const Episode& episode, bool images, const Dat
   config.sim.realtime = false;
   config.headless = true;
   if (!images && !config.cameras.streams.empty()) config.cameras.draw = false;
+  // Looks are drawn from streams of their own, so that nothing else changes without them, and files
+  // of textures need not be here.
+  if (!images && config.randomize) config.randomize->appearance.clear();
   RequireSameCode(config, episode);  // before any of it runs
   return std::make_unique<Env>(std::move(config), Scene::Build(RecordedScene(episode), factory));
 }

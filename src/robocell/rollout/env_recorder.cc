@@ -26,6 +26,7 @@
 #include "robocell/rollout/env_of_episode.h"
 #include "robocell/rollout/episode_reading.h"
 #include "robocell/rollout/episode_recording.h"
+#include "robocell/rollout/randomized_record.h"
 #include "robocell/rollout/recorded_scene.h"
 #include "robocell/spec/yaml.h"
 #include "robocell/task/task_calls.h"
@@ -82,6 +83,8 @@ std::string MetadataOf(const Env& env, const EnvRecorderOptions& options,
   if (config.sim.async_control) rates.rows = RateOfRows(config);
   Json meta = internal::EpisodeMetadata(env.scene(), scene.portable, env.instruction(), rates);
   meta["environment"] = environment;
+  if (!env.randomized().empty())
+    meta[internal::kRandomized] = internal::RandomizedRecord(env.randomized());
   meta["user"] = Json::parse(options.metadata_json);
   meta["task"] = config.task ? config.task->kind() : "";
   return meta.dump();

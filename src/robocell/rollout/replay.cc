@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <vector>
 #include <nlohmann/json.hpp>
@@ -20,7 +21,9 @@
 #include "robocell/robot/robot.h"
 #include "robocell/rollout/env_of_episode.h"
 #include "robocell/rollout/episode_reading.h"
+#include "robocell/rollout/randomized_record.h"
 #include "robocell/rollout/recorded_scene.h"
+#include "robocell/scenes/randomized_model.h"
 #include "robocell/spec/env_config.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/yaml.h"
@@ -194,8 +197,10 @@ class Replay {
     return first;
   }
 
-  // Applies the variations that the environment drew for the objects of this episode.
+  // Applies what was randomised, and the variations that the environment drew for the objects.
   void VaryObjects() {
+    if (const RandomizedValues values = internal::RandomizedOf(episode_); !values.empty())
+      randomized_.emplace(scene_.inner()).Apply(values, internal::RandomizedModel::Part::kPhysics);
     const auto environment = internal::EpisodeJson::Metadata(episode_).Find("environment");
     const auto variations = environment ? environment->Find("variations") : std::nullopt;
     if (!variations) return;
@@ -312,6 +317,7 @@ class Replay {
 
   const Episode& episode_;
   Scene scene_;
+  std::optional<internal::RandomizedModel> randomized_;  // of episodes with `randomize`
   Rates rates_;
   ReplayOptions options_;
   std::vector<double> times_, ctrl_;

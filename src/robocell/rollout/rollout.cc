@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <optional>
 #include <vector>
 
 #include "robocell/base/log.h"
@@ -91,10 +92,12 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
       calls("phase_names", std::vector<std::string>(), [&] { return expert.phase_names(); });
   RolloutRecording recording(run, start, in, phases, portable, options, result.times);
   int phase = 0;
+  const auto act = [&] { return expert.Act(start.scene, rng); };
+  std::optional<Action> acted;  // before the step, if actions take effect later
   // All groups keep their targets when the expert has raised an error.
   const auto send = [&] {
     const StepOutcome sent =
-        calls("act", StepOutcome(), [&] { return in.cell.Send(expert.Act(start.scene, rng)); });
+        calls("act", StepOutcome(), [&] { return in.cell.Send(acted ? *acted : act()); });
     return calls.failed() ? in.cell.Send({}) : sent;
   };
   constexpr bool kOnceFailed = true;  // an expert that raised an error is done
@@ -113,7 +116,11 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
       return Stopped(result);
     const double time = start.scene.time();
     CellStep step;
-    if (!recording.LetLook([&] { step = in.cell.Step({.send = send}); })) return Stopped(result);
+    const bool has_looked = recording.LetLook([&] {
+      if (in.cell.action_delay() > 0) acted = calls("act", Action(), act);
+      step = in.cell.Step({.send = send});
+    });
+    if (!has_looked) return Stopped(result);
     if (step.step.status == StepResult::kStopped) return Stopped(result);
     TaskVerdict& verdict = step.verdict;
     ++result.rows;

@@ -11,6 +11,7 @@
 #include "robocell/base/log.h"
 #include "robocell/features/cell_images.h"
 #include "robocell/media/video_writer.h"
+#include "robocell/rollout/randomized_record.h"
 #include "robocell/task/task_calls.h"
 #include "robocell/task/task_judge.h"
 
@@ -30,6 +31,7 @@ std::string Metadata(const RunConfig& run, const EpisodeStart& start, const Port
   meta["target_object"] = start.target_object;
   meta["object_kinds"] = start.object_kinds;
   if (options.renderer) meta["renderer"] = options.renderer->description();
+  if (!start.randomized.empty()) meta[kRandomized] = RandomizedRecord(start.randomized);
   auto all = nlohmann::json::parse(options.metadata_json);
   all.update(meta);
   return all.dump();

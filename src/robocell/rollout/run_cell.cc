@@ -1,5 +1,6 @@
 #include "robocell/rollout/run_cell.h"
 
+#include <cmath>
 #include <memory>
 #include <utility>
 
@@ -23,6 +24,10 @@ RunCell::RunCell(const RunConfig& run, const EpisodeStart& start, Renderer* rend
                  std::string place)
     : cell(BegunCell(run, start, std::move(place))),
       features(FeaturesOfCell(start.scene, cell.robots(), Lent(start.task), run.features.names)),
-      images(start.scene, run.cameras, renderer) {}
+      images(start.scene, run.cameras, renderer) {
+  const RandomizedValue* delay = start.randomized.find("action_delay");
+  if (delay && !delay->numbers.empty())
+    cell.set_action_delay(std::llround(delay->numbers.front() / run.rates.control_period()));
+}
 
 }  // namespace robocell::internal

@@ -16,12 +16,15 @@
 #include "robocell/base/error.h"
 #include "robocell/base/file_set.h"
 #include "robocell/base/hash.h"
+#include "robocell/base/rng.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/base/version.h"
 #include "robocell/expert/expert_kind.h"
 #include "robocell/features/own_features.h"
 #include "robocell/rollout/plan.h"
 #include "robocell/rollout/user_code.h"
+#include "robocell/scenes/catalogue.h"
+#include "robocell/scenes/randomization.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/task/sampler_kind.h"
 #include "robocell/task/task_kind.h"
@@ -151,6 +154,11 @@ std::vector<std::string> ModelsOf(const RunConfig& run) {
   contents.robots.push_back({.config = run.robot.config});
   for (const SceneObject& object : FindTaskKind(run.task.kind())->Contents(run))
     contents.objects.push_back(object);
+  for (const std::string& kind :
+       run.randomize ? internal::ClutterKinds(*run.randomize) : std::vector<std::string>()) {
+    Rng any = Rng::Stream(0, "clutter");
+    contents.objects.push_back(MakeCatalogueObject(kind, kind, any));
+  }
   add(contents);
   const std::shared_ptr<SceneSource> source = MakeSceneSource(run);
   for (const int scene : SceneIndices(run)) add(MakeBaseScene(run, *source, scene));

@@ -2,13 +2,32 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <memory>
 #include <string>
 
 #include "robocell/base/call_hook.h"
 #include "robocell/base/rng.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/scenes/randomization.h"
 
 namespace robocell::internal {
+
+namespace {
+
+// Draws the values of `randomize:`, and puts them into the model of the start until it ends.
+void Randomize(const RunConfig& run, const PlanItem& item, int attempt, EpisodeStart& start) {
+  const auto randomization = std::make_shared<Randomization>(
+      *run.randomize, start.scene.inner(),
+      Randomization::Options{.place = "run '" + run.run + "'", .directory = run.source_dir});
+  const Rng stream = run.randomize->every == RandomizeEvery::kScene
+                         ? Rng::Stream(static_cast<uint64_t>(run.seed), "randomize", item.scene)
+                         : AttemptStream(run, item, attempt, "randomize");
+  start.randomized = randomization->Apply(stream, start.randomized);
+  start.randomization = randomization;
+}
+
+}  // namespace
 
 SampleResult DrawStart(const StartDraw& from, const PlanItem& item, int attempt,
                        const StopRequest& stop) {
@@ -16,7 +35,9 @@ SampleResult DrawStart(const StartDraw& from, const PlanItem& item, int attempt,
   const auto sample = [&] {
     return from.sampler.Sample({item.scene, item.episode, attempt, stop, from.scene_data}, rng);
   };
-  return from.is_users ? CallHook(from.sampler, "sample", sample) : sample();
+  SampleResult drawn = from.is_users ? CallHook(from.sampler, "sample", sample) : sample();
+  if (drawn.start && from.run.randomize) Randomize(from.run, item, attempt, *drawn.start);
+  return drawn;
 }
 
 void RefusedStarts::Add(const Refusal& refusal) {

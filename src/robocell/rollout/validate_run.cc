@@ -215,8 +215,11 @@ class SceneValidator {
     if (!Try("robot", [&] { scene = BuildWith(bases.front(), contents); })) return;
     compile_warnings_ = scene->compiled()->warnings();
     std::optional<Scene> start = scene;
-    if (FollowsObjects() && !Try("task", [&] { start = BuildStart(first, bases.front()); })) return;
+    if ((FollowsObjects() || run_.randomize) &&
+        !Try("task", [&] { start = BuildStart(first, bases.front()); }))
+      return;
     ValidateCameras(*start);
+    ValidateRandomize(*start);
     std::optional<Robot> robot;
     if (!Try("robot", [&] { robot = Robot::Of(*scene, run_.robot.config.name); })) return;
     // A robot that cannot be measured is reported once.
@@ -250,6 +253,22 @@ class SceneValidator {
       good &= Try("scenes", [&] { SupportsOf(*source_, indices[i], bases[i]); });
     }
     return good;
+  }
+
+  // Requires that what is randomised is in some start.
+  void ValidateRandomize(const Scene& start) {
+    if (!run_.randomize) return;
+    std::vector<std::string> others;
+    for (const StartContents& contents : starts_) {
+      for (const SceneObject& object : contents.objects) others.push_back(object.name);
+    }
+    for (int i = 0; run_.randomize->clutter && i < RandomClutter::kMost; ++i)
+      others.push_back(fmt::format("clutter_{}", i));
+    Try("randomize", [&] {
+      internal::Randomization(*run_.randomize, start.inner(),
+                              {.place = Title(run_), .directory = run_.source_dir})
+          .Validate(others);
+    });
   }
 
   bool FollowsObjects() const {
@@ -390,7 +409,8 @@ class SceneValidator {
   const RunConfig& run_;
   const std::shared_ptr<const TaskKind> task_ = FindTaskKind(run_.task.kind());
   std::shared_ptr<SceneSource> source_;
-  std::vector<StartContents> starts_;  // contents of a number of starts; set with FollowsObjects
+  std::vector<StartContents>
+      starts_;  // contents of a number of starts; set with FollowsObjects, and `randomize`
   const RunDemands& demands_;
   Problems& problems_;
   Problems doubts_;

@@ -14,6 +14,7 @@
 #include "robocell/base/log.h"
 #include "robocell/scenes/built_in_sources.h"
 #include "robocell/scenes/houses/houses_config.h"
+#include "robocell/scenes/randomized_model.h"
 #include "robocell/spec/spec_bytes.h"
 
 namespace robocell {
@@ -149,6 +150,7 @@ SceneSpec MakeBaseScene(const RunConfig& run, SceneSource& source, int index) {
   spec.name = run.run;
   spec.timestep = timestep;
   spec.options = run.options;
+  if (run.randomize && run.randomize->needs_studio()) internal::AddStudio(spec);
   return spec;
 }
 

@@ -150,6 +150,33 @@ void ValidateVariations(const EnvConfig& env, Problems& problems) {
   }
 }
 
+// What an environment, whose scene is compiled once, randomises.
+void ValidateRandomize(const EnvConfig& env, Problems& problems) {
+  if (!env.randomize) return;
+  Problems::Scope scope(problems, "randomize");
+  if (!env.variations.empty()) {
+    problems.Add(
+        "both this and `variations` change masses, frictions and colours; write {dynamics: {ID: "
+        "{mass: {scale: {uniform: [0.8, 1.2]}}}}} here, and leave `variations` out");
+  }
+  if (env.randomize->clutter) {
+    problems.AddAt("clutter",
+                   "is for runs, which compile the scene of each start; an environment compiles "
+                   "its scene once: add objects to root_frame_objects");
+  }
+  if (!env.randomize->action_delay) return;
+  if (!env.sim.async_control) {
+    problems.AddAt("action_delay",
+                   "needs steps of a fixed time: set `sim: {async_control: true}`, or leave it "
+                   "out");
+  } else if (env.sim.frequency > 0 &&
+             env.randomize->action_delay->highest() > 1 / env.sim.frequency + 1e-9) {
+    problems.AddAt("action_delay",
+                   fmt::format("can be {:g} s, and a step takes {:g} s: the delay is at most that",
+                               env.randomize->action_delay->highest(), 1 / env.sim.frequency));
+  }
+}
+
 // An environment's objects, which have one id each and stand in the right frame: adds a problem for
 // an id that is used twice (which decides between frames), that is a robot's name, or whose
 // elements would have names that begin like those of a robot or gripper.
@@ -302,6 +329,7 @@ void NameSingleNumber(const std::vector<double>& list, const char* field, Proble
 }  // namespace
 
 void EnvConfig::Validate(Problems& problems) const {
+  ValidateRandomize(*this, problems);
   NameSingleNumber(max_relative_movement, "max_relative_movement", problems);
   NameSingleNumber(max_target_lead, "max_target_lead", problems);
   ValidateNotEmpty(name, "name", "environments are named in messages", problems);

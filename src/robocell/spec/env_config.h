@@ -25,6 +25,7 @@
 #include "robocell/spec/fields.h"
 #include "robocell/spec/locations.h"
 #include "robocell/spec/object_place.h"
+#include "robocell/spec/randomize_config.h"
 #include "robocell/spec/robot_config.h"
 #include "robocell/spec/sim_options.h"
 #include "robocell/spec/task_spec.h"
@@ -47,6 +48,7 @@ struct EnvConfig {
   Map<EnvObject> root_frame_objects = {};
   Map<Map<EnvObject>> robot_frame_objects = {};
   Map<ObjectVariation> variations = {};
+  Maybe<RandomizeConfig> randomize = {};
   Map<ObjectPlace> places = {};
   std::string saved_scene = {};
   Map<CameraAdderConfig> camera_adds = {};
@@ -99,6 +101,9 @@ struct EnvConfig {
       "Objects at the robots' attachment sites, by robot and id.");
     v("variations", &EnvConfig::variations,
       "Random variations of objects of the room and of the rig in each episode, by their ids.");
+    v("randomize", &EnvConfig::randomize,
+      "Random lights, looks, physics and delays in each episode, as in runs. Instead of "
+      "`variations`.");
     v("places", &EnvConfig::places,
       "Free objects by their ids, also of those that the task adds, and where each starts in "
       "relation to another object or a body of the scene. Unset: the task's own.");

@@ -1,10 +1,35 @@
 #include "robocell/spec/run_config.h"
 
+#include <fmt/format.h>
+
+#include "robocell/base/error.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
 
+namespace {
+
+// An action takes effect before the next one comes.
+void ValidateDelay(const RunConfig& run, Problems& problems) {
+  if (!run.randomize || !run.randomize->action_delay) return;
+  double period = 0;
+  try {
+    period = run.rates.policy_period();
+  } catch (const ArgumentError&) {
+    return;  // reported at `rates`
+  }
+  const double most = run.randomize->action_delay->highest();
+  if (most <= period + 1e-9) return;
+  problems.AddAt("randomize.action_delay",
+                 fmt::format("can be {:g} s, and an action comes every {:g} s: the delay is at "
+                             "most that",
+                             most, period));
+}
+
+}  // namespace
+
 void RunConfig::Validate(Problems& problems) const {
+  ValidateDelay(*this, problems);
   task.rules()->ValidateRun(*this, problems);
   ValidateNotEmpty(run, "run", "the run's name", problems);
   ValidateNotEmpty(output, "output", "the folder the dataset goes to", problems);

@@ -18,6 +18,7 @@
 
 #include "robocell/spec/camera_spec.h"
 #include "robocell/spec/locations.h"
+#include "robocell/spec/randomize_config.h"
 #include "robocell/spec/rates.h"
 #include "robocell/spec/robot_config.h"
 #include "robocell/spec/scene_source_spec.h"
@@ -56,6 +57,7 @@ struct RunConfig {
   RobotSource robot = {};
   TaskSpec task = {};
   StartConfig start = {};
+  Maybe<RandomizeConfig> randomize = {};
   std::string sampler = {};
   std::string expert = {};
   SceneSourceSpec scenes = {};
@@ -84,6 +86,8 @@ struct RunConfig {
     v("task", &RunConfig::task, "The kind of task and its fields.");
     v("start", &RunConfig::start,
       "Places of the robot's base around the task's object, for any task.");
+    v("randomize", &RunConfig::randomize,
+      "Random lights, looks, physics, delays and clutter. Unset: none of them varies.");
     v("sampler", &RunConfig::sampler,
       "Sampler of the starts: a registered kind. Unset: the task's own.");
     v("expert", &RunConfig::expert,

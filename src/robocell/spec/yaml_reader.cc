@@ -650,6 +650,30 @@ void Reader::Read(const YAML::Node& node, ElementRef& out) {
   out.index = indexed.index;
 }
 
+void Reader::Read(const YAML::Node& node, RandomNumber& out) {
+  if (node.IsScalar()) return Read(node, out.value.emplace());
+  if (!node.IsMap())
+    return FailKind(node, "a number, {uniform: [a, b]}, {log_uniform: [a, b]} or {choice: [...]}");
+  ReadFields(node, out);
+}
+
+void Reader::Read(const YAML::Node& node, RandomProperty& out) {
+  if (node.IsScalar()) return Read(node, out.value.emplace());
+  if (!node.IsMap()) {
+    return FailKind(node,
+                    "a number, {uniform: [a, b]}, {choice: [...]}, or {scale: {uniform: [a, b]}}");
+  }
+  ReadFields(node, out);
+}
+
+void Reader::Read(const YAML::Node& node, RandomizedValue& out) {
+  double number = 0;
+  if (node.IsMap()) return ReadFields(node, out);
+  if (node.IsSequence() || (node.IsScalar() && YAML::convert<double>::decode(node, number)))
+    return Read(node, out.numbers);
+  Read(node, out.word);
+}
+
 void Reader::Read(const YAML::Node& node, RobotSource& out) {
   if (node.IsScalar()) out.file = node.Scalar();
   Read(node, out.config);

@@ -92,6 +92,9 @@ class Reader {
   void Read(const YAML::Node& node, RendererConfig& out);
   void Read(const YAML::Node& node, RenderQuality& out);
   void Read(const YAML::Node& node, ElementRef& out);
+  void Read(const YAML::Node& node, RandomNumber& out);
+  void Read(const YAML::Node& node, RandomProperty& out);
+  void Read(const YAML::Node& node, RandomizedValue& out);
   void Read(const YAML::Node& node, RobotConfig& out);  // the fields, or the name of a robot file
   void Read(const YAML::Node& node, RobotSource& out);
   void Read(const YAML::Node& node, TaskSpec& out);

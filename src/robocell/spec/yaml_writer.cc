@@ -79,6 +79,22 @@ void Writer::Write(const AttachTarget& value) {
   }
 }
 
+void Writer::Write(const RandomNumber& value) {
+  const bool is_plain = value.value && !value.uniform && !value.log_uniform && value.choice.empty();
+  if (is_plain) return Write(*value.value);
+  WriteFields(value);
+}
+
+void Writer::Write(const RandomizedValue& value) {
+  double number = 0;
+  const bool is_word = value.numbers.empty() && !value.word.empty() &&
+                       !YAML::convert<double>::decode(YAML::Node(value.word), number);
+  if (is_word) return Write(value.word);
+  if (value.numbers.empty() || !value.word.empty()) return WriteFields(value);
+  if (value.numbers.size() == 1) return Write(value.numbers.front());
+  Write(value.numbers);
+}
+
 void Writer::Write(const ElementRef& value) {
   if (!value.kind && value.body.empty()) {
     out_ << value.name;

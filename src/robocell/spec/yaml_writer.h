@@ -32,6 +32,8 @@ class Writer {
   void Write(const Pose& value);
   void Write(const AttachTarget& value);
   void Write(const ElementRef& value);
+  void Write(const RandomNumber& value);
+  void Write(const RandomizedValue& value);
   void Write(const RobotSource& value) { Write(value.config); }
   void Write(const TaskSpec& value) {
     BeginMap();
@@ -76,6 +78,17 @@ class Writer {
   }
   template <HasFields T>
   void Write(const T& value) {
+    WriteFields(value);
+  }
+  template <class T>
+  void WriteField(const std::string& name, const T& value) {
+    WriteKey(name);
+    Write(value);
+  }
+
+ private:
+  template <HasFields T>
+  void WriteFields(const T& value) {
     BeginMap();
     [[maybe_unused]] static const T kDefault{};
     T::Fields([&](const char* name, auto member, const char*, Bound = Bound::kNone) {
@@ -87,13 +100,6 @@ class Writer {
     });
     EndMap();
   }
-  template <class T>
-  void WriteField(const std::string& name, const T& value) {
-    WriteKey(name);
-    Write(value);
-  }
-
- private:
   template <class T>
   static bool IsAbsent(const T& value) {
     if constexpr (requires { value.has_value(); }) return !value.has_value();

@@ -53,7 +53,8 @@ using SpecTypes =
                      RenderQuality, RendererConfig, SimOptions, Edit, BaseConfig, MoveGroupConfig,
                      GripperCtrl, GripperDistance, GripperJointRange, TaskSpaceConfig, RunConfig,
                      FilesScenes, ObjectPlace, StartConfig, Rates, EnvConfig, EnvObject,
-                     CameraAdderConfig, SimSettings, WrapperConfig, ObjectVariation>;
+                     CameraAdderConfig, SimSettings, WrapperConfig, ObjectVariation, RandomProperty,
+                     RandomLights, RandomLook, RandomDynamics, RandomClutter, RandomizeConfig>;
 TYPED_TEST_SUITE(RoundTrip, SpecTypes);
 
 TYPED_TEST(RoundTrip, RandomSpecsRoundTrip) {

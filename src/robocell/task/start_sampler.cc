@@ -13,6 +13,7 @@
 #include "robocell/base/error.h"
 #include "robocell/scene/scene_cache.h"
 #include "robocell/scenes/object_places.h"
+#include "robocell/scenes/randomization.h"
 #include "robocell/scenes/related_places.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/scenes/settle.h"
@@ -523,6 +524,18 @@ std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const Support& s
   return std::nullopt;
 }
 
+RandomizedValues StartSampler::AddClutter(const SampleRequest& request, StartContents& contents,
+                                          const Rng& rng) const {
+  if (!run_.randomize || !run_.randomize->clutter) return {};
+  const bool is_of_scene = run_.randomize->every == RandomizeEvery::kScene;
+  internal::Clutter clutter = internal::DrawClutter(
+      *run_.randomize, contents.kinds,
+      is_of_scene ? Rng::Stream(static_cast<uint64_t>(run_.seed), "clutter", request.scene)
+                  : rng.Fork("clutter"));
+  Append(contents, {.objects = std::move(clutter.objects), .kinds = std::move(clutter.kinds)});
+  return std::move(clutter.values);
+}
+
 SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   // A hook that raises ends the start too.
   const std::shared_ptr<void> forget(nullptr, [this](void*) { task_.reset(); });
@@ -539,6 +552,7 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   Append(contents, placed);
   std::vector<std::string> kinds = contents.kinds;
   const std::string first = kinds.empty() ? "" : kinds.front();
+  RandomizedValues clutter = AddClutter(request, contents, rng);
   const BasePlacement placement = ChooseBasePlacement(request, rng);
   RequireFinite(placement);
   const std::optional<internal::RelatedPlaces> related =
@@ -580,7 +594,8 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
                                 .object_kinds = kinds,
                                 .base_in_world = setup.robot.base().pose(),
                                 .redrawn = setup.redrawn,
-                                .is_bound = true},
+                                .is_bound = true,
+                                .randomized = std::move(clutter)},
           .refusal = {}};
 }
 

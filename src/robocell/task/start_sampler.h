@@ -21,6 +21,7 @@
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/scene_annotations.h"
 #include "robocell/scenes/support.h"
+#include "robocell/spec/randomize_config.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/task/base_placement.h"
 #include "robocell/task/start_contents.h"
@@ -96,6 +97,9 @@ class StartSampler : public TaskSampler {
   void ValidateRepeats(int scene, Problems& problems);
   std::optional<Refusal> Arrange(Setup& setup, const Support& support,
                                  const BasePlacement& placement, Rng& rng);
+  // Adds the objects that `randomize.clutter` draws, and returns their values.
+  RandomizedValues AddClutter(const SampleRequest& request, StartContents& contents,
+                              const Rng& rng) const;
   BaseRange base_range();
   std::vector<internal::StatedPlaces> PlacesStated();
   // Moves the objects among the first `before` of a scene that have a place in relation to something

@@ -20,6 +20,7 @@
 #include "robocell/math/pose.h"
 #include "robocell/scene/scene.h"
 #include "robocell/spec/problems.h"
+#include "robocell/spec/randomize_config.h"
 #include "robocell/task/refusal.h"
 #include "robocell/task/task.h"
 
@@ -40,6 +41,10 @@ struct EpisodeStart {
   // True if the sampler has bound the task; else the code that runs the episode binds it
   // (BindStart).
   bool is_bound = false;
+  // The values of `randomize:`: from the sampler those of its clutter, later all of them.
+  RandomizedValues randomized = {};
+  // Takes them out of the scene's model when the start ends; null without any.
+  std::shared_ptr<void> randomization = {};
 };
 
 struct SampleResult {

@@ -1,0 +1,134 @@
+#include "robocell/scenes/randomization.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <algorithm>
+#include <string>
+
+#include "robocell/base/error.h"
+#include "robocell/spec/yaml.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell::internal {
+namespace {
+
+RandomizeConfig Read(const std::string& block) { return FromYamlUnchecked<RandomizeConfig>(block); }
+
+Scene Cubes(const RandomizeConfig& config) {
+  SceneSpec spec{.timestep = 0.002, .add_floor = true, .add_skybox = true};
+  for (const char* name : {"red", "blue"}) {
+    spec.objects.push_back({.name = name,
+                            .shape = Shape::kBox,
+                            .size = Vec3{0.02, 0.02, 0.02},
+                            .rgba = Vec4{1, 0, 0, 1},
+                            .mass = 0.1,
+                            .friction = Vec3{1, 0.005, 0.0001},
+                            .pos = Vec3{0, 0, 0.02}});
+  }
+  if (config.needs_studio()) AddStudio(spec);
+  return Scene::Build(spec);
+}
+
+const RandomizeConfig& Wide() {
+  static const RandomizeConfig config = Read(
+      "lights: {number: {choice: [1, 2, 3]}, intensity: {uniform: [0.2, 0.6]}}\n"
+      "sky: {uniform: [0.3, 1]}\n"
+      "appearance: {objects: {colour: {uniform: [0, 1]}, texture: [wood, own]}, floor: {specular: "
+      "0.3}}\n"
+      "dynamics: {'*d': {mass: {scale: {log_uniform: [0.25, 4]}}}, objects: {friction: {uniform: "
+      "[0.4, 1]}}}\n");
+  return config;
+}
+
+TEST(Randomization, DrawsWithinTheRangesAndCoversThem) {
+  const Scene scene = Cubes(Wide());
+  Randomization randomization(Wide(), scene, {.place = "run 'a'"});
+  randomization.Validate();
+  double least = 1e9, most = 0, below_one = 0;
+  constexpr int kStarts = 40;
+  for (int i = 0; i < kStarts; ++i) {
+    const RandomizedValues& values = randomization.Apply(Rng::Stream(1, i));
+    EXPECT_FALSE(values.contains("blue/mass_scale")) << "only '*d' has it";
+    const double mass = values.at("red/mass_scale").numbers.front();
+    least = std::min(least, mass);
+    most = std::max(most, mass);
+    below_one += mass < 1 ? 1 : 0;
+    for (const auto& [name, value] : values.entries()) {
+      if (name.ends_with("/intensity")) {
+        EXPECT_GE(value->numbers.front(), 0.2);
+        EXPECT_LE(value->numbers.front(), 0.6);
+      }
+    }
+    const int lights = static_cast<int>(values.at("light/number").numbers.front());
+    EXPECT_TRUE(values.contains("light/" + std::to_string(lights - 1) + "/azimuth"));
+    EXPECT_FALSE(values.contains("light/" + std::to_string(lights) + "/azimuth"));
+  }
+  EXPECT_GE(least, 0.25);
+  EXPECT_LE(most, 4);
+  EXPECT_LT(least, 0.4);
+  EXPECT_GT(most, 2.5);
+  EXPECT_NEAR(below_one / kStarts, 0.5, 0.25) << "a logarithm is uniform: half are below 1";
+}
+
+TEST(Randomization, PinningAValueChangesNoOther) {
+  const Scene scene = Cubes(Wide());
+  const RandomizedValues free = Randomization(Wide(), scene, {}).Apply(Rng::Stream(3));
+  RandomizeConfig config = Wide();
+  config.pinned["red/mass_scale"].numbers = {1.25};
+  config.pinned["blue/friction_scale"].numbers = {0.5};
+  const RandomizedValues pinned = Randomization(config, scene, {}).Apply(Rng::Stream(3));
+  for (const auto& [name, value] : free.entries()) {
+    if (name == "red/mass_scale")
+      EXPECT_EQ(pinned.at(name).numbers.front(), 1.25);
+    else
+      EXPECT_EQ(pinned.at(name), *value) << name;
+  }
+  EXPECT_EQ(pinned.at("blue/friction_scale").numbers.front(), 0.5) << "pinned without a range";
+}
+
+TEST(Randomization, AllValuesOfAStartPinTheWholeStart) {
+  const Scene scene = Cubes(Wide());
+  Randomization drawn(Wide(), scene, {});
+  RandomizeConfig again;
+  again.pinned = drawn.Apply(Rng::Stream(5));
+  std::vector<mjtNum> masses(scene.model()->body_mass,
+                             scene.model()->body_mass + scene.model()->nbody);
+  drawn.Restore();
+  Randomization replayed(again, scene, {});
+  EXPECT_EQ(replayed.Apply(Rng::Stream(77)).keys().size(), again.pinned.keys().size());
+  EXPECT_TRUE(std::equal(masses.begin(), masses.end(), scene.model()->body_mass));
+}
+
+TEST(Randomization, WhatMeansNothingIsReportedWithTheTargets) {
+  const auto validate = [&](const std::string& block, std::vector<std::string> others = {}) {
+    const RandomizeConfig config = Read(block);
+    const Scene scene = Cubes(config);
+    Randomization(config, scene, {.place = "run 'a'"}).Validate(others);
+  };
+  ExpectThrow<NotFoundError>([&] { validate("dynamics: {reed: {mass: 0.2}}"); },
+                             "Did you mean 'red'?");
+  EXPECT_NO_THROW(validate("dynamics: {mug: {mass: 0.2}}", {"mug"})) << "another start has it";
+  ExpectThrow<ArgumentError>([&] { validate("dynamics: {red: {gain: {scale: 2}}}"); },
+                             "'red' has no servos");
+  ExpectThrow<NotFoundError>([&] { validate("appearance: {red: {texture: [./nowhere/]}}"); },
+                             "./nowhere/");
+  ExpectThrow<NotFoundError>([&] { validate("clutter: {kinds: [mugg]}"); }, "Did you mean 'mug'?");
+  ExpectThrow<NotFoundError>([&] { validate("pinned: {reed/mass: 1}"); }, "Did you mean 'red'?");
+}
+
+TEST(Randomization, ClutterIsOfOtherKindsThanTheTasks) {
+  const RandomizeConfig config = Read("clutter: {number: {choice: [4]}, kinds: [mug, nut, box]}");
+  for (int i = 0; i < 10; ++i) {
+    const Clutter clutter = DrawClutter(config, {"mug"}, Rng::Stream(2, i));
+    ASSERT_EQ(clutter.objects.size(), 4u);
+    EXPECT_EQ(clutter.objects[3].name, "clutter_3");
+    EXPECT_THAT(clutter.kinds, ::testing::Not(::testing::Contains("mug")));
+    EXPECT_EQ(clutter.values.at("clutter/0/kind").word, clutter.kinds.front());
+  }
+  EXPECT_TRUE(DrawClutter(config, {"mug", "nut", "box"}, Rng::Stream(2)).objects.empty());
+}
+
+}  // namespace
+}  // namespace robocell::internal
