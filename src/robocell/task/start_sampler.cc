@@ -79,10 +79,14 @@ std::string TargetOf(Task& task, const StartContents& contents, std::vector<std:
   return target;
 }
 
+constexpr double kStorey = 2;   // metres; a floor farther below or above is another one
+constexpr int kBaseDraws = 16;  // until one is on the free floor
+
 bool IsOnFloor(const Eigen::Vector3d& at, const std::vector<FloorArea>& floor) {
   return std::ranges::any_of(floor, [&](const FloorArea& area) {
     const Eigen::Vector3d on = area.frame_to_world.inverse() * at;
-    return std::abs(on.x()) <= area.half_x && std::abs(on.y()) <= area.half_y;
+    return std::abs(on.x()) <= area.half_x && std::abs(on.y()) <= area.half_y &&
+           std::abs(on.z()) <= kStorey;
   });
 }
 
@@ -352,10 +356,13 @@ std::optional<Refusal> StartSampler::PutObjects(
 std::optional<Pose> StartSampler::ProposeBasePose(const Robot& robot, const Support& support,
                                                   const Pose& target,
                                                   const BasePlacement& placement, Rng& rng) {
-  std::optional<Pose> base =
-      robocell::ProposeBasePose(robot, support, target, placement, run_.start, rng);
-  if (base && !free_floor_.empty() && !IsOnFloor(base->translation(), free_floor_)) return {};
-  return base;
+  // Of the poses that keep their clearance, those on the free floor are as likely as each other.
+  for (int draw = 0; draw < kBaseDraws; ++draw) {
+    std::optional<Pose> base =
+        robocell::ProposeBasePose(robot, support, target, placement, run_.start, rng);
+    if (!base || free_floor_.empty() || IsOnFloor(base->translation(), free_floor_)) return base;
+  }
+  return std::nullopt;
 }
 
 std::optional<Refusal> StartSampler::ValidateBasePose(Scene& scene, Robot& robot,
