@@ -29,6 +29,8 @@ RUNS = (
     rc.tasks.PressTaskConfig,
     rc.tasks.PushTaskConfig,
     rc.tasks.StartConfig,
+    rc.tasks.StartCamera,
+    rc.tasks.CameraSight,
     rc.scenes.ObjectPlace,
     rc.scenes.SceneSourceSpec,
     FilesScenes,

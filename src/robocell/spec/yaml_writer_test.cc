@@ -71,7 +71,7 @@ using SpecTypes =
                      ToolFrameSpec, SceneObject, CameraSpec, CameraConfig, CameraSystemConfig,
                      RenderQuality, RendererConfig, SimOptions, Edit, BaseConfig, MoveGroupConfig,
                      GripperCtrl, GripperDistance, GripperJointRange, TaskSpaceConfig, RunConfig,
-                     FilesScenes, ObjectPlace, StartConfig, Rates, EnvConfig, EnvObject,
+                     FilesScenes, ObjectPlace, CameraSight, StartCamera, StartConfig, Rates, EnvConfig, EnvObject,
                      CameraAdderConfig, SimSettings, WrapperConfig, ObjectVariation>;
 TYPED_TEST_SUITE(RoundTrip, SpecTypes);
 
