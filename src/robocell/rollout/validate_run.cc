@@ -221,7 +221,9 @@ class SceneValidator {
     }
     compile_warnings_ = scene->compiled()->warnings();
     std::optional<Scene> start = scene;
-    if ((FollowsObjects() || cameras_) && !Try("task", [&] { start = BuildStart(first, bases.front()); })) return;
+    if ((FollowsObjects() || cameras_) &&
+        !Try("task", [&] { start = BuildStart(first, bases.front()); }))
+      return;
     ValidateCameras(*start);
     std::optional<Robot> robot;
     if (!Try("robot", [&] { robot = Robot::Of(*scene, run_.robot.config.name); })) return;
@@ -261,8 +263,8 @@ class SceneValidator {
 
   // Finds the cameras of `start.cameras` on a scene without them; scenes built later have them.
   void MountCameras(const Scene& scene) {
-    cameras_ = std::make_shared<StartCameras>(run_, scene,
-                                              Robot::Of(scene, run_.robot.config.name), nullptr);
+    cameras_ = std::make_shared<StartCameras>(run_, scene, Robot::Of(scene, run_.robot.config.name),
+                                              nullptr);
   }
 
   void RequireCamerasObjects(const Scene& start) const {

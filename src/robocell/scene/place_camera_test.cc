@@ -18,8 +18,7 @@ SceneSpec SceneWithCameras() {
   spec.cameras.push_back({.name = "side", .pos = Vec3{1, 0, 1}, .fovy = 45});
   spec.cameras.push_back(
       {.name = "on_box", .pos = Vec3{0, 0, 0.1}, .fovy = 60, .attach_to = Body("box")});
-  spec.cameras.push_back(
-      {.name = "of_rig", .pos = Vec3{0, 0, 1}, .fovy = 60, .attach_to = Root()});
+  spec.cameras.push_back({.name = "of_rig", .pos = Vec3{0, 0, 1}, .fovy = 60, .attach_to = Root()});
   return spec;
 }
 

@@ -82,8 +82,8 @@ std::span<const int32_t> BodyImages::Draw(const Scene& scene, const CameraView& 
 std::vector<Pixel> PointsInMask(std::span<const uint8_t> mask, int width, int height, int most) {
   if (width < 0 || height < 0 ||
       mask.size() != static_cast<size_t>(width) * static_cast<size_t>(height)) {
-    throw ArgumentError(fmt::format("a mask of {}x{} pixels has {} values", width, height,
-                                    mask.size()));
+    throw ArgumentError(
+        fmt::format("a mask of {}x{} pixels has {} values", width, height, mask.size()));
   }
   std::vector<uint8_t> inner(mask.begin(), mask.end());
   for (int i = 0; i < kErosions; ++i) {
@@ -106,8 +106,8 @@ std::vector<Pixel> PointsInMask(std::span<const uint8_t> mask, int width, int he
   std::vector<double> nearest(pixels.size(), std::numeric_limits<double>::infinity());
   while (static_cast<int>(points.size()) < most) {
     for (size_t i = 0; i < pixels.size(); ++i) {
-      nearest[i] = std::min(nearest[i],
-                            SquaredDistance(pixels[i], points.back()[0], points.back()[1]));
+      nearest[i] =
+          std::min(nearest[i], SquaredDistance(pixels[i], points.back()[0], points.back()[1]));
     }
     const auto farthest = std::ranges::max_element(nearest);
     if (*farthest == 0) break;  // all of them are taken

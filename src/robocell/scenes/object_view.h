@@ -44,10 +44,10 @@ class BodyImages {
 using Pixel = std::array<int, 2>;  // column from the left, row from the top
 
 struct ObjectView {
-  int pixels = 0;             // that show it
-  double share = 0;           // of it that is in the image with nothing in front, 0 to 1
+  int pixels = 0;                       // that show it
+  double share = 0;                     // of it that is in the image with nothing in front, 0 to 1
   Pixel low = {0, 0}, high = {-1, -1};  // corners of its box, both inside; without pixels empty
-  std::vector<Pixel> points;  // on it, away from its edge and from each other
+  std::vector<Pixel> points;            // on it, away from its edge and from each other
 };
 
 ObjectView ViewOfObject(const Scene& scene, const std::vector<bool>& bodies, const CameraView& view,

@@ -45,16 +45,14 @@ TEST(ObjectView, PixelsAreThoseOfTheProjectedFace) {
        {std::pair{640, 368}, {624, 352}, {333, 217}, {64, 200}, {101, 31}}) {
     const Scene scene = TwoBoxes(5);
     const ObjectView seen = See(scene, "far", width, height);
-    const CameraModel camera =
-        ComputeCamera(scene.model(), scene.data(), AlongX(), width, height);
+    const CameraModel camera = ComputeCamera(scene.model(), scene.data(), AlongX(), width, height);
     const double side = 0.2 * camera.fy / 1.9;  // of the near face, pixels
     EXPECT_DOUBLE_EQ(camera.fx, camera.fy);
     EXPECT_NEAR(seen.high[0] - seen.low[0] + 1, side, 1.01) << width << "x" << height;
     EXPECT_NEAR(seen.high[1] - seen.low[1] + 1, side, 1.01);
     EXPECT_NEAR(0.5 * (seen.low[0] + seen.high[0]), camera.cx, 0.51);
     EXPECT_NEAR(0.5 * (seen.low[1] + seen.high[1]), camera.cy, 0.51);
-    EXPECT_EQ(seen.pixels,
-              (seen.high[0] - seen.low[0] + 1) * (seen.high[1] - seen.low[1] + 1));
+    EXPECT_EQ(seen.pixels, (seen.high[0] - seen.low[0] + 1) * (seen.high[1] - seen.low[1] + 1));
     EXPECT_DOUBLE_EQ(seen.share, 1);
   }
 }

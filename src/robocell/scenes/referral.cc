@@ -23,13 +23,13 @@ namespace {
 
 // Distances in metres. A relation holds clearly within the first number and clearly not beyond the
 // second.
-constexpr double kOnTop[] = {0.015, 0.05};     // between a bottom and the top it stands on
-constexpr double kBesideGap[] = {0.1, 0.2};       // between boxes next to each other
-constexpr double kNearby[] = {0.5, 0.8};       // between middles, for directions
-constexpr double kSameLevel[] = {0.25, 0.4};   // between bottoms, for directions
-constexpr double kSlope[] = {0.6, 1.4};        // of a direction: across over along
-constexpr double kApart = 0.05;                // between the first and the second of an order
-constexpr double kGroup = 1.5;                 // from the object to all others of an order
+constexpr double kOnTop[] = {0.015, 0.05};    // between a bottom and the top it stands on
+constexpr double kBesideGap[] = {0.1, 0.2};   // between boxes next to each other
+constexpr double kNearby[] = {0.5, 0.8};      // between middles, for directions
+constexpr double kSameLevel[] = {0.25, 0.4};  // between bottoms, for directions
+constexpr double kSlope[] = {0.6, 1.4};       // of a direction: across over along
+constexpr double kApart = 0.05;               // between the first and the second of an order
+constexpr double kGroup = 1.5;                // from the object to all others of an order
 constexpr size_t kMostExpressions = 24;
 
 Eigen::Vector3d Middle(const ReferableObject& object) { return 0.5 * (object.low + object.high); }
@@ -78,8 +78,7 @@ double OverhangOf(const Eigen::Vector3d& point, const ReferableObject& box) {
 
 double GapBetween(const ReferableObject& a, const ReferableObject& b) {
   Eigen::Vector2d gap;
-  for (int i = 0; i < 2; ++i)
-    gap[i] = std::max({0.0, a.low[i] - b.high[i], b.low[i] - a.high[i]});
+  for (int i = 0; i < 2; ++i) gap[i] = std::max({0.0, a.low[i] - b.high[i], b.low[i] - a.high[i]});
   return gap.norm();
 }
 
@@ -93,15 +92,15 @@ Answer IsIn(const ReferableObject& object, const ReferableObject& landmark) {
   const Eigen::Vector3d middle = Middle(object);
   const bool is_inside = OverhangOf(middle, landmark) < 0 && middle.z() > landmark.low.z() &&
                          middle.z() < landmark.high.z();
-  if (!is_inside) return OverhangOf(middle, landmark) > 0.02 || middle.z() > landmark.high.z() + 0.05
-                             ? Answer::kNo
-                             : Answer::kInDoubt;
+  if (!is_inside)
+    return OverhangOf(middle, landmark) > 0.02 || middle.z() > landmark.high.z() + 0.05
+               ? Answer::kNo
+               : Answer::kInDoubt;
   return landmark.has_hollow ? Answer::kYes : Answer::kInDoubt;
 }
 
 Answer IsNextTo(const ReferableObject& object, const ReferableObject& landmark) {
-  const bool overlaps =
-      object.low.z() < landmark.high.z() && landmark.low.z() < object.high.z();
+  const bool overlaps = object.low.z() < landmark.high.z() && landmark.low.z() < object.high.z();
   const double gap = GapBetween(object, landmark);
   if (!overlaps || gap == 0) return overlaps ? Answer::kInDoubt : Answer::kNo;
   return Within(gap, kBesideGap);
@@ -143,8 +142,8 @@ std::string ColourWord(const Vec4& rgba) {
     double from, to;
     const char* word;
   };
-  static constexpr Range kWords[] = {{0, 12, "red"},       {348, 360, "red"},   {22, 42, "orange"},
-                                     {48, 66, "yellow"},   {85, 155, "green"},  {200, 250, "blue"},
+  static constexpr Range kWords[] = {{0, 12, "red"},       {348, 360, "red"},  {22, 42, "orange"},
+                                     {48, 66, "yellow"},   {85, 155, "green"}, {200, 250, "blue"},
                                      {265, 295, "purple"}, {305, 335, "pink"}};
   for (const Range& range : kWords) {
     if (hue >= range.from && hue <= range.to) return range.word;
@@ -183,11 +182,10 @@ class Expressions {
     for (const std::string& noun : meant_.nouns) {
       if (IsUnique(meant_, noun, nullptr)) Add("the " + noun);
     }
-    for (const SeenRelation relation : {SeenRelation::kOn, SeenRelation::kIn})
-      AddRelated(relation);
-    for (const SeenRelation relation : {SeenRelation::kLeftOf, SeenRelation::kRightOf,
-                                        SeenRelation::kInFrontOf, SeenRelation::kBehind,
-                                        SeenRelation::kNextTo})
+    for (const SeenRelation relation : {SeenRelation::kOn, SeenRelation::kIn}) AddRelated(relation);
+    for (const SeenRelation relation :
+         {SeenRelation::kLeftOf, SeenRelation::kRightOf, SeenRelation::kInFrontOf,
+          SeenRelation::kBehind, SeenRelation::kNextTo})
       AddRelated(relation);
     AddOrdered("leftmost", axes_.left);
     AddOrdered("rightmost", -axes_.left);
@@ -298,8 +296,8 @@ std::vector<ReferableObject> ReferableObjects(const Scene& scene,
   const auto add = [&](const ObjectWords& words, int body, const std::string& colour) {
     const auto box = BoxOf(scene, body);
     if (!box) return;
-    ReferableObject object{.object = words.object, .nouns = {}, .low = box->first,
-                           .high = box->second};
+    ReferableObject object{
+        .object = words.object, .nouns = {}, .low = box->first, .high = box->second};
     const auto add_noun = [&](const std::string& text) {
       const std::string noun = Plain(text);
       if (!noun.empty() && !Fits(object, noun)) object.nouns.push_back(noun);
@@ -326,7 +324,8 @@ std::vector<ReferableObject> ReferableObjects(const Scene& scene,
   }
   for (const ObjectWords& words : known) {
     const int body = FindId(m, mjOBJ_BODY, words.object);
-    if (body > 0 && std::ranges::find(objects, words.object, &ReferableObject::object) == objects.end())
+    if (body > 0 &&
+        std::ranges::find(objects, words.object, &ReferableObject::object) == objects.end())
       add(words, body, "");
   }
   return objects;

@@ -22,10 +22,11 @@ namespace robocell {
 
 // An object that words may mean, or that helps to say where another one is.
 struct ReferableObject {
-  std::string object;               // its name in the scene
-  std::vector<std::string> nouns;   // "mug", "red mug", without an article; the plainest first
-  Eigen::Vector3d low = Eigen::Vector3d::Zero(), high = Eigen::Vector3d::Zero();  // its box in the world
-  bool has_hollow = false;          // others can be in it
+  std::string object;              // its name in the scene
+  std::vector<std::string> nouns;  // "mug", "red mug", without an article; the plainest first
+  Eigen::Vector3d low = Eigen::Vector3d::Zero(),
+                  high = Eigen::Vector3d::Zero();  // its box in the world
+  bool has_hollow = false;                         // others can be in it
 };
 
 // Somebody who looks at the objects: a place, and the horizontal direction that is straight ahead.

@@ -47,8 +47,8 @@ std::set<std::string> Meant(const std::vector<ReferableObject>& things, const st
     }
   };
   const std::string body = text.substr(4);  // "the "
-  using Test = std::function<bool(const Eigen::Vector3d&, const ReferableObject&,
-                                  const ReferableObject&)>;
+  using Test =
+      std::function<bool(const Eigen::Vector3d&, const ReferableObject&, const ReferableObject&)>;
   static const std::map<std::string, Test> kRelations = {
       {" left of the ", [](auto& d, auto&, auto&) { return d.y() > 0; }},
       {" right of the ", [](auto& d, auto&, auto&) { return d.y() < 0; }},
@@ -140,7 +140,8 @@ TEST(Referrals, BeginWithTheSimplest) {
 
 TEST(Referrals, DoNotSayWhatIsInDoubt) {
   // Twins at one place: nothing tells them apart.
-  const std::vector<ReferableObject> twins = {Thing("a", {"mug"}, 0.5, 0), Thing("b", {"mug"}, 0.5, 0.02)};
+  const std::vector<ReferableObject> twins = {Thing("a", {"mug"}, 0.5, 0),
+                                              Thing("b", {"mug"}, 0.5, 0.02)};
   EXPECT_THAT(ReferralsTo(twins, "a", {}), IsEmpty());
   ExpectThrow<NotFoundError>([&] { ReferralsTo(twins, "c", {}); }, "no object with words 'c'");
 }

@@ -115,8 +115,7 @@ ObjectWords WordsOf(const SceneObject& object) {
   ObjectWords words = {.object = object.name, .category = category, .words = {category}};
   if (!IsObjectKind(object.mjcf_path)) return words;
   const ObjectInfo info = ObjectInfoOf(object.mjcf_path);
-  if (!info.colour.empty())
-    words.words.push_back(info.colour + " " + WordOfKind(object.mjcf_path));
+  if (!info.colour.empty()) words.words.push_back(info.colour + " " + WordOfKind(object.mjcf_path));
   words.words.insert(words.words.end(), info.synonyms.begin(), info.synonyms.end());
   return words;
 }

@@ -12,7 +12,7 @@ namespace robocell::internal {
 
 // What a camera sees of some bodies.
 struct SightOfBodies {
-  double share = 0;             // see VisibleShare
+  double share = 0;              // see VisibleShare
   std::vector<int> hidden_by{};  // by body of the scene: points of them that it hides
 };
 

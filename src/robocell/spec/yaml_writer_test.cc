@@ -66,13 +66,12 @@ std::vector<Field<T>> FieldsOf() {
 template <class T>
 class RoundTrip : public ::testing::Test {};
 
-using SpecTypes =
-    ::testing::Types<SceneSpec, RobotSpec, RobotConfig, AttachmentSpec, ForceTorqueSensorSpec,
-                     ToolFrameSpec, SceneObject, CameraSpec, CameraConfig, CameraSystemConfig,
-                     RenderQuality, RendererConfig, SimOptions, Edit, BaseConfig, MoveGroupConfig,
-                     GripperCtrl, GripperDistance, GripperJointRange, TaskSpaceConfig, RunConfig,
-                     FilesScenes, ObjectPlace, CameraSight, StartCamera, StartConfig, Rates, EnvConfig, EnvObject,
-                     CameraAdderConfig, SimSettings, WrapperConfig, ObjectVariation>;
+using SpecTypes = ::testing::Types<
+    SceneSpec, RobotSpec, RobotConfig, AttachmentSpec, ForceTorqueSensorSpec, ToolFrameSpec,
+    SceneObject, CameraSpec, CameraConfig, CameraSystemConfig, RenderQuality, RendererConfig,
+    SimOptions, Edit, BaseConfig, MoveGroupConfig, GripperCtrl, GripperDistance, GripperJointRange,
+    TaskSpaceConfig, RunConfig, FilesScenes, ObjectPlace, CameraSight, StartCamera, StartConfig,
+    Rates, EnvConfig, EnvObject, CameraAdderConfig, SimSettings, WrapperConfig, ObjectVariation>;
 TYPED_TEST_SUITE(RoundTrip, SpecTypes);
 
 TYPED_TEST(RoundTrip, RandomSpecsRoundTrip) {

@@ -18,7 +18,7 @@ namespace robocell::internal {
 namespace {
 
 constexpr double kLeastSwing = 0.2;  // rad; a hinge that moves less is no door
-constexpr double kSwingStep = 0.04;       // rad between the postures of a door that are checked
+constexpr double kSwingStep = 0.04;  // rad between the postures of a door that are checked
 constexpr double kUpright = 0.95;    // of the axis along the vertical
 
 std::vector<int> GeomsOf(const mjModel* m, int body) {

@@ -20,7 +20,6 @@ std::vector<Articulation> DoorsOf(const SceneAnnotations& annotations, const Sce
 // Refuses a robot that is nearer than `clearance` (metres) to a place which one of the doors takes
 // up somewhere in its range. The scene's poses are up to date, and stay as they are.
 std::optional<Refusal> ValidateDoorSwings(Scene& scene, const Robot& robot,
-                                          const std::vector<Articulation>& doors,
-                                          double clearance);
+                                          const std::vector<Articulation>& doors, double clearance);
 
 }  // namespace robocell::internal

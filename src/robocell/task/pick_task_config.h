@@ -29,7 +29,8 @@ void PickedObjectFields(V&& v) {
   v("rotate", &T::rotate, "Also turn `object` by a random angle about z of the root frame.");
   v("refer", &T::refer,
     "Name the object in the instruction by what tells it from all others, as the robot sees them: "
-    "`the red mug`, `the mug left of the laptop`. An object that no words single out has the name of "
+    "`the red mug`, `the mug left of the laptop`. An object that no words single out has the name "
+    "of "
     "its kind.");
   v("lift_height", &T::lift_height,
     "Success: the object is this far above its first height, metres, and only robots hold it.",

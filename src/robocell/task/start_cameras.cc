@@ -65,8 +65,7 @@ Eigen::Vector3d MiddleOf(const NameList& names, const Scene& scene, const Robot&
       sum += robot.tcp_in_world().translation();
       continue;
     }
-    const std::vector<bool> bodies =
-        BodiesNamed(scene, robot, Resolved(object_of, name), place);
+    const std::vector<bool> bodies = BodiesNamed(scene, robot, Resolved(object_of, name), place);
     const auto first = std::ranges::find(bodies, true) - bodies.begin();
     sum += Eigen::Vector3d(scene.data()->subtree_com + 3 * first);
   }
@@ -115,9 +114,10 @@ std::vector<bool> BodiesNamed(const Scene& scene, const Robot& robot, const std:
   const mjModel* m = scene.model();
   if (name == kGripper) {
     if (const int body = BodyOfTcp(scene, robot); body >= 0) return internal::SubtreeMask(m, body);
-    throw NotFoundError(fmt::format("{}: robot '{}' has no arm that carries a gripper; name one of "
-                                    "its bodies instead",
-                                    place, robot.name()));
+    throw NotFoundError(
+        fmt::format("{}: robot '{}' has no arm that carries a gripper; name one of "
+                    "its bodies instead",
+                    place, robot.name()));
   }
   if (name == kRobot) {
     std::vector<bool> bodies(static_cast<size_t>(m->nbody));
@@ -176,8 +176,8 @@ StartCameras::Mounted StartCameras::Mount(const RunConfig& run, const std::strin
     return mounted;
   }
   if (FindId(m, mjOBJ_CAMERA, name) >= 0) {
-    throw ArgumentError(fmt::format(
-        "camera '{0}': the scene has a camera of this name; choose another one", name));
+    throw ArgumentError(
+        fmt::format("camera '{0}': the scene has a camera of this name; choose another one", name));
   }
   mounted.fovy = camera.fovy.value_or(StartCamera::kFovy);
   if (!camera.mount.empty()) {
@@ -206,14 +206,13 @@ StartCameras::Mounted StartCameras::Mount(const RunConfig& run, const std::strin
 
 void StartCameras::AddTo(SceneSpec& spec) const {
   for (const Mounted& mounted : mounted_) {
-    const Pose pose = mounted.camera.around.empty() ? mounted.mount * mounted.pose
-                                                    : LookAt({1, 0, 1}, {0, 0, 0});
-    spec.cameras.push_back(
-        {.name = mounted.name,
-         .pos = ToVec3(pose.translation()),
-         .fovy = mounted.fovy,
-         .quat = pose.quaternion(),
-         .attach_to = mounted.body.empty() ? World() : Body(mounted.body)});
+    const Pose pose =
+        mounted.camera.around.empty() ? mounted.mount * mounted.pose : LookAt({1, 0, 1}, {0, 0, 0});
+    spec.cameras.push_back({.name = mounted.name,
+                            .pos = ToVec3(pose.translation()),
+                            .fovy = mounted.fovy,
+                            .quat = pose.quaternion(),
+                            .attach_to = mounted.body.empty() ? World() : Body(mounted.body)});
   }
 }
 
@@ -305,14 +304,12 @@ std::optional<Refusal> StartCameras::CheckSight(const Mounted& mounted, const Sc
                                                 const Robot& robot, const ObjectOf& object_of) {
   const std::string place = FieldOf(mounted.name, "sees");
   const auto refuse = [&](const std::string& what) {
-    return Refusal{Refusal::kCameraConstraint,
-                   fmt::format("camera '{}' {}", mounted.name, what)};
+    return Refusal{Refusal::kCameraConstraint, fmt::format("camera '{}' {}", mounted.name, what)};
   };
   const auto bodies_of = [&](const std::string& name) {
     return BodiesNamed(scene, robot, Resolved(object_of, name), place);
   };
-  const CameraView view =
-      NamedCamera(scene.model(), mounted.name, "scene '" + scene.name() + "'");
+  const CameraView view = NamedCamera(scene.model(), mounted.name, "scene '" + scene.name() + "'");
   for (const auto& [name, sight] : mounted.camera.sees.entries()) {
     const std::vector<bool> bodies = bodies_of(name);
     if (sight->share > 0 || !sight->not_hidden_by.empty()) {
@@ -332,8 +329,7 @@ std::optional<Refusal> StartCameras::CheckSight(const Mounted& mounted, const Sc
       }
     }
     if (sight->pixels == 0) continue;
-    const std::span<const int32_t> ids =
-        images_->Draw(scene, view, mounted.width, mounted.height);
+    const std::span<const int32_t> ids = images_->Draw(scene, view, mounted.width, mounted.height);
     const auto pixels =
         std::ranges::count_if(ids, [&](int32_t id) { return id >= 0 && bodies[id]; });
     if (pixels < sight->pixels) {

@@ -46,8 +46,7 @@ Cell CellWith(const std::string& name, const StartCamera& camera) {
 }
 
 std::string RefusalOf(Cell& cell, int seed = 0) {
-  const auto refusal =
-      cell.cameras.Place(cell.scene, cell.robot, {}, Rng::Stream(seed, "cameras"));
+  const auto refusal = cell.cameras.Place(cell.scene, cell.robot, {}, Rng::Stream(seed, "cameras"));
   return refusal ? refusal->detail : "";
 }
 
@@ -63,10 +62,8 @@ TEST(StartCameras, ACopyIsTheCameraOfTheRobot) {
 }
 
 TEST(StartCameras, NoiseStaysWithinItsRangesAndSpansThem) {
-  const StartCamera noisy{.camera = "exo_camera",
-                          .pos_noise = {0.02, 0.01, 0},
-                          .rotation_noise = 3,
-                          .fovy_noise = 4};
+  const StartCamera noisy{
+      .camera = "exo_camera", .pos_noise = {0.02, 0.01, 0}, .rotation_noise = 3, .fovy_noise = 4};
   Cell cell = CellWith("exo", noisy);
   const mjModel* m = cell.scene.model();
   const double fovy = m->cam_fovy[FindId(m, mjOBJ_CAMERA, "robot_0/exo_camera")];
@@ -75,8 +72,8 @@ TEST(StartCameras, NoiseStaysWithinItsRangesAndSpansThem) {
   for (int seed = 0; seed < 200; ++seed) {
     ASSERT_EQ(RefusalOf(cell, seed), "");
     cell.scene.SyncPoses();
-    const Pose offset = cell.scene.camera_pose("robot_0/exo_camera").inverse() *
-                        cell.scene.camera_pose("exo");
+    const Pose offset =
+        cell.scene.camera_pose("robot_0/exo_camera").inverse() * cell.scene.camera_pose("exo");
     most = most.cwiseMax(offset.translation().cwiseAbs());
     turn = std::max(turn, offset.angle() * 180 / M_PI);
     lens = std::max(lens, std::abs(m->cam_fovy[FindId(m, mjOBJ_CAMERA, "exo")] - fovy));
@@ -93,10 +90,9 @@ TEST(StartCameras, NoiseStaysWithinItsRangesAndSpansThem) {
 }
 
 TEST(StartCameras, OneOnABodyMovesWithItAndLooksAtItsPoint) {
-  Cell cell = CellWith("hand", {.mount = "base_link",
-                                .pos = Vec3{0.1, 0.2, 0.5},
-                                .look_at = Vec3{0.5, 0, 0.1},
-                                .fovy = 70});
+  Cell cell = CellWith(
+      "hand",
+      {.mount = "base_link", .pos = Vec3{0.1, 0.2, 0.5}, .look_at = Vec3{0.5, 0, 0.1}, .fovy = 70});
   ASSERT_EQ(RefusalOf(cell), "");
   for (const double y : {0.0, 0.3}) {
     cell.robot.base().SetPose(Pose::FromRpy({-0.4, y, 0.2}, {0, 0, y}));
@@ -124,9 +120,9 @@ TEST(StartCameras, OneAroundAnObjectSeesWhatItHasToSee) {
   for (int seed = 0; seed < 25; ++seed) {
     if (!RefusalOf(cell, seed).empty()) continue;
     cell.scene.SyncPoses();
-    const ObjectView seen = ViewOfObject(
-        cell.scene, mug, NamedCamera(cell.scene.model(), "side", "test"),
-        cell.run.cameras.resolution[0], cell.run.cameras.resolution[1], 0, images);
+    const ObjectView seen =
+        ViewOfObject(cell.scene, mug, NamedCamera(cell.scene.model(), "side", "test"),
+                     cell.run.cameras.resolution[0], cell.run.cameras.resolution[1], 0, images);
     EXPECT_GE(seen.pixels, 40);
     EXPECT_GE(seen.share, 0.5);
     const int root = FindId(cell.scene.model(), mjOBJ_BODY, "target");
@@ -186,8 +182,8 @@ TEST(StartCameras, RejectsUnknownNames) {
 }
 
 TEST(StartCameras, StartsOfARunHaveThemInTheirSpecs) {
-  RunConfig run = RunWith("side", {.around = {"target", "gripper"},
-                                   .sees = {{"target", {.pixels = 20}}}});
+  RunConfig run =
+      RunWith("side", {.around = {"target", "gripper"}, .sees = {{"target", {.pixels = 20}}}});
   run.start.cameras["wrist"] = {.camera = "wrist_camera", .rotation_noise = 2};
   StartSampler sampler(run);
   std::optional<EpisodeStart> start;
@@ -216,9 +212,9 @@ TEST(StartCameras, StartsOfARunHaveThemInTheirSpecs) {
 }
 
 TEST(StartCameras, AStartThatNoCameraSeesIsRefusedUnderItsStage) {
-  RunConfig run = RunWith("blind", {.pos = Vec3{3, 0, 3},
-                                    .look_at = Vec3{6, 0, 3},
-                                    .sees = {{"target", {.pixels = 1}}}});
+  RunConfig run = RunWith(
+      "blind",
+      {.pos = Vec3{3, 0, 3}, .look_at = Vec3{6, 0, 3}, .sees = {{"target", {.pixels = 1}}}});
   StartSampler sampler(run);
   Rng rng = Rng::Stream(5);
   const SampleResult result = sampler.Sample({}, rng);

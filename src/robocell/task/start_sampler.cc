@@ -531,8 +531,8 @@ std::optional<Refusal> StartSampler::ValidatePlaced(Setup& setup,
   if (setup.target_body.empty()) {
     auto refusal = ValidateBaseClearance(setup.scene, setup.robot, run_.start.base_clearance);
     if (!refusal)
-      refusal = internal::ValidateDoorSwings(setup.scene, setup.robot, doors_,
-                                             run_.start.base_clearance);
+      refusal =
+          internal::ValidateDoorSwings(setup.scene, setup.robot, doors_, run_.start.base_clearance);
     if (refusal) return std::move(*refusal).MadeBy(Refusal::kBaseStage);
     if (auto by_task = check_task()) return by_task;
     return check_cameras();

@@ -117,8 +117,7 @@ class StartSampler : public TaskSampler {
   std::optional<Refusal> ValidateDistance(const Setup& setup, const Pose& proposed_for);
   // `camera_draws`: places the cameras of `start.cameras`; unset once they are placed.
   std::optional<Refusal> ValidatePlaced(Setup& setup, const std::optional<Rng>& camera_draws);
-  std::optional<Refusal> ValidateStartCameras(Setup& setup,
-                                              const std::optional<Rng>& camera_draws);
+  std::optional<Refusal> ValidateStartCameras(Setup& setup, const std::optional<Rng>& camera_draws);
   // Returns the cameras of `start.cameras` for scenes of this base; null if there are none.
   std::shared_ptr<StartCameras> CamerasOf(const SceneSpec& base);
   std::optional<Refusal> ArrangeOnce(Setup& setup, const Support& support,
