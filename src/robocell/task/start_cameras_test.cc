@@ -125,7 +125,8 @@ TEST(StartCameras, OneAroundAnObjectSeesWhatItHasToSee) {
                      cell.run.cameras.resolution[0], cell.run.cameras.resolution[1], 0, images);
     EXPECT_GE(seen.pixels, 40);
     EXPECT_GE(seen.share, 0.5);
-    const int root = FindId(cell.scene.model(), mjOBJ_BODY, "target");
+    const int root = FindId(cell.scene.model(), mjOBJ_BODY,
+                            cell.scene.compiled()->object("target").root_body);
     const Eigen::Vector3d middle(cell.scene.data()->subtree_com + 3 * root);
     const Eigen::Vector3d away = cell.scene.camera_pose("side").translation() - middle;
     EXPECT_GE(away.head<2>().dot((middle - base).head<2>()), -1e-9) << "behind the robot";
