@@ -42,7 +42,7 @@ ObjectView SeeObject(const Scene& scene, const std::string& object, nb::handle c
 
 // Returns the bytes of a mask: booleans or uint8.
 nb::object PointsOf(nb::handle mask, int most) {
-  using Mask = nb::ndarray<nb::ndim<2>, nb::device::cpu>;
+  using Mask = nb::ndarray<nb::ro, nb::ndim<2>, nb::device::cpu>;
   Mask given;
   if (!nb::try_cast(mask, given, /*convert=*/false) ||
       (given.dtype() != nb::dtype<bool>() && given.dtype() != nb::dtype<uint8_t>())) {

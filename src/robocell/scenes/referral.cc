@@ -45,7 +45,8 @@ Answer Both(std::initializer_list<Answer> answers) { return std::min(answers); }
 // Horizontal unit vectors of a viewer.
 struct Axes {
   explicit Axes(const Viewer& viewer) : ahead(viewer.forward.x(), viewer.forward.y(), 0) {
-    ahead = ahead.norm() < 1e-9 ? Eigen::Vector3d::UnitX() : Eigen::Vector3d(ahead.normalized());
+    if (ahead.norm() < 1e-9) ahead = Eigen::Vector3d::UnitX();
+    ahead.normalize();
     left = Eigen::Vector3d::UnitZ().cross(ahead);
   }
   Eigen::Vector3d ahead, left;
