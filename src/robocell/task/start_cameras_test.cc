@@ -27,14 +27,14 @@ RunConfig RunWith(const std::string& name, const StartCamera& camera) {
 }
 
 // A mug before the robot of the demo, and the cameras of a run in this scene.
-struct Cell {
+struct CameraCell {
   RunConfig run;
   Scene scene;
   Robot robot;
   StartCameras cameras;
 };
 
-Cell CellWith(const std::string& name, const StartCamera& camera) {
+CameraCell CellWith(const std::string& name, const StartCamera& camera) {
   const RunConfig run = RunWith(name, camera);
   const PickScene probe = MakePickScene(ObjectOnTheTable("mug"));
   StartCameras cameras(run, probe.scene, probe.robot, std::make_shared<BodyImages>());
@@ -45,13 +45,13 @@ Cell CellWith(const std::string& name, const StartCamera& camera) {
   return {run, scene, Robot::Of(scene, run.robot.config.name), std::move(cameras)};
 }
 
-std::string RefusalOf(Cell& cell, int seed = 0) {
+std::string RefusalOf(CameraCell& cell, int seed = 0) {
   const auto refusal = cell.cameras.Place(cell.scene, cell.robot, {}, Rng::Stream(seed, "cameras"));
   return refusal ? refusal->detail : "";
 }
 
 TEST(StartCameras, ACopyIsTheCameraOfTheRobot) {
-  Cell cell = CellWith("copy", {.camera = "wrist_camera"});
+  CameraCell cell = CellWith("copy", {.camera = "wrist_camera"});
   EXPECT_EQ(RefusalOf(cell), "");
   cell.scene.SyncPoses();
   EXPECT_TRUE(cell.scene.camera_pose("copy").is_close(
@@ -64,7 +64,7 @@ TEST(StartCameras, ACopyIsTheCameraOfTheRobot) {
 TEST(StartCameras, NoiseStaysWithinItsRangesAndSpansThem) {
   const StartCamera noisy{
       .camera = "exo_camera", .pos_noise = {0.02, 0.01, 0}, .rotation_noise = 3, .fovy_noise = 4};
-  Cell cell = CellWith("exo", noisy);
+  CameraCell cell = CellWith("exo", noisy);
   const mjModel* m = cell.scene.model();
   const double fovy = m->cam_fovy[FindId(m, mjOBJ_CAMERA, "robot_0/exo_camera")];
   Eigen::Vector3d most = Eigen::Vector3d::Zero();
@@ -90,7 +90,7 @@ TEST(StartCameras, NoiseStaysWithinItsRangesAndSpansThem) {
 }
 
 TEST(StartCameras, OneOnABodyMovesWithItAndLooksAtItsPoint) {
-  Cell cell = CellWith(
+  CameraCell cell = CellWith(
       "hand",
       {.mount = "base_link", .pos = Vec3{0.1, 0.2, 0.5}, .look_at = Vec3{0.5, 0, 0.1}, .fovy = 70});
   ASSERT_EQ(RefusalOf(cell), "");
@@ -112,7 +112,7 @@ TEST(StartCameras, OneAroundAnObjectSeesWhatItHasToSee) {
                            .azimuth = {-90, 90},
                            .look_at_noise = 0.03,
                            .sees = {{"target", {.pixels = 40, .share = 0.5}}}};
-  Cell cell = CellWith("side", around);
+  CameraCell cell = CellWith("side", around);
   BodyImages images;
   const std::vector<bool> mug = BodiesOf(cell.scene, "target", "test");
   const Eigen::Vector3d base = cell.robot.base_in_world().translation();
@@ -146,7 +146,7 @@ TEST(StartCameras, OneAroundAnObjectSeesWhatItHasToSee) {
 TEST(StartCameras, RefusalsSayWhatIsNotSeen) {
   const auto refusal = [](const CameraSight& sight, const std::string& name = "target") {
     // It looks at the mug from behind the hand that is put in front of it below.
-    Cell cell = CellWith("front", {.pos = Vec3{1.2, 0, 0.5},
+    CameraCell cell = CellWith("front", {.pos = Vec3{1.2, 0, 0.5},
                                    .look_at = Vec3{0, 0, 0.5},
                                    .fovy = 40,
                                    .sees = {{name, sight}}});
@@ -162,7 +162,7 @@ TEST(StartCameras, RefusalsSayWhatIsNotSeen) {
 TEST(StartCameras, SeesWhatIsInFront) {
   // From behind the robot, its body hides the mug.
   const auto refusal = [](const NameList& names) {
-    Cell cell = CellWith("back", {.pos = Vec3{-1.2, 0, 0.45},
+    CameraCell cell = CellWith("back", {.pos = Vec3{-1.2, 0, 0.45},
                                   .look_at = Vec3{0, 0, 0.48},
                                   .fovy = 40,
                                   .sees = {{"target", {.pixels = 0, .not_hidden_by = names}}}});
@@ -177,7 +177,7 @@ TEST(StartCameras, RejectsUnknownNames) {
                              "camera 'wirst': no camera 'wrist_camra'");
   ExpectThrow<NotFoundError>([] { CellWith("a", {.mount = "bas_link", .pos = Vec3{}}); },
                              "camera 'a', mount: no body or site 'bas_link'");
-  Cell cell = CellWith("a", {.around = {"targt"}});
+  CameraCell cell = CellWith("a", {.around = {"targt"}});
   ExpectThrow<NotFoundError>([&] { cell.cameras.RequireNames(cell.scene, cell.robot, {}); },
                              "camera 'a', around: no object, robot or body 'targt'");
 }
