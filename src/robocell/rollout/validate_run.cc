@@ -263,8 +263,8 @@ class SceneValidator {
 
   // Finds the cameras of `start.cameras` on a scene without them; scenes built later have them.
   void MountCameras(const Scene& scene) {
-    cameras_ = std::make_shared<StartCameras>(run_, scene, Robot::Of(scene, run_.robot.config.name),
-                                              nullptr);
+    cameras_ = std::make_shared<internal::StartCameras>(
+        run_, scene, Robot::Of(scene, run_.robot.config.name), nullptr);
   }
 
   void RequireCamerasObjects(const Scene& start) const {
@@ -413,7 +413,7 @@ class SceneValidator {
   const std::shared_ptr<const TaskKind> task_ = FindTaskKind(run_.task.kind());
   std::shared_ptr<SceneSource> source_;
   std::vector<StartContents> starts_;  // contents of a number of starts, if something names objects
-  std::shared_ptr<StartCameras> cameras_;
+  std::shared_ptr<internal::StartCameras> cameras_;
   const RunDemands& demands_;
   Problems& problems_;
   Problems doubts_;

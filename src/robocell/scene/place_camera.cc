@@ -13,7 +13,7 @@
 #include "robocell/spec/camera_spec.h"
 #include "robocell/spec/types.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 void PlaceCamera(Scene& scene, const std::string& camera, const Pose& pose_in_parent, double fovy) {
   const std::string place = "scene '" + scene.name() + "'";
@@ -47,4 +47,4 @@ void PlaceCamera(Scene& scene, const std::string& camera, const Pose& pose_in_pa
   scene.PosesChanged();
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

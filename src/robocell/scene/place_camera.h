@@ -9,11 +9,11 @@
 #include "robocell/math/pose.h"
 #include "robocell/scene/scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // `pose_in_parent` is in MuJoCo's camera axes, `fovy` in degrees. The parent is the world or a body:
 // CameraSpec::attach_to. Throws NotFoundError for a camera that the spec does not have,
 // ArgumentError for one with a model of its own or another parent, and Error on a frozen model.
 void PlaceCamera(Scene& scene, const std::string& camera, const Pose& pose_in_parent, double fovy);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -9,7 +9,7 @@
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 SceneSpec SceneWithCameras() {
@@ -54,4 +54,4 @@ TEST(PlaceCamera, RejectsCamerasThatItCannotMove) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -25,7 +25,7 @@
 #include "robocell/spec/types.h"
 #include "robocell/task/base_placement.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr const char* kGripper = "gripper";
@@ -76,7 +76,7 @@ Eigen::Vector3d MiddleOf(const NameList& names, const Scene& scene, const Robot&
 Eigen::Vector3d RandomRotation(double degrees, Rng& rng) {
   Eigen::Vector3d axis(rng.Normal(), rng.Normal(), rng.Normal());
   if (axis.norm() < 1e-9) axis = Eigen::Vector3d::UnitX();
-  return axis.normalized() * internal::Radians(degrees) * rng.Uniform();
+  return axis.normalized() * Radians(degrees) * rng.Uniform();
 }
 
 Eigen::Vector3d RandomOffset(const Vec3& most, Rng& rng) {
@@ -99,7 +99,7 @@ double LensOf(const mjModel* m, int id, const std::string& place) {
                         ": the camera's lens has two focal lengths or a principal point beside "
                         "its centre, which is not taken over; give `fovy`");
   }
-  return internal::Degrees(2 * std::atan(0.5 * size[1] / lens[1]));
+  return Degrees(2 * std::atan(0.5 * size[1] / lens[1]));
 }
 
 // True for what moves with the robot, or is the robot.
@@ -113,7 +113,7 @@ std::vector<bool> BodiesNamed(const Scene& scene, const Robot& robot, const std:
                               const std::string& place) {
   const mjModel* m = scene.model();
   if (name == kGripper) {
-    if (const int body = BodyOfTcp(scene, robot); body >= 0) return internal::SubtreeMask(m, body);
+    if (const int body = BodyOfTcp(scene, robot); body >= 0) return SubtreeMask(m, body);
     throw NotFoundError(
         fmt::format("{}: robot '{}' has no arm that carries a gripper; name one of "
                     "its bodies instead",
@@ -153,7 +153,7 @@ StartCameras::Mounted StartCameras::Mount(const RunConfig& run, const std::strin
     const std::string model_name = camera.camera.empty() ? name : camera.camera;
     std::string full;
     try {
-      full = internal::FindCameraName(scene, {.name = "", .camera = model_name});
+      full = FindCameraName(scene, {.name = "", .camera = model_name});
     } catch (const NotFoundError& error) {
       throw NotFoundError(fmt::format(
           "camera '{}': {} A camera of its own needs a `pos` or `around`", name, error.what()));
@@ -225,8 +225,8 @@ void StartCameras::Draw(const Mounted& mounted, Scene& scene, const Robot& robot
     const Eigen::Vector3d middle =
         MiddleOf(camera.around, scene, robot, object_of, FieldOf(mounted.name, "around"));
     const Eigen::Vector3d away = middle - robot.base_in_world().translation();
-    const double azimuth = std::atan2(away.y(), away.x()) +
-                           internal::Radians(rng.Uniform(camera.azimuth[0], camera.azimuth[1]));
+    const double azimuth =
+        std::atan2(away.y(), away.x()) + Radians(rng.Uniform(camera.azimuth[0], camera.azimuth[1]));
     const double distance = rng.Uniform(camera.distance[0], camera.distance[1]);
     const double height = rng.Uniform(camera.height[0], camera.height[1]);
     pose = LookAt(middle + Eigen::Vector3d(distance * std::cos(azimuth),
@@ -315,7 +315,7 @@ std::optional<Refusal> StartCameras::CheckSight(const Mounted& mounted, const Sc
     if (sight->share > 0 || !sight->not_hidden_by.empty()) {
       const CameraModel camera =
           ComputeCamera(scene.model(), scene.data(), view, mounted.width, mounted.height);
-      const internal::SightOfBodies seen = internal::SightOf(scene, bodies, camera);
+      const SightOfBodies seen = SightOf(scene, bodies, camera);
       if (seen.share < sight->share) {
         return refuse(fmt::format("sees {:.0f} % of '{}', and its share is {:.0f} %",
                                   100 * seen.share, name, 100 * sight->share));
@@ -340,4 +340,4 @@ std::optional<Refusal> StartCameras::CheckSight(const Mounted& mounted, const Sc
   return std::nullopt;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -26,7 +26,7 @@
 #include "robocell/spec/start_camera.h"
 #include "robocell/task/refusal.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // Returns which bodies of the scene a name means: `gripper` (what the TCP's body carries), `robot`,
 // or those of BodiesOf (scenes/object_view.h), with its errors.
@@ -82,4 +82,4 @@ class StartCameras {
   std::shared_ptr<BodyImages> images_;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -14,7 +14,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using ::testing::HasSubstr;
@@ -125,8 +125,8 @@ TEST(StartCameras, OneAroundAnObjectSeesWhatItHasToSee) {
                      cell.run.cameras.resolution[0], cell.run.cameras.resolution[1], 0, images);
     EXPECT_GE(seen.pixels, 40);
     EXPECT_GE(seen.share, 0.5);
-    const int root = FindId(cell.scene.model(), mjOBJ_BODY,
-                            cell.scene.compiled()->object("target").root_body);
+    const int root =
+        FindId(cell.scene.model(), mjOBJ_BODY, cell.scene.compiled()->object("target").root_body);
     const Eigen::Vector3d middle(cell.scene.data()->subtree_com + 3 * root);
     const Eigen::Vector3d away = cell.scene.camera_pose("side").translation() - middle;
     EXPECT_GE(away.head<2>().dot((middle - base).head<2>()), -1e-9) << "behind the robot";
@@ -147,9 +147,9 @@ TEST(StartCameras, RefusalsSayWhatIsNotSeen) {
   const auto refusal = [](const CameraSight& sight, const std::string& name = "target") {
     // It looks at the mug from behind the hand that is put in front of it below.
     CameraCell cell = CellWith("front", {.pos = Vec3{1.2, 0, 0.5},
-                                   .look_at = Vec3{0, 0, 0.5},
-                                   .fovy = 40,
-                                   .sees = {{name, sight}}});
+                                         .look_at = Vec3{0, 0, 0.5},
+                                         .fovy = 40,
+                                         .sees = {{name, sight}}});
     return RefusalOf(cell);
   };
   EXPECT_EQ(refusal({.pixels = 1}), "");
@@ -162,10 +162,11 @@ TEST(StartCameras, RefusalsSayWhatIsNotSeen) {
 TEST(StartCameras, SeesWhatIsInFront) {
   // From behind the robot, its body hides the mug.
   const auto refusal = [](const NameList& names) {
-    CameraCell cell = CellWith("back", {.pos = Vec3{-1.2, 0, 0.45},
-                                  .look_at = Vec3{0, 0, 0.48},
-                                  .fovy = 40,
-                                  .sees = {{"target", {.pixels = 0, .not_hidden_by = names}}}});
+    CameraCell cell =
+        CellWith("back", {.pos = Vec3{-1.2, 0, 0.45},
+                          .look_at = Vec3{0, 0, 0.48},
+                          .fovy = 40,
+                          .sees = {{"target", {.pixels = 0, .not_hidden_by = names}}}});
     return RefusalOf(cell);
   };
   EXPECT_THAT(refusal({"robot"}), HasSubstr("camera 'back' sees 'robot' in front of 'target'"));
@@ -224,4 +225,4 @@ TEST(StartCameras, AStartThatNoCameraSeesIsRefusedUnderItsStage) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

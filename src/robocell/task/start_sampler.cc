@@ -186,7 +186,7 @@ std::shared_ptr<const SceneAnnotations> StartSampler::AnnotationsOf(int scene_in
   return annotations_[key] = std::make_shared<const SceneAnnotations>(DeriveAnnotations(base));
 }
 
-std::shared_ptr<StartCameras> StartSampler::CamerasOf(const SceneSpec& base) {
+std::shared_ptr<internal::StartCameras> StartSampler::CamerasOf(const SceneSpec& base) {
   if (run_.start.cameras.empty()) return nullptr;
   const std::string key = SceneKey(base);
   if (const auto it = cameras_.find(key); it != cameras_.end()) return it->second;
@@ -195,7 +195,7 @@ std::shared_ptr<StartCameras> StartSampler::CamerasOf(const SceneSpec& base) {
   SceneSpec spec = base;
   AddParkedRobot(spec, run_.robot.config);
   const Scene probe = Scene::Build(spec);
-  return cameras_[key] = std::make_shared<StartCameras>(
+  return cameras_[key] = std::make_shared<internal::StartCameras>(
              run_, probe, Robot::Of(probe, run_.robot.config.name), images_);
 }
 
@@ -410,7 +410,7 @@ struct StartSampler::Setup {
   std::string target_body;
   Pose middle;  // middle of the support
   StopRequest stop;
-  std::shared_ptr<StartCameras> cameras;  // null without `start.cameras`
+  std::shared_ptr<internal::StartCameras> cameras;  // null without `start.cameras`
   RefusalCounts redrawn = {};
   int arrangements = 0;
 
@@ -420,7 +420,7 @@ struct StartSampler::Setup {
     if (std::ranges::find(named, name) == named.end()) return name;
     return internal::TaskCalls(*task).ObjectOf(name);
   }
-  StartCameras::ObjectOf object_of() const {
+  internal::StartCameras::ObjectOf object_of() const {
     return [this](const std::string& name) { return ObjectOf(name); };
   }
 
@@ -604,7 +604,7 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   const std::optional<SceneAnnotations> known = RequireSource().CheckedAnnotations(request.scene);
   free_floor_ = known ? known->free_floor : std::vector<FloorArea>();
   rejected_bases_.clear();
-  const std::shared_ptr<StartCameras> cameras = CamerasOf(spec);
+  const std::shared_ptr<internal::StartCameras> cameras = CamerasOf(spec);
   const size_t own = spec.objects.size();
   StartContents contents = AddContents(request, spec, rng);
   const StartContents placed = TakePlaced(spec, own);

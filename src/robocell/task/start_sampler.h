@@ -34,11 +34,11 @@ namespace robocell {
 namespace internal {
 class Landmarks;
 class RelatedPlaces;
+class StartCameras;
 struct StatedPlaces;
 }  // namespace internal
 class BodyImages;
 class SceneSource;
-class StartCameras;
 class TaskKind;
 
 class StartSampler : public TaskSampler {
@@ -119,7 +119,7 @@ class StartSampler : public TaskSampler {
   std::optional<Refusal> ValidatePlaced(Setup& setup, const std::optional<Rng>& camera_draws);
   std::optional<Refusal> ValidateStartCameras(Setup& setup, const std::optional<Rng>& camera_draws);
   // Returns the cameras of `start.cameras` for scenes of this base; null if there are none.
-  std::shared_ptr<StartCameras> CamerasOf(const SceneSpec& base);
+  std::shared_ptr<internal::StartCameras> CamerasOf(const SceneSpec& base);
   std::optional<Refusal> ArrangeOnce(Setup& setup, const Support& support,
                                      const BasePlacement& placement, Rng& rng);
   static std::vector<std::string> RestingObjects(const Setup& setup);
@@ -136,7 +136,7 @@ class StartSampler : public TaskSampler {
   std::map<std::string, std::shared_ptr<const internal::Landmarks>> landmarks_;
   std::map<std::string, std::shared_ptr<const SceneAnnotations>> annotations_;
   std::map<int, std::set<std::string>> possible_names_;
-  std::map<std::string, std::shared_ptr<StartCameras>> cameras_;
+  std::map<std::string, std::shared_ptr<internal::StartCameras>> cameras_;
   std::shared_ptr<BodyImages> images_;
   std::vector<Eigen::Vector2d> rejected_bases_;  // of the start under construction
   std::vector<Articulation> doors_;              // of the base scene in use
