@@ -71,11 +71,11 @@ std::set<std::string> Meant(const std::vector<ReferableObject>& things, const st
         const Eigen::Vector3d d = MiddleOf(thing) - MiddleOf(landmark);
         // Directions are said of what is near, and mostly in that direction.
         const bool is_direction = words != " next to the " && words != " on the ";
-        if (&thing == &landmark || d.norm() > 0.81) return false;
+        if (&thing == &landmark || d.head<2>().norm() > 0.8) return false;
         const bool is_ahead = words == " behind the " || words == " in front of the ";
         const double along = std::abs(is_ahead ? d.x() : d.y());
         const double across = std::abs(is_ahead ? d.y() : d.x());
-        if (is_direction && words != " in the " && across > 1.39 * along) return false;
+        if (is_direction && words != " in the " && across > 1.4 * along) return false;
         return test(d, thing, landmark);
       });
     }

@@ -47,9 +47,8 @@ objects: [{object: cup, words: [the blue cup], room: lab}]
   EXPECT_LT((end - Eigen::Vector3d(-1, 1.5, 0)).norm(), 1e-12);
   ASSERT_EQ(known.rooms.size(), 1U);
   EXPECT_EQ(known.rooms[0].category, "workshop");
-  ASSERT_EQ(known.objects.size(), derived.objects.size());
+  ASSERT_EQ(known.objects.size(), 1U);
   EXPECT_EQ(known.objects[0].words, std::vector<std::string>{"the blue cup"});
-  EXPECT_EQ(known.objects[0].category, derived.objects[0].category);
   // The geometry gives what the file does not list.
   ASSERT_FALSE(derived.supports.empty());
   ASSERT_EQ(known.supports.size(), derived.supports.size());
@@ -69,7 +68,7 @@ TEST(SceneAnnotationFile, ErrorsHaveTheirPlace) {
     ExpectThrow<SpecError>([&] { lab.Known(); }, message);
   };
   expect("rooms:\n- {name: lab}\nobjects:\n- {object: cap, words: [a cup]}\n",
-         "lab.annotations.yaml:4:12: object 'cap' (objects[0]).object: the scene: no body 'cap'");
+         "lab.annotations.yaml:4:12: objects[0].object: the scene: no body 'cap'");
   expect("rooms: [{name: lab}]\nobjects: [{object: cup, room: lap}]\n",
          "lab.annotations.yaml:2:31: object 'cup' (objects[0]).room: 'lap' is not among `rooms`");
   expect("supports: [{pos: [0, 0, .nan], size: [1, 1]}]\n", "lab.annotations.yaml:1:");

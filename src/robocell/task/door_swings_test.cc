@@ -24,11 +24,12 @@ struct Doorway {
 Scene SceneWithDoor(ModelFolder& folder, double height) {
   SceneSpec spec = EmptyScene();
   const std::string h = std::to_string(0.5 * height);
-  const std::string model = folder.Write(
-      "door",
-      "<worldbody><body name=\"leaf\"><joint name=\"hinge\" axis=\"0 0 1\" range=\"0 90\"/>"
-      "<geom type=\"box\" size=\"0.4 0.02 " +
-          h + "\" pos=\"0.4 0 " + h + "\"/></body></worldbody>");
+  const std::string model =
+      folder.Write("door",
+                   "<worldbody><body name=\"frame\"><body name=\"leaf\"><joint name=\"hinge\" "
+                   "axis=\"0 0 1\" range=\"0 90\"/>"
+                   "<geom type=\"box\" size=\"0.4 0.02 " +
+                       h + "\" pos=\"0.4 0 " + h + "\"/></body></body></worldbody>");
   spec.objects.push_back({.name = "door", .mjcf_path = model, .pos = Vec3{1, 0, 0}, .fixed = true});
   const RunConfig run = ExampleRun("demo.yaml");
   spec.robots.push_back({.name = "arm", .config = run.robot.config, .prefix = "robot_0/"});
