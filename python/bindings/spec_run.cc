@@ -19,7 +19,7 @@ void BindRunSpecs(nb::module_& m) {
   BindSpecClass<StartCamera>(m,
                              "A camera that each start of a run places anew."
                              "\n\nExamples:\n"
-                             "    >>> run.start.cameras[\"side\"] = {\"around\": [\"target\"]}");
+                             "    >>> run.start.cameras = {\"side\": {\"around\": [\"target\"]}}");
   BindSpecClass<StartConfig>(m,
                              "Places of objects and of the robot's base, and the conditions for "
                              "beginning an episode.");
