@@ -40,7 +40,8 @@ void ForEachCorner(const mjModel* m, const mjData* d, const std::vector<int>& ge
     const mjtNum* box = m->geom_aabb + 6 * g;
     for (int corner = 0; corner < 8; ++corner) {
       Eigen::Vector3d point;
-      for (int i = 0; i < 3; ++i) point[i] = box[i] + (((corner >> i) & 1) != 0 ? box[3 + i] : -box[3 + i]);
+      for (int i = 0; i < 3; ++i)
+        point[i] = box[i] + (((corner >> i) & 1) != 0 ? box[3 + i] : -box[3 + i]);
       look(Eigen::Vector3d(at + turn * point));
     }
   }
