@@ -37,6 +37,8 @@ RUNS = (
     rc.tasks.RandomNumber,
     rc.tasks.RandomProperty,
     rc.tasks.RandomizedValue,
+    rc.tasks.StartCamera,
+    rc.tasks.CameraSight,
     rc.scenes.ObjectPlace,
     rc.scenes.SceneSourceSpec,
     FilesScenes,

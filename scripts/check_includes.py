@@ -78,6 +78,7 @@ BY_REGISTRY = {
         "task_sampler",
         "sampler_kind",
         "refusal",
+        "start_cameras",
         "start_contents",
         "start_sampler",
         "start_turn",

@@ -36,6 +36,7 @@ void BindRender(nb::module_& m);        // images and videos
 void BindTask(nb::module_& m);          // tasks and experts
 void BindSampler(nb::module_& m);       // starts of episodes
 void BindSceneSources(nb::module_& m);  // sources of scenes
+void BindObjectViews(nb::module_& m);   // what cameras see of objects, and words for them
 void BindPick(nb::module_& m);          // the pick task and the scripted planners
 void BindStartSampler(nb::module_& m);  // starts of any task, stage by stage
 void BindFeatures(nb::module_& m);      // observations and commands of cells

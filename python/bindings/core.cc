@@ -33,6 +33,7 @@ NB_MODULE(_core, m) {
   BindStartSampler(m);
   BindPick(m);
   BindSceneSources(m);
+  BindObjectViews(m);
   BindTaskKinds(m);
   BindFeatures(m);
   BindRunEnv(m);

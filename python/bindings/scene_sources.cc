@@ -278,16 +278,11 @@ void BindHouses(nb::module_& m) {
           "__init__",
           [](HouseOptions* self, uint64_t seed, const std::pair<int, int>& rooms,
              int most_objects) {
-            if (rooms.first < 1 || rooms.second < rooms.first || rooms.second > 40)
-              throw ArgumentError(
-                  fmt::format("rooms: {} to {}; give 1 to 40, the smaller number first",
-                              rooms.first, rooms.second));
-            if (most_objects < 0 || most_objects > 1000)
-              throw ArgumentError(fmt::format("most_objects: {}; give 0 to 1000", most_objects));
             new (self) HouseOptions{.seed = seed,
                                     .least_rooms = rooms.first,
                                     .most_rooms = rooms.second,
                                     .most_objects = most_objects};
+            self->Validate();
           },
           nb::kw_only(), "seed"_a = 0, "rooms"_a = std::pair{3, 6}, "most_objects"_a = 40);
   m.def("prepare_house_folder", &PrepareHouseFolder, "folder"_a, "options"_a,

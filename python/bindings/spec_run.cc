@@ -15,6 +15,11 @@ void BindRunSpecs(nb::module_& m) {
       BindSpecClass<CameraSystemConfig>(m, "The image streams of a run and the size they share.");
   DefYamlFile(cameras);
   BindSpecClass<ObjectPlace>(m, "A start of an object on, inside or next to something else.");
+  BindSpecClass<CameraSight>(m, "What a camera has to see of something when an episode begins.");
+  BindSpecClass<StartCamera>(m,
+                             "A camera that each start of a run places anew."
+                             "\n\nExamples:\n"
+                             "    >>> run.start.cameras = {\"side\": {\"around\": [\"target\"]}}");
   BindSpecClass<StartConfig>(m,
                              "Places of objects and of the robot's base, and the conditions for "
                              "beginning an episode.");

@@ -25,6 +25,7 @@ from robocell._core import (
     HousesScenes,
     HouseSummary,
     ObjectPlace,
+    ObjectView,
     ObjectWords,
     Relation,
     Room,
@@ -40,7 +41,10 @@ from robocell._core import (
     has_house,
     make_house,
     make_scene_source,
+    object_view,
+    points_in_mask,
     prepare_house_folder,
+    referrals,
     scene_source_kinds,
 )
 from robocell.tasks import register_scene_source
@@ -55,6 +59,7 @@ __all__ = [
     "HouseSummary",
     "HousesScenes",
     "ObjectPlace",
+    "ObjectView",
     "ObjectWords",
     "Relation",
     "Room",
@@ -70,7 +75,10 @@ __all__ = [
     "has_house",
     "make_house",
     "make_scene_source",
+    "object_view",
+    "points_in_mask",
     "prepare_house_folder",
+    "referrals",
     "register_scene_source",
     "scene_source_kinds",
 ]

@@ -222,6 +222,11 @@ def test_files_outside_of_the_set_are_refused(copy: Path, tmp_path: Path):
         ("train_0_metadata.json", b'{"objects": {"a": 1, "Mug|2|2": {"category": 7}}}', ""),
         ("train_0_metadata.json", b"[" * 100_000, "metadata"),
         ("train_0_ceiling.xml", b"<mujoco><worldbody>", "XML"),
+        (
+            "train_0_ceiling.xml",  # it can be read, but not compiled: the body weighs nothing
+            b"<mujoco><worldbody><body name='a'><freejoint/></body></worldbody></mujoco>",
+            "mass and inertia",
+        ),
     ],
 )
 def test_damaged_files_leave_a_house_or_a_reason(
@@ -230,7 +235,7 @@ def test_damaged_files_leave_a_house_or_a_reason(
     (copy / name).write_bytes(content)
     source = source_of(root=str(copy))
     if name.endswith("xml"):
-        assert source.why_not(0)
+        assert reason in source.why_not(0)
     else:
         known = source.annotations(0)
         assert known.free_floor
@@ -334,6 +339,18 @@ def test_assets_may_be_links(copy: Path, tmp_path: Path):
     bowl.unlink()
     bowl.symlink_to(tmp_path / "nothing.obj")
     assert "missing: Bowl_1.obj" in source_of(root=str(copy), without=["Mug_2"]).why_not(0)
+
+
+def test_numbers_without_a_house_are_passed_over(copy: Path):
+    """Unless the run names them."""
+    (copy / "train_0_assets/Bowl_1.obj").unlink()
+    scenes = {"source": "houses", "root": str(copy)}
+    result = robocell_command("generate", write_run(copy.parent, scenes=scenes), "--dry-run")
+    text = result.stdout + result.stderr
+    assert "1 of 2 scenes is left out: 0 (1 of its assets is missing" in text
+    file = write_run(copy.parent, scenes={**scenes, "houses": [1, 3]})
+    text = robocell_command("generate", file, "--dry-run").stderr
+    assert "1 of 2 scenes is left out: 1 (no such house)" in text
 
 
 def test_runs_leave_unusable_houses_out(copy: Path):

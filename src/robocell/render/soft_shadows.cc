@@ -100,14 +100,15 @@ void FitMap(const SoftView& view, SoftShadowMap* map) {
   map->farthest.resize(tiles);
 }
 
-// Empties what was drawn in some rows of tiles; the rest is empty already.
-void ClearTiles(SoftRows rows, SoftShadowMap* map) {
+// Empties what was drawn in some rows of tiles, within the columns of `part`; the rest is empty
+// already.
+void ClearTiles(SoftRows rows, const SoftTiles& part, SoftShadowMap* map) {
   SoftBuffer& buffer = map->buffer;
   SoftNumbers empty;
   std::fill_n(empty.at, kSoftPixels, map->background);
   for (int y = rows.begin; y < rows.end; ++y) {
     const size_t first_tile = static_cast<size_t>(y) * static_cast<size_t>(map->tile_columns);
-    for (int x = 0; x < map->tile_columns; ++x) {
+    for (int x = part.begin[0]; x < part.end[0]; ++x) {
       if (!map->drawn[first_tile + static_cast<size_t>(x)]) continue;
       const int begin = kSoftTile * x, end = std::min(buffer.columns, begin + kSoftTile);
       for (int row = kSoftTile * y; row < std::min(buffer.rows, kSoftTile * (y + 1)); ++row) {
@@ -118,8 +119,8 @@ void ClearTiles(SoftRows rows, SoftShadowMap* map) {
   }
 }
 
-// Marks the tiles in which the instance may be drawn: those around its box.
-void MarkTiles(const SoftView& view, const SoftInstance& instance, SoftShadowMap* map) {
+// Returns the tiles in which the instance may be drawn: those around its box.
+SoftTiles TilesOf(const SoftView& view, const SoftInstance& instance, const SoftShadowMap& map) {
   const SoftMesh& mesh = *instance.mesh;
   const float* m = instance.to_view;
   const auto side = static_cast<float>(view.width);
@@ -145,16 +146,21 @@ void MarkTiles(const SoftView& view, const SoftInstance& instance, SoftShadowMap
       high[c] = std::max(high[c], at[c] + 2);
     }
   }
-  int begin[2], end[2];
-  const int last[2] = {map->tile_columns - 1, map->tile_rows - 1};
+  SoftTiles tiles;
+  const int count[2] = {map.tile_columns, map.tile_rows};
   constexpr float kPerTile = 1.0f / (kSoftTile * kSoftBlock);
   for (int c = 0; c < 2; ++c) {
-    begin[c] = static_cast<int>(std::clamp(low[c], 0.0f, side) * kPerTile);
-    end[c] = std::min(last[c], static_cast<int>(std::clamp(high[c], -1.0f, side) * kPerTile));
-    if (high[c] < 0 || low[c] > side) return;
+    if (high[c] < 0 || low[c] > side) return {};
+    tiles.begin[c] = static_cast<int>(std::clamp(low[c], 0.0f, side) * kPerTile);
+    tiles.end[c] =
+        std::min(count[c], static_cast<int>(std::clamp(high[c], 0.0f, side) * kPerTile) + 1);
   }
-  for (int y = begin[1]; y <= end[1]; ++y) {
-    for (int x = begin[0]; x <= end[0]; ++x) {
+  return tiles;
+}
+
+void MarkTiles(const SoftTiles& tiles, SoftShadowMap* map) {
+  for (int y = tiles.begin[1]; y < tiles.end[1]; ++y) {
+    for (int x = tiles.begin[0]; x < tiles.end[0]; ++x) {
       map->drawn[static_cast<size_t>(y) * static_cast<size_t>(map->tile_columns) +
                  static_cast<size_t>(x)] = 1;
     }
@@ -167,6 +173,22 @@ bool Same(const SoftView& a, const SoftView& b) {
 }
 
 }  // namespace
+
+bool SoftTiles::Meets(const SoftTiles& other) const {
+  for (int c = 0; c < 2; ++c) {
+    if (std::max(begin[c], other.begin[c]) >= std::min(end[c], other.end[c])) return false;
+  }
+  return true;
+}
+
+void SoftTiles::Extend(const SoftTiles& other) {
+  if (other.empty()) return;
+  if (empty()) return void(*this = other);
+  for (int c = 0; c < 2; ++c) {
+    begin[c] = std::min(begin[c], other.begin[c]);
+    end[c] = std::max(end[c], other.end[c]);
+  }
+}
 
 bool SoftShadows::Caster::operator==(const Caster& other) const {
   return mesh == other.mesh && !bends && !other.bends &&
@@ -230,11 +252,10 @@ void SoftShadows::Draw(SoftThreads* threads) {
     Map& map = maps_[static_cast<size_t>(i)];
     float to_light[12];
     Store(map.to_light, to_light);
-    if (map.drawn && Same(map.shadow.view, map.drawn_view) &&
-        std::equal(to_light, to_light + 12, map.drawn_to_light) && casters_ == map.drawn_casters) {
-      continue;
-    }
-    DrawMap(threads, &map);
+    const bool is_same_light = map.drawn && Same(map.shadow.view, map.drawn_view) &&
+                               std::equal(to_light, to_light + 12, map.drawn_to_light);
+    if (is_same_light && casters_ == map.drawn_casters) continue;
+    DrawMap(threads, is_same_light, &map);
     map.drawn = true;
     std::copy_n(to_light, 12, map.drawn_to_light);
     map.drawn_view = map.shadow.view;
@@ -242,24 +263,47 @@ void SoftShadows::Draw(SoftThreads* threads) {
   }
 }
 
-void SoftShadows::DrawMap(SoftThreads* threads, Map* map) const {
+// The nearness of a map is that of the nearest caster, in whatever order they are drawn. So where
+// nothing has moved, the map may stay; casters that reach into the other part are drawn once more.
+void SoftShadows::DrawMap(SoftThreads* threads, bool is_same_light, Map* map) const {
   const SoftView& whole = map->shadow.view;
   SoftShadowMap& pixels = map->map;
   FitMap(whole, &pixels);
-  threads->InBands(pixels.tile_rows, [&](SoftRows rows, int) { ClearTiles(rows, &pixels); });
-  std::ranges::fill(pixels.drawn, uint8_t{0});
-  map->instances.clear();
-  for (const Caster& caster : casters_) {
-    map->instances.push_back(InLight(caster, *map));
-    MarkTiles(whole, map->instances.back(), &pixels);
+  const bool is_partial = is_same_light && casters_.size() == map->drawn_casters.size();
+  SoftTiles part;  // what is drawn again
+  map->instances.resize(casters_.size());
+  map->tiles.resize(casters_.size());
+  for (size_t i = 0; i < casters_.size(); ++i) {
+    if (is_partial && casters_[i] == map->drawn_casters[i]) continue;
+    part.Extend(map->tiles[i]);
+    map->instances[i] = InLight(casters_[i], *map);
+    map->tiles[i] = TilesOf(whole, map->instances[i], pixels);
+    part.Extend(map->tiles[i]);
   }
-  threads->InBands(pixels.buffer.rows, [&](SoftRows rows, int band) {
-    const SoftView view = RowsOf(whole, rows);
-    for (const SoftInstance& instance : map->instances) {
-      DrawInstance(view, instance, threads->scratch(band), &pixels.buffer);
+  if (!is_partial) part = {{0, 0}, {pixels.tile_columns, pixels.tile_rows}};
+  if (part.empty()) return;
+  // Bands count from 0.
+  const int tile_rows = part.end[1] - part.begin[1];
+  const auto from = [](SoftRows rows, int first) {
+    return SoftRows{first + rows.begin, first + rows.end};
+  };
+  threads->InBands(
+      tile_rows, [&](SoftRows rows, int) { ClearTiles(from(rows, part.begin[1]), part, &pixels); });
+  if (!is_partial) std::ranges::fill(pixels.drawn, uint8_t{0});
+  for (const SoftTiles& tiles : map->tiles) MarkTiles(tiles, &pixels);
+  const int first_row = kSoftTile * part.begin[1];
+  const int end_row = std::min(pixels.buffer.rows, kSoftTile * part.end[1]);
+  threads->InBands(end_row - first_row, [&](SoftRows rows, int band) {
+    const SoftView view = RowsOf(whole, from(rows, first_row));
+    for (size_t i = 0; i < map->instances.size(); ++i) {
+      if (map->tiles[i].Meets(part))
+        DrawInstance(view, map->instances[i], threads->scratch(band), &pixels.buffer);
     }
   });
-  threads->InBands(pixels.tile_rows, [&](SoftRows rows, int) { SummariseMap(&pixels, rows); });
+  // The limits of a tile cover its neighbours.
+  const int first_tile = std::max(0, part.begin[1] - 1);
+  threads->InBands(part.end[1] - first_tile,
+                   [&](SoftRows rows, int) { SummariseMap(&pixels, from(rows, first_tile)); });
 }
 
 const SoftShadow* SoftShadows::Of(int light) const {

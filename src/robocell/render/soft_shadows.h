@@ -1,6 +1,7 @@
 // Shadow maps of the software renderer: the nearness of the first surface to each light. A map is
-// drawn again only if its light or something that casts a shadow has moved; it does not depend on
-// the camera, so that several cameras share it. Internal to render/.
+// drawn again only if its light has moved, and the part of it where something that casts a shadow
+// has moved; it does not depend on the camera, so that several cameras share it. Internal to
+// render/.
 //
 //   SoftShadows shadows;
 //   shadows.Begin(model, list, camera);
@@ -20,6 +21,15 @@
 #include "robocell/render/soft_threads.h"
 
 namespace robocell::internal {
+
+// A rectangle of tiles: columns and rows.
+struct SoftTiles {
+  int begin[2] = {0, 0}, end[2] = {0, 0};
+
+  bool empty() const { return begin[0] >= end[0] || begin[1] >= end[1]; }
+  bool Meets(const SoftTiles& other) const;
+  void Extend(const SoftTiles& other);
+};
 
 class SoftShadows {
  public:
@@ -52,12 +62,14 @@ class SoftShadows {
     float drawn_to_light[12];
     SoftView drawn_view;
     std::vector<Caster> drawn_casters;
-    std::vector<SoftInstance> instances;  // instances of the casters; scratch memory
+    std::vector<SoftInstance> instances;  // the casters as the light sees them
+    std::vector<SoftTiles> tiles;         // where they may be drawn
   };
 
   // The caster as the light sees it.
   static SoftInstance InLight(const Caster& caster, const Map& map);
-  void DrawMap(SoftThreads* threads, Map* map) const;
+  // `is_same_light`: only casters have moved.
+  void DrawMap(SoftThreads* threads, bool is_same_light, Map* map) const;
 
   std::vector<Map> maps_;
   int used_ = 0;

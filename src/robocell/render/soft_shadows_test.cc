@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <vector>
 
+#include "robocell/base/rng.h"
 #include "robocell/mujoco/compile.h"
 #include "robocell/render/soft_shapes.h"
 
@@ -101,6 +103,46 @@ TEST_F(SoftShadowsTest, AMovedCasterIsDrawnAgainAndLeavesNothingBehind) {
   EXPECT_LT(PixelsNearerThanNothing(), before);
   Draw(nullptr, kHere);
   EXPECT_EQ(PixelsNearerThanNothing(), 0);
+}
+
+// Maps that were drawn in parts are those that are drawn at once, bit by bit.
+TEST_F(SoftShadowsTest, MovedCastersChangeTheirPartOfTheMapAlone) {
+  Rng rng = Rng::Stream(3, "moved casters");
+  constexpr int kSide = 512, kCasters = 12;
+  std::vector<Eigen::Affine3d> poses;
+  const auto anywhere = [&] {
+    Eigen::Affine3d pose(Eigen::Translation3d(rng.Uniform(-5, 5), rng.Uniform(-5, 5),
+                                              rng.Uniform(-2, 4.5)));  // also behind the light
+    pose.rotate(Eigen::AngleAxisd(rng.Uniform(-3, 3), Eigen::Vector3d::UnitX()));
+    return Eigen::Affine3d(pose * Eigen::Scaling(rng.Uniform(0.05, 0.6)));
+  };
+  for (int i = 0; i < kCasters; ++i) poses.push_back(anywhere());
+  const auto draw = [&](SoftShadows& shadows) {
+    shadows.Begin(model_.get(), list_, camera_, kSide);
+    const Eigen::Affine3d floor(Eigen::Translation3d(0, 0, -3) * Eigen::Scaling(9.0, 9.0, 0.1));
+    shadows.AddCaster(&shapes_.box, floor, false);
+    for (size_t i = 0; i < poses.size(); ++i)
+      shadows.AddCaster(i % 2 ? &shapes_.box : &shapes_.sphere, poses[i], i == 1);
+    shadows.Draw(&threads_);
+  };
+  for (const int type : {mjLIGHT_SPOT, mjLIGHT_DIRECTIONAL}) {
+    list_.lights[0].type = type;
+    for (int frame = 0; frame < 30; ++frame) {
+      for (int moves = 0; moves < frame % 4; ++moves)
+        poses[rng.UniformInt(poses.size())] = anywhere();
+      if (frame == 20) poses.pop_back();
+      draw(shadows_);
+      SoftShadows fresh;
+      draw(fresh);
+      const SoftShadowMap &parts = map(), &at_once = *fresh.Of(0)->map;
+      ASSERT_EQ(parts.buffer.nearness.size(), at_once.buffer.nearness.size());
+      for (size_t i = 0; i < parts.buffer.nearness.size(); ++i)
+        ASSERT_TRUE(std::ranges::equal(parts.buffer.nearness[i].at, at_once.buffer.nearness[i].at))
+            << "frame " << frame << ", block " << i;
+      ASSERT_EQ(parts.nearest, at_once.nearest) << "frame " << frame;
+      ASSERT_EQ(parts.farthest, at_once.farthest) << "frame " << frame;
+    }
+  }
 }
 
 TEST_F(SoftShadowsTest, TheMapDoesNotDependOnTheCamera) {

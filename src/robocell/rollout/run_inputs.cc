@@ -65,6 +65,13 @@ std::map<std::string, fs::path> FilesOf(const RunConfig& run) {
       add(inside.lexically_normal().generic_string(), file);
     }
   }
+  const std::shared_ptr<SceneSource> source = MakeSceneSource(run);
+  for (const int scene : SceneIndices(run)) {
+    for (const fs::path& file : source->AnnotationFiles(scene)) {
+      const fs::path whole = fs::absolute(file).lexically_normal();
+      add((whole.parent_path().filename() / whole.filename()).generic_string(), whole);
+    }
+  }
   const internal::UserCode code = CodeOf(run, true);
   for (const fs::path& file : code.files()) add("code/" + file.filename().string(), file);
   return named;

@@ -27,7 +27,7 @@ std::vector<std::string> ModelsOf(const RunConfig& run);
 // Returns the present versions of robocell and MuJoCo.
 std::map<std::string, std::string> VersionsNow();
 
-// Returns the inputs of a run, with the files of ModelsOf.
+// Returns the inputs of a run, with the files of ModelsOf and those of the scenes' annotations.
 RunInputs InputsOf(const RunConfig& run);
 
 // A field, version or file that is another one than before.

@@ -18,6 +18,7 @@
 #include "robocell/task/pick_task_config.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
+#include "robocell/testing/scoped_env.h"
 #include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
@@ -44,6 +45,31 @@ TEST(RunInputs, AreTheModelsOfRobotSceneAndObjects) {
   EXPECT_THAT(InputsOf(run).files, Not(Contains(Key("mug/mug.xml"))));
   EXPECT_THAT(all.versions, UnorderedElementsAre(Key("robocell"), Key("mujoco")));
   EXPECT_THAT(Differences(all, InputsOf(DemoRun())), IsEmpty());
+}
+
+TEST(RunInputs, AnnotationsOfScenesCount) {
+  const TempDir temp;
+  fs::create_directory(temp / "lab");
+  AtomicWrite(temp / "lab/lab.xml",
+              "<mujoco><worldbody><geom type='box' size='1 1 .3'/></worldbody></mujoco>");
+  RunConfig run = DemoRun();
+  run.scenes = FilesScenes{.files = {"lab.xml"}, .root = (temp / "lab").string()};
+  const RunInputs before = InputsOf(run);
+  AtomicWrite(temp / "lab/lab.annotations.yaml", "rooms: [{name: lab}]\n");
+  const RunInputs after = InputsOf(run);
+  EXPECT_THAT(before.files, Not(Contains(Key("lab/lab.annotations.yaml"))));
+  EXPECT_THAT(after.files, Contains(Key("lab/lab.annotations.yaml")));
+  AtomicWrite(temp / "lab/lab.annotations.yaml", "rooms: [{name: shop}]\n");
+  EXPECT_THAT(Differences(after, InputsOf(run)), Not(IsEmpty()));
+
+  run.scenes = SceneSourceSpec("houses");
+  run.scenes.houses.values = {0};
+  fs::create_directory(temp / "cache");
+  const ScopedEnv cache("ROBOCELL_CACHE_DIR", (temp / "cache").string());
+  int count = 0;
+  for (const auto& [name, hash] : InputsOf(run).files)
+    count += name.ends_with("_map.png") || name.ends_with("_metadata.json");
+  EXPECT_EQ(count, 2);
 }
 
 TEST(RunInputs, AreTheSameForOtherWorkersOutputsAndMoreEpisodes) {

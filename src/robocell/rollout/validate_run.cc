@@ -34,7 +34,9 @@
 #include "robocell/spec/validate.h"
 #include "robocell/task/base_placement.h"
 #include "robocell/task/sampler_kind.h"
+#include "robocell/task/start_cameras.h"
 #include "robocell/task/start_contents.h"
+#include "robocell/task/task_calls.h"
 #include "robocell/task/task_kind.h"
 #include "robocell/task/task_sampler.h"
 
@@ -213,15 +215,20 @@ class SceneValidator {
     if (!Try("task", [&] { contents = task_->Contents(run_); })) return;
     if (!Try("task", [&] { BuildWith(bases.front(), contents, false); })) return;
     if (!Try("robot", [&] { scene = BuildWith(bases.front(), contents); })) return;
+    if (!run_.start.cameras.empty()) {
+      if (!Try("start.cameras", [&] { MountCameras(*scene); })) return;
+      if (!Try("start.cameras", [&] { scene = BuildWith(bases.front(), contents); })) return;
+    }
     compile_warnings_ = scene->compiled()->warnings();
     std::optional<Scene> start = scene;
-    if ((FollowsObjects() || run_.randomize) &&
+    if ((FollowsObjects() || cameras_ || run_.randomize) &&
         !Try("task", [&] { start = BuildStart(first, bases.front()); }))
       return;
     ValidateCameras(*start);
     ValidateRandomize(*start);
     std::optional<Robot> robot;
     if (!Try("robot", [&] { robot = Robot::Of(*scene, run_.robot.config.name); })) return;
+    if (cameras_) Try("start.cameras", [&] { RequireCamerasObjects(*start); });
     // A robot that cannot be measured is reported once.
     if (ValidateRobotItself(*robot)) ValidateForTask(*scene, *robot);
     if (problems_.empty()) ValidateStarts(bases);
@@ -269,6 +276,18 @@ class SceneValidator {
                               {.place = Title(run_), .directory = run_.source_dir})
           .Validate(others);
     });
+  }
+
+  // Finds the cameras of `start.cameras` on a scene without them; scenes built later have them.
+  void MountCameras(const Scene& scene) {
+    cameras_ = std::make_shared<internal::StartCameras>(
+        run_, scene, Robot::Of(scene, run_.robot.config.name), nullptr);
+  }
+
+  void RequireCamerasObjects(const Scene& start) const {
+    const std::shared_ptr<Task> task = task_->Make(run_.task);
+    const std::vector<std::string> named = internal::TaskCalls(*task).Objects();
+    cameras_->RequireNames(start, Robot::Of(start, run_.robot.config.name), {}, named);
   }
 
   bool FollowsObjects() const {
@@ -353,6 +372,7 @@ class SceneValidator {
                            .prefix = "robot_0/",
                            .pos = Vec3{20, 10, 1},
                            .control_modes = run_.robot.config.used_modes()});
+    if (cameras_) cameras_->AddTo(spec);
     return spec;
   }
 
@@ -409,8 +429,8 @@ class SceneValidator {
   const RunConfig& run_;
   const std::shared_ptr<const TaskKind> task_ = FindTaskKind(run_.task.kind());
   std::shared_ptr<SceneSource> source_;
-  std::vector<StartContents>
-      starts_;  // contents of a number of starts; set with FollowsObjects, and `randomize`
+  std::vector<StartContents> starts_;  // contents of a number of starts, if something names objects
+  std::shared_ptr<internal::StartCameras> cameras_;
   const RunDemands& demands_;
   Problems& problems_;
   Problems doubts_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 
 namespace robocell::internal {
 
@@ -25,7 +26,8 @@ std::optional<CellRectangle> TakeLargest(std::vector<bool>& taken, int nx, int n
         open.pop_back();
         const int first = open.empty() ? 0 : open.back() + 1;
         const int width = i - first;
-        if (std::min(width, top) >= least && width * top > best.width * best.height)
+        if (std::min(width, top) >= least &&
+            int64_t{width} * top > int64_t{best.width} * best.height)
           best = {.i = first, .j = j - top + 1, .width = width, .height = top};
       }
       open.push_back(i);

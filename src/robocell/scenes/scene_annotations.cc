@@ -88,18 +88,6 @@ class Derivation {
             .opening = at.rotation() * hollow.opening,
             .moved_by = joint < 0 ? "" : ElementName(m_, mjOBJ_JOINT, joint)};
   }
-  static ObjectWords WordsOf(const SceneObject& object) {
-    const std::string category = object.mjcf_path.empty()
-                                     ? std::string(ToString(object.shape.value_or(Shape::kBox)))
-                                     : std::filesystem::path(object.mjcf_path).stem().string();
-    ObjectWords words = {.object = object.name, .category = category, .words = {category}};
-    if (!IsObjectKind(object.mjcf_path)) return words;
-    const ObjectInfo info = ObjectInfoOf(object.mjcf_path);
-    if (!info.colour.empty())
-      words.words.push_back(info.colour + " " + WordOfKind(object.mjcf_path));
-    words.words.insert(words.words.end(), info.synonyms.begin(), info.synonyms.end());
-    return words;
-  }
   SceneLight LightOf(int light) const {
     const mjData* d = scene_.data();
     return {.name = ElementName(m_, mjOBJ_LIGHT, light),
@@ -119,6 +107,18 @@ SceneAnnotations DeriveAnnotations(const SceneSpec& spec) {
   return DeriveAnnotations(Scene::Build(spec));
 }
 SceneAnnotations DeriveAnnotations(const Scene& scene) { return Derivation(scene).Result(); }
+
+ObjectWords WordsOf(const SceneObject& object) {
+  const std::string category = object.mjcf_path.empty()
+                                   ? std::string(ToString(object.shape.value_or(Shape::kBox)))
+                                   : std::filesystem::path(object.mjcf_path).stem().string();
+  ObjectWords words = {.object = object.name, .category = category, .words = {category}};
+  if (!IsObjectKind(object.mjcf_path)) return words;
+  const ObjectInfo info = ObjectInfoOf(object.mjcf_path);
+  if (!info.colour.empty()) words.words.push_back(info.colour + " " + WordOfKind(object.mjcf_path));
+  words.words.insert(words.words.end(), info.synonyms.begin(), info.synonyms.end());
+  return words;
+}
 
 std::vector<FloorArea> FreeFloorOf(const SceneAnnotations& annotations, const std::string& name) {
   std::vector<FloorArea> areas;

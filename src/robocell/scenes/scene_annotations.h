@@ -15,6 +15,7 @@
 #include "robocell/math/pose.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scenes/support.h"
+#include "robocell/spec/scene_object.h"
 #include "robocell/spec/scene_spec.h"
 #include "robocell/spec/types.h"
 
@@ -99,6 +100,9 @@ struct SceneAnnotations {
 SceneAnnotations DeriveAnnotations(const SceneSpec& spec);
 // Derives them from a built scene in its present state.
 SceneAnnotations DeriveAnnotations(const Scene& scene);
+
+// Returns the words for an object of a scene, by its model or shape.
+ObjectWords WordsOf(const SceneObject& object);
 
 // Returns the free areas of one floor, by the name of floor or room, largest first. Throws
 // NotFoundError with the names.

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <map>
 #include <mutex>
-#include <numeric>
 #include <set>
 #include <utility>
 
@@ -181,8 +180,9 @@ std::vector<int> SceneIndices(const RunConfig& run) {
     const int count = size.value_or(1);
     if (const std::string problem = ProblemOfSize(run, count); !problem.empty())
       throw SpecError(fmt::format("run '{}': scenes: {}", run.run, problem));
-    chosen.resize(static_cast<size_t>(count));
-    std::iota(chosen.begin(), chosen.end(), 0);
+    for (int index = 0; index < count; ++index) {
+      if (source->Has(index)) chosen.push_back(index);
+    }
   }
   std::vector<int> usable;
   LeftOut left_out;

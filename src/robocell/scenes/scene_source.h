@@ -10,6 +10,7 @@
 // scenes includes it.
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +39,11 @@ class SceneSource {
   // Returns why a scene of the source cannot be used, such as a blacklisted house or one without its
   // files; "" if it can. Runs leave these scenes out and log the reasons.
   virtual std::string WhyNot(int /*index*/) { return ""; }
+  // Returns false for a number below size() without a scene. Runs that name no scenes pass over it.
+  virtual bool Has(int /*index*/) const { return true; }
+  // Returns the files from which the annotations of a scene are read. They identify a run, like the
+  // files of its models.
+  virtual std::vector<std::filesystem::path> AnnotationFiles(int /*index*/) { return {}; }
   // Derives all annotations from the geometry of a scene, which is compiled (DeriveAnnotations).
   SceneAnnotations Derive(int index);
 

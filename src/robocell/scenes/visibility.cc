@@ -2,6 +2,9 @@
 
 #include <mujoco/mujoco.h>
 
+#include <utility>
+#include <vector>
+
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
@@ -18,8 +21,10 @@ bool IsDrawn(const mjModel* m, int geom) {
 
 class Rays {
  public:
-  Rays(const Scene& scene, int root, const CameraModel& camera)
-      : m_(scene.model()), d_(scene.data()), root_(root), camera_(camera) {}
+  Rays(const Scene& scene, const std::vector<bool>& bodies, const CameraModel& camera)
+      : m_(scene.model()), d_(scene.data()), bodies_(bodies), camera_(camera) {
+    sight_.hidden_by.assign(static_cast<size_t>(m_->nbody), 0);
+  }
 
   // Looks at a point in the bounding box of one of the body's geoms.
   void Look(const Eigen::Vector3d& point) {
@@ -31,35 +36,39 @@ class Rays {
     static constexpr mjtByte kGroups[mjNGROUP] = {1, 1, 1, 0, 0, 0};
     int geom = -1;
     const double hit = mj_ray(m_, d_, eye.data(), direction.data(), kGroups, 1, -1, &geom, nullptr);
-    if (geom >= 0 && IsInSubtree(m_, m_->geom_bodyid[geom], root_)) {
+    if (geom < 0) return;  // it passes the object by: its bounding box is larger than it is
+    const int body = m_->geom_bodyid[geom];
+    if (bodies_[body]) {
       const bool in_image = camera_.Contains(eye + hit * direction);
       ++(in_image ? seen_ : hidden_);
-    } else if (geom >= 0 && hit < far - kSameDepth) {
+    } else if (hit < far - kSameDepth) {
       ++hidden_;
+      ++sight_.hidden_by[body];
     }
-    // Else the ray passes the object by: its bounding box is larger than it is.
   }
-  double Share() const {
-    return seen_ == 0 ? 0 : static_cast<double>(seen_) / static_cast<double>(seen_ + hidden_);
+  SightOfBodies Sight() && {
+    if (seen_ > 0) sight_.share = static_cast<double>(seen_) / static_cast<double>(seen_ + hidden_);
+    return std::move(sight_);
   }
 
  private:
   const mjModel* m_;
   const mjData* d_;
-  int root_;
+  const std::vector<bool>& bodies_;
   const CameraModel& camera_;
+  SightOfBodies sight_;
   int seen_ = 0, hidden_ = 0;
 };
 
 }  // namespace
 
-double VisibleShare(const Scene& scene, const std::string& body, const CameraModel& camera) {
+SightOfBodies SightOf(const Scene& scene, const std::vector<bool>& bodies,
+                      const CameraModel& camera) {
   const mjModel* m = scene.model();
   const mjData* d = scene.data();
-  const int root = RequireId(m, mjOBJ_BODY, body, "scene '" + scene.name() + "'");
-  Rays rays(scene, root, camera);
+  Rays rays(scene, bodies, camera);
   for (int g = 0; g < m->ngeom; ++g) {
-    if (!IsDrawn(m, g) || !IsInSubtree(m, m->geom_bodyid[g], root)) continue;
+    if (!IsDrawn(m, g) || !bodies[m->geom_bodyid[g]]) continue;
     const Pose geom = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
     const mjtNum* middle = m->geom_aabb + 6 * g;
     const mjtNum* half = middle + 3;
@@ -72,7 +81,13 @@ double VisibleShare(const Scene& scene, const std::string& body, const CameraMod
       }
     }
   }
-  return rays.Share();
+  return std::move(rays).Sight();
+}
+
+double VisibleShare(const Scene& scene, const std::string& body, const CameraModel& camera) {
+  const mjModel* m = scene.model();
+  const int root = RequireId(m, mjOBJ_BODY, body, "scene '" + scene.name() + "'");
+  return SightOf(scene, SubtreeMask(m, root), camera).share;
 }
 
 }  // namespace robocell::internal

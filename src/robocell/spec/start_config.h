@@ -12,6 +12,7 @@
 #include "robocell/spec/fields.h"
 #include "robocell/spec/object_place.h"
 #include "robocell/spec/problems.h"
+#include "robocell/spec/start_camera.h"
 #include "robocell/spec/types.h"
 
 namespace robocell {
@@ -22,9 +23,12 @@ struct StartConfig {
   std::optional<Vec2> base_height_noise = {};
   double base_facing_noise = 0.35;
   double base_clearance = 0.01;
+  double base_separation = 0;
+  bool base_blocks_doors = false;
   NameList visible_from = {};
   double visible_share = 0.5;
   Map<ObjectPlace> places = {};
+  Map<StartCamera> cameras = {};
 
   static constexpr const char* kTypeName = "StartConfig";
   template <class V>
@@ -44,6 +48,13 @@ struct StartConfig {
       Bound::kNonNegative);
     v("base_clearance", &StartConfig::base_clearance,
       "Smallest distance between the robot and everything else, metres.", Bound::kNonNegative);
+    v("base_separation", &StartConfig::base_separation,
+      "Smallest horizontal distance between a place of the base that was rejected and the next one "
+      "that is tried for the same start, metres.",
+      Bound::kNonNegative);
+    v("base_blocks_doors", &StartConfig::base_blocks_doors,
+      "Whether the robot at its start may stand in the swing of a door that is at least 1.5 m "
+      "high.");
     v("visible_from", &StartConfig::visible_from,
       "Cameras that must see the object when an episode begins, named as in cameras.streams. "
       "Unset: none.");
@@ -52,6 +63,9 @@ struct StartConfig {
     v("places", &StartConfig::places,
       "Objects by name or kind, and where each starts in relation to another object or a body of "
       "the scene. Others lie on the support. Unset: the task's own.");
+    v("cameras", &StartConfig::cameras,
+      "Cameras that each start places, by their names in the scene; `cameras.streams` has their "
+      "images.");
   }
   void Validate(Problems& problems) const;
 };

@@ -47,14 +47,13 @@ std::vector<Field<T>> FieldsOf() {
 template <class T>
 class RoundTrip : public ::testing::Test {};
 
-using SpecTypes =
-    ::testing::Types<SceneSpec, RobotSpec, RobotConfig, AttachmentSpec, ForceTorqueSensorSpec,
-                     ToolFrameSpec, SceneObject, CameraSpec, CameraConfig, CameraSystemConfig,
-                     RenderQuality, RendererConfig, SimOptions, Edit, BaseConfig, MoveGroupConfig,
-                     GripperCtrl, GripperDistance, GripperJointRange, TaskSpaceConfig, RunConfig,
-                     FilesScenes, ObjectPlace, StartConfig, Rates, EnvConfig, EnvObject,
-                     CameraAdderConfig, SimSettings, WrapperConfig, ObjectVariation, RandomProperty,
-                     RandomLights, RandomLook, RandomDynamics, RandomClutter, RandomizeConfig>;
+using SpecTypes = ::testing::Types<
+    SceneSpec, RobotSpec, RobotConfig, AttachmentSpec, ForceTorqueSensorSpec, ToolFrameSpec,
+    SceneObject, CameraSpec, CameraConfig, CameraSystemConfig, RenderQuality, RendererConfig,
+    SimOptions, Edit, BaseConfig, MoveGroupConfig, GripperCtrl, GripperDistance, GripperJointRange,
+    TaskSpaceConfig, RunConfig, FilesScenes, ObjectPlace, CameraSight, StartCamera, StartConfig,
+    Rates, EnvConfig, EnvObject, CameraAdderConfig, SimSettings, WrapperConfig, ObjectVariation,
+    RandomProperty, RandomLights, RandomLook, RandomDynamics, RandomClutter, RandomizeConfig>;
 TYPED_TEST_SUITE(RoundTrip, SpecTypes);
 
 TYPED_TEST(RoundTrip, RandomSpecsRoundTrip) {

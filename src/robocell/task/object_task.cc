@@ -15,6 +15,7 @@
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scenes/catalogue.h"
+#include "robocell/scenes/referral.h"
 #include "robocell/task/base_placement.h"
 #include "robocell/task/drawn_objects.h"
 #include "robocell/task/held.h"
@@ -64,6 +65,10 @@ std::vector<std::string> ObjectTask::ChooseKinds(Rng& rng) {
 }
 
 void ObjectTask::Prepare(SceneSpec& spec, Rng& rng) {
+  if (fields_.refer) {
+    words_ = annotations().objects;
+    containers_ = annotations().containers;
+  }
   if (!draws_objects_) return;
   const std::vector<std::string> kinds = ChooseKinds(rng);
   if (kinds.empty()) throw ArgumentError("choose_kinds() must return at least the target's kind");
@@ -252,6 +257,19 @@ void ObjectTask::Begin(const Scene& scene) {
     Bind(scene, setting);
   }
   start_ = root_.inverse() * ObjectInWorld();
+  referral_ = fields_.refer ? FindReferral(scene) : "";
+}
+
+std::string ObjectTask::FindReferral(const Scene& scene) const {
+  std::vector<ReferableObject> objects = ReferableObjects(scene, words_, containers_);
+  const auto meant = std::ranges::find(objects, fields_.name, &ReferableObject::object);
+  if (meant == objects.end() || robots_.empty()) return "";
+  // The kind of the catalogue is what instructions call it.
+  if (std::ranges::find(meant->nouns, word()) == meant->nouns.end())
+    meant->nouns.insert(meant->nouns.begin(), word());
+  const std::vector<std::string> found =
+      ReferralsTo(objects, fields_.name, Viewer::Of(robots_.front().base_in_world()));
+  return found.empty() ? "" : found.front();
 }
 
 TaskVerdict ObjectTask::Judge(const Scene& scene) {

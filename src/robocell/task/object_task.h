@@ -15,6 +15,7 @@
 
 #include "robocell/robot/robot.h"
 #include "robocell/scene/body_handle.h"
+#include "robocell/scenes/scene_annotations.h"
 #include "robocell/spec/types.h"
 #include "robocell/task/grasp_check.h"
 #include "robocell/task/start_contents.h"
@@ -29,6 +30,7 @@ struct ObjectOfTask {
   double lift_height = 0;  // metres
   Vec2 spread = {0, 0};    // random offset of its position, metres
   bool rotate = false;     // about the vertical at its place
+  bool refer = false;      // instructions tell it from all other objects (scenes/referral.h)
   // Kinds and categories of the catalogue that objects are drawn from; empty for the default kinds.
   std::vector<std::string> kinds = {};
   // Objects whose poses are observed; {name} unless set.
@@ -104,6 +106,8 @@ class ObjectTask : public Task {
 
   const ObjectOfTask& fields() const { return fields_; }
   std::string word() const { return fields_.word.empty() ? fields_.name : fields_.word; }
+  // Returns the object as instructions name it: "the mug", "the mug left of the laptop".
+  std::string phrase() const { return referral_.empty() ? "the " + word() : referral_; }
   const BodyHandle& object() const { return *object_; }
   const Pose& root() const { return root_; }
   const std::string& place() const { return place_; }
@@ -130,6 +134,8 @@ class ObjectTask : public Task {
     std::string name, kind;
     BodyHandle body;
   };
+  // Finds words that mean the object alone in the scene's present state; "" if there are none.
+  std::string FindReferral(const Scene& scene) const;
   void FindCandidates(const Scene& scene, const TaskSetting& setting);
   void Choose(size_t candidate);
   void RequireMovable(const Scene& scene) const;
@@ -144,6 +150,10 @@ class ObjectTask : public Task {
   std::map<std::string, std::string> parts_;       // part of each object that ObservedAs names
   std::map<std::string, std::string> stands_for_;  // object of each part
   std::map<std::string, GraspCheck> grasps_;       // of each robot
+  // What the scene without the task's objects has, of a task that refers.
+  std::vector<ObjectWords> words_;
+  std::vector<Container> containers_;
+  std::string referral_;
   std::string place_ = "task";
   Pose root_, offset_;
   std::optional<BodyHandle> object_;

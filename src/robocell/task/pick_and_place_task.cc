@@ -69,6 +69,7 @@ PickAndPlaceTask::PickAndPlaceTask(const PickAndPlaceTaskConfig& fields)
                   .lift_height = fields.lift_height,
                   .spread = fields.spread,
                   .rotate = fields.rotate,
+                  .refer = fields.refer,
                   .kinds = fields.objects.names,
                   .all = NamedObjects(fields)}),
       task_(fields),
@@ -422,7 +423,7 @@ double PickAndPlaceTask::Progress() const {
 std::string PickAndPlaceTask::instruction() const {
   // A kind is put into words; an object of the scene keeps the name that the user gave it.
   const std::string goal = draws_goal_ ? WordOfKind(goal_word_) : goal_word_;
-  return fmt::format("pick up the {} and put it {}", word(),
+  return fmt::format("pick up {} and put it {}", phrase(),
                      has_goal_object() ? "on the " + goal : "down at the goal");
 }
 

@@ -22,6 +22,7 @@ class PickTask : public ObjectTask {
                     .lift_height = fields.lift_height,
                     .spread = fields.spread,
                     .rotate = fields.rotate,
+                    .refer = fields.refer,
                     .kinds = fields.objects.names}) {}
   // For a scene that has the object already. `object`: name in the scene; `kind`: its word in the
   // instruction; `all_objects`: objects whose poses are observed.
@@ -39,7 +40,7 @@ class PickTask : public ObjectTask {
     }
     return {{object().name(), root() * Start(rng)}};
   }
-  std::string instruction() const override { return "pick up the " + word(); }
+  std::string instruction() const override { return "pick up " + phrase(); }
   std::string why_not_done() const override { return "not lifted"; }
 
  private:

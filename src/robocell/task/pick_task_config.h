@@ -27,6 +27,11 @@ void PickedObjectFields(V&& v) {
     "of the root frame, metres.",
     Bound::kNonNegative);
   v("rotate", &T::rotate, "Also turn `object` by a random angle about z of the root frame.");
+  v("refer", &T::refer,
+    "Name the object in the instruction by what tells it from all others, as the robot sees them: "
+    "`the red mug`, `the mug left of the laptop`. An object that no words single out has the name "
+    "of "
+    "its kind.");
   v("lift_height", &T::lift_height,
     "Success: the object is this far above its first height, metres, and only robots hold it.",
     Bound::kPositive);
@@ -42,6 +47,7 @@ struct PickTaskConfig {
   std::string object = {};
   Vec2 spread = {0, 0};
   bool rotate = true;
+  bool refer = false;
   double lift_height = kLiftHeight;
   NameList objects = {};
 
@@ -59,6 +65,7 @@ struct PickAndPlaceTaskConfig {
   std::string object = {};
   Vec2 spread = {0, 0};
   bool rotate = true;
+  bool refer = false;
   double lift_height = kLiftHeight;
   std::optional<Vec3> goal = {};
   std::string goal_object = {};

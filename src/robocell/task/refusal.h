@@ -19,6 +19,7 @@ struct Refusal {
   static constexpr const char* kUnsettled = "objects did not come to rest";
   static constexpr const char* kNoReachableBasePose = "no base pose reaches the object";
   static constexpr const char* kBaseInCollision = "no base pose is free of collisions";
+  static constexpr const char* kInDoorSwing = "the base blocks a door";
   static constexpr const char* kCameraConstraint = "camera constraint";
   static constexpr const char* kInvalidScene = "invalid scene";
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <memory>
 #include <set>
 #include <utility>
 
@@ -13,12 +14,15 @@
 #include "robocell/base/error.h"
 #include "robocell/scene/scene_cache.h"
 #include "robocell/scenes/object_places.h"
+#include "robocell/scenes/object_view.h"
 #include "robocell/scenes/randomization.h"
 #include "robocell/scenes/related_places.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/scenes/settle.h"
 #include "robocell/spec/problems.h"
 #include "robocell/spec/yaml.h"
+#include "robocell/task/door_swings.h"
+#include "robocell/task/start_cameras.h"
 #include "robocell/task/task_calls.h"
 #include "robocell/task/task_kind.h"
 
@@ -80,10 +84,14 @@ std::string TargetOf(Task& task, const StartContents& contents, std::vector<std:
   return target;
 }
 
+constexpr double kStorey = 2;   // metres; a floor farther below or above is another one
+constexpr int kBaseDraws = 16;  // until one is on the free floor
+
 bool IsOnFloor(const Eigen::Vector3d& at, const std::vector<FloorArea>& floor) {
   return std::ranges::any_of(floor, [&](const FloorArea& area) {
     const Eigen::Vector3d on = area.frame_to_world.inverse() * at;
-    return std::abs(on.x()) <= area.half_x && std::abs(on.y()) <= area.half_y;
+    return std::abs(on.x()) <= area.half_x && std::abs(on.y()) <= area.half_y &&
+           std::abs(on.z()) <= kStorey;
   });
 }
 
@@ -177,6 +185,19 @@ std::shared_ptr<const SceneAnnotations> StartSampler::AnnotationsOf(int scene_in
   if (const auto it = annotations_.find(key); it != annotations_.end()) return it->second;
   if (annotations_.size() >= kMostScenes) annotations_.clear();
   return annotations_[key] = std::make_shared<const SceneAnnotations>(DeriveAnnotations(base));
+}
+
+std::shared_ptr<internal::StartCameras> StartSampler::CamerasOf(const SceneSpec& base) {
+  if (run_.start.cameras.empty()) return nullptr;
+  const std::string key = SceneKey(base);
+  if (const auto it = cameras_.find(key); it != cameras_.end()) return it->second;
+  if (cameras_.size() >= kMostScenes) cameras_.clear();
+  if (!images_) images_ = std::make_shared<BodyImages>();
+  SceneSpec spec = base;
+  AddParkedRobot(spec, run_.robot.config);
+  const Scene probe = Scene::Build(spec);
+  return cameras_[key] = std::make_shared<internal::StartCameras>(
+             run_, probe, Robot::Of(probe, run_.robot.config.name), images_);
 }
 
 // Returns the placements of `start` and of the task, in the order of precedence.
@@ -353,16 +374,25 @@ std::optional<Refusal> StartSampler::PutObjects(
 std::optional<Pose> StartSampler::ProposeBasePose(const Robot& robot, const Support& support,
                                                   const Pose& target,
                                                   const BasePlacement& placement, Rng& rng) {
-  std::optional<Pose> base =
-      robocell::ProposeBasePose(robot, support, target, placement, run_.start, rng);
-  if (base && !free_floor_.empty() && !IsOnFloor(base->translation(), free_floor_)) return {};
-  return base;
+  // Of the poses that keep their clearance, those on the free floor are as likely as each other.
+  for (int draw = 0; draw < kBaseDraws; ++draw) {
+    std::optional<Pose> base =
+        robocell::ProposeBasePose(robot, support, target, placement, run_.start, rng);
+    if (!base) return base;
+    const Eigen::Vector3d& at = base->translation();
+    const bool is_near_rejected = std::ranges::any_of(rejected_bases_, [&](const auto& rejected) {
+      return (at.head<2>() - rejected).norm() < run_.start.base_separation;
+    });
+    if (!is_near_rejected && (free_floor_.empty() || IsOnFloor(at, free_floor_))) return base;
+  }
+  return std::nullopt;
 }
 
 std::optional<Refusal> StartSampler::ValidateBasePose(Scene& scene, Robot& robot,
                                                       const std::string& target_body) {
   if (auto refusal = ValidateBaseReach(robot, scene.body_pose(target_body))) return refusal;
-  return ValidateBaseClearance(scene, robot, run_.start.base_clearance);
+  if (auto refusal = ValidateBaseClearance(scene, robot, run_.start.base_clearance)) return refusal;
+  return internal::ValidateDoorSwings(scene, robot, doors_, run_.start.base_clearance);
 }
 
 std::optional<Refusal> StartSampler::ValidateCameras(Scene& scene, const std::string& target_body) {
@@ -381,7 +411,19 @@ struct StartSampler::Setup {
   std::string target_body;
   Pose middle;  // middle of the support
   StopRequest stop;
+  std::shared_ptr<internal::StartCameras> cameras;  // null without `start.cameras`
   RefusalCounts redrawn = {};
+  int arrangements = 0;
+
+  // Resolves names that the task gives to objects.
+  std::string ObjectOf(const std::string& name) const {
+    const std::vector<std::string> named = internal::TaskCalls(*task).Objects();
+    if (std::ranges::find(named, name) == named.end()) return name;
+    return internal::TaskCalls(*task).ObjectOf(name);
+  }
+  internal::StartCameras::ObjectOf object_of() const {
+    return [this](const std::string& name) { return ObjectOf(name); };
+  }
 
   // Returns true if a body is an object with a relative placement.
   bool IsRelated(const std::string& body) const {
@@ -439,13 +481,22 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
     setup.scene.SetBodyPose(record.root_body, setup.own_poses[i].value_or(setup.objects[i].pose()));
   }
   internal::TaskCalls(*setup.task).Put(setup.scene, moved);
+  if (setup.cameras) {
+    setup.robot.base().SetPose(Pose(kParked));  // where it stood before, it could hide something
+    setup.scene.Forward();
+    if (auto refusal =
+            setup.cameras->CheckWithoutRobot(setup.scene, setup.robot, setup.object_of()))
+      return std::move(*refusal).MadeBy(Refusal::kCamerasStage);
+  }
   setup.robot.base().SetPose(*base);
   setup.scene.Forward();
   if (auto refusal = internal::TaskCalls(*setup.task).Arrange(setup.scene, rng))
     return std::move(*refusal).MadeBy(Refusal::kTaskStage);
   if (auto refusal = ValidateDistance(setup, target))
     return std::move(*refusal).MadeBy(Refusal::kBaseStage);
-  return ValidatePlaced(setup);
+  auto refusal = ValidatePlaced(setup, rng.Fork("cameras").Fork(setup.arrangements++));
+  if (refusal) rejected_bases_.emplace_back(base->translation().head<2>());
+  return refusal;
 }
 
 // A task that moves its target again may take it out of the range that it required.
@@ -456,21 +507,41 @@ std::optional<Refusal> StartSampler::ValidateDistance(const Setup& setup,
   return ValidateBaseDistance(setup.robot, target, base_range());
 }
 
+std::optional<Refusal> StartSampler::ValidateStartCameras(Setup& setup,
+                                                          const std::optional<Rng>& camera_draws) {
+  if (!setup.cameras) return std::nullopt;
+  setup.scene.SyncPoses();
+  return camera_draws
+             ? setup.cameras->Place(setup.scene, setup.robot, setup.object_of(), *camera_draws)
+             : setup.cameras->Check(setup.scene, setup.robot, setup.object_of());
+}
+
 // Checks the conditions that hold both before and after settling.
-std::optional<Refusal> StartSampler::ValidatePlaced(Setup& setup) {
+std::optional<Refusal> StartSampler::ValidatePlaced(Setup& setup,
+                                                    const std::optional<Rng>& camera_draws) {
   const auto check_task = [&]() -> std::optional<Refusal> {
     if (auto refusal = internal::TaskCalls(*setup.task).CheckStart(setup.scene))
       return std::move(*refusal).MadeBy(Refusal::kTaskStage);
     return std::nullopt;
   };
+  const auto check_cameras = [&]() -> std::optional<Refusal> {
+    if (auto refusal = ValidateStartCameras(setup, camera_draws))
+      return std::move(*refusal).MadeBy(Refusal::kCamerasStage);
+    return std::nullopt;
+  };
   if (setup.target_body.empty()) {
-    if (auto refusal = ValidateBaseClearance(setup.scene, setup.robot, run_.start.base_clearance))
-      return std::move(*refusal).MadeBy(Refusal::kBaseStage);
-    return check_task();
+    auto refusal = ValidateBaseClearance(setup.scene, setup.robot, run_.start.base_clearance);
+    if (!refusal)
+      refusal =
+          internal::ValidateDoorSwings(setup.scene, setup.robot, doors_, run_.start.base_clearance);
+    if (refusal) return std::move(*refusal).MadeBy(Refusal::kBaseStage);
+    if (auto by_task = check_task()) return by_task;
+    return check_cameras();
   }
   if (auto refusal = ValidateBasePose(setup.scene, setup.robot, setup.target_body))
     return std::move(*refusal).MadeBy(Refusal::kBaseStage);
   if (auto refusal = check_task()) return refusal;
+  if (auto refusal = check_cameras()) return refusal;
   if (auto refusal = ValidateCameras(setup.scene, setup.target_body))
     return std::move(*refusal).MadeBy(Refusal::kCamerasStage);
   return std::nullopt;
@@ -518,7 +589,7 @@ std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const Support& s
     if (const auto why_not = setup.related->WhyNotKept(setup.scene, setup.objects))
       return Refusal{Refusal::kUnsettled, *why_not}.MadeBy(Refusal::kSettlingStage);
   }
-  if (auto refusal = ValidatePlaced(setup)) return refusal;
+  if (auto refusal = ValidatePlaced(setup, std::nullopt)) return refusal;
   setup.scene.data()->time = 0;
   setup.scene.Forward();
   return std::nullopt;
@@ -545,6 +616,8 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   const Support support = FindSupportOf(spec, request.scene, support_rng);
   const std::optional<SceneAnnotations> known = RequireSource().CheckedAnnotations(request.scene);
   free_floor_ = known ? known->free_floor : std::vector<FloorArea>();
+  rejected_bases_.clear();
+  const std::shared_ptr<internal::StartCameras> cameras = CamerasOf(spec);
   const size_t own = spec.objects.size();
   StartContents contents = AddContents(request, spec, rng);
   const StartContents placed = TakePlaced(spec, own);
@@ -564,6 +637,7 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   }
   ReplaceObjects(spec, before, objects);
   AddParkedRobot(spec, run_.robot.config);
+  if (cameras) cameras->AddTo(spec);
   Scene scene = BuildPrepared(spec, before, *task_, request.scene_data);
   scene.Reset({.seed = rng.Fork("home").NextBits()});
   const std::shared_ptr<Task> task = task_;
@@ -582,7 +656,11 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
               target,
               target.empty() ? "" : scene.compiled()->object(target).root_body,
               support.frame_to_world,
-              request.stop};
+              request.stop,
+              cameras};
+  doors_ = known && !run_.start.base_blocks_doors ? internal::DoorsOf(*known, scene)
+                                                  : std::vector<Articulation>();
+  if (cameras) cameras->RequireNames(scene, setup.robot, setup.object_of());
   if (auto refusal = PrepareStart(setup, support, placement, rng)) {
     refusal->redrawn = setup.redrawn;
     refusal->object_kind = kinds.empty() ? "" : kinds.front();

@@ -1,8 +1,8 @@
 // StartSampler: makes the starts of a run's episodes, of any registered task, stage by stage: a base
 // scene from the run's source, what the task adds to it (Task::Prepare), objects that come to rest on
 // its support or where `start.places` puts them, the task's own arrangement, a robot placed beside
-// the first object (base_placement.h), the task's conditions (Task::CheckStart), cameras that see the
-// object, and settling. Without objects the robot stands beside the middle of the support, and
+// the first object (base_placement.h), the task's conditions (Task::CheckStart), cameras
+// (start_cameras.h) that see the object, and settling. Without objects the robot stands beside the middle of the support, and
 // cameras are not checked. Distances and heights are spread evenly over the episodes of a run (a
 // low-discrepancy sequence), so that a short run covers the ranges too.
 //
@@ -17,7 +17,9 @@
 #include <span>
 #include <string>
 #include <vector>
+#include <Eigen/Core>
 
+#include "robocell/base/rng.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/scene_annotations.h"
 #include "robocell/scenes/support.h"
@@ -33,8 +35,10 @@ namespace robocell {
 namespace internal {
 class Landmarks;
 class RelatedPlaces;
+class StartCameras;
 struct StatedPlaces;
 }  // namespace internal
+class BodyImages;
 class SceneSource;
 class TaskKind;
 
@@ -76,7 +80,8 @@ class StartSampler : public TaskSampler {
   virtual std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support,
                                               const Pose& target_in_world,
                                               const BasePlacement& placement, Rng& rng);
-  // Refuses a base where the robot is in collision or the target is out of reach, with the reason.
+  // Refuses a base where the robot is in collision or in the swing of a door, or the target is out of
+  // reach, with the reason.
   // The task's own conditions follow (Task::CheckStart).
   virtual std::optional<Refusal> ValidateBasePose(Scene& scene, Robot& robot,
                                                   const std::string& target_body);
@@ -114,7 +119,11 @@ class StartSampler : public TaskSampler {
                                     const std::optional<internal::RelatedPlaces>& related,
                                     std::vector<SceneObject>& objects, Rng& rng);
   std::optional<Refusal> ValidateDistance(const Setup& setup, const Pose& proposed_for);
-  std::optional<Refusal> ValidatePlaced(Setup& setup);
+  // `camera_draws`: places the cameras of `start.cameras`; unset once they are placed.
+  std::optional<Refusal> ValidatePlaced(Setup& setup, const std::optional<Rng>& camera_draws);
+  std::optional<Refusal> ValidateStartCameras(Setup& setup, const std::optional<Rng>& camera_draws);
+  // Returns the cameras of `start.cameras` for scenes of this base; null if there are none.
+  std::shared_ptr<internal::StartCameras> CamerasOf(const SceneSpec& base);
   std::optional<Refusal> ArrangeOnce(Setup& setup, const Support& support,
                                      const BasePlacement& placement, Rng& rng);
   static std::vector<std::string> RestingObjects(const Setup& setup);
@@ -131,6 +140,10 @@ class StartSampler : public TaskSampler {
   std::map<std::string, std::shared_ptr<const internal::Landmarks>> landmarks_;
   std::map<std::string, std::shared_ptr<const SceneAnnotations>> annotations_;
   std::map<int, std::set<std::string>> possible_names_;
+  std::map<std::string, std::shared_ptr<internal::StartCameras>> cameras_;
+  std::shared_ptr<BodyImages> images_;
+  std::vector<Eigen::Vector2d> rejected_bases_;  // of the start under construction
+  std::vector<Articulation> doors_;              // of the base scene in use
   std::vector<FloorArea>
       free_floor_;  // of the base scene in use, from the source; empty if unknown
   std::unique_ptr<ObjectSizes> sizes_;  // renewed in each Sample: models may change on the disk

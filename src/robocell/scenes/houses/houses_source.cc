@@ -98,6 +98,15 @@ class HousesSource final : public SceneSource {
     if (house == folder_->houses().end()) return "no such house";
     return PrepareHouse(house->second, *folder_).why_not;
   }
+  bool Has(int index) const override { return !folder_ || folder_->houses().contains(index); }
+  std::vector<std::filesystem::path> AnnotationFiles(int index) override {
+    const HouseFiles files = Prepared(index).first;
+    std::vector<std::filesystem::path> found;
+    for (const std::filesystem::path& file : {files.map, files.metadata}) {
+      if (!file.empty()) found.push_back(file);
+    }
+    return found;
+  }
   SceneSpec Make(int index) override { return KnownHouses::SpecOf(Prepared(index).second); }
 
  protected:

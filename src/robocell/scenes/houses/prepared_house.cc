@@ -287,6 +287,8 @@ PreparedHouse Prepare(const HouseFiles& files, const HouseFolder& folder,
     house.notes = mending.notes();
     if (!house.notes.empty())
       house.model = WriteMended(spec.get(), files, context, mending.changes());
+    else
+      Compile(spec.get(), nullptr, context, nullptr, JacobianGuard::kOff);
   } catch (const Error& error) {
     house.why_not = error.what();
   }

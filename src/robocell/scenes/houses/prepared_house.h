@@ -1,5 +1,5 @@
-// Prepares a house for a scene: checks its files without compiling it, and mends what is known to
-// be wrong in such houses in a copy of the model.
+// Prepares a house for a scene: checks its files, mends what is known to be wrong in such houses in a
+// copy of the model, and checks that it compiles.
 //
 //   const PreparedHouse house = PrepareHouse(files, folder);
 //   if (house.why_not.empty()) spec.base = house.model.string();

@@ -1,0 +1,25 @@
+// Keeps robots out of the swing of doors: a door that cannot open or close is no start for a task in
+// a house.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "robocell/robot/robot.h"
+#include "robocell/scene/scene.h"
+#include "robocell/scenes/scene_annotations.h"
+#include "robocell/task/refusal.h"
+
+namespace robocell::internal {
+
+inline constexpr double kLeastDoorHeight = 1.5;  // metres; lower ones are doors of furniture
+
+// Returns the hinged doors among the articulations of a scene that are high enough for people.
+std::vector<Articulation> DoorsOf(const SceneAnnotations& annotations, const Scene& scene);
+
+// Refuses a robot that is nearer than `clearance` (metres) to a place which one of the doors takes
+// up somewhere in its range. The scene's poses are up to date, and stay as they are.
+std::optional<Refusal> ValidateDoorSwings(Scene& scene, const Robot& robot,
+                                          const std::vector<Articulation>& doors, double clearance);
+
+}  // namespace robocell::internal
