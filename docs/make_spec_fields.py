@@ -29,6 +29,8 @@ RUNS = (
     rc.tasks.PressTaskConfig,
     rc.tasks.PushTaskConfig,
     rc.tasks.StartConfig,
+    rc.generate.AugmentConfig,
+    rc.generate.ActionNoiseConfig,
     rc.scenes.ObjectPlace,
     rc.scenes.SceneSourceSpec,
     FilesScenes,

@@ -1,0 +1,41 @@
+#include "robocell/spec/augment_config.h"
+
+#include <gtest/gtest.h>
+
+#include "robocell/base/error.h"
+#include "robocell/spec/run_config.h"
+#include "robocell/spec/yaml.h"
+#include "robocell/testing/expect_throw.h"
+
+namespace robocell {
+namespace {
+
+TEST(AugmentConfigTest, NeedsASourceAndExcludesAnExpert) {
+  RunConfig run;
+  const auto read = [&](const char* text) { run = ParseYaml<RunConfig>(text, "run.yaml", "", {}); };
+  const auto problems = [&] {
+    Problems problems;
+    run.Validate(problems);
+    return LinesOf(problems);
+  };
+  read("{run: many, output: out, augment: {dataset: out/few, episodes: e0..e3}}");
+  ASSERT_TRUE(run.augment.has_value());
+  EXPECT_EQ(run.augment->dataset, "out/few");
+  EXPECT_EQ(run.augment->episodes.names.size(), 4U);
+  const size_t before = problems().size();
+  run.expert = "pick";
+  EXPECT_EQ(problems().size(), before + 1);
+  Problems missing;
+  AugmentConfig().Validate(missing);
+  EXPECT_FALSE(missing.empty());
+}
+
+TEST(AugmentConfigTest, IsNotWrittenUnlessItIsSet) {
+  RunConfig run;
+  EXPECT_EQ(ToYaml(run).find("augment"), std::string::npos);
+  run.augment.emplace().dataset = "few";
+  EXPECT_EQ(FromYamlUnchecked<RunConfig>(ToYaml(run)).augment, run.augment);
+}
+
+}  // namespace
+}  // namespace robocell
