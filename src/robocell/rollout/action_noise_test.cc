@@ -120,7 +120,7 @@ TEST_F(ActionNoiseTest, DisplacedStartsAreFreeAndWithinTheBounds) {
 
 TEST_F(ActionNoiseTest, BelongsToTheIdentityOfARunAndIsNotInItWithoutNoise) {
   const std::string without = RunIdentity(run);
-  EXPECT_EQ(without.find("noise:"), std::string::npos);
+  EXPECT_EQ(without.find("\nnoise:"), std::string::npos);
   run.noise.emplace();
   EXPECT_NE(RunIdentity(run), without);
 }

@@ -132,6 +132,7 @@ TEST_F(SourceDemosTest, SaysWhatASourceLacks) {
     std::vector<ColumnId> columns;
     for (const std::string& pose : poses)
       columns.push_back(schema.AddColumn({.name = pose, .shape = {7}, .units = "m, 1"}));
+    std::filesystem::create_directories(*folder_ / name);
     EpisodeWriter writer(*folder_ / name, "e", schema, {.metadata_json = "{}"});
     for (int row = 0; row < 3; ++row) {
       writer.Put(time, 0.1 * row);

@@ -27,7 +27,7 @@ TEST(ActionNoiseConfigTest, RejectsRotationsOfMoreThanAQuarterTurn) {
 
 TEST(ActionNoiseConfigTest, IsNotWrittenUnlessItIsSet) {
   RunConfig run;
-  EXPECT_EQ(ToYaml(run).find("noise:"), std::string::npos);
+  EXPECT_EQ(ToYaml(run).find("\nnoise:"), std::string::npos);
   run.noise.emplace().translation = 0.01;
   EXPECT_EQ(FromYamlUnchecked<RunConfig>(ToYaml(run)).noise, run.noise);
 }

@@ -2,23 +2,20 @@
 
 #include <gtest/gtest.h>
 
-#include "robocell/base/error.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/yaml.h"
-#include "robocell/testing/expect_throw.h"
 
 namespace robocell {
 namespace {
 
 TEST(AugmentConfigTest, NeedsASourceAndExcludesAnExpert) {
-  RunConfig run;
-  const auto read = [&](const char* text) { run = ParseYaml<RunConfig>(text, "run.yaml", "", {}); };
+  auto run = FromYamlUnchecked<RunConfig>(
+      "{run: many, output: out, augment: {dataset: out/few, episodes: e0..e3}}");
   const auto problems = [&] {
     Problems problems;
     run.Validate(problems);
     return LinesOf(problems);
   };
-  read("{run: many, output: out, augment: {dataset: out/few, episodes: e0..e3}}");
   ASSERT_TRUE(run.augment.has_value());
   EXPECT_EQ(run.augment->dataset, "out/few");
   EXPECT_EQ(run.augment->episodes.names.size(), 4U);
