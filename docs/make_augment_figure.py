@@ -64,7 +64,7 @@ def path_from(episode: rc.data.Episode, below: str) -> np.ndarray:
     pose = np.asarray(episode[f"objects/{below}/pose"])[0]
     cube = rc.Pose(translation=pose[:3], quaternion=pose[3:])
     hand = np.asarray(episode["robots/rc7/tcp_pose"])[:, :3]
-    return np.array([cube.inverse() * point for point in hand])
+    return (hand - cube.translation) @ cube.rotation
 
 
 def main() -> None:

@@ -10,7 +10,7 @@ import typer
 from robocell import RunConfig
 from robocell._cli.common import require_run_source, require_spec_file
 from robocell._cli.generate import Options, ProgressChoice, make_episodes
-from robocell._dataset_run import seed_of_dataset
+from robocell._dataset_run import naming_where_to_augment, seed_of_dataset
 from robocell._generation.run_source import RunSource
 from robocell._generation.supervisor import Limits
 
@@ -101,7 +101,8 @@ def augment(
     if run is not None and not source.in_python:
         require_spec_file(Path(run), RunConfig)
     if run is None and seed is None:
-        seed = seed_of_dataset(dataset) + 1
+        with naming_where_to_augment():
+            seed = seed_of_dataset(dataset) + 1
     folder = output or f"{dataset.rstrip('/')}_augmented"
     if Path(folder).absolute() == Path(dataset).absolute():
         raise typer.BadParameter("is the source itself", param_hint="--output")
