@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import tempfile
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -36,7 +37,7 @@ def made(output: Path, *overrides: str) -> rc.Dataset:
     return rc.Dataset(output)
 
 
-def draw_parts(axes: pyplot.Axes, source: rc.data.Episode, parts: list[dict]) -> None:
+def draw_parts(axes: pyplot.Axes, source: rc.data.Episode, parts: list[dict[str, Any]]) -> None:
     """Draws height and opening, and the parts."""
     time = np.asarray(source["time"])
     height = np.asarray(source["robots/rc7/tcp_pose"])[:, 2]
@@ -73,7 +74,8 @@ def main() -> None:
         source = made(Path(folder) / "source", "episodes=1")[0]
         augment = f"augment.dataset={folder}/source"
         many = made(Path(folder) / "made", augment, f"episodes={MADE}", "seed=1")
-        parts = many[0].results["augmented"]["segments"]
+        results: Any = many[0].results
+        parts = results["augmented"]["segments"]
         below = parts[-1]["reference"]
         mpl.rcParams.update({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False})
         figure, (left, right) = pyplot.subplots(1, 2, figsize=(9.6, 4.2), layout="constrained")

@@ -42,6 +42,13 @@ def rows_of(dataset: Path) -> dict[str, bytes]:
     return {file.parent.name: file.read_bytes() for file in dataset.glob("*/steps.h5")}
 
 
+def provenance(episode: rc.data.Episode) -> dict[str, Any]:
+    """What an episode says of its source."""
+    results: Any = episode.results
+    made_from: dict[str, Any] = results["augmented"]
+    return made_from
+
+
 def augment(dataset: Path, *options: object) -> dict[str, Any]:
     """The totals of a command that must succeed."""
     result = robocell_command("augment", dataset, "--progress", "jsonl", *options)
@@ -67,7 +74,7 @@ def test_episodes_are_those_of_any_number_of_workers_and_resumed(source: Path, t
     for episode in rc.Dataset(out):
         assert episode.success
         assert rc.data.verify_replay(episode).ok
-        assert episode.results["augmented"]["source"] in rc.Dataset(source).ids
+        assert provenance(episode)["source"] in rc.Dataset(source).ids
 
 
 def test_a_source_without_scene_phases_and_commands_needs_a_run_file(source: Path, tmp_path: Path):
@@ -88,7 +95,7 @@ def test_a_source_without_scene_phases_and_commands_needs_a_run_file(source: Pat
     run = source.parent / "run.yaml"
     totals = augment(tmp_path / "written", "-n", 1, "-o", out, "--run", run, "--seed", 5)
     assert totals["made"] == 1
-    results = rc.Dataset(out)[0].results["augmented"]
+    results = provenance(rc.Dataset(out)[0])
     assert results["source"] == "shown"
     assert results["segments_from"] == "gripper"
     assert results["segments"][0]["reference"] == "target"
