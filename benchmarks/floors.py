@@ -297,6 +297,32 @@ EXPORTS = (
         aim=30,
     ),
 )
+AUGMENTATION = (
+    *(
+        Floor(
+            "P19",
+            f"kept episodes an hour of `robocell augment`, {name}",
+            "augment",
+            f"augmented {name} episodes, {{robot}}",
+            measure=RATE,
+            floor=10_000,
+            aim=30_000,
+        )
+        for name in ("stack", "open")
+    ),
+    *(
+        Floor(
+            "P19",
+            f"yield of `robocell augment`, {name}, %",
+            "augment",
+            f"yield of augmented {name}, {{robot}}",
+            measure=RATE,
+            floor=80,
+            aim=90,
+        )
+        for name in ("stack", "open")
+    ),
+)
 EVALUATIONS = (
     Floor(
         "P18",

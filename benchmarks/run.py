@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import add_remove
+import augment
 import control_loop
 import dataset_writer
 import dynamics
@@ -54,6 +55,7 @@ BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "render": render.rows,
     "overlap": overlap.rows,
     "episodes": episodes.rows,
+    "augment": augment.rows,
     "graphics_card": graphics_card.rows,
     "policy_round_trip": policy_round_trip.rows,
     "motion": motion.rows,

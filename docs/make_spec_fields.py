@@ -39,6 +39,8 @@ RUNS = (
     rc.tasks.RandomizedValue,
     rc.tasks.StartCamera,
     rc.tasks.CameraSight,
+    rc.generate.AugmentConfig,
+    rc.generate.ActionNoiseConfig,
     rc.scenes.ObjectPlace,
     rc.scenes.SceneSourceSpec,
     FilesScenes,

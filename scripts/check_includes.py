@@ -89,7 +89,7 @@ BY_REGISTRY = {
         "grasp_proof",
         "reachable_grasps",
     },
-    "expert": {"expert", "expert_kind"},
+    "expert": {"demonstration", "expert", "expert_kind"},
 }
 # The layers between data/ and `rollout` know only its schema types: a task knows nothing of
 # files.

@@ -23,6 +23,9 @@ void BindRunSpecs(nb::module_& m) {
   BindSpecClass<StartConfig>(m,
                              "Places of objects and of the robot's base, and the conditions for "
                              "beginning an episode.");
+  BindSpecClass<AugmentConfig>(m, "The source episodes of a run that moves them to new starts.");
+  BindSpecClass<ActionNoiseConfig>(
+      m, "Bounded noise on the actions of a run, and displaced starts of the arm.");
   BindSpecClass<Rates>(m, "Rates of engine steps, controllers and actions, in ms or in Hz.")
       .def(
           "timestep", [](const Rates& r) { return r.timestep().value(); },

@@ -140,6 +140,18 @@ def naming_what_to_evaluate() -> Iterator[None]:
         ) from error
 
 
+@contextlib.contextmanager
+def naming_where_to_augment() -> Iterator[None]:
+    """Context manager: errors about a dataset that no run made add where its episodes can go."""
+    try:
+        yield
+    except ArgumentError as error:
+        raise ArgumentError(
+            f"{error}. To move its episodes to the starts of a run, name the run file: "
+            "`robocell augment DATASET --run RUN.yaml`"
+        ) from error
+
+
 def run_of_dataset(source: str | Path, modules: Sequence[str] = ()) -> RunConfig:
     """Returns the cell of a dataset: robot, task, scenes, rates, cameras, and its stored models.
 

@@ -10,6 +10,8 @@
 """
 
 from robocell._core import (
+    ActionNoiseConfig,
+    AugmentConfig,
     ItemResult,
     Keep,
     PlanItem,
@@ -29,6 +31,8 @@ from robocell._core import (
 )
 
 __all__ = [
+    "ActionNoiseConfig",
+    "AugmentConfig",
     "ItemResult",
     "Keep",
     "PlanItem",

@@ -17,6 +17,7 @@ from robocell._generation.streams import forgive_readers
 # Each is a function in a module of its name.
 COMMANDS = (
     "generate",
+    "augment",
     "report",
     "verify",
     "replay",

@@ -115,10 +115,45 @@ def generate(
     if not source.in_python:
         require_spec_file(Path(run), RunConfig)
     named = {"workers": workers, "output": output, "episodes": episodes, "seed": seed}
+    render = ["render=kept"] if render_kept else []
+    make_episodes(
+        source,
+        [*(set_ or []), *render],
+        named,
+        shard=shard,
+        progress=progress,
+        item_timeout=item_timeout,
+        dry_run=dry_run,
+        no_report=no_report,
+    )
+
+
+def make_episodes(
+    source: RunSource,
+    replaced: list[str],
+    named: Options,
+    *,
+    shard: str | None,
+    progress: ProgressChoice,
+    item_timeout: float,
+    dry_run: bool,
+    no_report: bool,
+) -> None:
+    """Makes the episodes of a run and ends the command.
+
+    Args:
+        source: The run.
+        replaced: Replaced fields, `--set` texts.
+        named: Options that replace the fields of their names.
+        shard: `--shard`.
+        progress: How progress is shown.
+        item_timeout: Time limit of an episode, seconds.
+        dry_run: Print the plan and an estimate only.
+        no_report: Print no table at the end.
+    """
     try:
         with interrupted_by_signals(), naming_typed_options(named):
-            render = ["render=kept"] if render_kept else []
-            job = _open_job(source, [*(set_ or []), *render, *overrides(named)], shard)
+            job = _open_job(source, [*replaced, *overrides(named)], shard)
             if dry_run:
                 for warning in job.check():
                     print_warning(warning)

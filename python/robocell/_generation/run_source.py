@@ -13,6 +13,7 @@ import contextlib
 import importlib
 import importlib.util
 import inspect
+import json
 import shlex
 import sys
 from collections.abc import Iterator, Sequence
@@ -46,16 +47,19 @@ class RunSource:
             sources, samplers or features; shared libraries (`.so`) that do so are loaded.
         policy: The policy to evaluate, as `robocell evaluate` names it; "" for generation.
         acting: How the policy is asked for actions.
+        augment: A dataset whose episodes are moved to new starts of the run, by `robocell augment`;
+            `run` may be the same dataset, for the run that made it.
     """
 
     run: str
     imports: tuple[str, ...] = ()
     policy: str = ""
     acting: PolicyOptions = field(default_factory=PolicyOptions)
+    augment: str = ""
 
     def __post_init__(self) -> None:
         """Raises ArgumentError for names that a dataset cannot store."""
-        for text in (self.run, *self.imports, self.policy, self.acting.preset):
+        for text in (self.run, *self.imports, self.policy, self.acting.preset, self.augment):
             require_utf8(text)
         with contextlib.suppress(OSError):  # without a working folder
             require_utf8(str(Path.cwd()))
@@ -68,9 +72,11 @@ class RunSource:
     def options(self) -> list[str]:
         """Returns options that give another process the same source, before `--` and the run."""
         policy = [f"--policy={self.policy}"] if self.policy else []
+        augment = [f"--augment={self.augment}"] if self.augment else []
         return [
             *(f"--import={module}" for module in self.imports),
             *policy,
+            *augment,
             *self.acting.arguments(),
         ]
 
@@ -94,6 +100,7 @@ class RunSource:
         """Adds the options of `options` to a parser."""
         parser.add_argument("--import", dest="imports", action="append", default=[])
         parser.add_argument("--policy", default="")
+        parser.add_argument("--augment", default="")
         PolicyOptions.add_options(parser)
         parser.add_argument("run")
 
@@ -101,26 +108,36 @@ class RunSource:
     def of(cls, arguments: argparse.Namespace) -> RunSource:
         """Makes a source from parsed arguments."""
         acting = PolicyOptions.of(arguments)
-        return cls(arguments.run, tuple(arguments.imports), arguments.policy, acting)
+        augment = arguments.augment
+        return cls(arguments.run, tuple(arguments.imports), arguments.policy, acting, augment)
 
     def absolute(self) -> RunSource:
         """Returns it with absolute paths, because a user's code may change the working folder."""
         is_path = self._split() is None
         run = str(Path(self.run).absolute()) if is_path else self.run
-        return replace(self, run=run, acting=self.acting.absolute())
+        augment = str(Path(self.augment).absolute()) if self.augment else ""
+        return replace(self, run=run, acting=self.acting.absolute(), augment=augment)
 
     def load(self, overrides: Sequence[str] = ()) -> RunConfig:
         """Imports the modules and reads the run.
 
         Raises SpecError, with file and line, for errors in the run and failed imports.
         """
-        run = self._load(overrides)
+        run = self._load([*self._augmenting(), *overrides])
         if self.policy:
             from robocell.policy import expert_of_policy
 
             run.expert = expert_of_policy(self.policy, self.run, self.acting)
             run.keep = Keep.FIRST
+            run.augment = None
         return run
+
+    def _augmenting(self) -> list[str]:
+        """Returns the overrides by which the episodes are made from those of a dataset."""
+        if not self.augment:
+            return []
+        dataset = json.dumps(str(Path(self.augment).absolute()))
+        return ['expert=""', f"augment.dataset={dataset}"]
 
     def _load(self, overrides: Sequence[str]) -> RunConfig:
         set_modules_of_run(())
@@ -131,12 +148,16 @@ class RunSource:
             made = self._from_python(*split, overrides)
             modules.append(import_module(split[0], Path.cwd()).__name__)
         elif Path(self.run).is_dir():
-            if not self.policy:
+            if not self.policy and not self.augment:
                 raise SpecError(_not_a_run(self.run))
-            from robocell._dataset_run import naming_what_to_evaluate, run_of_dataset
+            from robocell._dataset_run import (
+                naming_what_to_evaluate,
+                naming_where_to_augment,
+                run_of_dataset,
+            )
 
             self._import_policy()
-            with naming_what_to_evaluate():
+            with naming_what_to_evaluate() if self.policy else naming_where_to_augment():
                 made = run_of_dataset(self.run, modules)
             made = _overridden(made, self.run, overrides)
         elif self.run.endswith(".py"):

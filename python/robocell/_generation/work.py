@@ -28,6 +28,8 @@ def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
     source = RunSource.of(arguments).absolute()
     run = source.load(arguments.set)
     run.output = str(Path(run.output).absolute())  # a task may change the working folder
+    if run.augment:
+        run.augment.dataset = str(Path(run.augment.dataset).absolute())
     require_same_run(run)
     runner = Runner(run)
     plan = {item.id: item for item in make_plan(run)}

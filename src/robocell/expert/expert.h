@@ -32,6 +32,8 @@ class Expert : public Hooks {
   virtual bool ends_at_success() const { return false; }
   virtual int phase() const = 0;  // index into phase_names(), for the record
   virtual std::vector<std::string> phase_names() const = 0;
+  // Returns what the episode's results record of the expert, a JSON object: asked at the end.
+  virtual std::string results_json() const { return "{}"; }
 };
 
 }  // namespace robocell

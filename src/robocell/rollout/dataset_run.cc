@@ -92,7 +92,8 @@ RunConfig RunOfDataset(const Dataset& dataset) {
     throw SpecError(fmt::format("the run that made '{}': {}", folder, fmt::join(unknown, "; ")));
   }
   auto run = identity.AsSpec<RunConfig>();
-  run.output.clear();  // another dataset goes elsewhere
+  run.output.clear();   // another dataset goes elsewhere
+  run.augment.reset();  // the sources of its episodes are not in it
   const SceneSpec scene = RecordedScene(first);
   if (scene.robots.empty() || !scene.robots[0].config) {
     throw ArgumentError(fmt::format("'{}': the scene of '{}' has no robot configuration", folder,

@@ -13,6 +13,8 @@ namespace robocell {
 
 namespace {
 
+// Stands for the path of the source dataset, whose content counts (run_inputs.h).
+constexpr const char* kSourceInIdentity = "source";
 // Far more than any real run: a typing error must not exhaust the memory.
 constexpr int64_t kMostEpisodes = 10'000'000;
 
@@ -81,6 +83,7 @@ std::string RunIdentity(const RunConfig& run) {
   identity.episodes.reset();
   identity.episodes_per_scene = 1;
   identity.scenes.houses = {};
+  if (identity.augment) identity.augment->dataset = kSourceInIdentity;
   identity.imports = {};  // the contents of the modules count (run_inputs.h)
   return ToYaml(identity);
 }

@@ -143,6 +143,18 @@ class Replay {
     return report_;
   }
 
+  void Play(const std::function<bool(const Scene&, int64_t)>& at_row) {
+    scene_.SetState(episode_.Read<double>("initial_state"));
+    for (int64_t row = 0; row < episode_.rows(); ++row) {
+      scene_.SyncPoses();
+      if (!at_row(scene_, row)) return;
+      for (int64_t tick = first_ticks_[static_cast<size_t>(row)];
+           tick < first_ticks_[static_cast<size_t>(row) + 1]; ++tick) {
+        if (!Apply(static_cast<size_t>(tick)).ok()) return;
+      }
+    }
+  }
+
  private:
   size_t nu() const { return static_cast<size_t>(scene_.model()->nu); }
   int64_t ticks() const { return static_cast<int64_t>(times_.size()); }
@@ -289,14 +301,18 @@ class Replay {
     return !report_.first;
   }
 
+  StepResult Apply(size_t tick) {
+    std::copy_n(ctrl_.begin() + static_cast<std::ptrdiff_t>(tick * nu()), nu(),
+                scene_.data()->ctrl);
+    return scene_.StepN(rates_.sim_steps());
+  }
+
   void RunTick(int64_t row) {
     const size_t tick = static_cast<size_t>(report_.ticks);
     if (Differ(times_[tick], scene_.time(), options_.tolerance)) {
       return Differs(row, "the clock", "control/time", times_[tick], scene_.time());
     }
-    std::copy_n(ctrl_.begin() + static_cast<std::ptrdiff_t>(tick * nu()), nu(),
-                scene_.data()->ctrl);
-    const StepResult step = scene_.StepN(rates_.sim_steps());
+    const StepResult step = Apply(tick);
     ++report_.ticks;
     // A recorded divergence ends the record with exactly this tick.
     if (!step.ok() && report_.ticks < ticks())
@@ -348,6 +364,11 @@ ReplayResult VerifyReplay(const Episode& episode, const ReplayOptions& options) 
         "tolerance {} is not at least 0; 0 takes no difference for none", options.tolerance));
   }
   return Replay(episode, options).Run();
+}
+
+void PlayControls(const Episode& episode,
+                  const std::function<bool(const Scene& scene, int64_t row)>& at_row) {
+  Replay(episode, {}).Play(at_row);
 }
 
 }  // namespace robocell

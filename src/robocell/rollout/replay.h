@@ -9,10 +9,12 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
 #include "robocell/data/episode_reader.h"
+#include "robocell/scene/scene.h"
 
 namespace robocell {
 
@@ -50,5 +52,10 @@ struct ReplayResult {
 // (episodes of runs and environments do), SpecError if the scene has other controls or another
 // state than the recorded one, the errors of building a scene, and IoError.
 ReplayResult VerifyReplay(const Episode& episode, const ReplayOptions& options = {});
+
+// Applies the recorded controls and calls `at_row` before those of each row, with the scene in the
+// state of that row, until it returns false. The same errors.
+void PlayControls(const Episode& episode,
+                  const std::function<bool(const Scene& scene, int64_t row)>& at_row);
 
 }  // namespace robocell

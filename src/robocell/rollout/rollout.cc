@@ -3,9 +3,13 @@
 #include <fmt/format.h>
 
 #include <optional>
+#include <string>
 #include <vector>
+#include <nlohmann/json.hpp>
 
 #include "robocell/base/log.h"
+#include "robocell/rollout/action_noise.h"
+#include "robocell/rollout/exact_replay.h"
 #include "robocell/rollout/expert_calls.h"
 #include "robocell/rollout/rollout_recording.h"
 #include "robocell/rollout/run_cell.h"
@@ -58,9 +62,12 @@ std::vector<std::string> Warnings(const EngineWarnings& engine, const RolloutRes
   return warnings;
 }
 
-// Evaluations count the rollouts that an error of the policy ended.
-std::string ResultsOf(const ExpertCalls& calls, const RolloutResult& result) {
-  return calls.failed() && !result.success ? R"({"policy_error": true})" : "{}";
+// What the expert has to say, and for evaluations whether an error of the policy ended the rollout.
+std::string ResultsOf(ExpertCalls& calls, const Expert& expert, const RolloutResult& result) {
+  nlohmann::json results = nlohmann::json::parse(
+      calls("results_json", std::string("{}"), [&] { return expert.results_json(); }));
+  if (calls.failed() && !result.success) results["policy_error"] = true;
+  return results.dump();
 }
 
 void NoteNoIkSolution(const StepOutcome& step, double time, const std::string& phase,
@@ -90,7 +97,17 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   RolloutResult result;
   const std::vector<std::string> phases =
       calls("phase_names", std::vector<std::string>(), [&] { return expert.phase_names(); });
-  RolloutRecording recording(run, start, in, phases, portable, options, result.times);
+  std::optional<ActionNoise> noise;
+  if (run.noise)
+    noise.emplace(in.cell.robots(), *run.noise, run.rates.policy_period(), options.noise.value());
+  std::optional<ExactReplay> replay;
+  if (options.judge_replay) {
+    replay.emplace(start.scene, *start.task,
+                   StepperRates{run.rates.control_ticks(), run.rates.sim_steps()});
+  }
+  RolloutRecording recording(
+      run, start, in, phases, portable, options, result.times,
+      {.noise = noise ? &*noise : nullptr, .replay = replay ? &*replay : nullptr});
   int phase = 0;
   const auto act = [&] { return expert.Act(start.scene, rng); };
   std::optional<Action> acted;  // before the step, if actions take effect later
@@ -98,7 +115,9 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   const auto send = [&] {
     const StepOutcome sent =
         calls("act", StepOutcome(), [&] { return in.cell.Send(acted ? *acted : act()); });
-    return calls.failed() ? in.cell.Send({}) : sent;
+    if (calls.failed()) return in.cell.Send({});
+    if (noise) in.cell.Send(noise->Perturb());
+    return sent;
   };
   constexpr bool kOnceFailed = true;  // an expert that raised an error is done
   RowLabels labels;
@@ -141,6 +160,12 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     const bool is_put = recording.PutOutcome({verdict, labels});
     if (!is_put) return Stopped(result);
   }
+  const EngineWarnings warnings = recording.warnings();  // without those of the replay
+  if (result.success && replay) {
+    const StageClock::Stage stage(recording.clock(), result.times.acting);
+    result.failure = replay->Judge();
+    result.success = result.failure.empty();
+  }
   if (!result.success && result.failure.empty())
     NoteFailure(FailureOf(result, *start.task, calls.failure(), labels), options.episode_id,
                 result);
@@ -154,8 +179,8 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
                                        .terminated = labels.terminated,
                                        .truncated = labels.truncated,
                                        .end_reason = result.success ? "success" : result.failure,
-                                       .warnings = Warnings(recording.warnings(), result),
-                                       .results_json = ResultsOf(calls, result)});
+                                       .warnings = Warnings(warnings, result),
+                                       .results_json = ResultsOf(calls, expert, result)});
   result.stopped = !result.committed;
   return result;
 }

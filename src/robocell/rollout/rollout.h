@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,10 @@ struct RolloutOptions {
   // A HookError of the expert ends the rollout as a failure, whose reason is PolicyError's
   // (expert_calls.h): for evaluations. Otherwise it is rethrown, and nothing is kept.
   bool expert_errors_fail = false;
+  // A success counts only if its controls alone lead to success again (exact_replay.h).
+  bool judge_replay = false;
+  // The randomness of the run's noise; required if it has `noise`.
+  std::optional<Rng> noise = {};
 };
 
 // Commits the episode if it succeeded, or failed and failures are kept; else nothing stays on the

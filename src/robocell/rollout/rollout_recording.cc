@@ -37,6 +37,11 @@ std::string Metadata(const RunConfig& run, const EpisodeStart& start, const Port
   return all.dump();
 }
 
+std::vector<const FeatureSchema*> MoreColumns(const RolloutParts& parts) {
+  if (!parts.noise) return {};
+  return {&parts.noise->intended()};
+}
+
 void NoteThatImagesAreLookedAt() {
   static std::once_flag once;
   std::call_once(once, [] {
@@ -49,13 +54,15 @@ void NoteThatImagesAreLookedAt() {
 RolloutRecording::RolloutRecording(const RunConfig& run, const EpisodeStart& start, RunCell& in,
                                    const std::vector<std::string>& phases,
                                    const PortableScene& portable, const RolloutOptions& options,
-                                   RolloutTimes& times)
+                                   RolloutTimes& times, const RolloutParts& parts)
     : times_(times),
       options_(options),
       place_("scene '" + start.scene.name() + "'"),
       in_(in),
+      parts_(parts),
       episode_(start.scene, {.observed = in.features.observed(),
                              .commanded = in.features.commanded(),
+                             .more = MoreColumns(parts),
                              .phases = phases,
                              .subtasks = in.cell.subtasks()}),
       has_images_(!in.images.drawn().empty()),
@@ -129,6 +136,8 @@ bool RolloutRecording::PutOutcome(const RowOutcome& outcome) {
   const StageClock::Stage stage(clock_, has_images_ ? times_.rendering : times_.writing);
   const std::span<const double> actions = in_.features.ReadActions();
   row_.commanded.assign(actions.begin(), actions.end());
+  if (parts_.noise)
+    row_.intended.assign(parts_.noise->numbers().begin(), parts_.noise->numbers().end());
   row_.outcome = outcome;
   if (!has_images_) return Write(row_, 0), true;
   rows_.push_back(std::make_shared<EpisodeRow>(std::exchange(row_, {})));
@@ -159,6 +168,7 @@ void RolloutRecording::PutControl(const mjModel* model, const mjData* data) {
   const StageClock::Stage stage(clock_, times_.writing);
   row_.tick_times.push_back(data->time);
   row_.ctrl.insert(row_.ctrl.end(), data->ctrl, data->ctrl + model->nu);
+  if (parts_.replay) parts_.replay->Put({data->ctrl, static_cast<size_t>(model->nu)});
 }
 
 void RolloutRecording::Open() {
@@ -206,6 +216,7 @@ void RolloutRecording::Write(EpisodeRow& row, int thread) {
   for (size_t i = 0; i < row.tick_times.size(); ++i)
     episode_.PutControl(row.tick_times[i], std::span(row.ctrl).subspan(i * nu, nu));
   episode_.PutCommands(row.commanded);
+  if (parts_.noise) episode_.PutMore(0, row.intended);
   episode_.PutOutcome(row.outcome);
   episode_.EndRow();
 }

@@ -21,8 +21,10 @@
 #include <vector>
 
 #include "robocell/features/cell_images.h"
+#include "robocell/rollout/action_noise.h"
 #include "robocell/rollout/drawn_check.h"
 #include "robocell/rollout/episode_recording.h"
+#include "robocell/rollout/exact_replay.h"
 #include "robocell/rollout/rollout.h"
 #include "robocell/rollout/row_queue.h"
 #include "robocell/rollout/run_cell.h"
@@ -32,12 +34,19 @@
 
 namespace robocell::internal {
 
+// What a rollout has beside its cell; null for what it has not.
+struct RolloutParts {
+  const ActionNoise* noise = nullptr;  // its intended actions are recorded
+  ExactReplay* replay = nullptr;       // gets the controls of each tick
+};
+
 class RolloutRecording {
  public:
   // `phases`: names of the expert's phases. All that is passed has to outlive it.
   RolloutRecording(const RunConfig& run, const EpisodeStart& start, RunCell& in,
                    const std::vector<std::string>& phases, const PortableScene& portable,
-                   const RolloutOptions& options, RolloutTimes& times);
+                   const RolloutOptions& options, RolloutTimes& times,
+                   const RolloutParts& parts = {});
   ~RolloutRecording();
   RolloutRecording(const RolloutRecording&) = delete;
   RolloutRecording& operator=(const RolloutRecording&) = delete;
@@ -93,6 +102,7 @@ class RolloutRecording {
   const RolloutOptions& options_;
   std::string place_;
   RunCell& in_;
+  RolloutParts parts_;
   StageClock clock_;
   EpisodeRecording episode_;
   const bool has_images_;

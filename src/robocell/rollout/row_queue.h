@@ -35,6 +35,7 @@ namespace robocell::internal {
 // A row as it happened: the state before the action, and what came of it.
 struct EpisodeRow {
   std::vector<double> observed, commanded;
+  std::vector<double> intended;  // of a run with noise
   int phase = 0;
   RowOutcome outcome;
   std::vector<double> tick_times, ctrl;  // of its control ticks

@@ -22,6 +22,7 @@
 #include "robocell/expert/expert_kind.h"
 #include "robocell/features/own_features.h"
 #include "robocell/rollout/plan.h"
+#include "robocell/rollout/source_demos.h"
 #include "robocell/rollout/user_code.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/randomization.h"
@@ -35,6 +36,8 @@ namespace {
 using Texts = std::map<std::string, std::string>;
 
 namespace fs = std::filesystem;
+
+const std::string kSources = "source/";  // names of the files of source episodes begin so
 
 // Returns the user's code that defines the run's task, expert, scenes, sampler and features.
 internal::UserCode CodeOf(const RunConfig& run, bool with_expert) {
@@ -74,6 +77,12 @@ std::map<std::string, fs::path> FilesOf(const RunConfig& run) {
   }
   const internal::UserCode code = CodeOf(run, true);
   for (const fs::path& file : code.files()) add("code/" + file.filename().string(), file);
+  if (run.augment) {
+    const fs::path sources = fs::absolute(run.augment->dataset).lexically_normal();
+    // Each has the hashes of the episode's other files.
+    for (const std::string& id : internal::SourceIds(*run.augment))
+      add(kSources + id + "/episode.json", sources / id / "episode.json");
+  }
   return named;
 }
 
@@ -139,6 +148,13 @@ void ForEachDifference(const Texts& then, const Texts& now, F&& f) {
 }
 
 constexpr size_t kShownFiles = 3;
+
+// Returns "model file rc7/rc7.xml" for the name of a file.
+std::string WordsFor(const std::string& name) {
+  if (name.starts_with("code/")) return "code file " + name.substr(5);
+  if (name.starts_with(kSources)) return "source episode " + name.substr(kSources.size());
+  return "model file " + name;
+}
 
 bool IsUnchanged(const std::filesystem::path& path, const std::string& hash) {
   try {
@@ -210,12 +226,10 @@ std::vector<InputDifference> Differences(const RunInputs& then, const RunInputs&
   DropMoved(files_then, files_now);
   ForEachDifference(files_then, files_now,
                     [&](const std::string& key, const std::string* a, const std::string* b) {
-                      const bool is_code = key.starts_with("code/");
                       const char* how = !a   ? "new since then"
                                         : !b ? "no longer used or gone"
                                              : "changed since then";
-                      found.push_back({fmt::format("{} file {}: {}", is_code ? "code" : "model",
-                                                   is_code ? key.substr(5) : key, how)});
+                      found.push_back({fmt::format("{}: {}", WordsFor(key), how)});
                     });
   return found;
 }

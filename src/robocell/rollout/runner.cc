@@ -18,13 +18,16 @@
 #include "robocell/base/log.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
+#include "robocell/expert/demonstration.h"
 #include "robocell/expert/expert_kind.h"
+#include "robocell/rollout/action_noise.h"
 #include "robocell/rollout/expert_calls.h"
 #include "robocell/rollout/on_disk.h"
 #include "robocell/rollout/rollout.h"
 #include "robocell/rollout/run_inputs.h"
 #include "robocell/rollout/run_origin.h"
 #include "robocell/rollout/run_renderer.h"
+#include "robocell/rollout/source_demos.h"
 #include "robocell/rollout/start_draw.h"
 #include "robocell/rollout/validate_run.h"
 #include "robocell/task/sampler_kind.h"
@@ -55,7 +58,26 @@ class UnmadeExpert final : public Expert {
 // Returns true if a run calls code that is not part of robocell.
 bool HasUsersCode(const RunConfig& run, const RunnerParts& parts) {
   return parts.sampler || parts.expert || !run.sampler.empty() || !run.features.names.empty() ||
-         !FindTaskKind(run.task.kind())->is_built_in() || !ExpertKindFor(run)->is_built_in();
+         !FindTaskKind(run.task.kind())->is_built_in() ||
+         (!run.augment && !ExpertKindFor(run)->is_built_in());
+}
+
+using MakeExpertFunction =
+    std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)>;
+
+// Returns what makes the experts that a run names.
+MakeExpertFunction ExpertsOf(const RunConfig& run) {
+  if (run.augment) {
+    // Read when the first one is made: a runner whose items exist reads nothing.
+    return [sources = internal::Demonstrations()](const RunConfig& of,
+                                                  const EpisodeStart& start) mutable {
+      if (!sources) sources = internal::ReadSources(of);
+      return internal::MakeAugmentExpert(of, start, sources);
+    };
+  }
+  return [kind = ExpertKindFor(run)](const RunConfig& of, const EpisodeStart& start) {
+    return kind->Make(of, start);
+  };
 }
 
 }  // namespace
@@ -93,7 +115,8 @@ struct Runner::State {
   void RequireSameParts() const;
   void RequireUnchangedModels();
   internal::RolloutOptions Options(const PlanItem& item, int attempt,
-                                   const EarlierAttempts& earlier, const StopRequest& stop);
+                                   const EarlierAttempts& earlier, const Rng& noise,
+                                   const StopRequest& stop);
   // In evaluations an error of the expert is a failure from this start (kFirst).
   bool do_expert_errors_fail() const { return run.keep == Keep::kFirst; }
   std::shared_ptr<Expert> MakeExpert(const EpisodeStart& start) const;
@@ -169,7 +192,7 @@ const std::string& Runner::State::Advice() {
 }
 
 internal::RolloutOptions Runner::State::Options(const PlanItem& item, int attempt,
-                                                const EarlierAttempts& earlier,
+                                                const EarlierAttempts& earlier, const Rng& noise,
                                                 const StopRequest& stop) {
   nlohmann::json metadata = {{"run", run.run},
                              {"seed", run.seed},
@@ -192,7 +215,9 @@ internal::RolloutOptions Runner::State::Options(const PlanItem& item, int attemp
           .render = EnsureRender(),
           .stop = stop,
           .before_commit = [this] { RequireUnchangedModels(); },
-          .expert_errors_fail = do_expert_errors_fail()};
+          .expert_errors_fail = do_expert_errors_fail(),
+          .judge_replay = run.augment.has_value(),
+          .noise = noise};
 }
 
 Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State>()) {
@@ -208,10 +233,7 @@ Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State
     state_->parts.sampler = &MakeSampler;
   }
   if (!state_->parts.expert) {
-    state_->parts.expert = [kind = ExpertKindFor(state_->run)](const RunConfig& of,
-                                                               const EpisodeStart& start) {
-      return kind->Make(of, start);
-    };
+    state_->parts.expert = ExpertsOf(state_->run);
   }
   state_->sampler = state_->parts.sampler(state_->run);
 }
@@ -304,10 +326,12 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
   start_accepted = true;
   object_kind = sample.object_kind();
   BindStart(*sample.start, run);
+  Rng noise = AttemptStream(run, item, attempt, "noise");
+  internal::DisplaceStart(run, *sample.start, noise);
   const std::shared_ptr<Expert> expert = MakeExpert(*sample.start);
   Rng expert_rng = AttemptStream(run, item, attempt, "expert");
   const internal::RolloutResult rollout = internal::RunRollout(
-      run, *sample.start, *expert, expert_rng, Options(item, attempt, earlier, stop));
+      run, *sample.start, *expert, expert_rng, Options(item, attempt, earlier, noise, stop));
   AddTo(result, rollout);
   if (result.stopped) return;
   if (!rollout.committed) RequireUnchangedModels();  // failures count too

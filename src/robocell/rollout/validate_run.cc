@@ -25,6 +25,7 @@
 #include "robocell/rollout/episode_columns.h"
 #include "robocell/rollout/plan.h"
 #include "robocell/rollout/run_renderer.h"
+#include "robocell/rollout/source_demos.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scenes/scene_annotations.h"
 #include "robocell/scenes/scene_source.h"
@@ -399,6 +400,12 @@ class SceneValidator {
     task_->ValidateScene(run_, scene, robot, problems_, doubts_);
     if (!demands_.scripted_expert) return;
     Try("task", [&] { ValidateBaseRange(robot); });
+    if (run_.augment) {
+      if (!robot.has_arm())
+        problems_.AddAt("robot", "has no arm, and the source episodes are of one");
+      Try("augment.dataset", [&] { internal::ReadSources(run_); });
+      return;
+    }
     Try(run_.expert.empty() ? "task" : "expert",
         [&] { ExpertKindFor(run_)->Validate(run_, scene, robot, problems_, doubts_); });
   }

@@ -33,6 +33,8 @@ void RunConfig::Validate(Problems& problems) const {
   task.rules()->ValidateRun(*this, problems);
   ValidateNotEmpty(run, "run", "the run's name", problems);
   ValidateNotEmpty(output, "output", "the folder the dataset goes to", problems);
+  if (augment && !expert.empty())
+    problems.AddAt("augment", "replaces the expert: leave out `expert`, or `augment`");
   if (robot.config == RobotConfig{}) {
     problems.AddAt("robot", "is required: a robot file, or the robot's fields");
   } else {

@@ -16,7 +16,10 @@
 #include <string>
 #include <vector>
 
+#include "robocell/spec/action_noise_config.h"
+#include "robocell/spec/augment_config.h"
 #include "robocell/spec/camera_spec.h"
+#include "robocell/spec/containers.h"
 #include "robocell/spec/locations.h"
 #include "robocell/spec/randomize_config.h"
 #include "robocell/spec/rates.h"
@@ -60,6 +63,8 @@ struct RunConfig {
   Maybe<RandomizeConfig> randomize = {};
   std::string sampler = {};
   std::string expert = {};
+  Maybe<AugmentConfig> augment = {};
+  Maybe<ActionNoiseConfig> noise = {};
   SceneSourceSpec scenes = {};
   int episodes_per_scene = 1;
   CameraSystemConfig cameras = {};
@@ -93,6 +98,10 @@ struct RunConfig {
     v("expert", &RunConfig::expert,
       "Source of the actions: a registered kind of expert. Unset: the task's own expert. "
       "`robocell evaluate` writes its policy here, `module:Class`.");
+    v("augment", &RunConfig::augment,
+      "Source episodes that are moved to new starts, instead of an expert. Unset: none.");
+    v("noise", &RunConfig::noise,
+      "Noise on the actions, which are recorded with and without it. Unset: none.");
     v("scenes", &RunConfig::scenes,
       "Source of the scenes: its kind, `houses` and the fields of that kind.");
     v("episodes_per_scene", &RunConfig::episodes_per_scene, "Episodes made in each scene.",
