@@ -1,9 +1,10 @@
 """Print a table of success: kinds of tasks by robots, each with its failures by reason.
 
-    python scripts/success_table.py [--starts 50] [--robots rc7,xarm7] [--kinds open,close]
+    python scripts/success_table.py [--starts 50] [--robots rc7,my_robot.yaml] [--kinds open,close]
 
 The scripted expert gets one rollout from each start on the built-in table, without cameras. The
-interval is Wilson's, with 95 %.
+interval is Wilson's, with 95 %. A pair that does not apply has its reason. `--page` writes the
+table between the marks of a page.
 """
 
 from __future__ import annotations
@@ -12,7 +13,9 @@ import argparse
 import math
 import tempfile
 from collections import Counter
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 
 import robocell as rc
@@ -23,9 +26,30 @@ ROBOTS = {
     "xarm7": ROOT / "examples/xarm7.yaml",
     "panda": ROOT / "examples/panda.yaml",
     "fr3_2f85": ROOT / "examples/fr3_2f85.yaml",
+    "gen3_2f85": ROOT / "examples/gen3_2f85.yaml",
 }
-KINDS = ("stack", "place_next_to", "open", "close", "press", "push")
+KINDS = (
+    "pick",
+    "pick_and_place",
+    "stack",
+    "place_next_to",
+    "open",
+    "close",
+    "press",
+    "push",
+)
 MOST_REFUSED = 40  # starts in a row
+BEGIN, END = "<!-- success: begin -->", "<!-- success: end -->"
+HEAD = "| kind | robot | success | 95 % | failures |\n|---|---|---|---|---|"
+
+
+def interval(successes: int, trials: int) -> tuple[float, float]:
+    """Wilson's 95 % interval of a rate."""
+    z, rate = 1.96, successes / trials
+    middle = (rate + z * z / (2 * trials)) / (1 + z * z / trials)
+    half = z * math.sqrt(rate * (1 - rate) / trials + z * z / (4 * trials * trials))
+    half /= 1 + z * z / trials
+    return max(0.0, middle - half), min(1.0, middle + half)
 
 
 @dataclass
@@ -34,51 +58,95 @@ class Cell:
 
     starts: int
     successes: int = 0
+    refused: int = 0  # starts for which no attempt found a place
     failures: Counter[str] = field(default_factory=Counter)
+    why_not: str = ""  # why the kind does not apply to the robot; "" if it does
 
-    def interval(self) -> tuple[float, float]:
-        """The 95 % interval of the rate."""
-        z, n, rate = 1.96, self.starts, self.successes / self.starts
-        middle = (rate + z * z / (2 * n)) / (1 + z * z / n)
-        half = z * math.sqrt(rate * (1 - rate) / n + z * z / (4 * n * n)) / (1 + z * z / n)
-        return middle - half, middle + half
+    def row(self, kind: str, robot: str) -> str:
+        """The cell as a row of the table."""
+        if self.why_not:
+            return f"| `{kind}` | {robot} | – | | {self.why_not} |"
+        low, high = interval(self.successes, self.starts)
+        why = ", ".join(f"{count} {reason}" for reason, count in self.failures.most_common())
+        rate = f"{self.successes}/{self.starts}"
+        return f"| `{kind}` | {robot} | {rate} | {100 * low:.0f}–{100 * high:.0f} % | {why} |"
 
 
-def measure(robot: str, kind: str, starts: int, seed: int = 0) -> Cell:
+def one_line(error: Exception) -> str:
+    """The text of an error for a cell of the table."""
+    return " ".join(str(error).split()).replace("|", "/")
+
+
+def measure(
+    robot: str, kind: str, starts: int, seed: int = 0, objects: tuple[str, ...] = ()
+) -> Cell:
     """Rolls the expert out from this many starts."""
     cell = Cell(starts)
+    refusals: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as folder:
-        run = rc.RunConfig(run="table", robot=str(ROBOTS[robot]), output=folder + "/out")
+        file = str(ROBOTS.get(robot, robot))
+        run = rc.RunConfig(run="table", robot=file, output=folder + "/out")
         run.task, run.scenes, run.seed = {"kind": kind}, {"source": "tabletop"}, seed
+        if objects:
+            run.task = {"kind": kind, "objects": list(objects)}
         run.episodes, run.max_attempts, run.rates.max_steps = starts, MOST_REFUSED, 800
         run.keep = rc.generate.Keep.FIRST
+        try:
+            rc.diagnose.check_run(run)
+        except rc.SpecError as error:
+            cell.why_not = one_line(error)
+            return cell
         rc.generate.prepare_dataset(run)
         runner = rc.generate.Runner(run)
         for item in rc.generate.make_plan(run):
             result = runner.run(item)
             cell.successes += result.success
             cell.failures.update(result.failures)
+            refusals.update(result.refusals)
             if result.accepted == 0:
+                cell.refused += 1
                 cell.failures["no start"] += 1
+    if cell.refused == starts:
+        cell.why_not = f"no start in {sum(refusals.values())}: {refusals.most_common(1)[0][0]}"
     return cell
+
+
+def write_page(page: Path, table: str) -> None:
+    """Replaces what is between the marks of a page."""
+    text = page.read_text(encoding="utf-8")
+    if BEGIN not in text or END not in text:
+        raise SystemExit(f"{page}: has no lines {BEGIN} and {END} around its table")
+    before, rest = text.split(BEGIN, 1)
+    page.write_text(f"{before}{BEGIN}\n{table}\n{END}{rest.split(END, 1)[1]}", encoding="utf-8")
 
 
 def main() -> None:
     """Prints the table as Markdown."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--starts", type=int, default=50)
-    parser.add_argument("--robots", default=",".join(ROBOTS))
-    parser.add_argument("--kinds", default=",".join(KINDS))
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--starts", type=int, default=50, help="of each robot and kind")
+    parser.add_argument("--robots", default=",".join(ROBOTS), help="names, or files of robots")
+    parser.add_argument("--kinds", default=",".join(KINDS), help="kinds of tasks")
+    parser.add_argument("--objects", default="", help="kinds of objects; default: the task's own")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--workers", type=int, default=1, help="processes")
+    parser.add_argument("--page", type=Path, help="a page whose table is replaced")
     words = parser.parse_args()
-    print("| kind | robot | success | 95 % | failures |\n|---|---|---|---|---|")
-    for kind in words.kinds.split(","):
-        for robot in words.robots.split(","):
-            cell = measure(robot, kind, words.starts)
-            low, high = cell.interval()
-            why = ", ".join(f"{count} {reason}" for reason, count in cell.failures.most_common())
-            rate = f"{cell.successes}/{cell.starts}"
-            interval = f"{100 * low:.0f}-{100 * high:.0f} %"
-            print(f"| `{kind}` | {robot} | {rate} | {interval} | {why} |", flush=True)
+    if words.starts < 1 or words.workers < 1:
+        parser.error("--starts and --workers are at least 1")
+    objects = tuple(filter(None, words.objects.split(",")))
+    pairs = list(product(words.kinds.split(","), words.robots.split(",")))
+    print(HEAD, flush=True)
+    rows = []
+    with ProcessPoolExecutor(words.workers) as pool:
+        cells = [
+            pool.submit(measure, robot, kind, words.starts, words.seed, objects)
+            for kind, robot in pairs
+        ]
+        for (kind, robot), cell in zip(pairs, cells, strict=True):
+            rows.append(cell.result().row(kind, Path(robot).stem))
+            print(rows[-1], flush=True)
+    if words.page:
+        write_page(words.page, "\n".join([HEAD, *rows]))
 
 
 if __name__ == "__main__":

@@ -81,7 +81,9 @@ void ContactSkill::Plan(const Scene& scene, Rng& rng) {
     reach_ = std::move(*reach);
     motion_ = std::move(motion);
     free_opening_ = OpeningFor(path.free_gap);
-    contact_opening_ = plan_.grips ? 0 : OpeningFor(path.contact_gap);
+    grips_ = path.grips;
+    closed_at_ = Grips() ? path.closed_at : 0;
+    contact_opening_ = Grips() ? 0 : OpeningFor(path.contact_gap);
     const double range = shape_->open_gap() - shape_->closed_gap();
     opening_step_ = range > 0 ? kFingerSpeed * settings_.tick / range : 1;
     after_ = path.after;
@@ -125,6 +127,15 @@ std::optional<JointPath> ContactSkill::FindReach(PlanningScene& planning, const 
   return std::nullopt;
 }
 
+// Returns the points of the path from number `begin` on, before `end`.
+JointPath ContactSkill::Along(size_t begin, size_t end) const {
+  const JointPath& all = motion_->along;
+  end = std::min(end, all.size());
+  JointPath part;
+  for (size_t i = std::min(begin, end); i < end; ++i) part.push_back(all[i]);
+  return part;
+}
+
 double ContactSkill::PathSeconds() const {
   return std::max(kLeastFollow, plan_.seconds_per_metre * length_);
 }
@@ -142,10 +153,11 @@ void ContactSkill::Enter(Phase phase) {
       break;
     case Phase::kClose:
       last_gap_ = robot_->gripper().inter_finger_dist();
+      if (closed_at_ > 0) arm_->AddLeg(Along(1, closed_at_ + 1), kLineSpeed, kLeastLine);
       break;
     case Phase::kFollow:
       arm_->AddLeg(
-          {motion_->along.begin() + 1, motion_->along.end()}, kLineSpeed,
+          Along(closed_at_ + 1, motion_->along.size()), kLineSpeed,
           arm_->GentleSeconds(motion_->along, PathSeconds(), std::max(PathSeconds(), kMostFollow)));
       break;
     case Phase::kRetreat:
@@ -189,12 +201,12 @@ void ContactSkill::Advance() {
       if (arm_->Settled() && std::abs(opening_ - free_opening_) < 1e-6) Enter(Phase::kApproach);
       return;
     case Phase::kApproach:
-      if (arm_->Settled()) Enter(plan_.grips ? Phase::kClose : Phase::kFollow);
+      if (arm_->Settled()) Enter(Grips() ? Phase::kClose : Phase::kFollow);
       return;
     case Phase::kClose:
       return LeaveClose();
     case Phase::kFollow:
-      if (plan_.grips && HandIsEmpty()) {
+      if (Grips() && HandIsEmpty()) {
         setback_ = "the handle slipped";
         return BreakOff();
       }
@@ -231,14 +243,16 @@ void ContactSkill::LeaveClose() {
   squeezed_ = opening_ > 0 ? 0 : squeezed_ + 1;
   const int least =
       std::max(arm_->Ticks(kGripSeconds) - ticks_, arm_->Ticks(kFullForceSeconds) - squeezed_);
-  if (least > 0 || (!steady && squeezed_ < arm_->Ticks(kMostGripSeconds))) return;
+  if (least > 0 || !arm_->finished() || (!steady && squeezed_ < arm_->Ticks(kMostGripSeconds)))
+    return;
   if (!HandIsEmpty()) return Enter(Phase::kFollow);
-  setback_ = "the hand closed on nothing";
+  setback_ = shape_->is_suction() ? "the cup sticks to nothing" : "the hand closed on nothing";
   motion_->out = {motion_->in.rbegin(), motion_->in.rend()};
   Enter(Phase::kRelease);
 }
 
 bool ContactSkill::HandIsEmpty() const {
+  if (shape_->is_suction()) return !robot_->gripper().is_grasping(plan_.target_body);
   return robot_->gripper().inter_finger_dist() < shape_->closed_gap() + kClosedFingers;
 }
 

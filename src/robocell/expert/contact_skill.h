@@ -23,7 +23,7 @@ struct ContactSkillPlan {
   std::string target_body;       // which the hand may touch
   std::string follow_phase;      // "follow", "press", "push"
   std::string without_paths;     // the failure if there is none: "no grasp of the handle"
-  bool grips = false;            // closes the fingers at the contact
+  bool grips = false;            // closes the fingers at the contact, if the path is one that grips
   double least_share = 1;        // of the path that has to be possible
   double seconds_per_metre = 8;  // of the TCP on the path, at least
   // Ends the path before its end.
@@ -53,7 +53,9 @@ class ContactSkill final : public Skill {
   void GiveUp(const std::string& why);
   double OpeningFor(double gap) const;
   bool HandIsEmpty() const;
+  bool Grips() const { return plan_.grips && grips_; }
   double PathSeconds() const;
+  JointPath Along(size_t begin, size_t end) const;
 
   SkillSettings settings_;
   ContactSkillPlan plan_;
@@ -62,6 +64,8 @@ class ContactSkill final : public Skill {
   std::optional<GuidedArm> arm_;
   std::optional<ContactMotion> motion_;
   JointPath reach_;
+  bool grips_ = true;     // the path does
+  size_t closed_at_ = 0;  // point of the path at which the fingers have closed
   double free_opening_ = 1, contact_opening_ = 1, opening_ = 1, opening_step_ = 1;
   double length_ = 0, after_ = 0;  // of the TCP's path, and of the way out, m
   Eigen::Vector3d away_in_tcp_ = Eigen::Vector3d::UnitZ();

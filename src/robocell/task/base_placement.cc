@@ -17,6 +17,7 @@
 #include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/low_discrepancy.h"
 #include "robocell/motion/clearance.h"
+#include "robocell/motion/geom_extent.h"
 #include "robocell/motion/robot_outline.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/render/stream_camera.h"
@@ -181,6 +182,20 @@ std::optional<Refusal> ValidateBaseReach(const Robot& robot, const Pose& target)
   if (distance <= kReachShare * robot.reach()) return std::nullopt;
   return Refusal{Refusal::kNoReachableBasePose,
                  fmt::format("{:.2f} m away, reach is {:.2f} m", distance, robot.reach())};
+}
+
+std::optional<Refusal> ValidateBaseReachOfPart(const Robot& robot, const std::string& body) {
+  const Scene scene = robot.scene();
+  const mjModel* m = scene.model();
+  const Eigen::Vector3d base = robot.base_in_world().translation();
+  double nearest = (scene.body_pose(body).translation() - base).norm();
+  for (const int geom : internal::CollisionGeomsOf(m, FindId(m, mjOBJ_BODY, body))) {
+    const Eigen::Map<const Eigen::Vector3d> middle(scene.data()->geom_xpos + 3 * geom);
+    nearest = std::min(nearest, (middle - base).norm() - m->geom_rbound[geom]);
+  }
+  if (nearest <= kReachShare * robot.reach()) return std::nullopt;
+  return Refusal{Refusal::kNoReachableBasePose,
+                 fmt::format("{:.2f} m away, reach is {:.2f} m", nearest, robot.reach())};
 }
 
 std::string WhyOutOfReach(const std::vector<Robot>& robots, const Eigen::Vector3d& place,

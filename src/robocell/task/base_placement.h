@@ -93,6 +93,8 @@ std::optional<Refusal> ValidateBaseDistance(const Robot& robot, const Pose& targ
                                             const BaseRange& range);
 // Refuses a target beyond kReachShare of the robot's reach.
 std::optional<Refusal> ValidateBaseReach(const Robot& robot, const Pose& target_in_world);
+// The same for a body that stays in place, such as furniture: what counts is its nearest part.
+std::optional<Refusal> ValidateBaseReachOfPart(const Robot& robot, const std::string& body);
 // Returns "" if one of the robots may reach to within `slack` of a place in the world, or of a
 // point straight below it down to the height `lowest` (metres); else the distance of the nearest
 // robot. The bound is the length of the stretched arm. Robots with a movable base reach everything.

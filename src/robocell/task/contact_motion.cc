@@ -12,6 +12,7 @@
 namespace robocell {
 namespace {
 
+constexpr size_t kContactBatch = 24;  // paths whose starts are solved at once
 constexpr int kContactRestarts = 40;
 constexpr size_t kLeastOut = 2;    // points of the line out that have to be free
 constexpr size_t kStepsBack = 16;  // places along a path from which a way out is sought
@@ -31,39 +32,57 @@ ContactMotions::ContactMotions(PlanningScene& planning, std::vector<ContactPath>
     : planning_(planning),
       paths_(std::move(paths)),
       options_(options),
-      world_in_base_(planning.robot().base_in_world().inverse()) {
+      home_(home),
+      world_in_base_(planning.robot().base_in_world().inverse()) {}
+
+// Solves the starts of some more paths, best first: usually one of the first is taken.
+void ContactMotions::SolveMore() {
+  const size_t begin = solved_, first = starts_.size();
+  solved_ = std::min(begin + kContactBatch, paths_.size());
   std::vector<Pose> targets;
-  for (const ContactPath& path : paths_)
-    targets.push_back(world_in_base_ * path.tcp_in_world.front());
-  if (targets.empty()) return;
+  for (size_t i = begin; i < solved_; ++i)
+    targets.push_back(world_in_base_ * paths_[i].tcp_in_world.front());
+  const Chain& chain = planning_.robot().chain();
+  const internal::TaskSpace task = internal::TaskSpaceOf(planning_.robot());
   // A solution near home may have no room to follow the path: those in the middle of the limits come
   // next.
-  std::vector<bool> solved(paths_.size(), false);
+  std::vector<bool> solved(targets.size(), false);
   for (const IkPrefer prefer : {IkPrefer::kSeed, IkPrefer::kAwayFromLimits}) {
     IkBatchOptions ik;
     ik.ik.tolerance = internal::kLineIkTolerance;
     ik.ik.prefer = prefer;
     ik.ik.max_restarts = kContactRestarts;
-    const IkBatchResult result = IkBatch(planning_.robot().chain(), targets, home, ik);
+    const IkBatchResult result = IkBatch(chain, targets, home_, ik);
     for (int b = 0; b < result.size; ++b) {
-      const auto path = static_cast<size_t>(b);
+      const auto i = static_cast<size_t>(b);
       if (!result.success[b]) continue;
-      solved[path] = true;
-      starts_.push_back({path, JointVector(result.row(b))});
+      solved[i] = true;
+      starts_.push_back({begin + i, JointVector(result.row(b))});
     }
   }
-  out_of_reach_ = static_cast<int>(std::ranges::count(solved, false));
-  std::ranges::stable_sort(starts_, {}, &Start::path);
+  // An arm that cannot take every pose may turn its hand a little.
+  for (size_t i = 0; i < targets.size() && task.is_partial(chain); ++i) {
+    if (solved[i]) continue;
+    const IkResult near = task.SolveWithin(chain, targets[i], home_, internal::kMostTilt);
+    if (!near.success) continue;
+    solved[i] = true;
+    starts_.push_back({begin + i, near.q});
+  }
+  out_of_reach_ += static_cast<int>(std::ranges::count(solved, false));
+  std::stable_sort(starts_.begin() + static_cast<std::ptrdiff_t>(first), starts_.end(),
+                   [](const Start& a, const Start& b) { return a.path < b.path; });
 }
 
 // Returns the line from the end of a motion along the path, as far as it is free. Fingers that let go
 // may still touch the target.
 JointPath ContactMotions::WayOut(const ContactPath& path, const JointPath& along) {
   const Robot& robot = planning_.robot();
-  const Pose end = world_in_base_ * path.tcp_in_world[along.size() - 1];
-  JointPath out =
-      internal::LineAbove(robot.chain(), internal::TaskSpaceOf(robot), end, along.back(),
-                          Rotate(world_in_base_.quaternion(), path.away), path.after);
+  const internal::TaskSpace task = internal::TaskSpaceOf(robot);
+  const Pose end = task.is_partial(robot.chain())
+                       ? robot.chain().Fk(along.back())
+                       : world_in_base_ * path.tcp_in_world[along.size() - 1];
+  JointPath out = internal::LineAbove(robot.chain(), task, end, along.back(),
+                                      Rotate(world_in_base_.quaternion(), path.away), path.after);
   const auto blocked = std::find_if(out.begin() + 1, out.end(), [&](const JointVector& q) {
     return !planning_.IsFree(q, {.gap = path.free_gap, .touch_target = true});
   });
@@ -83,7 +102,9 @@ std::optional<ContactMotion> ContactMotions::Try(const Start& start) {
     return false;
   };
   ContactMotion motion{.path = start.path};
-  motion.in = internal::LineAbove(chain, task, world_in_base_ * path.tcp_in_world.front(), start.q,
+  const bool is_partial = task.is_partial(chain);  // then the rotation may be a little off
+  const Pose tcp = is_partial ? chain.Fk(start.q) : world_in_base_ * path.tcp_in_world.front();
+  motion.in = internal::LineAbove(chain, task, tcp, start.q,
                                   Rotate(world_in_base_.quaternion(), path.from), path.before);
   if (internal::MissingShare(motion.in) > 0) return ++no_line_, std::nullopt;
   for (size_t i = 1; i < motion.in.size(); ++i) {
@@ -92,9 +113,12 @@ std::optional<ContactMotion> ContactMotions::Try(const Start& start) {
   if (!is_free(start.q, path.contact_gap, true)) return std::nullopt;
   motion.along = {start.q};
   for (size_t i = 1; i < path.tcp_in_world.size(); ++i) {
-    const IkResult ik = Ik(
-        chain, world_in_base_ * path.tcp_in_world[i],
+    const Pose next = world_in_base_ * path.tcp_in_world[i];
+    IkResult ik = Ik(
+        chain, next,
         {.tolerance = internal::kLineIkTolerance, .seed = motion.along.back(), .max_restarts = 0});
+    if (!ik.success && is_partial)
+      ik = task.SolveWithin(chain, next, motion.along.back(), internal::kMostTilt);
     if (!ik.success || JointDistance(ik.q, motion.along.back()) > kMostContactStep) break;
     if (!planning_.IsFree(ik.q, {.gap = path.contact_gap, .touch_target = true})) {
       obstacles_.Add(planning_.obstacle());
@@ -123,7 +147,11 @@ std::optional<ContactMotion> ContactMotions::Try(const Start& start) {
 }
 
 std::optional<ContactMotion> ContactMotions::Next() {
-  while (next_ < starts_.size()) {
+  while (next_ < starts_.size() || solved_ < paths_.size()) {
+    if (next_ >= starts_.size()) {
+      SolveMore();
+      continue;
+    }
     std::optional<ContactMotion> motion = Try(starts_[next_++]);
     if (!motion) continue;
     if (motion->share >= 1) return motion;

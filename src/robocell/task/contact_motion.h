@@ -24,6 +24,9 @@ struct ContactPath {
   double before = 0.08, after = 0.08;               // lengths of these lines, m
   double free_gap = 0;                              // distance of the fingers on the lines, m
   double contact_gap = 0;                           // ... on the path
+  bool grips = true;  // false: moves by pushing, and a hand that grips does not close
+  size_t closed_at =
+      0;  // the pose at which the fingers have closed; the hand moves there meanwhile
 };
 
 // Returns the distance of the fingers of a hand that pushes or presses as one: nearly closed, so that
@@ -61,13 +64,16 @@ class ContactMotions {
     size_t path;
     JointVector q;
   };
+  void SolveMore();
   std::optional<ContactMotion> Try(const Start& start);
   JointPath WayOut(const ContactPath& path, const JointPath& along);
 
   PlanningScene& planning_;
   std::vector<ContactPath> paths_;
   ContactMotionOptions options_;
+  JointVector home_;
   Pose world_in_base_;
+  size_t solved_ = 0;  // paths whose start has been solved
   std::vector<Start> starts_;
   size_t next_ = 0;
   std::vector<ContactMotion> partial_;  // those that follow a part of their path, best last

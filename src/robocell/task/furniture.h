@@ -2,6 +2,7 @@
 // boxes with a lid, panels with buttons.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -21,17 +22,22 @@ inline constexpr double kBesideFurniture = 0.02;  // m
 // Returns true for a model whose parts move on hinges or slides.
 bool IsFurniture(const std::string& kind);
 
-// Returns furniture that stands fixed on the first support with room for it, with its front (+x)
-// over an edge, else on the floor, with its front towards the first robot of the scene. It keeps
-// kBesideFurniture to everything that has a place in `spec`, and has free space in front. Throws
-// ArgumentError if there is no such place.
+// Returns furniture that stands fixed on the first support with room for it, else on the floor. In a
+// scene with robots its front (+x) looks to the first of them, within reach of an arm; else over an
+// edge of the support, which its handles may overhang. It keeps kBesideFurniture to everything that
+// has a place in `spec`, and has free space in front. Throws ArgumentError if there is no such place.
 SceneObject PutFurniture(const SceneSpec& spec, const SceneAnnotations& annotations,
                          const std::string& name, const std::string& kind, Rng& rng);
 
-// Moves the robot's base around a body, the root of the furniture, to in front of the joint's handle,
-// at the same distance and height; refuses if it stands free nowhere there. A joint that is pressed
-// from above has no front: the base stays.
-std::optional<Refusal> StandInFront(Scene& scene, const Robot& robot, int body,
-                                    const JointOpening& opening, Rng& rng);
+// Refuses a stance from which the robot cannot do what it is for.
+using StanceCheck = std::function<std::optional<Refusal>()>;
+
+// Moves the robot's base around the root of furniture until it stands free, the way of the joint's
+// handle to a share of its range is within reach, and `check` accepts. The height stays. It begins in
+// front of the handle at the present distance, and goes aside, nearer and farther from there; for a
+// joint that is pressed from above it begins where the base is. Refuses without such a place.
+std::optional<Refusal> StandInFront(Scene& scene, const Robot& robot, int root,
+                                    const JointOpening& opening, double share,
+                                    const StanceCheck& check, Rng& rng);
 
 }  // namespace robocell::internal

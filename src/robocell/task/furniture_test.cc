@@ -11,6 +11,7 @@
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/scenes.h"
+#include "robocell/task/handle_motion.h"
 #include "robocell/testing/pick_scene.h"
 
 namespace robocell {
@@ -97,6 +98,71 @@ TEST(Furniture, StandsInFrontOfTheRobotWhereverThatStands) {
   EXPECT_NEAR(from_robot.x(), 0.45, 0.01);
   EXPECT_NEAR(from_robot.y(), 0, 0.01);
   EXPECT_LT((unit.rotation().col(0) + robot.rotation().col(0)).norm(), 0.3);  // face to face
+}
+
+// On a table, too: its front looks to the robot, which reaches it, and it stands on the table whole.
+TEST(Furniture, LooksToTheRobotBesideTheTable) {
+  for (const double side : {1.0, -1.0}) {
+    for (uint64_t seed = 0; seed < 5; ++seed) {
+      SceneSpec spec = EmptyScene();
+      spec.base = "tabletop", spec.add_floor.reset(), spec.add_skybox.reset();
+      const SceneAnnotations annotations = DeriveAnnotations(spec);
+      spec.robots.push_back({.name = "arm",
+                             .config = ExampleRun("pick_and_place.yaml").robot.config,
+                             .pos = {0.45 * side, 0.1, 0.2},
+                             .euler = {0, 0, side > 0 ? 180.0 : 0.0}});
+      Rng rng = Rng::Stream(seed, "furniture");
+      const Pose unit = internal::PutFurniture(spec, annotations, "unit", "lid_box", rng).pose();
+      const Eigen::Vector3d to = (spec.robots[0].pose().translation() - unit.translation());
+      const Eigen::Vector3d front = unit.rotation().col(0);
+      EXPECT_GT(front.head<2>().dot(to.head<2>().normalized()), 0.9);
+      const Eigen::Vector3d handle = unit * Eigen::Vector3d(0.2, 0, 0.1);
+      EXPECT_LT((spec.robots[0].pose().translation() - handle).head<2>().norm(), 0.7);
+      for (const double x : {-0.09, 0.09}) {
+        for (const double y : {-0.13, 0.13}) {
+          const Eigen::Vector3d corner = unit * Eigen::Vector3d(x, y, 0);
+          EXPECT_LE(std::abs(corner.x()), 0.25);
+          EXPECT_LE(std::abs(corner.y()), 0.4);
+        }
+      }
+    }
+  }
+}
+
+// A place for the base is searched around the furniture until the check accepts one.
+TEST(Furniture, TheRobotStandsWhereItsCheckAccepts) {
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back(
+      {.name = "oven", .mjcf_path = "microwave", .pos = Vec3{2, 0, 0.3}, .fixed = true});
+  spec.robots.push_back({.name = "arm",
+                         .config = ExampleRun("pick_and_place.yaml").robot.config,
+                         .pos = {1.4, 0, 0}});
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  const Robot robot = Robot::Of(scene, "arm");
+  const JointOpening door = JointOpening::Of(scene, "oven_door");
+  const int root = FindId(scene.model(), mjOBJ_BODY, "oven_microwave");
+  Rng rng = Rng::Stream(3, "stance");
+  int checks = 0;
+  const auto refusal = internal::StandInFront(
+      scene, robot, root, door, 0.6,
+      [&]() -> std::optional<Refusal> {
+        if (++checks < 3) return Refusal{"not here"};
+        return std::nullopt;
+      },
+      rng);
+  EXPECT_FALSE(refusal.has_value());
+  EXPECT_EQ(checks, 3);
+  // All of the way of the handle is within reach, and the door has room to swing.
+  for (const Eigen::Vector3d& point : internal::WayOfHandle(scene, door, 0.6)) {
+    const Eigen::Vector3d to = point - robot.base_in_world().translation();
+    EXPECT_LE(to.norm(), 0.9 * robot.reach());
+    EXPECT_GE(to.head<2>().norm(), 0.25 * robot.reach());
+  }
+  const auto never = internal::StandInFront(
+      scene, robot, root, door, 0.6, [] { return Refusal{"not here"}; }, rng);
+  ASSERT_TRUE(never.has_value());
+  EXPECT_EQ(never->reason, "not here");
 }
 
 }  // namespace

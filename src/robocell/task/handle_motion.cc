@@ -5,8 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "robocell/base/units.h"
 #include "robocell/math/rotation.h"
@@ -17,6 +20,7 @@
 #include "robocell/task/grasp_candidates.h"
 #include "robocell/task/grasp_generator.h"
 #include "robocell/task/grasped_body.h"
+#include "robocell/task/suction_grasps.h"
 
 namespace robocell::internal {
 namespace {
@@ -30,6 +34,15 @@ constexpr double kPressFurther = 0.003;  // m beyond the end of the button's ran
 constexpr double kParallel = 0.9;        // cosine
 constexpr double kMargin = 0.1;          // share by which an expert opens further than required
 constexpr int kHandleSamples = 800, kMostHandleGrasps = 40;
+constexpr int kPushSamples = 400, kMostPushes = 60;
+constexpr int kMostCups = 160;
+constexpr int kHookSamples = 2000, kMostHooks = 100;
+constexpr double kBeforePush = 0.06;  // m, length of the way to a face that is pushed
+constexpr double kAhead = 0.8;        // least cosine between a push and the motion
+constexpr double kBehindBar = 0.005;  // m between the bar and a finger behind it
+constexpr double kBeyondBar = 0.006;  // m by which its tip is beyond the middle of the bar
+constexpr double kLean = 0.6;         // rad by which the hand leans along the bar
+constexpr int kWayPoints = 4;         // of the way of a handle
 constexpr int kSpins = 8;
 constexpr int kRays = 24;
 
@@ -99,6 +112,15 @@ class JointMotion {
   }
   bool is_hinge() const { return is_hinge_; }
   const Eigen::Vector3d& axis() const { return axis_; }
+  // Returns the unit direction in which a point moves at first on a way.
+  Eigen::Vector3d DirectionAt(const Eigen::Vector3d& point, double way) const {
+    const Eigen::Vector3d ahead = is_hinge_ ? axis_.cross(point - anchor_) : axis_;
+    return (way < 0 ? -1 : 1) * ahead.normalized();
+  }
+  // Returns the way of the joint that moves a point by a length.
+  double WayOf(const Eigen::Vector3d& point, double length) const {
+    return is_hinge_ ? length / std::max(RadiusOf(point), length) : length;
+  }
   double RadiusOf(const Eigen::Vector3d& point) const {
     return (point - anchor_).cross(axis_).norm();
   }
@@ -112,12 +134,102 @@ std::string BodyOf(const Scene& scene, const JointOpening& opening) {
   return ElementName(scene.model(), mjOBJ_BODY, opening.body_id());
 }
 
+// Returns the paths of grasps of the joint's body, which move with it, best first. Cups and pushes
+// have to face along the motion, where they turn a hinge those far from it need the least force, and
+// hooks have to be behind the bar.
+std::vector<ContactPath> PathsOfGrasps(const Scene& scene, const JointOpening& opening,
+                                       const GripperShape& shape, double share,
+                                       const GraspSet& grasps) {
+  scene.SyncPoses();
+  const mjData* d = scene.data();
+  const int id = opening.body_id();
+  const Pose body = Pose::FromTranslationAndMatrix(d->xpos + 3 * id, d->xmat + 9 * id);
+  const JointMotion joint(scene, opening);
+  const double way = opening.PositionAt(share) - opening.position();
+  const std::optional<HandleBar> bar = FindHandle(scene, opening);
+  struct Ranked {
+    double lever;
+    ContactPath path;
+  };
+  std::vector<Ranked> ranked;
+  for (const Grasp& grasp : grasps.grasps) {
+    const Pose start = body * grasp.tcp_in_body;
+    const Eigen::Vector3d in = Rotate(body.quaternion(), grasp.approach);
+    const Eigen::Vector3d in_tcp = Rotate(start.inverse().quaternion(), in);
+    const bool hooks = grasp.kind == GraspKind::kHook;
+    const bool pushes = grasp.kind == GraspKind::kPush || hooks;  // the hand stays closed
+    const double gap = pushes ? GapOfClosedHand(shape) : grasp.width;
+    const Eigen::Vector3d contact = start * shape.grasp_in_tcp() * shape.PadAt(gap);
+    const Eigen::Vector3d moves = joint.DirectionAt(contact, way);
+    bool grips = !pushes;
+    double lever = 0;
+    if (hooks) {
+      // The hand is behind the bar, seen along the motion.
+      if (!bar || bar->From(contact).dot(moves) > -kAhead) continue;
+      lever = grasp.score;
+    } else if (pushes || grasp.kind == GraspKind::kSuction) {
+      const double ahead = in.dot(moves);
+      if ((pushes ? ahead : std::abs(ahead)) < kAhead) continue;
+      lever = joint.is_hinge() ? joint.RadiusOf(contact) : ahead;
+      grips = ahead < 0;  // a cup that pushes need not stick
+    }
+    ContactPath path{.from = -in,
+                     .before = grasp.approach_length,
+                     .after = kBeforeHandle,
+                     .free_gap = pushes ? gap : grasp.opening,
+                     .contact_gap = gap,
+                     .grips = grips};
+    const int steps = joint.Steps(way, joint.RadiusOf(start.translation()));
+    for (int i = 0; i <= steps; ++i)
+      path.tcp_in_world.push_back(joint.After(way * i / steps) * start);
+    path.away = -Rotate(path.tcp_in_world.back().quaternion(), in_tcp);
+    ranked.push_back({lever, std::move(path)});
+  }
+  std::ranges::stable_sort(ranked, std::ranges::greater(), &Ranked::lever);
+  std::vector<ContactPath> paths;
+  for (Ranked& each : ranked) paths.push_back(std::move(each.path));
+  return paths;
+}
+
+// The face of a button that slides, in the world.
+struct Button {
+  Eigen::Vector3d face;   // its middle
+  Eigen::Matrix3d basis;  // z: the direction in which it is pressed
+};
+std::optional<Button> ButtonOf(const Scene& scene, const JointOpening& opening) {
+  scene.SyncPoses();
+  const JointMotion joint(scene, opening);
+  if (joint.is_hinge()) return std::nullopt;
+  const Eigen::Vector3d press = joint.axis() * (opening.open() > opening.closed() ? 1 : -1);
+  Button button;
+  button.basis.col(2) = press;
+  button.basis.col(0) = AnyNormal(press);
+  button.basis.col(1) = button.basis.col(2).cross(button.basis.col(0));
+  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()),
+                  high = -low;
+  for (const int geom : CollisionGeomsOf(scene.model(), opening.body_id())) {
+    for (int i = 0; i < 3; ++i) {
+      const Interval extent = GeomExtent(scene.model(), scene.data(), geom, button.basis.col(i));
+      low[i] = std::min(low[i], extent.lower), high[i] = std::max(high[i], extent.upper);
+    }
+  }
+  if (!low.allFinite()) return std::nullopt;
+  button.face =
+      button.basis * Eigen::Vector3d((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]);
+  return button;
+}
+
 }  // namespace
 
 double HandleBar::WidthAlong(const Eigen::Vector3d& direction) const {
   if (is_round) return 2 * section[0];
   return 2 * (section[0] * std::abs(direction.dot(across)) +
               section[1] * std::abs(direction.dot(axis.cross(across))));
+}
+
+Eigen::Vector3d HandleBar::From(const Eigen::Vector3d& point) const {
+  const double along = std::clamp((point - middle).dot(axis), -half_length, half_length);
+  return (point - middle - along * axis).normalized();
 }
 
 std::optional<HandleBar> FindHandle(const Scene& scene, const JointOpening& opening) {
@@ -181,53 +293,106 @@ std::optional<Eigen::Vector3d> FrontOf(const Scene& scene, const JointOpening& o
   return front.normalized();
 }
 
+std::vector<Eigen::Vector3d> WayOfHandle(const Scene& scene, const JointOpening& opening,
+                                         double share) {
+  const std::optional<HandleBar> bar = FindHandle(scene, opening);
+  const JointMotion joint(scene, opening);
+  Eigen::Vector3d at;
+  if (bar) {
+    at = bar->middle;
+  } else if (const auto button = ButtonOf(scene, opening)) {
+    at = button->face;
+  } else {
+    return {};
+  }
+  const double way = opening.PositionAt(share) - opening.position();
+  std::vector<Eigen::Vector3d> points;
+  for (int i = 0; i <= kWayPoints; ++i) points.emplace_back(joint.After(way * i / kWayPoints) * at);
+  return points;
+}
+
 std::vector<ContactPath> HandlePaths(const Scene& scene, const JointOpening& opening,
-                                     const GripperShape& shape, double share, bool hooks) {
+                                     const GripperShape& shape, double share, HandleHold hold) {
   const std::optional<HandleBar> bar = FindHandle(scene, opening);
   std::vector<ContactPath> paths;
   if (!bar || shape.is_suction()) return paths;
+  const bool behind = hold == HandleHold::kBehind;
   const HeldWidths widths = WidthsHeld(shape.closed_gap(), shape.open_gap());
   const JointMotion joint(scene, opening);
-  const double way = opening.PositionAt(share) - opening.position();
-  const int steps = joint.Steps(way, joint.RadiusOf(bar->middle));
+  double way = opening.PositionAt(share) - opening.position();
   const double twist = joint.is_hinge() ? joint.axis().dot(bar->axis) : 0;
   const bool may_turn = std::abs(twist) > kParallel;
   const Pose tcp_in_grasp = shape.grasp_in_tcp().inverse();
+  const Eigen::Vector3d moves = joint.DirectionAt(bar->middle, way);
+  if (behind) {
+    // The finger comes to the bar first.
+    const double further = way + (way < 0 ? -1 : 1) * joint.WayOf(bar->middle, kBehindBar);
+    const double low = std::min(opening.closed(), opening.open());
+    const double high = std::max(opening.closed(), opening.open());
+    way = std::clamp(opening.position() + further, low, high) - opening.position();
+  }
+  const int steps = joint.Steps(way, joint.RadiusOf(bar->middle));
   // Positive tilts come from above.
   const double up = bar->axis.cross(bar->outward).z() > 0 ? -1 : 1;
-  std::vector<double> tilts = {0, 0.4, -0.4, 0.8, -0.8, 1.3, -1.3};
-  if (hooks) tilts = {1.3, -1.3, 0.8, -0.8, 0.4, -0.4, 0};
-  for (const double tilt : tilts) {
-    const Eigen::Vector3d from = Pose::FromRotvec({0, 0, 0}, up * tilt * bar->axis) * bar->outward;
-    for (const double turn : {1.0, 0.5, 0.0}) {
-      if (turn < 1 && !may_turn) continue;
-      for (const double along : {0.0, 0.4, -0.4}) {
-        for (const double side : {1.0, -1.0}) {
-          Eigen::Matrix3d axes;
-          axes.col(2) = -from;
-          axes.col(0) = side * bar->axis;
-          axes.col(1) = axes.col(2).cross(axes.col(0));
-          const double width = bar->WidthAlong(axes.col(1));
-          if (width < widths.least || width > widths.most) continue;
-          const Eigen::Vector3d at = bar->middle + along * bar->half_length * bar->axis;
-          const Pose grasp(at - axes * shape.PadAt(width), axes);
-          // A finger that does not move must not touch the bar on the way to it.
-          const Pose aside(-AsideFor(shape, width) * axes.col(1));
-          ContactPath path{.from = from,
-                           .before = kBeforeHandle,
-                           .after = kBeforeHandle,
-                           .free_gap = std::min(shape.open_gap(), width + kEntry),
-                           .contact_gap = width};
-          for (int i = 0; i <= steps; ++i) {
-            const double moved = way * i / steps;
-            const Pose after = joint.After(moved);
-            // The fingers turn about the bar by what the hand does not turn with the door.
-            const Pose back = Turned(after * at, joint.axis(), turn < 1 ? -(1 - turn) * moved : 0);
-            path.tcp_in_world.push_back((i == 0 ? aside : Pose()) * back * after * grasp *
-                                        tcp_in_grasp);
-          }
-          path.away = -(path.tcp_in_world.back() * shape.grasp_in_tcp()).rotation().col(2);
-          paths.push_back(std::move(path));
+
+  // `from`: unit vector from the bar to the wrist; `across`: the closing direction.
+  const auto add = [&](const Eigen::Vector3d& from, const Eigen::Vector3d& across, double turn,
+                       double along) {
+    Eigen::Matrix3d axes;
+    axes.col(2) = -from;
+    axes.col(1) = across;
+    axes.col(0) = axes.col(1).cross(axes.col(2));
+    const double width = bar->WidthAlong(across);
+    const Eigen::Vector3d at = bar->middle + along * bar->half_length * bar->axis;
+    ContactPath path{.from = from,
+                     .before = kBeforeHandle,
+                     .after = kBeforeHandle,
+                     .free_gap = std::min(shape.open_gap(), width + kEntry),
+                     .contact_gap = width};
+    Pose grasp(at - axes * shape.PadAt(width), axes);
+    double aside = AsideFor(shape, width);
+    if (behind) {
+      const double ahead = moves.dot(across);
+      const double room = shape.open_gap() / 2 - width / 2 - kBehindBar;
+      if (std::abs(ahead) < kAhead || room < kBehindBar) return;
+      path.grips = false;
+      path.free_gap = path.contact_gap = shape.open_gap();
+      // The tip reaches just beyond the middle of the bar: there may be little room behind it.
+      Eigen::Vector3d hook = shape.PadAt(shape.open_gap());
+      hook.z() = std::max(hook.z(), shape.TipAt(shape.open_gap()) - kBeyondBar);
+      grasp = Pose(at - axes * hook + (ahead > 0 ? room : -room) * across, axes);
+      aside = 0;
+    } else if (width < widths.least || width > widths.most) {
+      return;
+    }
+    // A finger that does not move must not touch the bar on the way to it.
+    if (aside != 0) {
+      path.tcp_in_world.push_back(Pose(-aside * across) * grasp * tcp_in_grasp);
+      path.closed_at = 1;
+    }
+    for (int i = 0; i <= steps; ++i) {
+      const double moved = way * i / steps;
+      const Pose after = joint.After(moved);
+      // The fingers turn about the bar by what the hand does not turn with the door.
+      const Pose back = Turned(after * at, joint.axis(), turn < 1 ? -(1 - turn) * moved : 0);
+      path.tcp_in_world.push_back(back * after * grasp * tcp_in_grasp);
+    }
+    path.away = -(path.tcp_in_world.back() * shape.grasp_in_tcp()).rotation().col(2);
+    paths.push_back(std::move(path));
+  };
+  for (const double lean : {0.0, kLean, -kLean}) {
+    for (const double tilt : {0.0, 0.4, -0.4, 0.8, -0.8, 1.3, -1.3}) {
+      const Eigen::Vector3d level =
+          Pose::FromRotvec({0, 0, 0}, up * tilt * bar->axis) * bar->outward;
+      Eigen::Vector3d across = bar->axis.cross(level).normalized();
+      // Positive leans come from above.
+      if (across.cross(level).z() < 0) across = -across;
+      const Eigen::Vector3d from = Pose::FromRotvec({0, 0, 0}, lean * across) * level;
+      for (const double turn : {1.0, 0.5, 0.0}) {
+        if (turn < 1 && !may_turn) continue;
+        for (const double along : {0.0, 0.4, -0.4}) {
+          if (lean != 0 && along != 0) continue;
+          for (const double side : {1.0, -1.0}) add(from, side * across, turn, along);
         }
       }
     }
@@ -237,62 +402,45 @@ std::vector<ContactPath> HandlePaths(const Scene& scene, const JointOpening& ope
 
 std::vector<ContactPath> GraspedHandlePaths(const Robot& robot, const JointOpening& opening,
                                             const GripperShape& shape, double share) {
-  const Scene scene = robot.scene();
-  scene.SyncPoses();
-  std::vector<ContactPath> paths;
-  if (shape.is_suction()) return paths;
-  const GraspSet grasps = GenerateGrasps(robot, BodyOf(scene, opening),
-                                         {.kinds = {GraspKind::kHandle},
-                                          .samples = kHandleSamples,
-                                          .most = kMostHandleGrasps,
-                                          .approach_length = kBeforeHandle});
-  const mjData* d = scene.data();
-  const int id = opening.body_id();
-  const Pose body = Pose::FromTranslationAndMatrix(d->xpos + 3 * id, d->xmat + 9 * id);
-  const JointMotion joint(scene, opening);
-  const double way = opening.PositionAt(share) - opening.position();
-  for (const Grasp& grasp : grasps.grasps) {
-    const Pose start = body * grasp.tcp_in_body;
-    const Eigen::Vector3d in = Rotate(body.quaternion(), grasp.approach);
-    const Eigen::Vector3d in_tcp = Rotate(start.inverse().quaternion(), in);
-    ContactPath path{.from = -in,
-                     .before = grasp.approach_length,
-                     .after = kBeforeHandle,
-                     .free_gap = grasp.opening,
-                     .contact_gap = grasp.width};
-    const int steps = joint.Steps(way, joint.RadiusOf(start.translation()));
-    for (int i = 0; i <= steps; ++i)
-      path.tcp_in_world.push_back(joint.After(way * i / steps) * start);
-    path.away = -Rotate(path.tcp_in_world.back().quaternion(), in_tcp);
-    paths.push_back(std::move(path));
-  }
-  return paths;
+  const GraspKind kind = shape.is_suction() ? GraspKind::kSuction : GraspKind::kHandle;
+  const GraspSet grasps =
+      GenerateGrasps(robot, BodyOf(robot.scene(), opening),
+                     {.kinds = {kind},
+                      .samples = kHandleSamples,
+                      .most = shape.is_suction() ? kMostCups : kMostHandleGrasps,
+                      .approach_length = kBeforeHandle});
+  return PathsOfGrasps(robot.scene(), opening, shape, share, grasps);
+}
+
+std::vector<ContactPath> PushedJointPaths(const Robot& robot, const JointOpening& opening,
+                                          const GripperShape& shape, double share) {
+  if (shape.is_suction()) return {};
+  const GraspSet pushes = GenerateGrasps(robot, BodyOf(robot.scene(), opening),
+                                         {.kinds = {GraspKind::kPush},
+                                          .samples = kPushSamples,
+                                          .most = kMostPushes,
+                                          .approach_length = kBeforePush});
+  return PathsOfGrasps(robot.scene(), opening, shape, share, pushes);
+}
+
+std::vector<ContactPath> HookedJointPaths(const Robot& robot, const JointOpening& opening,
+                                          const GripperShape& shape, double share) {
+  if (shape.is_suction()) return {};
+  const GraspSet hooks = GenerateGrasps(robot, BodyOf(robot.scene(), opening),
+                                        {.kinds = {GraspKind::kHook},
+                                         .samples = kHookSamples,
+                                         .most = kMostHooks,
+                                         .approach_length = kBeforePush});
+  return PathsOfGrasps(robot.scene(), opening, shape, share, hooks);
 }
 
 std::vector<ContactPath> PressPaths(const Scene& scene, const JointOpening& opening,
                                     const GripperShape& shape) {
-  scene.SyncPoses();
-  const mjModel* m = scene.model();
-  const mjData* d = scene.data();
-  const JointMotion joint(scene, opening);
-  const double way = opening.open() - opening.position();
-  const Eigen::Vector3d press = joint.axis() * (opening.open() > opening.closed() ? 1 : -1);
-  Eigen::Matrix3d basis;
-  basis.col(2) = press;
-  basis.col(0) = AnyNormal(press);
-  basis.col(1) = basis.col(2).cross(basis.col(0));
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()),
-                  high = -low;
-  for (const int geom : CollisionGeomsOf(m, opening.body_id())) {
-    for (int i = 0; i < 3; ++i) {
-      const Interval extent = GeomExtent(m, d, geom, basis.col(i));
-      low[i] = std::min(low[i], extent.lower), high[i] = std::max(high[i], extent.upper);
-    }
-  }
   std::vector<ContactPath> paths;
-  if (!low.allFinite() || joint.is_hinge()) return paths;
-  const Eigen::Vector3d face =
-      basis * Eigen::Vector3d((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, low[2]);
+  const std::optional<Button> button = ButtonOf(scene, opening);
+  if (!button) return paths;
+  const double way = opening.open() - opening.position();
+  const Eigen::Vector3d press = button->basis.col(2);
   const double gap = GapOfClosedHand(shape);
   const Eigen::Vector3d pad = shape.PadAt(gap);
   const Eigen::Vector3d tip(pad.x(), pad.y(), std::max(shape.TipAt(gap), pad.z()));
@@ -300,7 +448,7 @@ std::vector<ContactPath> PressPaths(const Scene& scene, const JointOpening& open
   const int steps = std::max(2, static_cast<int>(std::ceil(length / 0.002)));
   for (int spin = 0; spin < kSpins; ++spin) {
     const Eigen::Matrix3d axes =
-        basis * Pose::FromRpy({0, 0, 0}, {0, 0, 2 * kPi * spin / kSpins}).rotation();
+        button->basis * Pose::FromRpy({0, 0, 0}, {0, 0, 2 * kPi * spin / kSpins}).rotation();
     ContactPath path{.from = -press,
                      .away = -press,
                      .before = kOverButton,
@@ -308,7 +456,7 @@ std::vector<ContactPath> PressPaths(const Scene& scene, const JointOpening& open
                      .free_gap = gap,
                      .contact_gap = gap};
     for (int i = 0; i <= steps; ++i) {
-      const Pose grasp(face + length * i / steps * press - axes * tip, axes);
+      const Pose grasp(button->face + length * i / steps * press - axes * tip, axes);
       path.tcp_in_world.push_back(grasp * shape.grasp_in_tcp().inverse());
     }
     paths.push_back(std::move(path));
@@ -323,15 +471,40 @@ double ShareFor(const StatedRelation& stated) {
 }
 
 std::vector<ContactPath> JointPaths(const Robot& robot, const StatedRelation& stated,
-                                    const GripperShape& shape, bool hooks) {
+                                    const GripperShape& shape, int tried) {
   const Scene scene = robot.scene();
   const JointOpening opening = JointOpening::Of(scene, stated.subject);
   if (stated.relation == "pressed") return PressPaths(scene, opening, shape);
+  const double share = ShareFor(stated);
   const std::optional<HandleBar> bar = FindHandle(scene, opening);
-  if (!bar) return {};
+  const bool closes = stated.relation == "closed", has_bar = bar && bar->is_exact;
   std::vector<ContactPath> paths;
-  if (bar->is_exact) paths = HandlePaths(scene, opening, shape, ShareFor(stated), hooks);
-  if (paths.empty()) paths = GraspedHandlePaths(robot, opening, shape, ShareFor(stated));
+  const auto add = [&](std::vector<ContactPath> more) {
+    std::ranges::move(more, std::back_inserter(paths));
+  };
+  const auto grip = [&] {
+    const size_t before = paths.size();
+    if (has_bar) add(HandlePaths(scene, opening, shape, share));
+    if (paths.size() == before && (bar || shape.is_suction()))
+      add(GraspedHandlePaths(robot, opening, shape, share));
+  };
+  const auto hook = [&] {
+    if (has_bar) add(HandlePaths(scene, opening, shape, share, HandleHold::kBehind));
+    if (bar && (tried > 0 || paths.empty())) add(HookedJointPaths(robot, opening, shape, share));
+  };
+  const auto push = [&] { add(PushedJointPaths(robot, opening, shape, share)); };
+  // After a failure the other ways come first, and then the same again.
+  const bool again = tried % 2 == 1;
+  if (closes && !again) {
+    push(), hook(), grip();
+  } else if (closes) {
+    grip(), hook(), push();
+  } else if (!again) {
+    grip(), hook();
+    if (paths.empty()) push();
+  } else {
+    hook(), grip(), push();
+  }
   return paths;
 }
 
@@ -352,6 +525,8 @@ std::optional<Refusal> CheckJointGoal(const Scene& scene, const Robot& robot,
           "joint '{}' is a hinge, or its body has no shape that collides; a button is "
           "pressed along its slide",
           opening.joint());
+    } else if (shape->is_suction()) {
+      why = WhyNothingSticks(*shape);
     } else if (FindHandle(scene, opening)) {
       why = "no part of the handle fits: the gripper " +
             DescribeHeldWidths(shape->closed_gap(), shape->open_gap());

@@ -33,6 +33,8 @@ struct HandleBar {
 
   // Returns its width along a direction across the axis, m.
   double WidthAlong(const Eigen::Vector3d& direction) const;
+  // Returns the unit direction from the bar to a point.
+  Eigen::Vector3d From(const Eigen::Vector3d& point) const;
 };
 
 // Returns the bar of the handle of a joint: the longest of the geoms named handle or knob
@@ -44,17 +46,36 @@ bool TurnsOnTheSpot(const Scene& scene, const JointOpening& opening);
 // side; unset without one.
 std::optional<Eigen::Vector3d> FrontOf(const Scene& scene, const JointOpening& opening);
 
-// Returns the paths of a hand that grips the handle and moves the joint from its present position to
-// a share of its range, best first: along the bar, tilted about it, and turned with the door, half as
-// far, or not at all. Empty without a handle that fits between the fingers. `hooks`: fingers in front
-// of the bar and behind it come first, which hold it whatever their force; else fingers on both
-// sides, which have the most room.
+// Returns the points through which the handle moves, or the middle of the button's face, from the
+// present position of the joint to a share of its range: the first, some between, and the last.
+// Empty for a joint with neither.
+std::vector<Eigen::Vector3d> WayOfHandle(const Scene& scene, const JointOpening& opening,
+                                         double share);
+
+// How a hand takes a handle. kAcross: the fingers close on it; those on its sides come first, which
+// have the most room, then those in front of it and behind it. kBehind: the hand stays open, and one
+// finger comes behind the bar and moves it, whatever the force of the gripper is.
+enum class HandleHold { kAcross, kBehind };
+
+// Returns the paths of a hand that moves the joint by its handle from the present position to a share
+// of its range, best first: along the bar, tilted about it, leaning along it, and turned with the
+// door, half as far, or not at all. Empty without a handle that fits between the fingers.
 std::vector<ContactPath> HandlePaths(const Scene& scene, const JointOpening& opening,
-                                     const GripperShape& shape, double share, bool hooks = false);
-// The same with the grasps of the handle that grasp_generator.h computes: for handles that are
-// meshes, and for hands that no bar fits.
+                                     const GripperShape& shape, double share,
+                                     HandleHold hold = HandleHold::kAcross);
+// The same with grasps that grasp_generator.h computes. Of fingers those of the handle, for handles
+// that are meshes and for hands that no bar fits. Of cups those on the faces that move the joint.
 std::vector<ContactPath> GraspedHandlePaths(const Robot& robot, const JointOpening& opening,
                                             const GripperShape& shape, double share);
+// Returns the paths of the tip of a closed hand that pushes the joint's body, with its handle, to a
+// share of the range: far from a hinge first. Empty for cups, and where no face looks against the
+// motion.
+std::vector<ContactPath> PushedJointPaths(const Robot& robot, const JointOpening& opening,
+                                          const GripperShape& shape, double share);
+// Returns the paths of a closed hand that is hooked behind the handle. Empty for cups, and for handles
+// behind which there is no room.
+std::vector<ContactPath> HookedJointPaths(const Robot& robot, const JointOpening& opening,
+                                          const GripperShape& shape, double share);
 // Returns the paths of a closed hand that presses the joint's body from its present position to the
 // end of its range; empty for a hinge.
 std::vector<ContactPath> PressPaths(const Scene& scene, const JointOpening& opening,
@@ -63,9 +84,11 @@ std::vector<ContactPath> PressPaths(const Scene& scene, const JointOpening& open
 // Returns the share of the range to which an expert moves a joint for a relation: somewhat more than
 // it requires.
 double ShareFor(const StatedRelation& stated);
-// Returns the paths that bring about a relation about a joint.
+// Returns the paths that bring about a relation about a joint, best first. What is to be closed is
+// pushed, else gripped; what is to be opened is gripped. `tried`: how many times the hand has failed:
+// after a failure the other ways come first.
 std::vector<ContactPath> JointPaths(const Robot& robot, const StatedRelation& stated,
-                                    const GripperShape& shape, bool hooks = false);
+                                    const GripperShape& shape, int tried = 0);
 // Returns why there are none, in few words: "no grasp of the handle", "no way to press it".
 std::string WhyNoJointPaths(const StatedRelation& stated);
 // Refuses a start in which the robot cannot follow any of these. Robots without a gripper that can

@@ -82,6 +82,105 @@ TEST(HandleMotion, PathsFollowTheHandleOfTheEngine) {
   }
 }
 
+// One finger of the open hand comes free behind the bar, and is where the bar was when it arrives.
+TEST(HandleMotion, AFingerBehindTheBarMovesIt) {
+  const PickScene hand = MakePickScene(ObjectOnTheTable("box"));
+  const auto shape = hand.shape();
+  for (const auto& [kind, joint] :
+       std::vector<std::pair<std::string, std::string>>{{"drawer_unit", "unit_drawer_2"},
+                                                        {"lid_box", "unit"},
+                                                        {"laptop", "unit"},
+                                                        {"microwave", "unit_door"}}) {
+    Scene scene = SceneWith(kind, -40);
+    JointOpening opening = JointOpening::Of(scene, joint);
+    const internal::HandleBar before = *internal::FindHandle(scene, opening);
+    const std::vector<ContactPath> paths =
+        internal::HandlePaths(scene, opening, *shape, 0.5, internal::HandleHold::kBehind);
+    ASSERT_FALSE(paths.empty()) << kind;
+    const std::vector<Eigen::Vector3d> way = internal::WayOfHandle(scene, opening, 0.5);
+    EXPECT_LT((way.front() - before.middle).norm(), 1e-9);
+    opening.Put(0.5);
+    scene.Forward();
+    EXPECT_LT((way.back() - internal::FindHandle(scene, opening)->middle).norm(), 1e-6) << kind;
+    opening.Put(0);
+    scene.Forward();
+    const Eigen::Vector3d ahead = (way[1] - way[0]).normalized();
+    for (const ContactPath& path : paths) {
+      EXPECT_FALSE(path.grips);
+      const Pose grasp = path.tcp_in_world.front() * shape->grasp_in_tcp();
+      const Eigen::Vector3d across = grasp.rotation().col(1);
+      const double side = across.dot(ahead) > 0 ? -1 : 1;  // of the finger behind the bar
+      const Eigen::Vector3d pad =
+          grasp * shape->PadAt(shape->open_gap()) + side * shape->open_gap() / 2 * across;
+      const double behind =
+          side * (pad - before.middle).dot(across) - before.WidthAlong(across) / 2;
+      EXPECT_GT(behind, 0.004) << kind;
+      EXPECT_LT(behind, 0.015) << kind;
+    }
+  }
+}
+
+// The tip pushes against a face along the motion of that face, and moves as the engine moves it.
+TEST(HandleMotion, PushesFacesAlongTheirMotion) {
+  for (const char* kind : {"drawer_unit", "cupboard", "lid_box"}) {
+    SceneSpec spec = EmptyScene();
+    spec.objects.push_back(
+        {.name = "unit", .mjcf_path = kind, .pos = Vec3{0.6, 0, 0}, .fixed = true});
+    spec.robots.push_back({.name = "arm", .config = ExampleRun("demo.yaml").robot.config});
+    Scene scene = Scene::Build(spec);
+    scene.Reset();
+    const Robot robot = Robot::Of(scene, "arm");
+    const std::string joint = kind == std::string("drawer_unit") ? "unit_drawer_1" : "unit";
+    JointOpening opening = JointOpening::Of(scene, joint);
+    opening.Put(0.6);
+    scene.Forward();
+    const std::string body = kind == std::string("drawer_unit") ? "unit_drawer_1"
+                             : kind == std::string("cupboard")  ? "unit_door"
+                                                                : "unit_lid";
+    const Pose before = scene.body_pose(body);
+    const auto shape = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
+    const std::vector<ContactPath> paths = internal::PushedJointPaths(robot, opening, *shape, 0.05);
+    ASSERT_FALSE(paths.empty()) << kind;
+    opening.Put(0.05);
+    scene.Forward();
+    const Pose moved = scene.body_pose(body) * before.inverse();
+    for (const ContactPath& path : paths) {
+      EXPECT_FALSE(path.grips);
+      const Eigen::Vector3d first =
+          path.tcp_in_world[1].translation() - path.tcp_in_world[0].translation();
+      EXPECT_GT(-path.from.dot(first.normalized()), 0.7) << kind;
+      EXPECT_TRUE(path.tcp_in_world.back().is_close(moved * path.tcp_in_world.front(), 1e-6, 1e-6));
+    }
+  }
+}
+
+// The closed hand is behind the bar, seen along the motion, and moves as the engine moves the door.
+TEST(HandleMotion, HooksAreBehindTheBar) {
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back(
+      {.name = "unit", .mjcf_path = "cupboard", .pos = Vec3{0.6, 0, 0}, .fixed = true});
+  spec.robots.push_back({.name = "arm", .config = ExampleRun("demo.yaml").robot.config});
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  const Robot robot = Robot::Of(scene, "arm");
+  JointOpening opening = JointOpening::Of(scene, "unit");
+  const auto shape = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
+  const internal::HandleBar bar = *internal::FindHandle(scene, opening);
+  const std::vector<ContactPath> paths = internal::HookedJointPaths(robot, opening, *shape, 0.5);
+  ASSERT_FALSE(paths.empty());
+  const Pose before = scene.body_pose("unit_door");
+  opening.Put(0.5);
+  scene.Forward();
+  const Pose moved = scene.body_pose("unit_door") * before.inverse();
+  for (const ContactPath& path : paths) {
+    EXPECT_FALSE(path.grips);
+    const Eigen::Vector3d hand =
+        path.tcp_in_world.front() * shape->grasp_in_tcp() * shape->PadAt(path.contact_gap);
+    EXPECT_LT((hand - bar.middle).dot(bar.outward), -0.005) << "between the handle and the door";
+    EXPECT_TRUE(path.tcp_in_world.back().is_close(moved * path.tcp_in_world.front(), 1e-6, 1e-6));
+  }
+}
+
 TEST(HandleMotion, AimsSomewhatFurtherThanTheGoal) {
   EXPECT_NEAR(internal::ShareFor(ParseRelation("d open 0.5")), 0.6, 1e-9);
   EXPECT_NEAR(internal::ShareFor(ParseRelation("d open 0.95")), 1, 1e-9);

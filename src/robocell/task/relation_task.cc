@@ -160,8 +160,14 @@ std::optional<Refusal> RelationTask::Arrange(Scene& scene, Rng& rng) {
   for (const Goal& goal : goals_) {
     if (!is_run_ || !IsJoint(goal.stated) || robots_.empty()) continue;
     const JointOpening opening = JointOpening::Of(scene, goal.stated.subject);
-    refusal =
-        internal::StandInFront(scene, robots_.front(), RootOfJoint(scene, opening), opening, rng);
+    const double share = goal.stated.relation == "pressed" ? 1 : internal::ShareFor(goal.stated);
+    const auto check = [&] {
+      return internal::CheckJointGoal(scene, robots_.front(), goal.stated);
+    };
+    refusal = internal::StandInFront(scene, robots_.front(), RootOfJoint(scene, opening), opening,
+                                     share, check, rng);
+    // Another start may draw another joint.
+    if (refusal && choices() > 1) refusal->holds_everywhere = false;
     break;
   }
   scene.Forward();

@@ -12,6 +12,7 @@
 
 #include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/scene/scene_cache.h"
 #include "robocell/scenes/object_places.h"
 #include "robocell/scenes/object_view.h"
@@ -390,7 +391,11 @@ std::optional<Pose> StartSampler::ProposeBasePose(const Robot& robot, const Supp
 
 std::optional<Refusal> StartSampler::ValidateBasePose(Scene& scene, Robot& robot,
                                                       const std::string& target_body) {
-  if (auto refusal = ValidateBaseReach(robot, scene.body_pose(target_body))) return refusal;
+  const int body = FindId(scene.model(), mjOBJ_BODY, target_body);
+  const bool is_fixed = body > 0 && scene.model()->body_weldid[body] == 0;
+  if (auto refusal = is_fixed ? ValidateBaseReachOfPart(robot, target_body)
+                              : ValidateBaseReach(robot, scene.body_pose(target_body)))
+    return refusal;
   if (auto refusal = ValidateBaseClearance(scene, robot, run_.start.base_clearance)) return refusal;
   return internal::ValidateDoorSwings(scene, robot, doors_, run_.start.base_clearance);
 }
