@@ -24,11 +24,16 @@ EQUIPMENT = [
     "microwave",
     "open_bottle",
     "parallel_hand",
+    "plug",
     "receiver",
     "region",
     "robotiq_d405_mount",
+    "round_hole",
+    "socket",
+    "square_hole",
     "table",
     "tray",
+    "wiping_area",
 ]
 
 
