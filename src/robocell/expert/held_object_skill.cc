@@ -23,7 +23,8 @@ constexpr double kOpenSpeed = 0.15;                    // m/s of the distance be
 constexpr double kMostRelease = 1.5;                   // seconds
 constexpr double kReturnSpeed = 0.1, kReturnTurn = 1;  // m/s and rad/s
 // Share of an error that is corrected in one tick, and the largest correction, m and rad.
-constexpr double kGain = 0.12, kMostShift = 0.015, kMostTurn = 0.15;
+constexpr double kGain = 0.12, kMostShift = 0.03, kMostTurn = 0.3;
+constexpr double kMostJump = 0.25;   // rad (m) of a joint in one tick
 constexpr double kDropFrom = 0.002;  // m over its old place at which an object is let go
 
 // Moves a vector of a correction towards the error, at most to a length.
@@ -130,6 +131,7 @@ std::string HeldObjectSkill::Plan(const Scene& scene, Rng& rng) {
     if (!transfer) continue;
     transfer_ = std::move(*transfer);
     path_ = paths[motion->path];
+    along_ = motion->along;
     return "";
   }
   return why;
@@ -271,8 +273,24 @@ void HeldObjectSkill::Follow(const Guidance& guidance) {
       guidance.object_in_world.translation() + shift_,
       QuaternionProduct(QuaternionFromRotvec(turn_), guidance.object_in_world.quaternion()));
   const Pose tcp = robot_->base_in_world().inverse() * wanted * object_in_tcp_.inverse();
+  if (guidance.at) {
+    const auto from = static_cast<size_t>(*guidance.at);
+    const size_t to = std::min(from + 1, along_.size() - 1);
+    const JointVector planned =
+        Blend(along_[from], along_[to], *guidance.at - static_cast<double>(from));
+    const IkResult near = Ik(robot_->chain(), tcp,
+                             {.tolerance = kLineIkTolerance, .seed = planned, .max_restarts = 0});
+    if (near.success && JointDistance(near.q, arm_->target()) < kMostJump)
+      return arm_->SetTarget(near.q);
+  }
   const IkResult ik = TaskSpaceOf(*robot_).Step(robot_->chain(), tcp, arm_->target());
   if (ik.success) arm_->SetTarget(ik.q);
+}
+
+void HeldObjectSkill::TakeHold() {
+  object_in_tcp_ = robot_->tcp_in_world().inverse() * ObjectInWorld();
+  shift_ = turn_ = Eigen::Vector3d::Zero();
+  last_.reset();
 }
 
 void HeldObjectSkill::GiveUp(const std::string& why) {

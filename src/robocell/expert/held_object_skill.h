@@ -30,6 +30,8 @@ class PathWalk {
   Pose place() const;
   bool at_end() const { return at_ >= static_cast<double>(path_->size() - 1); }
   void Restart() { at_ = 0; }
+  // Returns the place as an index into the path and the share of the way to the next pose.
+  double at() const { return at_; }
 
  private:
   const HeldPath* path_;
@@ -54,6 +56,8 @@ class HeldObjectSkill : public Skill {
     Pose object_in_world;
     // Directions, unit vectors, along which it is not corrected: it is in contact there.
     std::optional<Eigen::Vector3d> free_along = {};
+    // The place on the path (PathWalk::at), if it is near one: the arm keeps to the planned posture.
+    std::optional<double> at = {};
   };
   // Called with the object at the start of the path, and each time it has been picked up again.
   virtual void BeginPath(const Scene& scene) = 0;
@@ -69,6 +73,8 @@ class HeldObjectSkill : public Skill {
   const RelationTask::Goal& goal() const { return goal_; }
   const Robot& robot() const { return *robot_; }
   Pose ObjectInWorld() const;
+  // Measures again how the hand holds the object, after it moved in the hand.
+  void TakeHold();
   // Ends the path with a failure: the object is let go where it is.
   void BreakOff(const std::string& why) { setback_ = why; }
 
@@ -90,7 +96,7 @@ class HeldObjectSkill : public Skill {
   PickPlanner pick_;
   std::optional<Robot> robot_;
   std::optional<GuidedArm> arm_;
-  JointPath transfer_, retreat_;
+  JointPath transfer_, along_, retreat_;
   HeldPath path_, back_;
   Pose at_rest_, object_in_tcp_;
   std::optional<Guidance> last_;  // guidance of the last tick

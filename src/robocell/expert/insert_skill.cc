@@ -16,34 +16,36 @@
 namespace robocell {
 namespace {
 
-constexpr double kAligned = 4e-4, kUpright = 0.01;        // m and rad over the hole
-constexpr double kLeastAlign = 0.5, kMostAlign = 2.5;      // seconds
-constexpr double kLowerSpeed = 0.03;                       // m/s
-constexpr double kPress = 0.006;                           // m that the target is below the object
+constexpr double kAligned = 3e-4, kUpright = 0.012;  // m and rad over the hole
+constexpr double kLeastAlign = 0.4, kMostAlign = 2;  // seconds
+constexpr double kNear = 0.002;                      // m over the rim, where it is aligned again
+constexpr double kFreeSpeed = 0.04, kSlowSpeed = 0.015;    // m/s to there, and from there
+constexpr double kPress = 0.003;                           // m that the target is below the object
 constexpr double kStuckSeconds = 0.4;                      // without progress: the spiral begins
-constexpr double kDeeper = 5e-4;                         // m that count as progress
-constexpr double kSpiralSpeed = 4e-4, kSpiralTurns = 1.2;  // m and turns a second
-constexpr double kMostSearch = 5, kMostLower = 15;         // seconds
+constexpr double kDeeper = 5e-4;                           // m that count as progress
+constexpr double kSpiralSpeed = 4e-4, kSpiralTurns = 0.7;  // m and turns a second
+constexpr double kMostSearch = 4, kMostLower = 15;         // seconds
 constexpr double kEnough = 0.97;  // share of the depth at which the object is let go
-constexpr int kMostInsertions = 3;
+constexpr int kMostInsertions = 4;
 
 class InsertSkill final : public internal::HeldObjectSkill {
  public:
   using internal::HeldObjectSkill::HeldObjectSkill;
 
  private:
-  std::string path_phase() const override { return is_aligned_ ? "insert" : "align"; }
+  enum class Stage { kOver, kNear, kDown };
+
+  std::string path_phase() const override { return stage_ == Stage::kDown ? "insert" : "align"; }
 
   void BeginPath(const Scene& scene) override {
     insertion_.emplace(scene, goal().stated.subject, goal().stated.reference);
-    tries_ = 0;
-    Align();
+    tries_ = 1;
+    Enter(Stage::kOver);
   }
 
-  void Align() {
-    ++tries_;
-    is_aligned_ = false;
-    seconds_ = 0;
+  void Enter(Stage stage) {
+    stage_ = stage;
+    seconds_ = search_ = stuck_ = 0;
   }
 
   std::optional<Guidance> Guide(const Scene& scene) override {
@@ -53,19 +55,21 @@ class InsertSkill final : public internal::HeldObjectSkill {
     const Pose& bottom = path().back();
     const Pose now = ObjectInWorld();
     const Eigen::Vector3d off = now.translation() - bottom.translation();
-    const double height = off.dot(out);
+    const double height = off.dot(out);  // over the bottom
+    const double top = (path().front().translation() - bottom.translation()).dot(out);
+    const double near = top - internal::kOverHole + kNear;
     seconds_ += tick;
-    if (!is_aligned_) {
-      const double top = (path().front().translation() - bottom.translation()).dot(out);
-      const double aside = (off - height * out).norm();
-      const bool is_straight =
-          AngleBetween(now.quaternion(), bottom.quaternion()) < kUpright && aside < kAligned;
-      if ((is_straight && seconds_ >= kLeastAlign) || seconds_ >= kMostAlign) {
-        is_aligned_ = true;
-        height_ = lowest_ = height;
-        seconds_ = search_ = stuck_ = 0;
+    if (stage_ != Stage::kDown) {
+      const double wanted = stage_ == Stage::kOver ? top : near;
+      height_ = stage_ == Stage::kOver ? top : std::max(near, height_ - kFreeSpeed * tick);
+      const bool is_aligned = (off - height * out).norm() < kAligned &&
+                              AngleBetween(now.quaternion(), bottom.quaternion()) < kUpright &&
+                              height < wanted + kNear / 2;
+      if ((is_aligned && seconds_ >= kLeastAlign) || seconds_ >= kMostAlign) {
+        if (stage_ == Stage::kNear) lowest_ = height;
+        Enter(stage_ == Stage::kOver ? Stage::kNear : Stage::kDown);
       }
-      return Guidance{Pose(top * out) * bottom};
+      return Guidance{Pose(height_ * out) * bottom};
     }
     if (height < lowest_ - kDeeper) {
       lowest_ = height;
@@ -78,24 +82,25 @@ class InsertSkill final : public internal::HeldObjectSkill {
     if (is_deep || (goal().Holds() && stuck_ > kStuckSeconds)) return std::nullopt;
     if (stuck_ > kStuckSeconds) search_ += tick;
     if (search_ > kMostSearch || seconds_ > kMostLower) {
-      if (tries_ >= kMostInsertions) {
+      if (++tries_ > kMostInsertions) {
         BreakOff("the object does not go into the hole");
         return std::nullopt;
       }
-      Align();
+      TakeHold();
+      Enter(Stage::kOver);
       return Guidance{Pose(height * out) * bottom};
     }
-    height_ = std::max({height_ - kLowerSpeed * tick, height - kPress, -kPress});
+    height_ = std::max({height_ - kSlowSpeed * tick, height - kPress, -kPress});
     const double angle = 2 * internal::kPi * kSpiralTurns * search_;
-    const Pose mouth = insertion_->mouth();
+    const Eigen::Matrix3d across = insertion_->mouth().rotation();
     const Eigen::Vector3d spiral =
         kSpiralSpeed * search_ *
-        (std::cos(angle) * mouth.rotation().col(0) + std::sin(angle) * mouth.rotation().col(1));
+        (std::cos(angle) * across.col(0) + std::sin(angle) * across.col(1));
     return Guidance{.object_in_world = Pose(height_ * out + spiral) * bottom, .free_along = out};
   }
 
   std::optional<internal::Insertion> insertion_;
-  bool is_aligned_ = false;
+  Stage stage_ = Stage::kOver;
   int tries_ = 0;
   double seconds_ = 0, height_ = 0, lowest_ = 0, stuck_ = 0, search_ = 0;
 };

@@ -13,8 +13,8 @@ namespace robocell {
 namespace {
 
 constexpr double kUprightSpeed = 0.12;  // m/s
-constexpr double kTiltSpeed = 0.7;    // rad/s
-constexpr double kPourSeconds = 1.2;  // with the vessel tilted
+constexpr double kTiltSpeed = 0.7;      // rad/s
+constexpr double kPourSeconds = 1.2;    // with the vessel tilted
 
 class PourSkill final : public internal::HeldObjectSkill {
  public:
@@ -40,7 +40,7 @@ class PourSkill final : public internal::HeldObjectSkill {
       return Guidance{path().back()};
     }
     walk_->Move(settings().tick);
-    return Guidance{walk_->place()};
+    return Guidance{.object_in_world = walk_->place(), .free_along = {}, .at = walk_->at()};
   }
 
   std::optional<internal::PathWalk> walk_;

@@ -14,15 +14,16 @@
 namespace robocell {
 namespace {
 
-constexpr double kWipeSpeed = 0.06;                 // m/s
-constexpr double kTurnSpeed = 0.5;                  // rad/s
-constexpr double kDownSpeed = 0.02;                 // m/s
-constexpr double kWantedForce = 6, kForceBand = 4;  // N
-constexpr double kForceStep = 3e-4;        // m a tick, by which the height follows the force
-constexpr double kDeepest = 0.03;     // m below the region that the target may be
-constexpr double kMostLowering = 4;   // seconds
-constexpr int kMostRounds = 2;        // of the path
-constexpr double kFarBehind = 0.012;  // m: the path waits for the object
+constexpr double kWipeSpeed = 0.06;                   // m/s
+constexpr double kTurnSpeed = 0.5;                    // rad/s
+constexpr double kDownSpeed = 0.02;                   // m/s
+constexpr double kWantedForce = 3, kForceBand = 1.5;  // N
+constexpr double kForceStep = 3e-4;  // m a tick, by which the height follows the force
+constexpr double kDeepest = 0.03;    // m below the region that the target may be
+constexpr double kMostLowering = 4;  // seconds
+constexpr int kMostRounds = 2;       // of the path
+constexpr double kBehind = 0.008;    // m from which on the path waits for the object ...
+constexpr double kLeastShare = 0.2;  // ... and the least share of the speed
 
 class WipeSkill final : public internal::HeldObjectSkill {
  public:
@@ -67,14 +68,15 @@ class WipeSkill final : public internal::HeldObjectSkill {
       }
       walk_->Restart();
     }
-    return Guidance{.object_in_world = Pose(-down_ * up) * walk_->place(), .free_along = up};
+    return Guidance{
+        .object_in_world = Pose(-down_ * up) * walk_->place(), .free_along = up, .at = walk_->at()};
   }
 
-  // Moves on along the path, unless the object is far behind.
+  // Moves on along the path, more slowly the farther the object is behind.
   void Walk(double tick, const Eigen::Vector3d& up) {
     Eigen::Vector3d behind = walk_->place().translation() - ObjectInWorld().translation();
     behind -= behind.dot(up) * up;
-    if (behind.norm() < kFarBehind) walk_->Move(tick);
+    walk_->Move(tick * std::clamp(2 - behind.norm() / kBehind, kLeastShare, 1.0));
   }
 
   std::string body_;

@@ -84,7 +84,7 @@ std::optional<HeldMotion> HeldMotions::Try(size_t path, const JointVector& q) {
     obstacles_.Add(planning_.obstacle());
     return false;
   };
-  if (!is_free(q)) return std::nullopt;
+  // The whole way first: it costs less than the collisions.
   for (size_t i = 1; i < paths_[path].size(); ++i) {
     const IkResult ik =
         Ik(chain, world_in_base_ * paths_[path][i] * tcp_in_object_,
@@ -93,9 +93,9 @@ std::optional<HeldMotion> HeldMotions::Try(size_t path, const JointVector& q) {
       ++no_way_;
       return std::nullopt;
     }
-    if (!is_free(ik.q)) return std::nullopt;
     motion.along.push_back(ik.q);
   }
+  if (!std::ranges::all_of(motion.along, is_free)) return std::nullopt;
   return motion;
 }
 

@@ -70,7 +70,7 @@ struct WipeTaskConfig {
 struct PourTaskConfig {
   NameList objects = {};
   NameList receivers = {};
-  int grains = 24;
+  int grains = 20;
   double grain_radius = 0.005;
   double share = 0.8;
 

@@ -186,7 +186,7 @@ int WipeTask::CellCount() {
 void WipeTask::AddObjects(SceneSpec& spec, Rng& /*rng*/) {
   spec.objects.push_back({.name = kTarget,
                           .shape = Shape::kBox,
-                          .size = Vec3{0.035, 0.022, 0.03},
+                          .size = Vec3{0.035, 0.022, 0.04},
                           .rgba = kNamedColours[3].rgba,
                           .mass = 0.05,
                           .friction = Vec3{0.7, 0.02, 0.001},
@@ -298,8 +298,8 @@ void PourTask::AddObjects(SceneSpec& spec, Rng& rng) {
                             .size = Vec3{task_.grain_radius, 0, 0},
                             .rgba = kNamedColours[3].rgba,
                             .mass = 2500 * 4.0 / 3 * kPi * std::pow(task_.grain_radius, 3),
-                            .friction = Vec3{0.3, 0.005, 0.0005},
-                            .condim = Condim::kRolling,
+                            .friction = Vec3{0.3, 0.01, 0.001},
+                            .condim = Condim::kTangential,
                             .pos = Vec3{3 * task_.grain_radius * i, 0, -10}});
   }
 }
