@@ -39,7 +39,7 @@ void Put(Scene& scene, const Pose& pose) {
 
 TEST(Insertion, HoldsFromItsShareOfTheDepthOnAndOnlyInTheHole) {
   Rng rng = Rng::Stream(0, "insertion");
-  for (int i = 0; i < 20; ++i) {
+  for (int i = 0; i < 8; ++i) {
     const bool is_round = i % 2 == 0;
     Scene scene = PegAndHole(is_round, rng.Uniform(2e-4, 1e-3), rng);
     const auto bound = BindRelation(scene, ParseRelation("peg inserted block"));
