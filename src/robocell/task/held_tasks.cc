@@ -186,7 +186,7 @@ int WipeTask::CellCount() {
 void WipeTask::AddObjects(SceneSpec& spec, Rng& /*rng*/) {
   spec.objects.push_back({.name = kTarget,
                           .shape = Shape::kBox,
-                          .size = Vec3{0.035, 0.022, 0.04},
+                          .size = Vec3{0.035, 0.022, 0.03},
                           .rgba = kNamedColours[3].rgba,
                           .mass = 0.05,
                           .friction = Vec3{0.7, 0.02, 0.001},
