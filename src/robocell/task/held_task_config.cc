@@ -19,7 +19,7 @@ namespace {
 constexpr int kMostSorted = 6;
 constexpr int kLeastGrains = 20, kMostGrains = 200;
 constexpr double kWidestClearance = 0.01;  // m
-constexpr double kNearestArea = 0.12;    // m: the sponge is beside the area
+constexpr double kNearestArea = 0.12;      // m: the sponge is beside the area
 
 }  // namespace
 

@@ -36,8 +36,8 @@ class WipingTest : public ::testing::Test {
     return scene;
   }
   // Drags the block along a path, at a height over the floor.
-  static void Drag(Scene& scene, BoundRelation& wiped, const internal::HeldPath& path, double height,
-                   double share = 1) {
+  static void Drag(Scene& scene, BoundRelation& wiped, const internal::HeldPath& path,
+                   double height, double share = 1) {
     for (size_t i = 0; i < static_cast<size_t>(share * static_cast<double>(path.size())); ++i) {
       Eigen::Vector3d at = path[i].translation();
       at.z() = kHalfHeight + height;
@@ -54,7 +54,8 @@ TEST_F(WipingTest, CountsCellsUnderABlockThatPresses) {
     Scene scene = Make(rng);
     const StatedRelation stated = ParseRelation("block wiped area 0.8");
     const auto wiped = BindRelation(scene, stated);
-    for (const internal::HeldPath& path : internal::WipePaths(scene, stated, scene.body_pose("block"))) {
+    for (const internal::HeldPath& path :
+         internal::WipePaths(scene, stated, scene.body_pose("block"))) {
       wiped->Recall(std::vector<double>(wiped->memory().size(), 0));
       Drag(scene, *wiped, path, 0.002);
       EXPECT_EQ(wiped->Progress(), 0) << "it does not press";
