@@ -12,7 +12,10 @@ from PIL import Image
 import robocell as rc
 
 EXAMPLES = DOCS.parent / "examples" / "tasks"
-KINDS = ("stack", "place_next_to", "open", "close", "press", "push", "relations")
+KINDS = (
+    *("stack", "place_next_to", "open", "close", "press", "push"),
+    *("insert", "sort", "wipe", "pour", "relations"),
+)
 SHARES = (0.0, 0.3, 0.55, 0.8, 1.0)  # of the episode, at which a frame is shown
 
 

@@ -285,7 +285,7 @@ def check_hidden(text: str) -> Iterator[tuple[int, str]]:
 
 # Kinds of tasks whose names mean other things too, such as the "press" of a mouse button: their
 # structs tell them apart.
-PLAIN_WORDS = {"open", "close", "press", "push", "stack"}
+PLAIN_WORDS = {"open", "close", "press", "push", "stack", "insert", "sort", "pour"}
 
 
 def concrete_tasks(root: Path) -> dict[str, str]:

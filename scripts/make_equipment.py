@@ -11,7 +11,9 @@ object_models/furniture.py describes what has joints. The other equipment is wri
 from __future__ import annotations
 
 import argparse
+import itertools
 import math
+from dataclasses import dataclass
 from pathlib import Path
 
 from object_models import furniture
@@ -105,6 +107,146 @@ def receiver() -> Model:
     return Model("receiver", about, lathe(profile), "0.88 0.86 0.80 1", collision, {}, STIFF)
 
 
+@dataclass
+class Hole:
+    """A block with holes from above: slots, or one round hole."""
+
+    name: str
+    about: str
+    slots: list[tuple[float, float, float, float]]  # middles and half widths of slots
+    diameter: float = 0  # of one round hole, instead of slots
+    depth: float = 0.03
+    half: float = 0.045  # of the block, along x and y
+    floor: float = 0.012  # thickness under the holes
+    mass: float = 2.5
+
+    def outline(self) -> tuple[float, float]:
+        """Half widths of what all its holes lie in."""
+        if self.diameter:
+            return self.diameter / 2, self.diameter / 2
+        return (
+            max(abs(x) + hx for x, _, hx, _ in self.slots),
+            max(abs(y) + hy for _, y, _, hy in self.slots),
+        )
+
+    def walls(self) -> list[str]:
+        """MJCF of the boxes around the holes."""
+        z0 = self.floor / 2  # the origin is in the middle of the block
+        half_height = self.depth / 2
+        boxes: list[tuple[float, float, float, float, float]] = []  # x, y, half x, half y, turn
+        if self.diameter:
+            sides, r = 24, self.diameter / 2
+            wall = (self.half - r) / 2
+            width = (r + 2 * wall) * math.tan(math.pi / sides)
+            for k in range(sides):
+                turn = 2 * math.pi * k / sides
+                at = r + wall
+                boxes.append((at * math.cos(turn), at * math.sin(turn), wall, width, turn))
+        else:
+            ox, oy = self.outline()
+            wall_x, wall_y = (self.half - ox) / 2, (self.half - oy) / 2
+            boxes += [(s * (ox + wall_x), 0, wall_x, self.half, 0) for s in (-1, 1)]
+            boxes += [(0, s * (oy + wall_y), ox, wall_y, 0) for s in (-1, 1)]
+            ends = sorted((x - hx, x + hx) for x, _, hx, _ in self.slots)
+            for (_, left), (right, _) in itertools.pairwise(ends):
+                boxes.append(((left + right) / 2, 0, (right - left) / 2, oy, 0))
+        lines = []
+        for k, (x, y, hx, hy, turn) in enumerate(boxes):
+            quat = f"{math.cos(turn / 2):.6f} 0 0 {math.sin(turn / 2):.6f}"
+            lines.append(
+                f'<geom name="{self.name}_wall_{k}" class="{self.name}_wall" '
+                f'size="{hx:.5f} {hy:.5f} {half_height:.5f}" pos="{x:.5f} {y:.5f} {z0:.5f}" '
+                f'quat="{quat}" mass="{self.mass / 2 / len(boxes):.5g}"/>'
+            )
+        return lines
+
+    def mjcf(self) -> str:
+        """The model."""
+        height = self.depth + self.floor
+        hx, hy = self.outline()
+        size = f"{hx:.5f} {self.depth / 2:.5f}" if self.diameter else ""
+        size = size or f"{hx:.5f} {hy:.5f} {self.depth / 2:.5f}"
+        site = "cylinder" if self.diameter else "box"
+        walls = "\n".join(f"      {line}" for line in self.walls())
+        return f"""<!-- {self.about} Written by scripts/make_equipment.py.
+     The origin is in the middle of the block; the site `hole` fills what an object is put into. -->
+<mujoco model="{self.name}">
+  <compiler angle="radian" inertiafromgeom="true"/>
+  <default>
+    <default class="{self.name}_wall">
+      <geom type="box" material="{self.name}" friction="0.3 0.01 0.001" solref="0.004 1"
+            priority="1"/>
+    </default>
+  </default>
+  <asset>
+    <material name="{self.name}" rgba="0.55 0.57 0.60 1" specular="0.4" shininess="0.5"/>
+  </asset>
+  <worldbody>
+    <body name="{self.name}">
+      <freejoint/>
+      <geom name="{self.name}_floor" type="box" size="{self.half} {self.half} {self.floor / 2:.4g}"
+            pos="0 0 {(self.floor - height) / 2:.5f}" mass="{self.mass / 2}" friction="1 0.02 0.001"
+            condim="4" material="{self.name}"/>
+{walls}
+      <site name="hole" type="{site}" size="{size}" pos="0 0 {self.floor / 2:.5f}" group="4"/>
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+    def write(self, out: Path) -> None:
+        """Writes its folder."""
+        folder = out / self.name
+        folder.mkdir(parents=True, exist_ok=True)
+        (folder / f"{self.name}.xml").write_text(self.mjcf())
+
+
+CLEARANCE = 0.001  # m, of the blades of a plug in all
+BLADE = (0.004, 0.011, 0.015)  # half sizes of a blade, m
+BLADES = 0.009  # m from the middle to that of a blade
+
+
+def holes() -> list[Hole]:
+    """The blocks that pegs and the plug go into."""
+    slot = (BLADE[0] + CLEARANCE / 2, BLADE[1] + CLEARANCE / 2)
+    return [
+        Hole("square_hole", "A block with a square hole of 30 mm.", [(0, 0, 0.015, 0.015)]),
+        Hole("round_hole", "A block with a round hole of 30 mm.", [], diameter=0.03),
+        Hole(
+            "socket", "A socket for the plug.", [(s * BLADES, 0, *slot) for s in (-1, 1)],
+            depth=2 * BLADE[2],
+        ),
+    ]  # fmt: skip
+
+
+def plug() -> str:
+    """MJCF of the plug."""
+    half, top = (0.017, 0.015, 0.035), 0.035
+    middle = top - 2 * half[2] - BLADE[2]
+    blades = "\n".join(
+        f'      <geom name="plug_blade_{k}" type="box" size="{BLADE[0]} {BLADE[1]} {BLADE[2]}" '
+        f'pos="{s * BLADES} 0 {middle:.4g}" mass="0.01" rgba="0.8 0.7 0.4 1"/>'
+        for k, s in enumerate((-1, 1))
+    )
+    return f"""<!-- A plug with two blades. Written by scripts/make_equipment.py.
+     The origin is in the middle of its grip. -->
+<mujoco model="plug">
+  <compiler angle="radian" inertiafromgeom="true"/>
+  <default>
+    <geom friction="1 0.02 0.001" condim="4" solref="0.004 1"/>
+  </default>
+  <worldbody>
+    <body name="plug">
+      <freejoint/>
+      <geom name="plug_grip" type="box" size="{half[0]} {half[1]} {half[2]}" mass="0.06"
+            rgba="0.2 0.2 0.22 1"/>
+{blades}
+    </body>
+  </worldbody>
+</mujoco>
+"""
+
+
 def main() -> None:
     """Writes them."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
@@ -113,6 +255,10 @@ def main() -> None:
     out = parser.parse_args().out
     for make in (open_bottle, receiver):
         write(make(), out, "make_equipment.py")
+    for hole in holes():
+        hole.write(out)
+    (out / "plug").mkdir(parents=True, exist_ok=True)
+    (out / "plug" / "plug.xml").write_text(plug())
     for describe in furniture.KINDS:
         Writer(describe(), Path(__file__).name).write(out)
 

@@ -5,6 +5,7 @@
 #include "spec_class.h"
 #include "spec_kinds.h"
 #include "spec_parts.h"
+#include "robocell/task/held_task_config.h"
 #include "robocell/task/pick_task_config.h"
 #include "robocell/task/relation_task_config.h"
 
@@ -54,6 +55,10 @@ void BindPickSpecs(nb::module_& m) {
   BindFields<CloseTaskConfig>(m, "The fields of a task of kind `close`.");
   BindFields<PressTaskConfig>(m, "The fields of a task of kind `press`.");
   BindFields<PushTaskConfig>(m, "The fields of a task of kind `push`.");
+  BindFields<InsertTaskConfig>(m, "The fields of a task of kind `insert`.");
+  BindFields<SortTaskConfig>(m, "The fields of a task of kind `sort`.");
+  BindFields<WipeTaskConfig>(m, "The fields of a task of kind `wipe`.");
+  BindFields<PourTaskConfig>(m, "The fields of a task of kind `pour`.");
 }
 
 }  // namespace robocell::python

@@ -24,12 +24,17 @@ EQUIPMENT = [
     "microwave",
     "open_bottle",
     "parallel_hand",
+    "plug",
     "receiver",
     "region",
     "robotiq_d405_mount",
+    "round_hole",
+    "socket",
+    "square_hole",
     "studio",
     "table",
     "tray",
+    "wiping_area",
 ]
 
 

@@ -9,16 +9,14 @@ import pytest
 
 import success_table
 
-ASKED = {"pick", "stack", "open", "close", "press", "push", "place_next_to", "pick_and_place"}
-
 
 @pytest.mark.soak
 @pytest.mark.parametrize("kind", success_table.KINDS)
 @pytest.mark.parametrize("robot", success_table.ROBOTS)
-def test_an_expert_succeeds_from_nine_of_ten_starts(robot: str, kind: str):
+def test_an_expert_succeeds_from_most_starts(robot: str, kind: str):
     cell = success_table.measure(robot, kind, starts=20)
     assert not cell.why_not, cell
-    assert cell.successes >= (0.9 if kind in ASKED else 0.75) * cell.starts, cell
+    assert cell.successes >= success_table.LEAST.get(kind, 0.9) * cell.starts, cell
 
 
 def test_the_interval_is_wilsons():

@@ -9,6 +9,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/expert/pick_expert.h"
 #include "robocell/expert/skill_expert_kind.h"
+#include "robocell/task/held_task_config.h"
 #include "robocell/task/pick_task_config.h"
 #include "robocell/task/relation_task_config.h"
 #include "robocell/task/task_kind.h"
@@ -29,7 +30,11 @@ ExpertRegistry& RegisteredExperts() {
                  {OpenTaskConfig::kKind, skills},
                  {CloseTaskConfig::kKind, skills},
                  {PressTaskConfig::kKind, skills},
-                 {PushTaskConfig::kKind, skills}});
+                 {PushTaskConfig::kKind, skills},
+                 {InsertTaskConfig::kKind, skills},
+                 {SortTaskConfig::kKind, skills},
+                 {WipeTaskConfig::kKind, skills},
+                 {PourTaskConfig::kKind, skills}});
   return registry;
 }
 

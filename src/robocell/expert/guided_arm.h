@@ -26,6 +26,8 @@ class GuidedArm {
   void AddLeg(JointPath points, double speed, double least);
   // Sets the target to the measured position: the arm gave way, or something pushed it.
   void TakeMeasured();
+  // Sets the target of this tick, for motions that react to what happens.
+  void SetTarget(const JointVector& target) { target_ = target; }
   // Returns the next target; call Settled() before, once in a tick.
   const JointVector& Next();
   const JointVector& target() const { return target_; }

@@ -15,6 +15,7 @@ namespace robocell {
 namespace {
 
 constexpr double kViaAbove = 0.05;  // height of the way point over the start, above the pregrasp
+constexpr int kMostRejected = 12;   // grasps after which the task could not go on
 constexpr double kViaRise = 0.02;   // ... and at least this above the start
 constexpr double kSameGrasp = 0.005,
                  kSameTurn = 0.25;  // metres and rad: nearer grasps count as one
@@ -101,15 +102,25 @@ void RemoveFailed(std::vector<GraspCandidate>& candidates, const std::vector<Pos
 
 PickPlanResult PlanPick(PlanningScene& planning, const PickPlanRequest& request, Rng& rng) {
   Approach approach(planning, request, rng);
-  bool any = false;
+  bool any = false, any_rejected = false;
   int searches = 0;
   const auto find = [&](std::vector<GraspCandidate> candidates) -> std::optional<PickPlan> {
     RemoveFailed(candidates, request.avoid, planning);
     any = any || !candidates.empty();
     GraspMotions motions(planning, std::move(candidates), request.home, request.motion);
-    for (int i = 0; i < kMostPathSearches; ++i) {
+    for (int i = 0, rejected = 0; i < kMostPathSearches && rejected < kMostRejected;) {
       std::optional<GraspMotion> motion = motions.Next();
       if (!motion) break;
+      if (request.usable) {
+        const bool is_usable = request.usable(planning, *motion);
+        planning.Update();
+        if (!is_usable) {
+          any_rejected = true;
+          ++rejected;
+          continue;
+        }
+      }
+      ++i;
       ++searches;
       if (auto path = approach.Find(*motion)) return PickPlan{std::move(*motion), std::move(*path)};
     }
@@ -123,6 +134,8 @@ PickPlanResult PlanPick(PlanningScene& planning, const PickPlanRequest& request,
   if (auto plan = find(FindOtherGrasps(planning.robot(), body, planning.shape(), request.tcp_now)))
     return {.plan = std::move(plan), .failure = {}};
   if (!any) return {.plan = {}, .failure = "no grasp on the object"};
+  if (searches == 0 && any_rejected)
+    return {.plan = {}, .failure = "no grasp from which the goal can be reached"};
   return {.plan = {}, .failure = searches > 0 ? "no free path to a grasp" : "no grasp in reach"};
 }
 

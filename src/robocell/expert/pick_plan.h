@@ -2,6 +2,7 @@
 // PickPlanner executes the plan.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -22,12 +23,17 @@ struct PickPlan {
   JointPath approach;  // path from the start to the pregrasp, both included
 };
 
+// Returns true for a grasp from which the task can go on.
+using GraspUse = std::function<bool(PlanningScene&, const GraspMotion&)>;
+
 struct PickPlanRequest {
   JointVector start;        // the arm's present positions
   JointVector home;         // joint positions that solutions should be near
   Pose tcp_now;             // TCP in the world at `start`
   std::vector<Pose> avoid;  // grasps that failed: TCP in the object's frame
   GraspMotionOptions motion = {};
+  // Rejects grasps after which the task could not go on. It may change the planning scene.
+  GraspUse usable = {};
 };
 
 struct PickPlanResult {

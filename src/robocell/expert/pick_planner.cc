@@ -79,7 +79,8 @@ bool PickPlanner::Plan(Rng& rng) {
                                 .home = home_,
                                 .tcp_now = robot_->tcp_in_world(),
                                 .avoid = failed_,
-                                .motion = {.above = options_.above, .lift = options_.lift}};
+                                .motion = {.above = options_.above, .lift = options_.lift},
+                                .usable = options_.usable};
   PickPlanResult result = PlanPick(*planning_, request, rng);
   plan_ = std::move(result.plan);
   if (!plan_) GiveUp(setback_.empty() ? result.failure : setback_);

@@ -31,6 +31,7 @@ struct PickPlannerOptions {
   double free_speed = 1.2;  // speed of the fastest joint on free paths, rad/s (m/s)
   double line_speed = 0.6;  // ... on the way down and up
   int attempts = 3;         // grasp attempts
+  GraspUse usable = {};     // which grasps the task can go on from; unset: all
 };
 
 // Returns the options of a run.

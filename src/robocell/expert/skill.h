@@ -47,5 +47,11 @@ std::unique_ptr<Skill> MakeJointSkill(const SkillSettings& settings,
                                       const RelationTask::Goal& goal);  // joint_skill.cc
 std::unique_ptr<Skill> MakePushSkill(const SkillSettings& settings,
                                      const RelationTask::Goal& goal);  // push_skill.cc
+std::unique_ptr<Skill> MakeInsertSkill(const SkillSettings& settings,
+                                       const RelationTask::Goal& goal);  // insert_skill.cc
+std::unique_ptr<Skill> MakeWipeSkill(const SkillSettings& settings,
+                                     const RelationTask::Goal& goal);  // wipe_skill.cc
+std::unique_ptr<Skill> MakePourSkill(const SkillSettings& settings,
+                                     const RelationTask::Goal& goal);  // pour_skill.cc
 
 }  // namespace robocell

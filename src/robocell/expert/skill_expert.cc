@@ -33,8 +33,9 @@ std::shared_ptr<const RelationTask> RelationTaskOf(const RunConfig& run,
 
 const std::vector<std::string>& SkillPhases() {
   static const std::vector<std::string> phases = {
-      "open",    "pregrasp", "grasp",    "close",  "lift",  "transfer", "lower", "release",
-      "retreat", "reach",    "approach", "follow", "press", "push",     "done"};
+      "open",    "pregrasp", "grasp", "close",    "lift",   "transfer", "lower",
+      "release", "retreat",  "reach", "approach", "follow", "press",    "push",
+      "align",   "insert",   "wipe",  "carry",    "pour",   "done"};
   return phases;
 }
 
@@ -56,6 +57,9 @@ std::unique_ptr<Skill> SkillExpert::SkillFor(const RelationTask::Goal& goal) con
   const std::string& relation = goal.stated.relation;
   if (FindRelation(relation).subject == RelationSubject::kJoint)
     return MakeJointSkill(settings_, goal);
+  if (relation == "inserted") return MakeInsertSkill(settings_, goal);
+  if (relation == "wiped") return MakeWipeSkill(settings_, goal);
+  if (relation == "poured_into") return MakePourSkill(settings_, goal);
   if (relation == "held") return MakeHoldSkill(settings_, goal);
   if (relation == "in_region" && task_->pushes()) return MakePushSkill(settings_, goal);
   return MakePlaceSkill(settings_, goal);

@@ -66,6 +66,17 @@ Interval GeomExtent(const mjModel* m, const mjData* d, int geom, const Eigen::Ve
   return {centre + local.lower, centre + local.upper};
 }
 
+Interval BodyExtent(const mjModel* model, const mjData* data, int body,
+                    const Eigen::Vector3d& direction) {
+  Interval all{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const int geom : CollisionGeomsOf(model, body)) {
+    const Interval extent = GeomExtent(model, data, geom, direction);
+    all.lower = std::min(all.lower, extent.lower);
+    all.upper = std::max(all.upper, extent.upper);
+  }
+  return all;
+}
+
 bool IsCollisionGeom(const mjModel* m, int geom) {
   return m->geom_contype[geom] != 0 || m->geom_conaffinity[geom] != 0;
 }

@@ -15,6 +15,10 @@ namespace robocell::internal {
 Interval GeomExtent(const mjModel* model, const mjData* data, int geom,
                     const Eigen::Vector3d& direction);
 
+// Returns the same for all collision geoms of a body's subtree; inverted, infinite bounds without any.
+Interval BodyExtent(const mjModel* model, const mjData* data, int body,
+                    const Eigen::Vector3d& direction);
+
 // Returns true if a geom takes part in collisions.
 bool IsCollisionGeom(const mjModel* model, int geom);
 // Returns the collision geoms of a body's subtree.

@@ -10,6 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/kinematics/chain.h"
+#include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/scratch_robot.h"
@@ -30,11 +31,13 @@ struct PlanningScene::State {
 
   void Place(const JointVector& q, double gap);
   void PlaceTarget(const Pose& in_world);
+  void FindContents();
 
   internal::ScratchRobot scratch;
   std::shared_ptr<const GripperShape> shape;
   int target = -1;
   std::vector<char> is_target;  // per geom
+  std::vector<char> is_inside;  // per geom: of a free body that lies in the target
   std::vector<int> fingers;     // addresses in qpos
   std::vector<double> finger_values;
   std::optional<Pose> target_in_tcp;  // set while it is held
@@ -57,6 +60,7 @@ PlanningScene::PlanningScene(const Scene& scene, const Robot& robot, const std::
     s.fingers.push_back(m->jnt_qposadr[joint]);
   }
   s.finger_values.resize(s.fingers.size());
+  s.FindContents();
 }
 
 PlanningScene::~PlanningScene() = default;
@@ -81,9 +85,40 @@ void PlanningScene::State::PlaceTarget(const Pose& in_world) {
   in_world.ToWxyz(at, at + 3);
 }
 
+// What lies in a vessel moves with it. That is each free body whose geoms are all within the box around
+// the target's geoms, in its frame.
+void PlanningScene::State::FindContents() {
+  const mjModel* m = scratch.model();
+  const mjData* d = scratch.data();
+  is_inside.assign(m->ngeom, 0);
+  const Pose target_in_world =
+      Pose::FromTranslationAndMatrix(d->xpos + 3 * target, d->xmat + 9 * target);
+  Interval box[3];
+  for (int axis = 0; axis < 3; ++axis)
+    box[axis] = internal::BodyExtent(m, d, target, target_in_world.rotation().col(axis));
+  std::vector<char> is_out(m->nbody, 0);
+  for (int g = 0; g < m->ngeom; ++g) {
+    const int root = m->body_rootid[m->geom_bodyid[g]];
+    const Eigen::Vector3d at(d->geom_xpos + 3 * g);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double along = at.dot(target_in_world.rotation().col(axis));
+      if (along < box[axis].lower + m->geom_rbound[g] ||
+          along > box[axis].upper - m->geom_rbound[g])
+        is_out[root] = 1;
+    }
+  }
+  for (int g = 0; g < m->ngeom; ++g) {
+    const int root = m->body_rootid[m->geom_bodyid[g]];
+    const int joint = m->body_jntadr[root];
+    const bool is_free = m->body_jntnum[root] == 1 && m->jnt_type[joint] == mjJNT_FREE;
+    is_inside[g] = is_free && !is_out[root] && !is_target[g];
+  }
+}
+
 void PlanningScene::Update() {
   state_->target_in_tcp.reset();
   state_->scratch.Update();
+  state_->FindContents();
 }
 
 void PlanningScene::HoldTarget(const Pose& target_in_tcp) {
@@ -104,6 +139,7 @@ bool PlanningScene::IsFree(const JointVector& q, const FreedomDemand& demand) {
   s.obstacle = {};
   if (!s.scratch.FindTouches()) return false;  // missing contacts may be collisions
   for (const internal::ScratchRobot::Touch& touch : s.scratch.touches()) {
+    if (s.target_in_tcp && (s.is_inside[touch.own_geom] || s.is_inside[touch.other_geom])) continue;
     if (!touch.itself) {
       const bool wanted = s.is_target[touch.own_geom] || s.is_target[touch.other_geom];
       if (touch.distance >= demand.clearance || (demand.touch_target && wanted)) continue;

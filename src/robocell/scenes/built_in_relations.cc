@@ -16,6 +16,7 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/body_handle.h"
 #include "robocell/scenes/hollows.h"
+#include "robocell/scenes/insertion.h"
 #include "robocell/scenes/joint_opening.h"
 #include "robocell/scenes/landmarks.h"
 #include "robocell/scenes/place_overlap.h"
@@ -402,6 +403,7 @@ std::map<std::string, RelationKind> BuiltInRelations() {
                                   .numbers_text = "the largest gap in metres",
                                   .comparison = "<=",
                                   .words = "put the {0} next to the {1}"})},
+      {"inserted", InsertedRelation()},
       {"in_region", KindOf<InRegion>({.reference = kOrNumbers,
                                       .numbers_instead = 3,
                                       .numbers_text = "x y radius",

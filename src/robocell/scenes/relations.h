@@ -14,6 +14,7 @@
 //   | A on B               | A touches B from above                                                |
 //   | A inside B           | A is in a hollow of B                                                 |
 //   | A next_to B [gap]    | A is beside B, at most `gap` metres away (0.05)                       |
+//   | A inserted B [share] | the deepest part of A is in hole B, by that share of its depth (0.8)   |
 //   | A in_region B        | the middle of A is over the outline of B: a site, a geom, an object   |
 //   | A in_region x y r    | ... within r metres of a place in the root frame                      |
 //   | A upright [angle]    | the z axis of A is at most `angle` rad from the vertical (0.2)        |
@@ -21,7 +22,7 @@
 //   | A closed [share]     | ... is open by that share at most (0.15)                              |
 //   | A pressed [share]    | as open (0.7), and once in an episode is enough                       |
 //
-// `held` (task/held_relation.h) knows robots. RegisterRelation adds others. A joint is closed where
+// `held`, `wiped` and `poured_into` (task/held_relation.h) belong to tasks. RegisterRelation adds others. A joint is closed where
 // the model has it at its reference, moved into its range, and open at the end of its range that is
 // farther from there.
 //
@@ -32,6 +33,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -63,6 +65,13 @@ class BoundRelation {
   // Returns states in which it holds, with everything else as it is now; at most `count` poses, none
   // of them inside of something else.
   virtual RelationSamples Sample(Rng& rng, int count) const = 0;
+  // Sees each state that is judged, for relations about what has happened: what is wiped was covered
+  // at some time.
+  virtual void Watch() {}
+  // Returns what it remembers of the episode, numbers that are 0 or 1, as many in every state.
+  virtual std::vector<double> memory() const { return {}; }
+  // Restores a memory; all 0 at the start of an episode.
+  virtual void Recall(std::span<const double> /*memory*/) {}
 };
 
 // What a relation needs beside its subject.

@@ -16,7 +16,7 @@ constexpr int kMostGrasps = 4;  // grasps in reach, at least one of which has to
 
 std::optional<Refusal> GraspCheck::Check(const Scene& scene, const Robot& robot,
                                          const std::string& body, double lift_height,
-                                         const GraspCondition& refuse) {
+                                         const GraspCondition& refuse, bool sides_too) {
   if (!robot.has_gripper() || !GripperShape::Supports(robot.gripper())) return std::nullopt;
   if (!shape_ || robot_ != robot.name())
     shape_ = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
@@ -24,7 +24,7 @@ std::optional<Refusal> GraspCheck::Check(const Scene& scene, const Robot& robot,
   PlanningScene planning(scene, robot, body, shape_);
   const JointVector home(std::span<const double>(robot.arm().joint_pos()));
   // Returns why none of them can be used.
-  bool most_collide = false;
+  bool most_collide = false, is_useless = false;
   const auto refusal_of = [&](std::vector<GraspCandidate> candidates) -> std::optional<Refusal> {
     if (candidates.empty())
       return Refusal{.reason = kNoGrasp,
@@ -41,6 +41,7 @@ std::optional<Refusal> GraspCheck::Check(const Scene& scene, const Robot& robot,
       if (!of_no_use) return std::nullopt;
       planning.Update();
     }
+    is_useless = of_no_use.has_value();
     if (of_no_use) return of_no_use;
     most_collide = motions.MostCollide();
     return Refusal{most_collide ? kGraspsInCollision : Refusal::kNoReachableBasePose,
@@ -50,7 +51,8 @@ std::optional<Refusal> GraspCheck::Check(const Scene& scene, const Robot& robot,
       refusal_of(FindGrasps(planning.model(), planning.data(), planning.target_body(),
                             planning.shape(), robot.tcp_in_world()));
   // Out of reach from above is out of reach from the sides.
-  if (!refusal || (refusal->reason != kNoGrasp && !most_collide)) return refusal;
+  const bool are_sides_worth = most_collide || (sides_too && is_useless);
+  if (!refusal || (refusal->reason != kNoGrasp && !are_sides_worth)) return refusal;
   std::vector<GraspCandidate> others =
       FindOtherGrasps(planning.robot(), body, planning.shape(), robot.tcp_in_world());
   if (others.empty()) return refusal;

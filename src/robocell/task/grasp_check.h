@@ -35,10 +35,12 @@ using GraspCondition = std::function<std::optional<Refusal>(PlanningScene&, cons
 class GraspCheck {
  public:
   // `body`: the object's root body. A few grasps in reach are tried: one of them has to be usable.
+  // `sides_too`: those from the sides are tried as well if those from above are of no use.
   // Robots without a gripper, and those whose gripper cannot be measured, pass: they come with
   // experts of their own, which check what they can hold.
   std::optional<Refusal> Check(const Scene& scene, const Robot& robot, const std::string& body,
-                               double lift_height, const GraspCondition& refuse = {});
+                               double lift_height, const GraspCondition& refuse = {},
+                               bool sides_too = false);
 
  private:
   std::string robot_;  // its name

@@ -20,5 +20,7 @@ bool OnlyRobotsTouch(const Scene& scene, const std::string& body);
 // without a gripper holds what it touches, be it with a hook or a suction cup. An object that hangs
 // on one finger is not held.
 bool IsHeld(const Scene& scene, const std::string& body);
+// Returns the sum of the normal forces between a body's subtree and all that is no robot, N.
+double ForceOnOthers(const Scene& scene, const std::string& body);
 
 }  // namespace robocell::internal

@@ -9,6 +9,8 @@
 #include "robocell/scenes/landmarks.h"
 #include "robocell/scenes/relations.h"
 #include "robocell/task/held.h"
+#include "robocell/task/pouring.h"
+#include "robocell/task/wiping.h"
 
 namespace robocell::internal {
 namespace {
@@ -34,6 +36,8 @@ void RegisterTaskRelations() {
                               .bind = [](const Scene& scene, const StatedRelation& stated) {
                                 return std::make_unique<Held>(scene, stated);
                               }});
+    RegisterRelation("wiped", WipedRelation());
+    RegisterRelation("poured_into", PouredIntoRelation());
     return true;
   }();
   (void)once;

@@ -12,6 +12,8 @@
 #include "robocell/scenes/catalogue.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/held_relation.h"
+#include "robocell/task/held_task_config.h"
+#include "robocell/task/held_tasks.h"
 #include "robocell/task/pick_and_place_task.h"
 #include "robocell/task/relation_task_config.h"
 #include "robocell/task/relation_tasks.h"
@@ -57,6 +59,13 @@ void CheckFields(const PlaceNextToTaskConfig& task, Problems& problems) {
 void CheckFields(const PushTaskConfig& task, Problems& problems) {
   RequireKindsOfObjects("objects", task.objects, ObjectKinds(), problems);
 }
+void CheckFields(const InsertTaskConfig& /*task*/, Problems& /*problems*/) {}
+void CheckFields(const SortTaskConfig& /*task*/, Problems& /*problems*/) {}
+void CheckFields(const WipeTaskConfig& /*task*/, Problems& /*problems*/) {}
+void CheckFields(const PourTaskConfig& task, Problems& problems) {
+  RequireKindsOfObjects("objects", task.objects, PickAndPlaceTask::AllGoalKinds(), problems);
+  RequireKindsOfObjects("receivers", task.receivers, PickAndPlaceTask::AllGoalKinds(), problems);
+}
 template <class JointConfig>
 void CheckFields(const JointConfig& task, Problems& problems) {
   RequireKindsOfObjects("objects", task.objects, PickAndPlaceTask::AllGoalKinds(), problems);
@@ -97,6 +106,10 @@ void AddRelationKinds(KindRegistry::Kinds& kinds) {
   AddKind<CloseTaskConfig, JointTask>(kinds);
   AddKind<PressTaskConfig, JointTask>(kinds);
   AddKind<PushTaskConfig, PushTask>(kinds);
+  AddKind<InsertTaskConfig, InsertTask>(kinds);
+  AddKind<SortTaskConfig, SortTask>(kinds);
+  AddKind<WipeTaskConfig, WipeTask>(kinds);
+  AddKind<PourTaskConfig, PourTask>(kinds);
 }
 
 }  // namespace robocell::internal

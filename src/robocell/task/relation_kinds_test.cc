@@ -13,8 +13,8 @@ namespace {
 using ::testing::HasSubstr;
 
 TEST(RelationKinds, AreRegisteredWithTheirFields) {
-  for (const char* kind :
-       {"relations", "stack", "place_next_to", "open", "close", "press", "push"}) {
+  for (const char* kind : {"relations", "stack", "place_next_to", "open", "close", "press", "push",
+                           "insert", "sort", "wipe", "pour"}) {
     EXPECT_TRUE(FindTaskKind(kind)->is_built_in()) << kind;
     EXPECT_EQ(TaskSpec(kind).kind(), kind);
   }

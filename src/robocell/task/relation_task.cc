@@ -18,6 +18,7 @@
 #include "robocell/task/furniture.h"
 #include "robocell/task/handle_motion.h"
 #include "robocell/task/held.h"
+#include "robocell/task/held_paths.h"
 #include "robocell/task/held_relation.h"
 #include "robocell/task/pick_and_place_task.h"
 #include "robocell/task/place_motion.h"
@@ -231,7 +232,6 @@ std::optional<Refusal> RelationTask::CheckStart(const Scene& scene) {
   return std::nullopt;
 }
 
-// Refuses a start from which no robot can bring about the goal.
 std::optional<Refusal> RelationTask::CheckGoal(const Scene& scene, const Goal& goal) {
   std::optional<Refusal> refused;
   for (const Robot& robot : robots_) {
@@ -248,13 +248,16 @@ std::optional<Refusal> RelationTask::CheckGoal(const Scene& scene, const Goal& g
       const int body = internal::RequireObjectOrBody(scene, goal.stated.subject);
       Rng rng = Rng::Stream(0, "places of a goal", goal.stated.subject);
       std::vector<Pose> poses = goal.bound->Sample(rng, kPlaces).poses;
+      const bool is_moved = internal::HasHeldPaths(goal.stated);
       const bool is_put_down = goal.stated.relation != "held";
-      if (is_put_down && poses.empty())
+      if (is_put_down && !is_moved && poses.empty())
         return Refusal{kNoPlace, fmt::format("no pose with \"{}\" is free", TextOf(goal.stated))};
       for (Pose& pose : poses) pose = Pose(PlaceOver(pose.translation()), pose.quaternion());
       const auto refuse = [&](PlanningScene& planning,
                               const GraspMotion& motion) -> std::optional<Refusal> {
         if (!is_put_down) return std::nullopt;
+        if (is_moved)
+          return internal::CheckHeldPaths(scene, goal.stated, *goal.bound, planning, motion);
         const Pose object = scene.body_pose(ElementName(scene.model(), mjOBJ_BODY, body));
         PlaceMotions motions(planning, motion.grasp.tcp_in_world.inverse() * object, poses,
                              motion.up.back(), {.gap = motion.grasp.width});
@@ -262,7 +265,7 @@ std::optional<Refusal> RelationTask::CheckGoal(const Scene& scene, const Goal& g
         return Refusal{kNoPlace, motions.Reasons()};
       };
       refusal = grasps_[robot.name()].Check(
-          scene, robot, ElementName(scene.model(), mjOBJ_BODY, body), 0.05, refuse);
+          scene, robot, ElementName(scene.model(), mjOBJ_BODY, body), 0.05, refuse, is_moved);
     }
     if (!refusal) return std::nullopt;  // one robot is enough
     if (!refused) refused = std::move(refusal);
@@ -279,7 +282,10 @@ void RelationTask::Begin(const Scene& scene) {
     Bind(scene, setting);
   }
   since_ = -1;
-  for (Goal& goal : goals_) goal.has_held = false;
+  for (Goal& goal : goals_) {
+    goal.has_held = false;
+    goal.bound->Recall(std::vector<double>(goal.bound->memory().size(), 0));
+  }
 }
 
 bool RelationTask::IsReleased(const Scene& scene) const {
@@ -294,6 +300,7 @@ TaskVerdict RelationTask::Judge(const Scene& scene) {
   bool all = true;
   for (size_t i = 0; i < goals_.size(); ++i) {
     Goal& goal = goals_[i];
+    goal.bound->Watch();
     const bool holds = goal.bound->Holds();
     if (goal.is_momentary) goal.has_held = goal.has_held || holds;
     progress += goal.Holds() ? 1 : 0.9 * goal.bound->Progress();
@@ -356,6 +363,10 @@ std::string RelationTask::why_not_done() const {
 std::vector<double> RelationTask::memory() const {
   std::vector<double> memory = {since_, static_cast<double>(chosen())};
   for (const Goal& goal : goals_) memory.push_back(goal.has_held ? 1 : 0);
+  for (const Goal& goal : goals_) {
+    const std::vector<double> own = goal.bound->memory();
+    memory.insert(memory.end(), own.begin(), own.end());
+  }
   return memory;
 }
 
@@ -365,7 +376,7 @@ std::string RelationTask::WhyNotRecalled(std::span<const double> memory) const {
                        memory[0]);
   for (size_t i = 2; i < memory.size(); ++i) {
     if (memory[i] != 0 && memory[i] != 1)
-      return fmt::format("number {}, whether a goal has held, is {:g}; it is 0 or 1", i, memory[i]);
+      return fmt::format("number {}, what a goal remembers, is {:g}; it is 0 or 1", i, memory[i]);
   }
   const double choice = memory[1];
   if (choice >= 0 && choice < static_cast<double>(choices()) && choice == std::floor(choice))
@@ -379,7 +390,13 @@ void RelationTask::Recall(std::span<const double> memory) {
   since_ = memory[0];
   Choose(static_cast<size_t>(memory[1]));
   if (scene_) BindGoals(Scene(*scene_));
-  for (size_t i = 0; i < goals_.size(); ++i) goals_[i].has_held = memory[2 + i] != 0;
+  size_t next = 2 + goals_.size();
+  for (size_t i = 0; i < goals_.size(); ++i) {
+    goals_[i].has_held = memory[2 + i] != 0;
+    const size_t own = goals_[i].bound->memory().size();
+    goals_[i].bound->Recall(memory.subspan(next, own));
+    next += own;
+  }
 }
 
 }  // namespace robocell

@@ -27,7 +27,7 @@ class RelationTask : public Task {
   // One relation of the goal, in the scene.
   struct Goal {
     StatedRelation stated;
-    std::shared_ptr<const BoundRelation> bound;
+    std::shared_ptr<BoundRelation> bound;
     bool is_momentary = false;
     bool has_held = false;  // of a momentary one: in this episode
     bool Holds() const { return has_held || bound->Holds(); }
@@ -87,11 +87,12 @@ class RelationTask : public Task {
   const std::vector<Robot>& robots() const { return robots_; }
   const std::string& place() const { return place_; }
   void BindGoals(const Scene& scene);
+  // Refuses a start from which no robot can bring about the goal.
+  std::optional<Refusal> CheckGoal(const Scene& scene, const Goal& goal);
 
  private:
   std::string Word(const std::string& name) const;
   std::optional<Refusal> ApplyStart(Scene& scene, Rng& rng);
-  std::optional<Refusal> CheckGoal(const Scene& scene, const Goal& goal);
 
   double hold_seconds_;
   std::vector<std::string> names_;            // of its objects, the first one of the goal first

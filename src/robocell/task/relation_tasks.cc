@@ -4,7 +4,6 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <filesystem>
 #include <set>
@@ -20,6 +19,7 @@
 #include "robocell/scenes/landmarks.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/base_placement.h"
+#include "robocell/task/colours.h"
 #include "robocell/task/drawn_objects.h"
 #include "robocell/task/handle_motion.h"
 #include "robocell/task/pick_and_place_task.h"
@@ -33,15 +33,6 @@ constexpr const char* kReference = "reference";
 constexpr const char* kRegion = "region";
 constexpr const char* kBlock = "block";
 constexpr double kMostOffWay = 0.9;  // rad between the push and the direction away from the robot
-
-struct Colour {
-  const char* word;
-  Vec4 rgba;
-};
-constexpr std::array kColours = {
-    Colour{"red", {0.85, 0.2, 0.15, 1}},   Colour{"blue", {0.15, 0.35, 0.85, 1}},
-    Colour{"green", {0.2, 0.6, 0.25, 1}},  Colour{"yellow", {0.95, 0.75, 0.15, 1}},
-    Colour{"purple", {0.55, 0.3, 0.7, 1}}, Colour{"white", {0.9, 0.9, 0.88, 1}}};
 
 // Returns the kind of an object by its model or shape.
 std::string KindOf(const SceneObject& object) {
@@ -118,7 +109,7 @@ std::vector<std::string> StackTask::NamesOf(int cubes) {
   Checked(StackTaskConfig{.cubes = cubes});
   std::vector<std::string> names;
   for (int i = 0; i < cubes; ++i)
-    names.push_back(fmt::format("{}_cube", kColours[static_cast<size_t>(i)].word));
+    names.push_back(fmt::format("{}_cube", internal::kNamedColours[static_cast<size_t>(i)].word));
   return names;
 }
 
@@ -131,7 +122,7 @@ void StackTask::AddObjects(SceneSpec& spec, Rng& /*rng*/) {
     SceneObject cube{.name = names[i],
                      .shape = Shape::kBox,
                      .size = Vec3{half, half, half},
-                     .rgba = kColours[i].rgba,
+                     .rgba = internal::kNamedColours[i].rgba,
                      .mass = 1000 * task_.edge * task_.edge * task_.edge,
                      .friction = Vec3{1, 0.02, 0.001},
                      .condim = Condim::kTorsional};
@@ -318,13 +309,14 @@ PushTask::PushTask(const PushTaskConfig& fields) : RelationTask(0.1), task_(Chec
 void PushTask::AddObjects(SceneSpec& spec, Rng& rng) {
   if (task_.objects.empty()) {
     const double half = rng.Uniform(0.022, 0.032);
-    spec.objects.push_back({.name = kTarget,
-                            .shape = Shape::kBox,
-                            .size = Vec3{half, half, rng.Uniform(0.018, 0.024)},
-                            .rgba = kColours[rng.UniformInt(kColours.size())].rgba,
-                            .mass = 0.15,
-                            .friction = Vec3{0.6, 0.02, 0.001},
-                            .condim = Condim::kTorsional});
+    spec.objects.push_back(
+        {.name = kTarget,
+         .shape = Shape::kBox,
+         .size = Vec3{half, half, rng.Uniform(0.018, 0.024)},
+         .rgba = internal::kNamedColours[rng.UniformInt(internal::kNamedColours.size())].rgba,
+         .mass = 0.15,
+         .friction = Vec3{0.6, 0.02, 0.001},
+         .condim = Condim::kTorsional});
     Name(kTarget, kBlock);
   } else {
     const std::vector<std::string> kinds = KindsToDraw(task_.objects);
