@@ -27,8 +27,8 @@ mark_as_advanced(ROBOCELL_FOLD_CASTS)
 # the same headers and the same templates. So names in anonymous namespaces are unique within a layer.
 option(ROBOCELL_UNITY "Compile several sources of a layer together" ON)
 # More would make the build after one change slow: 15 to 20 seconds a unit are the most.
-set(ROBOCELL_UNITY_FILES 12)
-set(ROBOCELL_UNITY_WAITING 15)  # optimised less
+set(ROBOCELL_UNITY_FILES 16)
+set(ROBOCELL_UNITY_WAITING 20)  # optimised less
 set(ROBOCELL_UNITY_TESTS 24)  # not optimised: headers are most of their time
 set(ROBOCELL_UNITY_BINDINGS 8)  # nanobind's templates are many
 
