@@ -279,8 +279,8 @@ def test_the_pick_task(fr3):
             r"task_cfg.robot_name: no robot 'rbot'. Known robots: robot",
         ),
         (
-            PickTaskConfig(task_id="pour"),
-            r"task_cfg: no task 'pour'. Known tasks: .*pick, pick_and_place",
+            PickTaskConfig(task_id="dance"),
+            r"task_cfg: no task 'dance'. Known tasks: .*pick, pick_and_place",
         ),
     ):
         with pytest.raises(rc.NotFoundError, match=text):
@@ -388,10 +388,10 @@ def test_custom_tasks_run_in_an_environment(fr3):
     assert (list(config.world_frame_objects), config.task.kind) == (["lamp"], "wait")
     with pytest.raises(
         rc.NotFoundError,
-        match=r"no task 'pour'. Known tasks: .*pick, pick_and_place, .*wait.*; "
+        match=r"no task 'dance'. Known tasks: .*pick, pick_and_place, .*wait.*; "
         r"your own are add",
     ):
-        minimal(fr3, task_cfg=BaseTaskConfig(task_id="pour")).to_env_config()
+        minimal(fr3, task_cfg=BaseTaskConfig(task_id="dance")).to_env_config()
 
 
 def told_by(make) -> list[str]:

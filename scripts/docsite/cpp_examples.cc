@@ -274,6 +274,23 @@ EXAMPLE(ConfigureARun) {
   cout << warnings.size() << "\n";                         // 0
 }
 
+// List: a list of parts of a spec: what is added last is at its end, and copies share nothing.
+EXAMPLE(ListOfParts) {
+  spec.objects.back().mass = 0.2;
+  const List<SceneObject> before = spec.objects;
+  spec.objects.push_back({.name = "ball", .shape = Shape::kSphere, .size = Vec3{0.03, 0, 0}});
+  cout << spec.objects.back().name << ", " << before.back().name << "\n";  // ball, cube
+}
+
+// Problems: collects what is wrong with a spec, so that everything is reported at once.
+EXAMPLE(CollectProblems) {
+  Problems problems;
+  problems.AddAt("mass", "has to be above 0");
+  problems.AddAt("size", "has one number too few");
+  cout << problems.list().size() << "\n";          // 2
+  cout << problems.Text("object 'cube'") << "\n";  // object 'cube' is not valid, 2 problems:...
+}
+
 // Runner, PrepareDataset, MakePlan, ItemResult, Verify, VerifyResult: generates one episode.
 EXAMPLE(GenerateOneEpisode) {
   run.output = "examples_output";
