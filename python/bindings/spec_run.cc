@@ -47,7 +47,8 @@ void BindRunSpecs(nb::module_& m) {
       "    >>> run.episodes\n"
       "    2\n"
       "    >>> run.output = \"experiment_output/small\"\n"
-      "    >>> run.task, run.robot = {\"kind\": \"stack\", \"cubes\": 3}, \"rc7\"\n"
+      "    >>> run.task = {\"kind\": \"stack\", \"cubes\": 3}\n"
+      "    >>> run.robot = rc.models.robot_file(\"rc7\")\n"
       "    >>> run.start.base_distance = (0.3, 0.5)\n"
       "    >>> run.cameras.resolution = [128, 96]");
   DefYamlFile(run);

@@ -287,8 +287,8 @@ EXAMPLE(CollectProblems) {
   Problems problems;
   problems.AddAt("mass", "has to be above 0");
   problems.AddAt("size", "has one number too few");
-  cout << problems.list().size() << "\n";          // 2
-  cout << problems.Text("object 'cube'") << "\n";  // object 'cube' is not valid, 2 problems:...
+  cout << problems.list().size() << "\n";      // 2
+  cout << problems.list()[1].message << "\n";  // has one number too few
 }
 
 // Runner, PrepareDataset, MakePlan, ItemResult, Verify, VerifyResult: generates one episode.
