@@ -111,6 +111,8 @@ check-proofs: build
 	@$(call headline,proofs in full)
 	@cmake --build --preset release -j $(JOBS) --target examples
 	@scripts/fetch_test_robots
+	@layers=$$(git grep -l 'LongForm()' -- 'src/robocell/*_test.cc' | cut -d/ -f3 | sort -u | paste -sd'|'); \
+	  ROBOCELL_LONG_FORM=1 ctest --preset release -j $(JOBS) --no-tests=error --progress -L "^($$layers)$$"
 	@$(PYTHON) -m pytest -q -n $(TESTERS) --dist worksteal -m "proof and not soak"
 
 # Types come from the extension's stubs, so it is built first.

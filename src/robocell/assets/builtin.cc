@@ -37,11 +37,8 @@ fs::path LibraryFolder() {
   return fs::weakly_canonical(info.dli_fname, error).parent_path();
 }
 
-fs::path FindModelsRoot() {
-  if (const std::string root = internal::Environment("ROBOCELL_MODELS"); !root.empty()) {
-    if (HoldsModels(root)) return root;
-    throw NotFoundError(fmt::format("ROBOCELL_MODELS is {}, which has no folder `robots`", root));
-  }
+// Returns the models beside the library.
+fs::path InstalledModels() {
   const fs::path library = LibraryFolder();
   std::vector<std::string> looked;
   for (const char* place : {"models", "../share/robocell/models", "../../share/robocell/models"}) {
@@ -51,6 +48,16 @@ fs::path FindModelsRoot() {
     looked.push_back(folder.string());
   }
   internal::ThrowNotFound("the folder of built-in models", looked, "Set ROBOCELL_MODELS to it.");
+}
+
+fs::path FindModelsRoot() {
+  if (const std::string root = internal::Environment("ROBOCELL_MODELS"); !root.empty()) {
+    if (HoldsModels(root)) return root;
+    throw NotFoundError(fmt::format("ROBOCELL_MODELS is {}, which has no folder `robots`", root));
+  }
+  // The check of a run asks hundreds of times, and links are slow to follow.
+  static const fs::path known = InstalledModels();
+  return HoldsModels(known) ? known : InstalledModels();
 }
 
 // Returns true for a name that a folder can have: not for paths.

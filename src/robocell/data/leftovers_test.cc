@@ -9,6 +9,7 @@
 #include "robocell/base/files.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/data/verify.h"
+#include "robocell/testing/long_form.h"
 #include "robocell/testing/temp_dir.h"
 
 namespace robocell {
@@ -106,10 +107,12 @@ TEST(RemoveLeftovers, DoesNotDisturbStartingWriters) {
     while (!done) RemoveLeftovers(temp.path());
   });
   const SampleEpisode sample(0, false);
-  for (int i = 0; i < 50; ++i) EXPECT_NO_THROW(sample.Write(temp.path(), "e" + std::to_string(i)));
+  const int episodes = LongForm() ? 50 : 15;
+  for (int i = 0; i < episodes; ++i)
+    EXPECT_NO_THROW(sample.Write(temp.path(), "e" + std::to_string(i)));
   done = true;
   sweeper.join();
-  EXPECT_EQ(Verify(temp.path()).good.size(), 50u);
+  EXPECT_EQ(Verify(temp.path()).good.size(), static_cast<size_t>(episodes));
 }
 
 }  // namespace

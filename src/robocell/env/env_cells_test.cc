@@ -1,8 +1,13 @@
 // Tests properties of every ready-made environment in every scene with every control mode.
 #include <gtest/gtest.h>
 
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "robocell/assets/resolve.h"
 #include "robocell/env/env.h"
+#include "robocell/testing/long_form.h"
 #include "robocell/testing/menagerie.h"
 
 namespace robocell {
@@ -65,6 +70,9 @@ TEST_P(EnvCells, FulfilTheContract) {
   for (const char* scene : {"empty_world", "tabletop"}) {
     for (const ControlMode mode :
          {ControlMode::kJoints, ControlMode::kCartesianTrpy, ControlMode::kCartesianTquat}) {
+      // The short form has each scene and each mode once for each cell; the long form all pairs.
+      const bool is_empty = scene == std::string_view("empty_world");
+      if (!LongForm() && is_empty != (mode == ControlMode::kCartesianTquat)) continue;
       SCOPED_TRACE(std::string(scene) + " " + ToString(mode));
       Env env(ReadyMade(GetParam(), scene, mode));
       const std::vector<Numbers> seen = RandomEpisode(env);

@@ -26,6 +26,7 @@
 #include "robocell/render/testing/soft_images.h"
 #include "robocell/spec/render_quality.h"
 #include "robocell/testing/instruction_sets.h"
+#include "robocell/testing/long_form.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/skip.h"
 #include "robocell/testing/source_dir.h"
@@ -359,10 +360,16 @@ TEST_P(SoftAgrees, WithOpenGlOnShadowsAndReflections) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Models, SoftAgrees,
-                         testing::Values("zoo", "ufactory_xarm7/scene.xml",
-                                         "franka_emika_panda/scene.xml", "franka_fr3/scene.xml",
-                                         "kinova_gen3/scene.xml", "robotiq_2f85/scene.xml"),
+std::vector<std::string> ModelsToDraw() {
+  std::vector<std::string> models = {"zoo", "ufactory_xarm7/scene.xml", "robotiq_2f85/scene.xml"};
+  if (LongForm()) {
+    models.insert(models.end(), {"franka_emika_panda/scene.xml", "franka_fr3/scene.xml",
+                                 "kinova_gen3/scene.xml"});
+  }
+  return models;
+}
+
+INSTANTIATE_TEST_SUITE_P(Models, SoftAgrees, testing::ValuesIn(ModelsToDraw()),
                          [](const auto& info) {
                            return info.param.substr(0, info.param.find('/'));
                          });

@@ -142,17 +142,22 @@ RobotRecord RecordOf(const Scene& scene, const GripperParts& parts) {
 }
 
 // Calls look(model, data, distance) when the fingers have settled at the first end and at the
-// second.
+// second. `model` is one AloneWithoutGravity.
 template <class Look>
-void LookAtEnds(const Scene& scene, const GripperParts& parts,
+void LookAtEnds(const ModelPtr& model, const Scene& scene, const GripperParts& parts,
                 const std::array<std::vector<double>, 2>& ctrl, const Look& look) {
-  const ModelPtr model = AloneWithoutGravity(scene.model(), parts.robot_body);
   const DataPtr data = DataAtHome(model.get(), scene.compiled()->home_key());
   const std::string prefix = RecordOf(scene, parts).prefix;
   for (const std::vector<double>& values : ctrl) {
     const double distance = SettledDistance(model.get(), data.get(), parts, values, prefix);
     look(model.get(), data.get(), distance);
   }
+}
+
+template <class Look>
+void LookAtEnds(const Scene& scene, const GripperParts& parts,
+                const std::array<std::vector<double>, 2>& ctrl, const Look& look) {
+  LookAtEnds(AloneWithoutGravity(scene.model(), parts.robot_body), scene, parts, ctrl, look);
 }
 
 // The distance of each pair of geoms of the two fingers; negative for overlaps.
@@ -399,10 +404,11 @@ SettledFingers SettleFingers(const Scene& scene, const GripperParts& parts,
       "fingers of body {}: {}, {}; controls {}: {}, {}", parts.robot_body,
       FingerName(parts.pair.fingers[0]), FingerName(parts.pair.fingers[1]),
       fmt::join(parts.ctrl_addresses, " "), fmt::join(ctrl[0], " "), fmt::join(ctrl[1], " "));
-  return Unpacked(CachedMeasurement(scene.compiled(), what, [&] {
+  const auto measure = [&](const ModelPtr& model) -> MeasuredValues {
     SettledFingers settled;
     std::vector<mjtNum> before;
-    LookAtEnds(scene, parts, ctrl, [&](const mjModel* m, const mjData* d, double distance) {
+    std::string passed;
+    LookAtEnds(model, scene, parts, ctrl, [&](const mjModel* m, const mjData* d, double distance) {
       const std::span<const mjtNum> now(d->qpos, static_cast<size_t>(m->nq));
       if (before.empty()) {
         settled.distances[0] = distance;
@@ -410,15 +416,21 @@ SettledFingers SettleFingers(const Scene& scene, const GripperParts& parts,
         return;
       }
       settled.distances[1] = distance;
-      const std::string passed =
-          PassedFingers(m, parts, before, now, ctrl[1]).Text(RecordOf(scene, parts));
+      passed = PassedFingers(m, parts, before, now, ctrl[1]).Text(RecordOf(scene, parts));
       if (!passed.empty()) LogWarn(passed);
       settled.flat = FindFlatDistance(m, parts.pair, before, now);
       settled.pressed = FindPressedFingers(m, d, parts.pair,
                                            std::abs(settled.distances[1] - settled.distances[0]));
       for (const int a : ActuatorsOf(m, parts)) settled.pushed.push_back(d->actuator_force[a]);
     });
-    return Packed(settled);
+    return {Packed(settled), passed.empty()};
+  };
+  return Unpacked(CachedMeasurement(scene.compiled(), what, [&] {
+    const ModelPtr model = AloneWithoutGravity(scene.model(), parts.robot_body);
+    const std::string start =
+        fmt::format("{}; hand {}; prefix '{}'; keyframe {}", what, parts.pair.hand,
+                    RecordOf(scene, parts).prefix, scene.compiled()->home_key());
+    return MeasurementOfEqualModels(model.get(), start, [&] { return measure(model); });
   }));
 }
 

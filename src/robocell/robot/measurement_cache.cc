@@ -7,6 +7,9 @@
 #include <optional>
 #include <utility>
 
+#include "robocell/base/hash.h"
+#include "robocell/mujoco/compile.h"
+
 namespace robocell::internal {
 namespace {
 
@@ -53,6 +56,22 @@ std::vector<double> CachedMeasurement(const std::shared_ptr<const CompiledScene>
   all.kept[name] = {compiled, measured};
   if (all.kept.size() > kMostMeasurements) all.kept.erase(all.kept.begin());
   return measured;
+}
+
+std::vector<double> MeasurementOfEqualModels(const mjModel* model, const std::string& what,
+                                             const std::function<MeasuredValues()>& measure) {
+  static std::mutex mutex;
+  static std::map<std::string, std::vector<double>> kept;
+  const std::string key = Fingerprint(SaveBinaryString(model)) + " " + what;
+  {
+    const std::lock_guard lock(mutex);
+    if (const auto found = kept.find(key); found != kept.end()) return found->second;
+  }
+  MeasuredValues measured = measure();
+  if (!measured.is_kept) return std::move(measured.values);
+  const std::lock_guard lock(mutex);
+  if (kept.size() >= kMostMeasurements) kept.erase(kept.begin());
+  return kept[key] = std::move(measured.values);
 }
 
 size_t MeasurementCount() {

@@ -97,10 +97,11 @@ class UnstableAtFirst : public TaskSampler {
 
 class DivergenceTest : public ::testing::Test {
  protected:
-  RunConfig Run(const std::string& name, Keep keep = Keep::kSuccesses) {
+  RunConfig Run(const std::string& name, Keep keep = Keep::kSuccesses, int max_attempts = 20) {
     RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
     run.cameras.streams = {};
     run.keep = keep;
+    run.max_attempts = max_attempts;
     run.output = (folder / name).string();
     PrepareDataset(run);
     return run;
@@ -130,8 +131,8 @@ class DivergenceTest : public ::testing::Test {
 };
 
 TEST_F(DivergenceTest, UnstableModelsEndTheirEpisodesOnly) {
-  const RunConfig run = Run("stormy", Keep::kAll);
-  const RunConfig calm = Run("calm", Keep::kAll);
+  const RunConfig run = Run("stormy", Keep::kAll, 5);
+  const RunConfig calm = Run("calm", Keep::kAll, 5);
   const RunnerParts parts{
       .sampler = [this](const RunConfig& r) -> std::shared_ptr<TaskSampler> {
         return std::make_shared<UnstableAtFirst>(std::make_unique<StartSampler>(r), models);

@@ -28,6 +28,7 @@
 #include "robocell/task/grasp_check.h"
 #include "robocell/task/pick_task_config.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/long_form.h"
 #include "robocell/testing/menagerie.h"
 #include "robocell/testing/pick_scene.h"
 #include "robocell/testing/source_dir.h"
@@ -96,13 +97,13 @@ void ExpectGoodRun(const RunConfig& run, int episodes) {
 
 TEST(Runner, TheDemosEpisodesSucceed) {
   TempDir folder;
-  ExpectGoodRun(Blind("demo.yaml", folder / "out"), 5);
+  ExpectGoodRun(Blind("demo.yaml", folder / "out"), LongForm() ? 5 : 2);
 }
 
 TEST(Runner, TheEpisodesOfARealArmSucceed) {
   REQUIRE_MENAGERIE("ufactory_xarm7");
   TempDir folder;
-  ExpectGoodRun(Blind("xarm7_pick.yaml", folder / "out"), 5);
+  ExpectGoodRun(Blind("xarm7_pick.yaml", folder / "out"), LongForm() ? 5 : 2);
 }
 
 // A table with a cube of its own.
@@ -189,7 +190,11 @@ RunnerParts FailingParts(int& left, bool throws) {
 
 TEST(Runner, AnInvalidHookResultEndsTheRollout) {
   TempDir folder;
-  const RunConfig run = Blind("demo.yaml", folder / "out");
+  RunConfig run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
+  run.cameras.streams = {};
+  run.output = (folder / "out").string();
+  run.max_attempts = 5;
+  PrepareDataset(run);
   for (const bool throws : {true, false}) {
     const std::string text =
         throws ? "in act: out of ideas" : "action: no robot 'nobody'. Its robots: rc7.";
