@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 import tempfile
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import mujoco
@@ -15,14 +14,7 @@ import pytest
 import robocell as rc
 from molmospaces_toys import ArmGroup, MobileView, ToyConfig, ToyView, TwoArms, TwoArmsView
 from robocell.compat.molmo_spaces._groups import as_group
-from robocell.compat.molmo_spaces.configs.camera_configs import (
-    FixedExocentricCameraConfig,
-    RandomizedExocentricCameraConfig,
-    RobotMountedCameraConfig,
-)
-from robocell.compat.molmo_spaces.data_generation._cameras import StartCameras, looking
 from robocell.compat.molmo_spaces.data_generation._robot_files import write_robot
-from robocell.compat.molmo_spaces.data_generation._run import streams_of
 from robocell.compat.molmo_spaces.data_generation._sampler import install_groups
 
 # A user's module: a robot with a sensor of its own, and a sampler that chooses where it stands.
@@ -200,71 +192,6 @@ def test_a_users_place_and_sensors_are_in_the_episodes(
     lengths = np.linalg.norm(tcp[:, 3:], axis=1)
     assert np.allclose(lengths, 1, atol=1e-5)
     assert world.shape[0] == len(tcp)
-
-
-def test_a_camera_looks_at_its_point():
-    point = np.array([0.5, -1, 0.2])
-    for up in np.eye(3):
-        pose = rc.Pose(looking([1, 2, 3], point, up))
-        seen = pose.inverse() * rc.Pose(translation=point)
-        assert np.allclose(seen.translation[:2], 0, atol=1e-9)
-        assert seen.translation[2] < 0
-        higher = pose.inverse() * rc.Pose(translation=point + 0.1 * up)
-        assert higher.translation[1] > 0
-    with pytest.raises(rc.ArgumentError, match="looks along the direction that is up"):
-        looking([0, 0, 1], [0, 0, 0], [0, 0, 1])
-
-
-def test_each_start_places_its_cameras(tmp_path: Path):
-    """A fixed one stands in the world, a drawn one in its ranges, noise in its bounds."""
-    fixed = FixedExocentricCameraConfig(
-        name="fixed", fov=60, pos=[2, 1, 1.5], forward=[-1, 0, -0.5], up=[0, 0, 1]
-    )
-    drawn = RandomizedExocentricCameraConfig(
-        name="drawn",
-        distance_range=(0.8, 1.2),
-        height_range=(0.3, 0.6),
-        azimuth_range=(0, 1),
-        fov_range=(40, 50),
-    )
-    shaky = RobotMountedCameraConfig(
-        name="shaky",
-        reference_body_names=["nothing", "hand"],
-        fov=60,
-        pos_noise_range=(-0.01, 0.01),
-        orientation_noise_degrees=2,
-    )
-    experiment = SimpleNamespace(
-        robot_config=ToyConfig(), camera_config=SimpleNamespace(cameras=[fixed, drawn, shaky])
-    )
-    robot_config = write_robot(ToyConfig(), tmp_path)
-    streams_of(experiment, robot_config)
-    spec = rc.SceneSpec(timestep=0.002, add_floor=False, add_skybox=False)
-    spec.robots.append(rc.RobotSpec(name="toy", config=robot_config, prefix="robot_0/"))
-    scene = rc.Scene.build(spec)
-    robot = scene.robot("toy")
-    robot.base.pose = rc.Pose(translation=[1, 2, 0.5], rpy=[0, 0, 1])
-    scene.forward()
-    still = scene.camera_pose("robot_0/shaky")
-    cameras = StartCameras(experiment.camera_config.cameras)
-    target, rng, places = np.array([1.5, 2, 0.6]), rc.tasks.Rng.stream(0, "test"), []
-    for _ in range(5):
-        cameras.place(scene, robot, target, rng)
-        assert np.allclose(scene.camera_pose("robot_0/fixed").translation, [2, 1, 1.5])
-        middle = (target + robot.tcp_in_world.translation) / 2
-        pose = scene.camera_pose("robot_0/drawn")
-        x, y, height = pose.translation - middle
-        assert 0.8 <= np.hypot(x, y) <= 1.2
-        assert 0.3 <= height <= 0.6
-        seen = pose.inverse() * rc.Pose(translation=middle)
-        assert np.allclose(seen.translation[:2], 0, atol=1e-6)
-        moved = still.inverse() * scene.camera_pose("robot_0/shaky")
-        assert 0 < np.abs(moved.translation).max() <= 0.01 + 1e-6
-        assert 0 < moved.angle <= np.radians(2) * np.sqrt(3)
-        fovy = scene.model.cam_fovy[scene.model.camera("robot_0/drawn").id]
-        assert 40 <= fovy <= 50
-        places.append(pose.translation)
-    assert np.ptp(places, axis=0).max() > 0.05
 
 
 class _Experiment:

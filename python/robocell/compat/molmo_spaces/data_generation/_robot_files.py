@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import re
-import shutil
 import warnings
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
@@ -20,6 +19,8 @@ import mujoco
 import numpy as np
 
 import robocell as rc
+from robocell._core import atomic_write
+from robocell._suggestions import shortened
 from robocell.compat.molmo_spaces._assembly import (
     compiled,
     robot_alone,
@@ -113,7 +114,7 @@ def _write_model(spec: mujoco.MjSpec, base: str, path: Path) -> None:
     text = ElementTree.tostring(root, encoding="unicode")
     path.parent.mkdir(parents=True, exist_ok=True)
     if not path.is_file() or path.read_text() != text:  # the same file is not another one
-        path.write_text(text)
+        atomic_write(path, text.encode())
 
 
 def _require_same(model: mujoco.MjModel, path: Path) -> None:
@@ -130,7 +131,11 @@ def _require_same(model: mujoco.MjModel, path: Path) -> None:
             for each in (model, written)
         ]
         if names[0] != names[1]:
-            raise rc.SpecError(f"'{path}' has another {kind} than the robot: {names}")
+            there, own = ([each for each in names[i] if each not in names[1 - i]] for i in (1, 0))
+            raise rc.SpecError(
+                f"'{path}' has other elements of the kind '{kind}' than the robot: it lacks "
+                f"{shortened(own) or 'none'} and adds {shortened(there) or 'none'}"
+            )
     for field in ("body_mass", "body_pos", "jnt_axis", "jnt_range", "actuator_gainprm", "site_pos"):
         wanted, found = (getattr(each, field) for each in (model, written))
         if not np.allclose(found, wanted, rtol=1e-4, atol=1e-5):
@@ -148,7 +153,7 @@ def _copied(file: Path, folder: Path) -> str:
     copy = folder / f"{file.stem}-{content}{file.suffix}"
     if not copy.is_file():
         folder.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(file, copy)
+        atomic_write(copy, file.read_bytes())
     return f"{folder.name}/{copy.name}"
 
 
