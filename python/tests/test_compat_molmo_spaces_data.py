@@ -2,19 +2,39 @@
 
 from __future__ import annotations
 
+import resource
 import sys
 import tempfile
+import warnings
 from pathlib import Path
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
+from mujoco import mj_geomDistance
 
 import robocell as rc
-from molmospaces_toys import ArmGroup, MobileView, ToyConfig, ToyView, TwoArms, TwoArmsView
-from robocell.compat.molmo_spaces._groups import as_group
+from molmospaces_toys import (
+    ArmGroup,
+    HandGroup,
+    MobileView,
+    ToyConfig,
+    ToyView,
+    TwoArms,
+    TwoArmsView,
+)
+from robocell.compat.molmo_spaces._command import run_main
+from robocell.compat.molmo_spaces._groups import OwnMoveGroup
+from robocell.compat.molmo_spaces.configs import PickTaskSamplerConfig
+from robocell.compat.molmo_spaces.configs.abstract_exp_config import MlSpacesExpConfig
+from robocell.compat.molmo_spaces.configs.camera_configs import (
+    CameraSystemConfig,
+    RobotMountedCameraConfig,
+)
+from robocell.compat.molmo_spaces.data_generation import _robot_files, _run
 from robocell.compat.molmo_spaces.data_generation._robot_files import write_robot
+from robocell.compat.molmo_spaces.data_generation._run import write_run
 from robocell.compat.molmo_spaces.data_generation._sampler import install_groups
 
 # A user's module: a robot with a sensor of its own, and a sampler that chooses where it stands.
@@ -77,28 +97,16 @@ def toy() -> rc.Scene:
 
 
 class TestGroupsInScenes:
-    def test_a_users_gripper_and_arm_are_groups_of_the_robot(self, toy: rc.Scene):
+    def test_a_users_arm_is_a_group_of_the_robot(self, toy: rc.Scene):
         robot = toy.robot("toy")
         view = ToyView(toy.data, "robot_0/")
-        for name in ("arm", "gripper", "base"):
-            robot.set_group(as_group(view.get_move_group(name)))
-        gripper = robot.gripper
-        assert gripper.inter_finger_dist_range == (0.0, 0.06)
-        view.get_gripper("gripper").joint_pos = [0.015, 0.015]
-        assert gripper.inter_finger_dist == pytest.approx(0.03)
-        assert gripper.opening == pytest.approx(0.5)
-        gripper.close()
-        robot.update()
-        assert view.get_gripper("gripper").ctrl.tolist() == [0]
+        robot.set_group(OwnMoveGroup(view.get_move_group("arm")))
         robot.apply({"arm": rc.control.GroupCommand.joints([0.3, 0.2])})
         robot.update()
         assert view.get_move_group("arm").ctrl.tolist() == [0.3, 0.2]
         arm = robot.group("arm")
         assert np.allclose(arm.joint_pos_limits, view.get_move_group("arm").joint_pos_limits)
         assert np.allclose(arm.jacobian(), view.get_jacobian("arm", ["arm"]))
-        robot.base.pose = rc.Pose(translation=[1, 2, 3])
-        toy.forward()
-        assert np.allclose(toy.body_pose("robot_0/base").translation, [1, 2, 3])
 
     def test_a_group_that_holds_itself_differently_replaces_robocells(self, toy: rc.Scene):
         class Heavy(ArmGroup):
@@ -192,6 +200,103 @@ def test_a_users_place_and_sensors_are_in_the_episodes(
     lengths = np.linalg.norm(tcp[:, 3:], axis=1)
     assert np.allclose(lengths, 1, atol=1e-5)
     assert world.shape[0] == len(tcp)
+
+
+class NamedDistance(HandGroup):
+    @property
+    def inter_finger_dist(self) -> float:
+        one, other = self._fingers
+        return float(mj_geomDistance(self.mj_model, self.mj_data, one, other, 0.1, None))
+
+
+class NamedDistanceView(ToyView):
+    def __init__(self, mj_data: mujoco.MjData, namespace: str = "") -> None:
+        super().__init__(mj_data, namespace)
+        self._move_groups["gripper"] = NamedDistance(mj_data, self.base, namespace)
+        self._move_groups["gripper"]._name = "gripper"
+
+
+def test_fingers_are_found_where_the_distance_is_imported_by_name(tmp_path: Path):
+    robot = write_robot(ToyConfig(robot_view_factory=NamedDistanceView), tmp_path)
+    assert [str(each.name) for each in robot.move_groups["gripper"].fingers] == ["left", "right"]
+    assert mj_geomDistance is mujoco.mj_geomDistance
+
+
+def test_a_copy_of_a_file_is_complete_or_absent(tmp_path: Path):
+    """The disk is full after 1000 bytes; the next copy does not find half of the file."""
+    mesh, folder = tmp_path / "mesh.stl", tmp_path / "files"
+    mesh.write_bytes(bytes(range(250)) * 8)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
+    try:
+        with pytest.raises(OSError, match="mesh"):
+            _robot_files._copied(mesh, folder)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    copy = tmp_path / _robot_files._copied(mesh, folder)
+    assert copy.read_bytes() == mesh.read_bytes()
+
+
+class TestWhatARunCannotTakeOver:
+    def test_fields_without_an_effect_are_reported(self, tmp_path: Path):
+        camera = RobotMountedCameraConfig(
+            name="a", reference_body_names=["hand"], fov=60, is_warped=True
+        )
+        experiment = MlSpacesExpConfig(
+            robot_config=ToyConfig(robot_factory=None),
+            camera_config=CameraSystemConfig(cameras=[camera]),
+            task_sampler_config=PickTaskSamplerConfig(
+                robot_safety_radius=0.2, verbose=True, scene_xml_paths=[str(tmp_path / "a.xml")]
+            ),
+            end_on_success=True,
+            use_wandb=True,
+        )
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            write_run("toys: 'a'", experiment, tmp_path)
+        said = [str(each.message) for each in caught]
+        assert "MlSpacesExpConfig: no effect in robocell: end_on_success, use_wandb" in said
+        assert "task_sampler_config: no effect in robocell: robot_safety_radius, verbose" in said
+        assert "camera 'a': no effect in robocell: is_warped" in said
+        experiment.task_type = "open"
+        with pytest.raises(rc.ArgumentError, match=r"task_type: 'open'.*Allowed: 'pick'"):
+            write_run("toys", experiment, tmp_path)
+
+    def test_the_built_in_houses_replace_only_a_set_that_is_not_there(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ):
+        def scenes(**fields: Any) -> Any:
+            return _run._scenes(MlSpacesExpConfig(robot_config=ToyConfig(), **fields))
+
+        (tmp_path / "scenes" / "procthor-10k-train").mkdir(parents=True)
+        (tmp_path / "scenes" / "procthor-10k-train" / "train_0.xml").write_text("<mujoco/>")
+        monkeypatch.setenv("ROBOCELL_SCENE_PATH", str(tmp_path))
+        with pytest.raises(rc.NotFoundError, match="split 'val'"):
+            scenes(data_split="val")
+        with pytest.raises(rc.Error, match="split"):
+            scenes(data_split="vall")
+        with pytest.warns(UserWarning, match="'ithor' are not on this machine"):
+            built_in = scenes(task_sampler_config=PickTaskSamplerConfig(dataset_name="ithor"))
+        assert built_in == {"source": "houses", "houses": [0, 1, 2, 3]}
+
+    def test_values_of_another_type_are_named(self):
+        with pytest.raises(rc.ArgumentError, match=r"CameraSystemConfig: img_resolution.1: .*'x'"):
+            CameraSystemConfig(img_resolution=(3, "x"))
+        system = CameraSystemConfig()
+        with pytest.raises(rc.ArgumentError, match="img_resolution"):
+            system.img_resolution = (0, 1)
+        assert system.img_resolution == (624, 352)
+
+    @pytest.mark.parametrize(
+        ("error", "code"), [(rc.IoError("disk"), 3), (OSError("disk"), 3), (rc.SpecError("x"), 2)]
+    )
+    def test_exit_codes_are_those_of_robocells_commands(self, error: Exception, code: int):
+        def failing() -> int:
+            raise error
+
+        with pytest.raises(SystemExit) as ended:
+            run_main(failing)
+        assert ended.value.code == code
 
 
 class _Experiment:

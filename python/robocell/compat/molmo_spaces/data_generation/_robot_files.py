@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import hashlib
 import re
+import sys
+import threading
 import warnings
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
@@ -220,7 +222,7 @@ def _fingers(group: GripperGroup) -> dict[str, Any]:
 
     Nothing if it measures otherwise; robocell then takes the bodies that the joints move.
     """
-    with _measured_geoms() as pairs:
+    with _measured_geoms(group) as pairs:
         _ = group.inter_finger_dist
     model = group.mj_model
     sides = [list(dict.fromkeys(side)) for side in zip(*pairs, strict=True)] if pairs else []
@@ -242,20 +244,34 @@ def _fingers(group: GripperGroup) -> dict[str, Any]:
 
 
 @contextmanager
-def _measured_geoms() -> Iterator[list[tuple[int, int]]]:
-    """Lists the geoms of all calls of mj_geomDistance meanwhile."""
+def _measured_geoms(group: MoveGroup) -> Iterator[list[tuple[int, int]]]:
+    """Lists the geoms of this thread's calls of mj_geomDistance meanwhile.
+
+    The modules of the group's classes may have imported the function by its name.
+    """
     pairs: list[tuple[int, int]] = []
-    measure = mujoco.mj_geomDistance
+    measure, own_thread = mujoco.mj_geomDistance, threading.get_ident()
 
     def listed(m: Any, d: Any, one: int, other: int, *rest: Any) -> float:
-        pairs.append((int(one), int(other)))
+        if threading.get_ident() == own_thread:
+            pairs.append((int(one), int(other)))
         return measure(m, d, one, other, *rest)
 
-    mujoco.mj_geomDistance = listed
+    modules = {sys.modules.get(kind.__module__) for kind in type(group).__mro__} | {mujoco}
+    names = [
+        (module, name)
+        for module in modules
+        if module is not None
+        for name, value in vars(module).items()
+        if value is measure
+    ]
     try:
+        for module, name in names:
+            setattr(module, name, listed)
         yield pairs
     finally:
-        mujoco.mj_geomDistance = measure
+        for module, name in names:
+            setattr(module, name, measure)
 
 
 def _positions(given: dict[str, list[float]], groups: dict[str, Any]) -> dict[str, Any]:

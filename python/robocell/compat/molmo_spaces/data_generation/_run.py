@@ -189,7 +189,7 @@ def _sensors(experiment: Any) -> list[tuple[str, tuple[int, ...], str]]:
 
 
 def _warn_of_unused(experiment: Any) -> None:
-    parts = [
+    parts: list[tuple[str, Any, Any, Any]] = [
         (type(experiment).__name__, experiment, MlSpacesExpConfig, abstract_exp_config),
         (
             "task_sampler_config",

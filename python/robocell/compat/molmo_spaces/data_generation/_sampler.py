@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import robocell as rc
-from robocell.compat.molmo_spaces._groups import as_group
+from robocell.compat.molmo_spaces._groups import OwnMoveGroup
 from robocell.compat.molmo_spaces.env.env import CPUMujocoEnv
 from robocell.compat.molmo_spaces.robots.robot_views.abstract import GripperGroup, RobotBaseGroup
 from robocell.compat.molmo_spaces.tasks.pick_task_sampler import PickTaskSampler
@@ -123,7 +123,7 @@ def install_groups(robot: rc.Robot, experiment: Any) -> None:
         if isinstance(group, GripperGroup | RobotBaseGroup):
             continue
         if name not in known or _is_different(group):
-            robot.set_group(as_group(group))
+            robot.set_group(OwnMoveGroup(group))
 
 
 _SAME = ("joint_pos", "joint_vel", "ctrl", "noop_ctrl", "ctrl_limits", "joint_pos_limits")
