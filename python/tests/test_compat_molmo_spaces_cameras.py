@@ -27,6 +27,12 @@ from robocell.compat.molmo_spaces.data_generation._robot_files import write_robo
 SIZE = (96, 54)
 EYE, TURN, FOVY = [0.05, 0.02, -0.01], [0.5, 0.5, -0.5, 0.5], 48.0  # of a camera of the model
 
+ROOM = """
+<mujoco><worldbody><light pos="0 0 3"/><geom name="floor" type="plane" size="4 4 .1"/>
+  <camera name="corner" pos="2 2 2" xyaxes="-1 1 0 -1 -1 2" fovy="70"/>
+  <body name="table" pos="0 0 .2"><geom type="box" size=".5 .4 .2"/></body>
+</worldbody></mujoco>"""
+
 
 class SeeingRobot(Rc7Robot):
     """The built-in arm with a camera in its model."""
@@ -58,7 +64,9 @@ def cameras_with(cameras: list[Any], **sampler: Any) -> Cameras:
     return cameras_of(experiment_with(cameras, **sampler), robot)
 
 
-def starts_with(cameras: list[Any], folder: Path, count: int = 3) -> Iterator[rc.Scene]:
+def starts_with(
+    cameras: list[Any], folder: Path, count: int = 3, scenes: dict[str, Any] | None = None
+) -> Iterator[rc.Scene]:
     """Samples starts of a run whose robot and cameras are those of an experiment."""
     experiment = experiment_with(cameras)
     robot = write_robot(experiment.robot_config, folder)
@@ -67,7 +75,7 @@ def starts_with(cameras: list[Any], folder: Path, count: int = 3) -> Iterator[rc
         run="cameras",
         robot=robot,
         task={"kind": "pick", "objects": ["mug"]},
-        scenes={"source": "tabletop"},
+        scenes=scenes or {"source": "tabletop"},
         start={"base_height_offset": -0.25, "cameras": found.placed},
         cameras={"resolution": list(SIZE), "streams": found.streams},
     )
@@ -276,6 +284,26 @@ def test_cameras_of_models_keep_what_is_not_changed():
         of_model(True, orientation_noise_degrees=(1, 2, 3))
     with pytest.raises(rc.ArgumentError, match=r"fov_noise_degrees: \(4.0, 0.0\) is not"):
         of_model(True, fov_noise_degrees=(4, 0))
+
+
+def test_cameras_of_the_scene_have_the_lens_and_the_noise_of_the_experiment(tmp_path: Path):
+    (tmp_path / "room.xml").write_text(ROOM)
+    cameras = [
+        MjcfCameraConfig(name="narrow", mjcf_name="corner", fov=25),
+        MjcfCameraConfig(name="corner", mjcf_name="corner", pos_noise_range=(-0.1, 0.1)),
+    ]
+    scenes = {"source": "files", "files": [str(tmp_path / "room.xml")]}
+    (scene,) = starts_with(cameras, tmp_path, 1, scenes)
+    own, narrow, moved = (
+        scene.camera_pose(name) for name in ("corner", "narrow", "corner_of_start")
+    )
+    fovy = {
+        name: scene.model.camera(name).fovy[0] for name in ("corner", "narrow", "corner_of_start")
+    }
+    assert fovy == {"corner": 70, "narrow": 25, "corner_of_start": 70}
+    assert np.allclose(narrow.matrix, own.matrix)
+    offset = (own.inverse() * moved).translation
+    assert 0 < np.abs(offset).max() <= 0.1
 
 
 def test_a_camera_that_the_scene_lacks_is_named(tmp_path: Path):
