@@ -263,13 +263,13 @@ def test_cameras_of_models_keep_what_is_not_changed():
         assert (name, placed) == ("wrist_camera" if robot else "corner", {})
         name, placed = of_model(robot, fov=33.0)
         assert placed == {"camera": "wrist_camera" if robot else "corner", "fovy": 33}
+        assert name == placed["camera"] + "_of_start"
         _, placed = of_model(
             robot, pos_noise_range=((-0.1, -0.2, 0), (0.1, 0.2, 0)), fov_noise_degrees=(-2, 2)
         )
         assert placed["pos_noise"] == [0.1, 0.2, 0]
         assert placed["fovy_noise"] == 2
         assert "fovy" not in placed
-    assert of_model(False, fov=33.0)[0] == "corner_of_start"
     # A range that is not symmetric moves the middle, where it is known.
     _, placed = of_model(True, pos_noise_range=(0.01, 0.03), fov_noise_degrees=(0, 4), fov=50)
     assert placed["mount"] == "hand"
@@ -304,6 +304,19 @@ def test_cameras_of_the_scene_have_the_lens_and_the_noise_of_the_experiment(tmp_
     assert np.allclose(narrow.matrix, own.matrix)
     offset = (own.inverse() * moved).translation
     assert 0 < np.abs(offset).max() <= 0.1
+
+
+def test_a_camera_of_a_models_name_does_not_replace_it(tmp_path: Path):
+    """A stream of the model's camera shows it, beside another camera of its name."""
+    mounted = RobotMountedCameraConfig(name="wrist_camera", reference_body_names=["hand"], fov=30)
+    plain = MjcfCameraConfig(name="plain", mjcf_name="wrist_camera", robot_namespace="robot_0/")
+    experiment = experiment_with([mounted, plain])
+    streams = cameras_of(experiment, write_robot(experiment.robot_config, tmp_path)).streams
+    (scene,) = starts_with([mounted, plain], tmp_path, 1)
+    there = {scene.model.camera(i).name for i in range(scene.model.ncam)}
+    assert there == {"robot_0/wrist_camera", "wrist_camera_of_start"}
+    # A stream names a camera of the scene, else one of the robot.
+    assert [stream.camera for stream in streams] == ["wrist_camera_of_start", "wrist_camera"]
 
 
 def test_a_camera_that_the_scene_lacks_is_named(tmp_path: Path):

@@ -52,6 +52,7 @@ def cameras_of(experiment: Any, robot: rc.RobotConfig) -> Cameras:
     Raises NotFoundError and ArgumentError, with camera and field, for what there is not.
     """
     model, _, _ = compile_alone(experiment.robot_config, PREFIX)
+    own = {own_name(model, "camera", i) for i in range(model.ncam)}
     found = Cameras()
     for camera in experiment.camera_config.cameras:
         where = f"camera '{camera.name}' ({type(experiment.camera_config).__name__})"
@@ -70,8 +71,8 @@ def cameras_of(experiment: Any, robot: rc.RobotConfig) -> Cameras:
         if fields.keys() == {"camera"}:
             name = fields["camera"]
         else:
-            if name == fields.get("camera") and camera.robot_namespace is None:
-                name = f"{name}_of_start"  # the scene has a camera of its own name
+            if name in own or name == fields.get("camera"):
+                name = f"{name}_of_start"  # the models have a camera of its own name
             found.placed[name] = fields
         found.streams.append(
             rc.render.CameraConfig(name=camera.name, camera=name, depth=camera.record_depth)
