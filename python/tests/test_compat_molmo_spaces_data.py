@@ -48,7 +48,7 @@ from robocell.compat.molmo_spaces.configs import PickTaskSamplerConfig
 from robocell.compat.molmo_spaces.configs.base_pick_config import PickBaseConfig
 from robocell.compat.molmo_spaces.configs.camera_configs import (
     CameraSystemConfig,
-    RobotMountedCameraConfig,
+    RandomizedExocentricCameraConfig,
 )
 from robocell.compat.molmo_spaces.data_generation.config_registry import register_config
 from robocell.compat.molmo_spaces.env.data_views import create_mlspaces_body
@@ -72,7 +72,19 @@ class Facing(PickTaskSampler):
 @register_config("FacingPick")
 class FacingPick(PickBaseConfig):
     robot_config: Rc7Config = Rc7Config()
-    camera_config: CameraSystemConfig = CameraSystemConfig()
+    camera_config: CameraSystemConfig = CameraSystemConfig(
+        img_resolution=(64, 36),
+        cameras=[
+            RandomizedExocentricCameraConfig(
+                name="side",
+                distance_range=(0.6, 0.9),
+                height_range=(0.2, 0.5),
+                azimuth_range=(-1, 1),
+                fov_range=(40, 60),
+                visibility_constraints={"__task_objects__": 0.001},
+            )
+        ],
+    )
     output_dir: Path = Path("out")
     task_sampler_config: PickTaskSamplerConfig = PickTaskSamplerConfig(
         task_sampler_class=Facing,
@@ -184,7 +196,11 @@ def test_a_users_place_and_sensors_are_in_the_episodes(
     Path("facing_pick.py").write_text(MODULE)
     try:
         run = RunSource(str(prepare("facing_pick:FacingPick"))).load(
-            ["scenes={source: tabletop}", "rates.policy_ms=100"]
+            [
+                "scenes={source: tabletop}",
+                "rates.policy_ms=100",
+                "cameras.renderer={backend: soft}",
+            ]
         )
         assert list(run.features) == ["tcp_pose"]
         rc.generate.prepare_dataset(run)
@@ -200,6 +216,12 @@ def test_a_users_place_and_sensors_are_in_the_episodes(
     lengths = np.linalg.norm(tcp[:, 3:], axis=1)
     assert np.allclose(lengths, 1, atol=1e-5)
     assert world.shape[0] == len(tcp)
+    # The camera of the start is in the scene that the episode records.
+    scene = rc.Scene.build(rc.data.recorded_scene(episode))
+    assert 40 <= scene.model.camera("side").fovy[0] <= 60
+    to_side = np.asarray(episode["cameras/side/extrinsics"])[0]
+    at = -to_side[:3, :3].T @ to_side[:3, 3]
+    assert np.allclose(scene.model.camera("side").pos, at, atol=1e-9)
 
 
 class NamedDistance(HandGroup):
