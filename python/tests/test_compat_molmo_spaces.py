@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import statistics
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -320,6 +321,17 @@ class TestRobots:
             seen.append(np.abs(jacobian @ (commanded - start - 0.1))[:3].max())
         assert 1e-4 < max(seen) < 0.01 * np.sqrt(3)
         assert robot.apply_action_noise({"arm": start})["arm"] == pytest.approx(start)
+
+    @pytest.mark.parametrize("spread", [0.3, 1, 4])
+    def test_noise_is_a_truncated_normal(self, spread: float):
+        robot = _robot()
+        robot.rng = np.random.default_rng(0)
+        drawn = np.sort(robot._truncated(spread, 1.0, 4000))
+        normal = statistics.NormalDist(0, spread)
+        low, high = normal.cdf(-1), normal.cdf(1)
+        expected = [(normal.cdf(value) - low) / (high - low) for value in drawn]
+        # The 1e-6 quantile of Kolmogorov and Smirnov's distance is 2.69 / sqrt(n).
+        assert np.abs(expected - np.arange(4000) / 4000).max() < 2.69 / np.sqrt(4000)
 
     def test_overrides_are_for_the_robots_own_actuators(self):
         spec = mujoco.MjSpec.from_string(

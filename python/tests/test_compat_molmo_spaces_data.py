@@ -2,27 +2,39 @@
 
 from __future__ import annotations
 
+import resource
 import sys
 import tempfile
+import warnings
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import mujoco
 import numpy as np
 import pytest
+from mujoco import mj_geomDistance
 
 import robocell as rc
-from molmospaces_toys import ArmGroup, MobileView, ToyConfig, ToyView, TwoArms, TwoArmsView
-from robocell.compat.molmo_spaces._groups import as_group
+from molmospaces_toys import (
+    ArmGroup,
+    HandGroup,
+    MobileView,
+    ToyConfig,
+    ToyView,
+    TwoArms,
+    TwoArmsView,
+)
+from robocell.compat.molmo_spaces._command import run_main
+from robocell.compat.molmo_spaces._groups import OwnMoveGroup
+from robocell.compat.molmo_spaces.configs import PickTaskSamplerConfig
+from robocell.compat.molmo_spaces.configs.abstract_exp_config import MlSpacesExpConfig
 from robocell.compat.molmo_spaces.configs.camera_configs import (
-    FixedExocentricCameraConfig,
-    RandomizedExocentricCameraConfig,
+    CameraSystemConfig,
     RobotMountedCameraConfig,
 )
-from robocell.compat.molmo_spaces.data_generation._cameras import StartCameras, looking
+from robocell.compat.molmo_spaces.data_generation import _robot_files, _run
 from robocell.compat.molmo_spaces.data_generation._robot_files import write_robot
-from robocell.compat.molmo_spaces.data_generation._run import streams_of
+from robocell.compat.molmo_spaces.data_generation._run import write_run
 from robocell.compat.molmo_spaces.data_generation._sampler import install_groups
 
 # A user's module: a robot with a sensor of its own, and a sampler that chooses where it stands.
@@ -36,7 +48,7 @@ from robocell.compat.molmo_spaces.configs import PickTaskSamplerConfig
 from robocell.compat.molmo_spaces.configs.base_pick_config import PickBaseConfig
 from robocell.compat.molmo_spaces.configs.camera_configs import (
     CameraSystemConfig,
-    RobotMountedCameraConfig,
+    RandomizedExocentricCameraConfig,
 )
 from robocell.compat.molmo_spaces.data_generation.config_registry import register_config
 from robocell.compat.molmo_spaces.env.data_views import create_mlspaces_body
@@ -60,7 +72,19 @@ class Facing(PickTaskSampler):
 @register_config("FacingPick")
 class FacingPick(PickBaseConfig):
     robot_config: Rc7Config = Rc7Config()
-    camera_config: CameraSystemConfig = CameraSystemConfig()
+    camera_config: CameraSystemConfig = CameraSystemConfig(
+        img_resolution=(64, 36),
+        cameras=[
+            RandomizedExocentricCameraConfig(
+                name="side",
+                distance_range=(0.6, 0.9),
+                height_range=(0.2, 0.5),
+                azimuth_range=(-1, 1),
+                fov_range=(40, 60),
+                visibility_constraints={"__task_objects__": 0.001},
+            )
+        ],
+    )
     output_dir: Path = Path("out")
     task_sampler_config: PickTaskSamplerConfig = PickTaskSamplerConfig(
         task_sampler_class=Facing,
@@ -85,28 +109,16 @@ def toy() -> rc.Scene:
 
 
 class TestGroupsInScenes:
-    def test_a_users_gripper_and_arm_are_groups_of_the_robot(self, toy: rc.Scene):
+    def test_a_users_arm_is_a_group_of_the_robot(self, toy: rc.Scene):
         robot = toy.robot("toy")
         view = ToyView(toy.data, "robot_0/")
-        for name in ("arm", "gripper", "base"):
-            robot.set_group(as_group(view.get_move_group(name)))
-        gripper = robot.gripper
-        assert gripper.inter_finger_dist_range == (0.0, 0.06)
-        view.get_gripper("gripper").joint_pos = [0.015, 0.015]
-        assert gripper.inter_finger_dist == pytest.approx(0.03)
-        assert gripper.opening == pytest.approx(0.5)
-        gripper.close()
-        robot.update()
-        assert view.get_gripper("gripper").ctrl.tolist() == [0]
+        robot.set_group(OwnMoveGroup(view.get_move_group("arm")))
         robot.apply({"arm": rc.control.GroupCommand.joints([0.3, 0.2])})
         robot.update()
         assert view.get_move_group("arm").ctrl.tolist() == [0.3, 0.2]
         arm = robot.group("arm")
         assert np.allclose(arm.joint_pos_limits, view.get_move_group("arm").joint_pos_limits)
         assert np.allclose(arm.jacobian(), view.get_jacobian("arm", ["arm"]))
-        robot.base.pose = rc.Pose(translation=[1, 2, 3])
-        toy.forward()
-        assert np.allclose(toy.body_pose("robot_0/base").translation, [1, 2, 3])
 
     def test_a_group_that_holds_itself_differently_replaces_robocells(self, toy: rc.Scene):
         class Heavy(ArmGroup):
@@ -184,7 +196,11 @@ def test_a_users_place_and_sensors_are_in_the_episodes(
     Path("facing_pick.py").write_text(MODULE)
     try:
         run = RunSource(str(prepare("facing_pick:FacingPick"))).load(
-            ["scenes={source: tabletop}", "rates.policy_ms=100"]
+            [
+                "scenes={source: tabletop}",
+                "rates.policy_ms=100",
+                "cameras.renderer={backend: soft}",
+            ]
         )
         assert list(run.features) == ["tcp_pose"]
         rc.generate.prepare_dataset(run)
@@ -200,71 +216,109 @@ def test_a_users_place_and_sensors_are_in_the_episodes(
     lengths = np.linalg.norm(tcp[:, 3:], axis=1)
     assert np.allclose(lengths, 1, atol=1e-5)
     assert world.shape[0] == len(tcp)
+    # The camera of the start is in the scene that the episode records.
+    scene = rc.Scene.build(rc.data.recorded_scene(episode))
+    assert 40 <= scene.model.camera("side").fovy[0] <= 60
+    to_side = np.asarray(episode["cameras/side/extrinsics"])[0]
+    at = -to_side[:3, :3].T @ to_side[:3, 3]
+    assert np.allclose(scene.model.camera("side").pos, at, atol=1e-9)
 
 
-def test_a_camera_looks_at_its_point():
-    point = np.array([0.5, -1, 0.2])
-    for up in np.eye(3):
-        pose = rc.Pose(looking([1, 2, 3], point, up))
-        seen = pose.inverse() * rc.Pose(translation=point)
-        assert np.allclose(seen.translation[:2], 0, atol=1e-9)
-        assert seen.translation[2] < 0
-        higher = pose.inverse() * rc.Pose(translation=point + 0.1 * up)
-        assert higher.translation[1] > 0
-    with pytest.raises(rc.ArgumentError, match="looks along the direction that is up"):
-        looking([0, 0, 1], [0, 0, 0], [0, 0, 1])
+class NamedDistance(HandGroup):
+    @property
+    def inter_finger_dist(self) -> float:
+        one, other = self._fingers
+        return float(mj_geomDistance(self.mj_model, self.mj_data, one, other, 0.1, None))
 
 
-def test_each_start_places_its_cameras(tmp_path: Path):
-    """A fixed one stands in the world, a drawn one in its ranges, noise in its bounds."""
-    fixed = FixedExocentricCameraConfig(
-        name="fixed", fov=60, pos=[2, 1, 1.5], forward=[-1, 0, -0.5], up=[0, 0, 1]
+class NamedDistanceView(ToyView):
+    def __init__(self, mj_data: mujoco.MjData, namespace: str = "") -> None:
+        super().__init__(mj_data, namespace)
+        self._move_groups["gripper"] = NamedDistance(mj_data, self.base, namespace)
+        self._move_groups["gripper"]._name = "gripper"
+
+
+def test_fingers_are_found_where_the_distance_is_imported_by_name(tmp_path: Path):
+    robot = write_robot(ToyConfig(robot_view_factory=NamedDistanceView), tmp_path)
+    assert [str(each.name) for each in robot.move_groups["gripper"].fingers] == ["left", "right"]
+    assert mj_geomDistance is mujoco.mj_geomDistance
+
+
+def test_a_copy_of_a_file_is_complete_or_absent(tmp_path: Path):
+    """The disk is full after 1000 bytes; the next copy does not find half of the file."""
+    mesh, folder = tmp_path / "mesh.stl", tmp_path / "files"
+    mesh.write_bytes(bytes(range(250)) * 8)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (1000, limits[1]))
+    try:
+        with pytest.raises(OSError, match="mesh"):
+            _robot_files._copied(mesh, folder)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    copy = tmp_path / _robot_files._copied(mesh, folder)
+    assert copy.read_bytes() == mesh.read_bytes()
+
+
+class TestWhatARunCannotTakeOver:
+    def test_fields_without_an_effect_are_reported(self, tmp_path: Path):
+        camera = RobotMountedCameraConfig(
+            name="a", reference_body_names=["hand"], fov=60, is_warped=True
+        )
+        experiment = MlSpacesExpConfig(
+            robot_config=ToyConfig(robot_factory=None),
+            camera_config=CameraSystemConfig(cameras=[camera]),
+            task_sampler_config=PickTaskSamplerConfig(
+                robot_safety_radius=0.2, verbose=True, scene_xml_paths=[str(tmp_path / "a.xml")]
+            ),
+            end_on_success=True,
+            use_wandb=True,
+        )
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            write_run("toys: 'a'", experiment, tmp_path)
+        said = [str(each.message) for each in caught]
+        assert "MlSpacesExpConfig: no effect in robocell: end_on_success, use_wandb" in said
+        assert "task_sampler_config: no effect in robocell: robot_safety_radius, verbose" in said
+        assert "camera 'a': no effect in robocell: is_warped" in said
+        experiment.task_type = "open"
+        with pytest.raises(rc.ArgumentError, match=r"task_type: 'open'.*Allowed: 'pick'"):
+            write_run("toys", experiment, tmp_path)
+
+    def test_the_built_in_houses_replace_only_a_set_that_is_not_there(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ):
+        def scenes(**fields: Any) -> Any:
+            return _run._scenes(MlSpacesExpConfig(robot_config=ToyConfig(), **fields))
+
+        (tmp_path / "scenes" / "procthor-10k-train").mkdir(parents=True)
+        (tmp_path / "scenes" / "procthor-10k-train" / "train_0.xml").write_text("<mujoco/>")
+        monkeypatch.setenv("ROBOCELL_SCENE_PATH", str(tmp_path))
+        with pytest.raises(rc.NotFoundError, match="split 'val'"):
+            scenes(data_split="val")
+        with pytest.raises(rc.Error, match="split"):
+            scenes(data_split="vall")
+        with pytest.warns(UserWarning, match="'ithor' are not on this machine"):
+            built_in = scenes(task_sampler_config=PickTaskSamplerConfig(dataset_name="ithor"))
+        assert built_in == {"source": "houses", "houses": [0, 1, 2, 3]}
+
+    def test_values_of_another_type_are_named(self):
+        with pytest.raises(rc.ArgumentError, match=r"CameraSystemConfig: img_resolution.1: .*'x'"):
+            CameraSystemConfig(img_resolution=(3, "x"))
+        system = CameraSystemConfig()
+        with pytest.raises(rc.ArgumentError, match="img_resolution"):
+            system.img_resolution = (0, 1)
+        assert system.img_resolution == (624, 352)
+
+    @pytest.mark.parametrize(
+        ("error", "code"), [(rc.IoError("disk"), 3), (OSError("disk"), 3), (rc.SpecError("x"), 2)]
     )
-    drawn = RandomizedExocentricCameraConfig(
-        name="drawn",
-        distance_range=(0.8, 1.2),
-        height_range=(0.3, 0.6),
-        azimuth_range=(0, 1),
-        fov_range=(40, 50),
-    )
-    shaky = RobotMountedCameraConfig(
-        name="shaky",
-        reference_body_names=["nothing", "hand"],
-        fov=60,
-        pos_noise_range=(-0.01, 0.01),
-        orientation_noise_degrees=2,
-    )
-    experiment = SimpleNamespace(
-        robot_config=ToyConfig(), camera_config=SimpleNamespace(cameras=[fixed, drawn, shaky])
-    )
-    robot_config = write_robot(ToyConfig(), tmp_path)
-    streams_of(experiment, robot_config)
-    spec = rc.SceneSpec(timestep=0.002, add_floor=False, add_skybox=False)
-    spec.robots.append(rc.RobotSpec(name="toy", config=robot_config, prefix="robot_0/"))
-    scene = rc.Scene.build(spec)
-    robot = scene.robot("toy")
-    robot.base.pose = rc.Pose(translation=[1, 2, 0.5], rpy=[0, 0, 1])
-    scene.forward()
-    still = scene.camera_pose("robot_0/shaky")
-    cameras = StartCameras(experiment.camera_config.cameras)
-    target, rng, places = np.array([1.5, 2, 0.6]), rc.tasks.Rng.stream(0, "test"), []
-    for _ in range(5):
-        cameras.place(scene, robot, target, rng)
-        assert np.allclose(scene.camera_pose("robot_0/fixed").translation, [2, 1, 1.5])
-        middle = (target + robot.tcp_in_world.translation) / 2
-        pose = scene.camera_pose("robot_0/drawn")
-        x, y, height = pose.translation - middle
-        assert 0.8 <= np.hypot(x, y) <= 1.2
-        assert 0.3 <= height <= 0.6
-        seen = pose.inverse() * rc.Pose(translation=middle)
-        assert np.allclose(seen.translation[:2], 0, atol=1e-6)
-        moved = still.inverse() * scene.camera_pose("robot_0/shaky")
-        assert 0 < np.abs(moved.translation).max() <= 0.01 + 1e-6
-        assert 0 < moved.angle <= np.radians(2) * np.sqrt(3)
-        fovy = scene.model.cam_fovy[scene.model.camera("robot_0/drawn").id]
-        assert 40 <= fovy <= 50
-        places.append(pose.translation)
-    assert np.ptp(places, axis=0).max() > 0.05
+    def test_exit_codes_are_those_of_robocells_commands(self, error: Exception, code: int):
+        def failing() -> int:
+            raise error
+
+        with pytest.raises(SystemExit) as ended:
+            run_main(failing)
+        assert ended.value.code == code
 
 
 class _Experiment:

@@ -204,7 +204,7 @@ def test_cameras_that_are_not_there_are_named(datagen: ModuleType):
         MjcfCameraConfig,
         RobotMountedCameraConfig,
     )
-    from robocell.compat.molmo_spaces.data_generation._run import streams_of
+    from robocell.compat.molmo_spaces.data_generation._cameras import cameras_of
 
     experiment = getattr(datagen, REGISTERED)()
     wrong = (
@@ -218,7 +218,7 @@ def test_cameras_that_are_not_there_are_named(datagen: ModuleType):
     for camera, said in wrong:
         experiment.camera_config.cameras = [camera]
         with pytest.raises(rc.Error, match=rf"camera 'a'.*{said}"):
-            streams_of(experiment, rc.RobotConfig())
+            cameras_of(experiment, rc.RobotConfig())
 
 
 @pytest.mark.proof

@@ -11,6 +11,7 @@ from types import ModuleType
 from typing import Any, NoReturn
 
 import robocell as rc
+from robocell._cli.common import ExitCode
 from robocell._suggestions import did_you_mean, shortened
 
 ORIGINAL, OURS = "molmo_spaces", "robocell.compat.molmo_spaces"
@@ -83,11 +84,11 @@ def run_main(main: Callable[[], int]) -> NoReturn:
     """Ends the process with the exit code of `main`; robocell's errors are one line."""
     try:
         code = main()
-    except rc.Error as error:
+    except (rc.Error, OSError) as error:
         print(f"error: {error}", file=sys.stderr)
-        code = 2
+        code = ExitCode.OUTPUT if isinstance(error, OSError) else ExitCode.USAGE
     except KeyboardInterrupt:
-        code = 130
+        code = ExitCode.INTERRUPTED
     sys.exit(code)
 
 

@@ -48,6 +48,7 @@ class MlSpacesExpConfig(Config):
         sim_dt_ms: Time per step of the engine, ms.
         task_horizon: Largest number of actions.
         filter_for_successful_trajectories: Keep successes alone.
+        task_type: "pick", the task that robocell generates.
     """
 
     robot_config: BaseRobotConfig
@@ -64,9 +65,9 @@ class MlSpacesExpConfig(Config):
     sim_dt_ms: float = 2.0
     task_horizon: int = 500
     filter_for_successful_trajectories: bool = True
+    task_type: str = "pick"
     # Fields without an effect in robocell, so that configurations which set them are read.
     num_envs: int = 1
-    task_type: str = "pick"
     use_passive_viewer: bool = False
     viewer_cam_dict: dict[str, Any] | None = None
     end_on_success: bool = False
@@ -99,3 +100,19 @@ class MlSpacesExpConfig(Config):
                     f"{type(self).__name__}.{long}: {getattr(self, long):g} ms is not a whole "
                     f"number of {short}, {getattr(self, short):g} ms"
                 )
+
+
+WITHOUT_EFFECT = (
+    "num_envs",
+    "use_passive_viewer",
+    "viewer_cam_dict",
+    "end_on_success",
+    "collision_free_pose_limit",
+    "profile",
+    "datagen_profiler",
+    "log_level",
+    "use_wandb",
+    "wandb_project",
+    "wandb_name",
+    "environment_light_intensity",
+)

@@ -34,8 +34,9 @@ class CameraConfig(Config):
         record_depth: Record depth too.
         is_warped: The lens distorts. It has no effect, as in the original's simulation.
         skip_erosion: Without effect.
-        visibility_constraints: Smallest share of the image that an object takes when an episode
-            begins: {"__task_objects__": 0.001}.
+        visibility_constraints: Smallest share of the image that shows something when an episode
+            begins: {"__task_objects__": 0.001}. Keys are bodies, "__task_objects__" (the first
+            object of the task) and "__gripper__".
     """
 
     name: str
@@ -54,7 +55,7 @@ class MjcfCameraConfig(CameraConfig):
         robot_namespace: Prefix of the robot's names; None for a camera of the scene.
         pos_noise_range: Change of the position along the axes of the camera, m: smallest and
             largest, as two numbers or two triples.
-        orientation_noise_degrees: Largest change about the axes of the camera, degrees.
+        orientation_noise_degrees: Largest rotation about any axis, degrees.
         fov_noise_degrees: Smallest and largest change of the field of view, degrees.
     """
 
@@ -74,9 +75,9 @@ class RobotMountedCameraConfig(CameraConfig):
         lookat_offset: Point in the frame of the body that the camera looks at, m.
         up_axis: Axis of the body that is up in the image: "x", "y" or "z".
         camera_quaternion: Rotation wxyz in the frame of the body, instead of `lookat_offset`.
-        pos_noise_range: Smallest and largest change of the position along each axis, m.
+        pos_noise_range: Smallest and largest change along each axis of the camera, m.
         lookat_noise_range: Smallest and largest change of the point along each axis, m.
-        orientation_noise_degrees: Largest change about the axes of the camera, degrees.
+        orientation_noise_degrees: Largest rotation about any axis, degrees.
     """
 
     reference_body_names: list[str]
@@ -96,8 +97,8 @@ class FixedExocentricCameraConfig(CameraConfig):
         pos: Position, m.
         forward: Direction that it looks in.
         up: Direction that is up in the image.
-        pos_noise_range: Smallest and largest change of the position, m.
-        orientation_noise_degrees: Largest change about the axes of the camera, degrees.
+        pos_noise_range: Smallest and largest change along the axes of the camera, m.
+        orientation_noise_degrees: Largest rotation about any axis, degrees.
     """
 
     pos: list[float]
@@ -111,13 +112,14 @@ class RandomizedExocentricCameraConfig(CameraConfig):
     """A camera that looks at the workspace from a place that each episode draws.
 
     Attributes:
-        distance_range: Distance from the middle of the workspace, m.
+        distance_range: Horizontal distance from the middle of the object and the TCP, m.
         height_range: Height above it, m.
-        azimuth_range: Direction seen from it, rad about the vertical.
+        azimuth_range: Direction seen from it, rad about the vertical; 0 is away from the robot's
+            base.
         fov_range: Vertical field of view, degrees.
-        lookat_noise_range: Smallest and largest change of the point along each axis, m.
-        max_placement_attempts: How many places are tried.
-        allow_relaxed_constraints: Take the last place if the object is visible from none.
+        lookat_noise_range: Smallest and largest change of the point along each axis, m; symmetric.
+        max_placement_attempts: How many places are tried for a start.
+        allow_relaxed_constraints: Without effect: a start is refused if no place fits.
     """
 
     distance_range: Range
@@ -171,6 +173,9 @@ class CameraSystemConfig(Config):
         """Returns a camera. Raises NotFoundError that lists the names."""
         named = {camera.name: camera for camera in self.cameras}
         return look_up(named, name, f"{type(self).__name__}: camera")
+
+
+WITHOUT_EFFECT = ("is_warped", "skip_erosion")
 
 
 class FrankaDroidCameraSystem(CameraSystemConfig):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from typing import Any
 
 from robocell.compat.molmo_spaces.configs.abstract_config import Config
 
@@ -26,8 +25,7 @@ class PickTaskSamplerConfig(Config):
         robot_object_z_offset: Height of the base's bottom above the object, m.
         robot_object_z_offset_random_min: Smallest random change of this height, m.
         robot_object_z_offset_random_max: Largest random change of this height, m.
-        robot_safety_radius: Smallest distance of the base from anything, m; robocell uses the
-            exact distance of the robot's geoms.
+        robot_safety_radius: Without effect: robocell uses the distance of the robot's geoms.
         robot_placement_rotation_range_rad: Largest angle by which the base is turned away from the
             object, rad.
         check_robot_placement_visibility: Respect the visibility constraints of the cameras.
@@ -77,6 +75,7 @@ class PickTaskSamplerConfig(Config):
 
 
 WITHOUT_EFFECT = (
+    "robot_safety_radius",
     "episodes_per_batch",
     "task_batch_size",
     "sim_settle_timesteps",
@@ -98,9 +97,3 @@ WITHOUT_EFFECT = (
     "added_pickup_objects",
     "num_added_pickups",
 )
-
-
-def set_without_effect(config: Any) -> list[str]:
-    """Returns the fields that have no effect in robocell and were set to something of their own."""
-    defaults = PickTaskSamplerConfig.model_fields
-    return [name for name in WITHOUT_EFFECT if getattr(config, name) != defaults[name].default]

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import hashlib
 import re
-import shutil
+import sys
+import threading
 import warnings
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Iterator
@@ -20,6 +21,8 @@ import mujoco
 import numpy as np
 
 import robocell as rc
+from robocell._core import atomic_write
+from robocell._suggestions import shortened
 from robocell.compat.molmo_spaces._assembly import (
     compiled,
     robot_alone,
@@ -113,7 +116,7 @@ def _write_model(spec: mujoco.MjSpec, base: str, path: Path) -> None:
     text = ElementTree.tostring(root, encoding="unicode")
     path.parent.mkdir(parents=True, exist_ok=True)
     if not path.is_file() or path.read_text() != text:  # the same file is not another one
-        path.write_text(text)
+        atomic_write(path, text.encode())
 
 
 def _require_same(model: mujoco.MjModel, path: Path) -> None:
@@ -130,7 +133,11 @@ def _require_same(model: mujoco.MjModel, path: Path) -> None:
             for each in (model, written)
         ]
         if names[0] != names[1]:
-            raise rc.SpecError(f"'{path}' has another {kind} than the robot: {names}")
+            there, own = ([each for each in names[i] if each not in names[1 - i]] for i in (1, 0))
+            raise rc.SpecError(
+                f"'{path}' has other elements of the kind '{kind}' than the robot: it lacks "
+                f"{shortened(own) or 'none'} and adds {shortened(there) or 'none'}"
+            )
     for field in ("body_mass", "body_pos", "jnt_axis", "jnt_range", "actuator_gainprm", "site_pos"):
         wanted, found = (getattr(each, field) for each in (model, written))
         if not np.allclose(found, wanted, rtol=1e-4, atol=1e-5):
@@ -148,7 +155,7 @@ def _copied(file: Path, folder: Path) -> str:
     copy = folder / f"{file.stem}-{content}{file.suffix}"
     if not copy.is_file():
         folder.mkdir(parents=True, exist_ok=True)
-        shutil.copyfile(file, copy)
+        atomic_write(copy, file.read_bytes())
     return f"{folder.name}/{copy.name}"
 
 
@@ -215,7 +222,7 @@ def _fingers(group: GripperGroup) -> dict[str, Any]:
 
     Nothing if it measures otherwise; robocell then takes the bodies that the joints move.
     """
-    with _measured_geoms() as pairs:
+    with _measured_geoms(group) as pairs:
         _ = group.inter_finger_dist
     model = group.mj_model
     sides = [list(dict.fromkeys(side)) for side in zip(*pairs, strict=True)] if pairs else []
@@ -237,20 +244,34 @@ def _fingers(group: GripperGroup) -> dict[str, Any]:
 
 
 @contextmanager
-def _measured_geoms() -> Iterator[list[tuple[int, int]]]:
-    """Lists the geoms of all calls of mj_geomDistance meanwhile."""
+def _measured_geoms(group: MoveGroup) -> Iterator[list[tuple[int, int]]]:
+    """Lists the geoms of this thread's calls of mj_geomDistance meanwhile.
+
+    The modules of the group's classes may have imported the function by its name.
+    """
     pairs: list[tuple[int, int]] = []
-    measure = mujoco.mj_geomDistance
+    measure, own_thread = mujoco.mj_geomDistance, threading.get_ident()
 
     def listed(m: Any, d: Any, one: int, other: int, *rest: Any) -> float:
-        pairs.append((int(one), int(other)))
+        if threading.get_ident() == own_thread:
+            pairs.append((int(one), int(other)))
         return measure(m, d, one, other, *rest)
 
-    mujoco.mj_geomDistance = listed
+    modules = {sys.modules.get(kind.__module__) for kind in type(group).__mro__} | {mujoco}
+    names = [
+        (module, name)
+        for module in modules
+        if module is not None
+        for name, value in vars(module).items()
+        if value is measure
+    ]
     try:
+        for module, name in names:
+            setattr(module, name, listed)
         yield pairs
     finally:
-        mujoco.mj_geomDistance = measure
+        for module, name in names:
+            setattr(module, name, measure)
 
 
 def _positions(given: dict[str, list[float]], groups: dict[str, Any]) -> dict[str, Any]:

@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import robocell as rc
-from robocell.compat.molmo_spaces._groups import as_group
-from robocell.compat.molmo_spaces.data_generation._cameras import StartCameras
+from robocell.compat.molmo_spaces._groups import OwnMoveGroup
 from robocell.compat.molmo_spaces.env.env import CPUMujocoEnv
 from robocell.compat.molmo_spaces.robots.robot_views.abstract import GripperGroup, RobotBaseGroup
 from robocell.compat.molmo_spaces.tasks.pick_task_sampler import PickTaskSampler
@@ -50,8 +49,6 @@ class ExperimentStarts(rc.tasks.StartSampler):
         super().__init__(run)
         self.experiment: Any = self.experiment_class()
         self.sampler = sampler_class(self.experiment)(self.experiment)
-        self.cameras = StartCameras(self.experiment.camera_config.cameras)
-        self._of_cameras = rc.tasks.Rng.stream(run.seed, "cameras")
 
     def propose_base_pose(
         self,
@@ -81,22 +78,10 @@ class ExperimentStarts(rc.tasks.StartSampler):
             lambda: inherited(robot, support, target_in_world, placement, rng),
         )
 
-    def validate_cameras(self, scene: rc.Scene, target_body: str) -> rc.tasks.Refusal | None:
-        """Places the cameras, again where they do not see the object, as often as they allow."""
-        refusal = None
-        for _ in range(self.cameras.tries):
-            target = scene.body_pose(target_body).translation
-            self.cameras.place(scene, scene.robot(self.run.robot.name), target, self._of_cameras)
-            refusal = super().validate_cameras(scene, target_body)
-            if refusal is None:
-                return None
-        return None if self.cameras.may_be_hidden else refusal
-
     def sample(
         self, request: rc.tasks.SampleRequest, rng: rc.tasks.Rng
     ) -> rc.tasks.EpisodeStart | rc.tasks.Refusal:
         """Returns a start whose robot has the user's groups."""
-        self._of_cameras = rng.fork("cameras")
         start = super().sample(request, rng)
         if isinstance(start, rc.tasks.EpisodeStart):
             install_groups(start.scene.robot(self.run.robot.name), self.experiment)
@@ -138,7 +123,7 @@ def install_groups(robot: rc.Robot, experiment: Any) -> None:
         if isinstance(group, GripperGroup | RobotBaseGroup):
             continue
         if name not in known or _is_different(group):
-            robot.set_group(as_group(group))
+            robot.set_group(OwnMoveGroup(group))
 
 
 _SAME = ("joint_pos", "joint_vel", "ctrl", "noop_ctrl", "ctrl_limits", "joint_pos_limits")

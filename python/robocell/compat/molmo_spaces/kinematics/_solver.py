@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike, NDArray
 import robocell as rc
 from robocell.compat.molmo_spaces._assembly import compile_alone
 from robocell.compat.molmo_spaces._elements import name_of, require_among
+from robocell.compat.molmo_spaces.robots.robot_views._move_groups import dimensions_of
 from robocell.compat.molmo_spaces.robots.robot_views.abstract import (
     FreeJointRobotBaseGroup,
     ImmobileRobotBaseGroup,
     MJCFFrameMixin,
     MoveGroup,
     RobotView,
-    _dimensions,
 )
 from robocell.compat.molmo_spaces.utils.pose import (
     inverse_pose,
@@ -169,7 +169,7 @@ class GroupChain:
             at = 0
             for joint in of_group._joint_ids:
                 places[name_of(model, "joint", joint)] = (name, at)
-                at += _dimensions(model, joint)[0]
+                at += dimensions_of(model, joint)[0]
         self.places = [places.get(name) for name in self.chain.joint_names]
         self.link_places = [places.get(name) for name in self.chain.link_joint_names]
 

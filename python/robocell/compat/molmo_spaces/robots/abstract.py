@@ -262,8 +262,13 @@ class Robot(abc.ABC):
         if spread <= 0 or most <= 0:
             return [0.0] * count
         drawn: list[float] = []
-        while len(drawn) < count:  # half a dozen draws at most, but for a spread far above `most`
-            value = self.rng.normal(0, spread) if spread < most else self.rng.uniform(-most, most)
-            if abs(value) <= most:
+        while len(drawn) < count:
+            if spread < most:
+                value = self.rng.normal(0, spread)
+                is_kept = abs(value) <= most
+            else:  # uniform draws, kept in proportion to the density: 60 % and more of them
+                value = self.rng.uniform(-most, most)
+                is_kept = self.rng.uniform() < np.exp(-0.5 * (value / spread) ** 2)
+            if is_kept:
                 drawn.append(float(value))
         return drawn
