@@ -129,7 +129,7 @@ TEST(Randomization, ObjectsWithoutMassAreLeftOut) {
               "conaffinity='0'/></body></worldbody></mujoco>");
   const RandomizeConfig config =
       Read("dynamics: {objects: {mass: {scale: 2}, inertia: {scale: 2}}}");
-  SceneSpec spec{.timestep = 0.002};
+  SceneSpec spec{.timestep = 0.002, .add_floor = true, .add_skybox = true};
   spec.objects.push_back(
       {.name = "ghost", .mjcf_path = (folder / "ghost.xml").string(), .fixed = true});
   ExpectThrow<ArgumentError>([&] { Randomization(config, Scene::Build(spec), {}).Validate(); },
@@ -144,12 +144,14 @@ TEST(Randomization, ObjectsWithoutMassAreLeftOut) {
 
 TEST(Randomization, LooksWithoutAMaterialAreRefusedAtOnceAndLeftOutOfStarts) {
   const RandomizeConfig config = Read("appearance: {'b*': {texture: [wood], colour: 0.5}}");
-  SceneSpec spec{.timestep = 0.002};
+  SceneSpec spec{.timestep = 0.002, .add_floor = true, .add_skybox = true};
   for (int i = 0; i < 16; ++i) {
     spec.objects.push_back({.name = fmt::format("b{:02}", i),
                             .shape = Shape::kBox,
                             .size = Vec3{0.02, 0.02, 0.02},
+                            .rgba = Vec4{1, 0, 0, 1},
                             .mass = 0.1,
+                            .friction = Vec3{1, 0.005, 0.0001},
                             .pos = Vec3{0, 0, 0.1 * i}});
   }
   AddStudio(spec);

@@ -90,7 +90,7 @@ Scene Machine(const TempDir& folder) {
 <equality><connect body1="arm" body2="rod" anchor="0.2 0 0"/></equality>
 <tendon><spatial name="cord"><site site="wall"/><site site="end"/></spatial></tendon>
 <actuator><muscle name="pull" tendon="cord" lengthrange="0.01 1"/></actuator></mujoco>)");
-  SceneSpec spec{.timestep = 0.002};
+  SceneSpec spec{.timestep = 0.002, .add_floor = false, .add_skybox = false};
   spec.objects.push_back(
       {.name = "m", .mjcf_path = (folder / "machine.xml").string(), .fixed = true});
   return Scene::Build(spec);
@@ -141,7 +141,7 @@ TEST(RandomizedModel, AnObjectWhoseNameBeginsLikeTheStudioKeepsItsLights) {
   AtomicWrite(folder / "lamp.xml",
               "<mujoco><worldbody><body name='lamp'><geom size='0.1'/>"
               "<light name='bulb'/></body></worldbody></mujoco>");
-  SceneSpec spec{.timestep = 0.002};
+  SceneSpec spec{.timestep = 0.002, .add_floor = false, .add_skybox = false};
   spec.objects.push_back(
       {.name = "studio_lamp", .mjcf_path = (folder / "lamp.xml").string(), .fixed = true});
   AddStudio(spec);
