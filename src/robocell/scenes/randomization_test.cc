@@ -143,7 +143,7 @@ TEST(Randomization, ObjectsWithoutMassAreLeftOut) {
 }
 
 TEST(Randomization, LooksWithoutAMaterialAreRefusedAtOnceAndLeftOutOfStarts) {
-  const RandomizeConfig config = Read("appearance: {'b*': {texture: [wood], colour: 0.5}}");
+  const RandomizeConfig config = Read("appearance: {'b*': {specular: 0.5, colour: 0.5}}");
   SceneSpec spec{.timestep = 0.002, .add_floor = true, .add_skybox = true};
   for (int i = 0; i < 16; ++i) {
     spec.objects.push_back({.name = fmt::format("b{:02}", i),
@@ -160,9 +160,8 @@ TEST(Randomization, LooksWithoutAMaterialAreRefusedAtOnceAndLeftOutOfStarts) {
   ExpectThrow<ArgumentError>([&] { randomization.Validate(); }, "none are left for b14, b15");
   for (int i = 0; i < 2; ++i) {
     const RandomizedValues& values = randomization.Apply(Rng::Stream(1, i));
-    EXPECT_TRUE(values.contains("b13/texture"));
-    EXPECT_FALSE(values.contains("b14/texture")) << "what is not shown is not recorded";
-    EXPECT_FALSE(values.contains("b14/texture_seed"));
+    EXPECT_TRUE(values.contains("b13/specular"));
+    EXPECT_FALSE(values.contains("b14/specular")) << "what is not shown is not recorded";
     EXPECT_TRUE(values.contains("b15/colour"));
   }
 }

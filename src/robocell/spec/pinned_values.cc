@@ -148,7 +148,9 @@ void ValidatePinned(const RandomizeConfig& config, Problems& problems) {
   for (const auto& [name, value] : config.pinned.entries()) {
     if (value->numbers.empty() == value->word.empty()) continue;  // reported by itself
     const Range* range = RangeOf(name);
-    if (!range) {
+    if (!range && RangeOf(name + "_scale")) {
+      problems.AddAt(name, fmt::format("is a factor: write '{}_scale'", name));
+    } else if (!range) {
       problems.AddAt(name, NoSuchName("", "randomized value", name, KnownNames(name)));
     } else if (!IsSound(*range, *value)) {
       problems.AddAt(name, fmt::format("must be {}; is {}", FormOf(*range),

@@ -43,7 +43,7 @@ TEST(PinnedValues, AreWithinTheRangesOfDrawnOnes) {
   EXPECT_THAT(pin("cube/texture: marbel"), HasSubstr("Did you mean 'marble'?"));
   EXPECT_THAT(pin("cube/texture: 3"), HasSubstr("must be a word"));
   EXPECT_THAT(pin("cube/texture_seed: -1"), HasSubstr("between 0 and 4294967295"));
-  EXPECT_THAT(pin("cube/gain: 2"), HasSubstr("Did you mean 'cube/gain_scale'?"));
+  EXPECT_THAT(pin("cube/gain: 2"), HasSubstr("is a factor: write 'cube/gain_scale'"));
   EXPECT_EQ(ProblemsOf("{clutter: {}, pinned: {clutter/number: 2, clutter/0/kind: mug, "
                        "light/number: 4, light/3/azimuth: -90, sky/zenith: [0, 0.5, 1], "
                        "left/arm/damping_scale: 0, cube/texture: ./oak.png, action_delay: 0.01}}"),
