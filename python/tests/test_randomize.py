@@ -75,5 +75,5 @@ def test_the_blocks_of_runs_and_environments_are_read_and_described():
         "run: r\nrobot: {name: a, model: a.xml}\ntask: {kind: pick}\noutput: o\nrandomize:\n  "
         + text.replace("\n", "\n  ")
     )
-    assert run.randomize.describe() == ["sky: 0.3 to 1", "cube: friction: 0.4"]
+    assert run.randomize.describe() == ["sky: 0.3 to 1, uniform", "cube: friction: 0.4"]
     assert run.randomize.dynamics["cube"].friction.value == 0.4

@@ -253,10 +253,11 @@ void Env::State::Reset(const EnvResetOptions& options) {
   Rng variation = Rng::Stream(seed, "env variation");
   variations_.Draw(variation);
   if (config_.randomize) {
-    constexpr double kSeeds = 4294967296.0;  // a state keeps the seed as a number
     Rng stream = Rng::Stream(seed, "env randomization");
+    const double drawn = std::floor(stream.Uniform(0, kRandomizationSeeds));
+    if (!scene_randomization_seed_) scene_randomization_seed_ = drawn;
     const bool is_of_scene = config_.randomize->every == RandomizeEvery::kScene;
-    Randomize(is_of_scene ? 0 : std::floor(stream.Uniform(0, kSeeds)));
+    Randomize(is_of_scene ? *scene_randomization_seed_ : drawn);
   }
   if (const auto refused = MakeStart(seed, options.keyframe, kept))
     throw ArgumentError(NoStart(*refused));

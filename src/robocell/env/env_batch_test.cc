@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <thread>
+#include <vector>
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
@@ -16,6 +17,8 @@
 #include "robocell/mujoco/names.h"
 #include "robocell/robot/joint_group.h"
 #include "robocell/robot/robot.h"
+#include "robocell/spec/randomize_config.h"
+#include "robocell/spec/yaml.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -179,6 +182,28 @@ TEST(EnvBatch, ImagesMatchSingleEnvironmentsWithVaryingObjects) {
       EXPECT_EQ(seen.rgb, alone.rgb) << varied << i;
       EXPECT_EQ(seen.depth_mm, alone.depth_mm);
       EXPECT_EQ(seen.time, alone.time);
+    }
+    EXPECT_NE(batch.env(0).frames()[0].rgb, batch.env(1).frames()[0].rgb);
+  }
+}
+
+// The oracle is single environments with the same seeds, each with a renderer of its own.
+TEST(EnvBatch, PicturesOfCopiesShowTheirOwnTextures) {
+  EnvConfig config = Rc7WithCube();
+  config.randomize = FromYamlUnchecked<RandomizeConfig>(
+      "lights: {number: {choice: [1, 2]}}\n"
+      "appearance: {ground: {texture: [checker, marble, dots]}, cube: {specular: {uniform: [0, "
+      "1]}, colour: {uniform: [0, 1]}}}\n");
+  config.cameras.renderer.backend = "soft";
+  config.cameras.resolution = {32, 24};
+  config.cameras.streams.push_back({.name = "eye", .camera = "exo_camera"});
+  EnvBatch batch(config, 2, 1);
+  for (const uint64_t round : {0, 2, 4}) {
+    batch.Reset(std::vector<std::optional<uint64_t>>{round + 1, round + 2});
+    for (int i = 0; i < 2; ++i) {
+      Env single(config);
+      single.Reset({.seed = round + static_cast<uint64_t>(i) + 1});
+      EXPECT_EQ(batch.env(i).frames()[0].rgb, single.frames()[0].rgb) << round << " " << i;
     }
     EXPECT_NE(batch.env(0).frames()[0].rgb, batch.env(1).frames()[0].rgb);
   }

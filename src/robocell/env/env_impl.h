@@ -73,6 +73,9 @@ class Env::State {
  private:
   enum class Phase { kUnready, kReady, kDiverged, kBroken };
 
+  // Seeds of randomize are whole numbers below this one: a state keeps them as numbers.
+  static constexpr double kRandomizationSeeds = 4294967296.0;
+
   struct Snapshot {
     uint64_t generation = 0;  // generation of the scene
     EnvState state;
@@ -128,6 +131,8 @@ class Env::State {
   internal::ObjectVariations variations_;
   std::optional<internal::Randomization> randomization_;  // if the configuration has it
   double randomization_seed_ = -1;  // its values follow from it; -1 before it was drawn
+  // With `every: scene` that of all resets; drawn in the first one.
+  std::optional<double> scene_randomization_seed_;
   std::shared_ptr<Task> task_;
   DeclaredFeatures signals_;  // of the task
   internal::ChosenFeatures chosen_;

@@ -8,6 +8,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/env/env.h"
+#include "robocell/env/env_batch.h"
 #include "robocell/env/env_scene.h"
 #include "robocell/env/testing/envs.h"
 #include "robocell/mujoco/names.h"
@@ -74,6 +75,24 @@ TEST(EnvRandomize, OncePerSceneIsTheSameInAllEpisodes) {
   const RandomizedValues values = env.randomized();
   env.Reset({.seed = 2});
   EXPECT_EQ(env.randomized(), values);
+  Env again(config), other(config);
+  again.Reset({.seed = 1});
+  other.Reset({.seed = 2});
+  EXPECT_EQ(again.randomized(), values);
+  EXPECT_NE(other.randomized(), values) << "the seed of the first reset decides";
+  EnvBatch batch(config, 2, 1);
+  batch.Reset({});
+  EXPECT_NE(batch.env(0).randomized(), batch.env(1).randomized());
+}
+
+TEST(EnvRandomize, AStateWithoutASeedIsRefused) {
+  Env env(Randomized(kAll));
+  env.Reset({.seed = 4});
+  for (const double seed : {-1.0, 0.5, 4294967296.0}) {
+    EnvState state = env.state();
+    state.variations.back() = seed;
+    ExpectThrow<ArgumentError>([&] { env.SetState(state); }, "the seed of `randomize`");
+  }
 }
 
 TEST(EnvRandomize, AnActionTakesEffectAfterItsDelay) {

@@ -235,6 +235,15 @@ void Env::State::RequireState(const EnvState& state) const {
                                       config_.task->kind(), why));
     }
   }
+  if (config_.randomize) {
+    const double seed = state.variations.back();
+    if (!(seed >= 0 && seed < kRandomizationSeeds) || seed != std::floor(seed)) {
+      throw ArgumentError(
+          fmt::format("{}: the seed of `randomize` in the state is {}; in a state it is a whole "
+                      "number, 0 to {:.10g}",
+                      place(), seed, kRandomizationSeeds - 1));
+    }
+  }
   // A task's memory may have any other content.
   const auto task =
       static_cast<std::ptrdiff_t>(kNumbersBeforePhysics + 1 + state.physics.size() + 1);

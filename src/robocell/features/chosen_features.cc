@@ -1,11 +1,10 @@
 #include "robocell/features/chosen_features.h"
 
-#include <fnmatch.h>
-
 #include <algorithm>
 #include <utility>
 
 #include "robocell/base/error.h"
+#include "robocell/base/name_pattern.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/features/cell_features.h"
 #include "robocell/features/own_features.h"
@@ -14,10 +13,6 @@ namespace robocell::internal {
 namespace {
 
 constexpr std::string_view kOwnPath = "features/";
-
-bool FitsPattern(const std::string& name, const std::string& pattern) {
-  return ::fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
-}
 
 std::string KeyOf(const std::string& name) {
   return name.starts_with(kOwnPath) ? name.substr(kOwnPath.size()) : name;
@@ -56,7 +51,7 @@ void ChosenFeatures::Choose(const std::string& name,
     size_t begin = 0;
     for (const Feature& feature : all[source]->features()) {
       const std::string& full = feature.column.name;
-      if (KeyOf(full) == name || FitsPattern(full, name)) {
+      if (KeyOf(full) == name || FitsPattern(name, full)) {
         found = true;
         AddPart(source, begin, feature);
       }

@@ -47,6 +47,8 @@ class DrawnScene {
   const mjModel* model() const { return model_; }
   // Returns true if textures of the model changed since SetModel: what was uploaded is old.
   bool has_old_textures() const { return model_ && watch_.textures() != textures_; }
+  // Says that all textures were uploaded again.
+  void TookTextures() { textures_ = watch_.textures(); }
   mjvScene* scene() { return scene_->get(); }
   // Adds markers to the list; Update removes them again.
   void Add(std::span<const Marker> markers);

@@ -37,6 +37,24 @@ SoftAssets::SoftAssets(const mjModel* m, const Visibility& visibility)
   }
   for (int i = 0; i < m->nhfield; ++i) fields_.push_back(HeightFieldOfModel(m, i));
   for (int i = 0; i < m->ntex; ++i) textures_.emplace_back(m, i);
+  texels_.assign(m->tex_data, m->tex_data + m->ntexdata);
+  TakeMaterials(m);
+}
+
+void SoftAssets::TakeChanges(const mjModel* m) {
+  for (int i = 0; i < m->ntex; ++i) {
+    const auto begin = static_cast<std::ptrdiff_t>(m->tex_adr[i]);
+    const std::ptrdiff_t end = i + 1 < m->ntex ? static_cast<std::ptrdiff_t>(m->tex_adr[i + 1])
+                                               : static_cast<std::ptrdiff_t>(m->ntexdata);
+    if (std::equal(m->tex_data + begin, m->tex_data + end, texels_.begin() + begin)) continue;
+    std::copy(m->tex_data + begin, m->tex_data + end, texels_.begin() + begin);
+    textures_[static_cast<size_t>(i)] = SoftTexture(m, i);
+  }
+  TakeMaterials(m);
+}
+
+void SoftAssets::TakeMaterials(const mjModel* m) {
+  materials_.clear();
   for (int i = 0; i < m->nmat; ++i) {
     Material& material = materials_.emplace_back();
     material.texture = m->mat_texid[i * mjNTEXROLE + mjTEXROLE_RGB];

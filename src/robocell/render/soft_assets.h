@@ -19,6 +19,10 @@ class SoftAssets {
   // Takes the meshes that can be visible, and all textures.
   SoftAssets(const mjModel* model, const Visibility& visibility);
 
+  // Takes the textures that changed since, and the materials. Meshes stay, and so do the addresses of
+  // textures.
+  void TakeChanges(const mjModel* model);
+
   const SoftShapes& shapes() const { return shapes_; }
   // Returns the mesh by mjvGeom::dataid. Null for a missing one.
   const SoftMesh* Mesh(int data) const;
@@ -38,9 +42,12 @@ class SoftAssets {
     float repeat[2] = {1, 1};
   };
 
+  void TakeMaterials(const mjModel* model);
+
   SoftShapes shapes_;
   std::vector<SoftMesh> meshes_, planes_, fields_;
   std::vector<SoftTexture> textures_;
+  std::vector<mjtByte> texels_;  // of the model, when the textures were taken
   std::vector<Material> materials_;
 };
 

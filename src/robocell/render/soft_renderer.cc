@@ -204,10 +204,10 @@ CameraModel SoftRenderer::Render(const mjData* data, const RenderRequest& reques
   RequireOutputs(request, outputs);
   const RenderQuality& quality = r.options.quality;
   r.clock.Begin();
-  CameraModel camera = r.drawn.Update(data, request);
+  const CameraModel camera = r.drawn.Update(data, request);
   if (r.drawn.has_old_textures()) {
-    SetModel(r.drawn.model());
-    camera = r.drawn.Update(data, request);
+    r.scene.TakeTextures(r.drawn.model());
+    r.drawn.TookTextures();
   }
   r.clock.Mark(SoftStage::kList);
   r.scene.Update(r.drawn.model(), *r.drawn.scene(), r.drawn.BodyOfId(), camera,

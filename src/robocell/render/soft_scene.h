@@ -25,6 +25,8 @@ namespace robocell::internal {
 class SoftScene {
  public:
   void SetModel(const mjModel* model, const Visibility& visibility);
+  // Takes textures and materials of the same model again.
+  void TakeTextures(const mjModel* model) { assets_.TakeChanges(model); }
 
   struct Effects {
     bool sky = true;

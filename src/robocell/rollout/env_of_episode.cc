@@ -25,6 +25,7 @@
 #include "robocell/rollout/registered_kinds.h"
 #include "robocell/rollout/run_inputs.h"
 #include "robocell/rollout/user_code.h"
+#include "robocell/spec/pinned_values.h"
 #include "robocell/spec/yaml.h"
 
 namespace robocell {
@@ -349,7 +350,11 @@ std::unique_ptr<Env> EnvOfEpisode(const Episode& episode, bool images, const Dat
   if (!images && !config.cameras.streams.empty()) config.cameras.draw = false;
   // Looks are drawn from streams of their own, so that nothing else changes without them, and files
   // of textures need not be here.
-  if (!images && config.randomize) config.randomize->appearance.clear();
+  if (!images && config.randomize) {
+    config.randomize->appearance.clear();
+    std::erase_if(config.randomize->pinned.entries(),
+                  [](const auto& entry) { return internal::IsLookName(entry.first); });
+  }
   RequireSameCode(config, episode);  // before any of it runs
   return std::make_unique<Env>(std::move(config), Scene::Build(RecordedScene(episode), factory));
 }

@@ -5,6 +5,8 @@
 
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <vector>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
@@ -18,7 +20,9 @@
 #include "robocell/env/arm_target.h"
 #include "robocell/env/env_scene.h"
 #include "robocell/env/testing/envs.h"
+#include "robocell/media/png.h"
 #include "robocell/rollout/env_recorder.h"
+#include "robocell/spec/randomize_config.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
@@ -130,6 +134,25 @@ class EnvOfEpisodeTest : public ::testing::Test {
   TempDir folder;
   mutable int count = 0;
 };
+
+// Neither the images of looks that were drawn nor those of pinned ones are in a dataset.
+TEST_F(EnvOfEpisodeTest, WithoutImagesNoTextureIsRead) {
+  EnvConfig config = Rc7WithCube();
+  const std::filesystem::path oak = folder / "oak.png", elm = folder / "elm.png";
+  for (const std::filesystem::path& file : {oak, elm})
+    WritePng(file, RgbImage{1, 1, std::vector<uint8_t>{9, 9, 9}});
+  RandomizeConfig& randomize = config.randomize.emplace();
+  randomize.appearance["cube"].texture = {elm.string()};
+  randomize.dynamics["cube"].mass.emplace().uniform = Vec2{0.02, 0.08};
+  randomize.pinned["ground/texture"].word = oak.string();
+  const Episode episode = Record(config);
+  std::filesystem::remove(oak);
+  std::filesystem::remove(elm);
+  const std::unique_ptr<Env> env = EnvOfEpisode(episode, false);
+  EXPECT_TRUE(ReplayActions(*env, episode, {.tolerance = 0}).ok());
+  EXPECT_FALSE(env->randomized().contains("ground/texture"));
+  EXPECT_TRUE(env->randomized().contains("cube/mass"));
+}
 
 TEST_F(EnvOfEpisodeTest, ReproducesAnEpisodeBitwise) {
   const Episode episode = Record(Rc7WithCube());

@@ -4,6 +4,7 @@
 #include <mujoco/mujoco.h>
 #include <yaml-cpp/yaml.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <set>
 #include <string>
@@ -37,7 +38,8 @@ using Texts = std::map<std::string, std::string>;
 
 namespace fs = std::filesystem;
 
-const std::string kSources = "source/";  // names of the files of source episodes begin so
+const std::string kSources = "source/";    // names of the files of source episodes begin so
+const std::string kTextures = "texture/";  // and those of images that looks are drawn from
 
 // Returns the user's code that defines the run's task, expert, scenes, sampler and features.
 internal::UserCode CodeOf(const RunConfig& run, bool with_expert) {
@@ -50,6 +52,16 @@ internal::UserCode CodeOf(const RunConfig& run, bool with_expert) {
   code.AddKind(*FindSceneSourceKind(run.scenes.kind()));
   if (!run.sampler.empty()) code.AddKind(*FindSamplerKind(run.sampler));
   return code;
+}
+
+// Returns the paths of the images that looks are drawn from.
+std::vector<fs::path> TexturesOf(const RunConfig& run) {
+  std::vector<fs::path> files;
+  if (!run.randomize) return files;
+  for (const std::string& file :
+       internal::TextureFiles(*run.randomize, run.source_dir, "run '" + run.run + "'"))
+    files.push_back(fs::absolute(file).lexically_normal());
+  return files;
 }
 
 // Names begin with the model's folder, so they are the same on every machine. Files with equal
@@ -75,6 +87,8 @@ std::map<std::string, fs::path> FilesOf(const RunConfig& run) {
       add((whole.parent_path().filename() / whole.filename()).generic_string(), whole);
     }
   }
+  for (const fs::path& file : TexturesOf(run))
+    add(kTextures + (file.parent_path().filename() / file.filename()).generic_string(), file);
   const internal::UserCode code = CodeOf(run, true);
   for (const fs::path& file : code.files()) add("code/" + file.filename().string(), file);
   if (run.augment) {
@@ -153,6 +167,7 @@ constexpr size_t kShownFiles = 3;
 std::string WordsFor(const std::string& name) {
   if (name.starts_with("code/")) return "code file " + name.substr(5);
   if (name.starts_with(kSources)) return "source episode " + name.substr(kSources.size());
+  if (name.starts_with(kTextures)) return "texture file " + name.substr(kTextures.size());
   return "model file " + name;
 }
 
@@ -238,6 +253,14 @@ void RunFilesWatch::RequireUnchanged(const RunConfig& run) const {
   std::vector<std::string> changed;
   for (const auto& [name, path] : inputs_.paths) {
     if (!IsUnchanged(path, inputs_.files.at(name))) changed.push_back("'" + path.string() + "'");
+  }
+  if (changed.empty() && !inputs_.paths.empty()) {
+    // A new file in a folder of textures is another choice.
+    for (const fs::path& file : TexturesOf(run)) {
+      const bool is_known =
+          std::ranges::any_of(inputs_.paths, [&](const auto& each) { return each.second == file; });
+      if (!is_known) changed.push_back("'" + file.string() + "'");
+    }
   }
   if (changed.empty()) return;
   throw IoError(fmt::format(

@@ -72,6 +72,31 @@ TEST(RunInputs, AnnotationsOfScenesCount) {
   EXPECT_EQ(count, 2);
 }
 
+TEST(RunInputs, ImagesThatLooksAreDrawnFromCount) {
+  const TempDir temp;
+  fs::create_directory(temp / "planks");
+  AtomicWrite(temp / "planks/oak.png", "oak");
+  RunConfig run = DemoRun();
+  const RunInputs without = InputsOf(run);
+  run.randomize.emplace().appearance["table"].texture = {(temp / "planks/").string(), "wood"};
+  run.randomize->pinned["rc7/texture"].word = (temp / "pin.png").string();
+  AtomicWrite(temp / "pin.png", "pin");
+  const RunInputs before = InputsOf(run);
+  EXPECT_EQ(before.files.size(), without.files.size() + 2);
+  EXPECT_THAT(before.files, Contains(Key("texture/planks/oak.png")));
+  const RunFilesWatch watch(before);
+  EXPECT_NO_THROW(watch.RequireUnchanged(run));
+  AtomicWrite(temp / "planks/fir.png", "fir");
+  EXPECT_THAT(LinesOf(Differences(before, InputsOf(run))),
+              ElementsAre("texture file planks/fir.png: new since then"));
+  ExpectThrow<IoError>([&] { watch.RequireUnchanged(run); }, "fir.png");
+  fs::remove(temp / "planks/fir.png");
+  AtomicWrite(temp / "planks/oak.png", "elm");
+  EXPECT_THAT(LinesOf(Differences(before, InputsOf(run))),
+              ElementsAre("texture file planks/oak.png: changed since then"));
+  ExpectThrow<IoError>([&] { watch.RequireUnchanged(run); }, "oak.png");
+}
+
 TEST(RunInputs, AreTheSameForOtherWorkersOutputsAndMoreEpisodes) {
   RunConfig run = DemoRun();
   const RunInputs before = InputsOf(run);

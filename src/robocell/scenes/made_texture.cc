@@ -7,8 +7,15 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <ios>
+#include <map>
+#include <mutex>
+#include <string>
 #include <system_error>
+#include <tuple>
 #include <utility>
 
 #include "robocell/base/error.h"
@@ -177,10 +184,11 @@ uint8_t Byte(double part) {
 
 }  // namespace
 
-void FillTexture(const MadeTexture& texture, const TextureSize& size, std::span<uint8_t> texels) {
+void FillTexture(const MadeTexture& texture, const TextureSize& size, std::span<uint8_t> texels,
+                 const std::string& place) {
   const std::vector<std::string> known = MadeTextures();
   if (std::ranges::find(known, texture.kind) == known.end())
-    throw NotFoundError(NoSuchName("", "texture", texture.kind, known));
+    throw NotFoundError(NoSuchName(place, "texture", texture.kind, known));
   Rng rng = Rng::Stream(texture.seed, "made texture", texture.kind);
   Pattern pattern(texture, rng);
   const Colour first = DrawColour(rng);
@@ -200,11 +208,42 @@ void FillTexture(const MadeTexture& texture, const TextureSize& size, std::span<
   }
 }
 
-TextureImage ReadPng(const std::string& file) {
+void RequirePng(const std::string& file) {
   const std::string place = "texture '" + file + "'";
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error))
     throw IoError(place + ": there is no such file");
+  // The signature, the header with the size, and the chunk that ends every file.
+  constexpr std::array<uint8_t, 8> kSignature = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  constexpr std::array<uint8_t, 12> kEnd = {0, 0, 0, 0, 'I', 'E', 'N', 'D', 0xae, 0x42, 0x60, 0x82};
+  std::array<uint8_t, 24> begin = {};
+  std::array<uint8_t, 12> end = {};
+  std::ifstream in(file, std::ios::binary);
+  const auto read = [&](auto& bytes) {
+    in.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+  };
+  read(begin);
+  in.seekg(-static_cast<std::streamoff>(end.size()), std::ios::end);
+  read(end);
+  if (!in) throw IoError(place + ": it cannot be read as PNG: it is too short or not readable");
+  if (!std::equal(kSignature.begin(), kSignature.end(), begin.begin()))
+    throw IoError(place + ": it cannot be read as PNG: it does not begin like one");
+  if (end != kEnd) throw IoError(place + ": it cannot be read as PNG: its end is missing");
+  const auto number = [&](size_t at) {
+    return static_cast<int64_t>(begin[at]) << 24 | static_cast<int64_t>(begin[at + 1]) << 16 |
+           static_cast<int64_t>(begin[at + 2]) << 8 | static_cast<int64_t>(begin[at + 3]);
+  };
+  const int64_t width = number(16), height = number(20);
+  if (width > kMostPixels || height > kMostPixels || width * height > kMostPixels) {
+    throw IoError(fmt::format(
+        "{}: it has {} x {} pixels; at most {} in all, of which 256 x 256 are shown. Scale it down",
+        place, width, height, kMostPixels));
+  }
+}
+
+TextureImage ReadPng(const std::string& file) {
+  RequirePng(file);
+  const std::string place = "texture '" + file + "'";
   const SpecPtr spec = MakeSpec();
   mjsTexture* texture = mjs_addTexture(spec.get(), nullptr);
   mjs_setName(texture->element, "image");
@@ -253,6 +292,54 @@ void FillTexture(const TextureImage& image, const TextureSize& size, std::span<u
   }
   for (int f = 0; f < size.faces; ++f)
     std::ranges::copy(face, texels.begin() + static_cast<ptrdiff_t>(face.size()) * f);
+}
+
+namespace {
+
+struct KnownPng {
+  std::filesystem::file_time_type written;
+  uintmax_t bytes = 0;
+  std::vector<uint8_t> texels;
+};
+
+// Texels of files in the sizes that they were drawn in: one of a large image takes a second to decode,
+// and every start draws again.
+struct KnownPngs {
+  static constexpr size_t kMost = 128;  // 50 MB in the sizes of the studio
+  std::mutex mutex;
+  std::map<std::tuple<std::string, int, int>, KnownPng> all;
+};
+
+KnownPngs& AllPngs() {
+  static auto* all = new KnownPngs;
+  return *all;
+}
+
+}  // namespace
+
+void FillTextureFromPng(const std::string& file, const TextureSize& size,
+                        std::span<uint8_t> texels) {
+  std::error_code error;
+  KnownPng now{.written = std::filesystem::last_write_time(file, error),
+               .bytes = error ? 0 : std::filesystem::file_size(file, error),
+               .texels = {}};
+  const std::tuple key(file, size.side, size.faces);
+  KnownPngs& pngs = AllPngs();
+  if (!error) {
+    const std::lock_guard lock(pngs.mutex);
+    const auto found = pngs.all.find(key);
+    if (found != pngs.all.end() && found->second.written == now.written &&
+        found->second.bytes == now.bytes) {
+      std::ranges::copy(found->second.texels, texels.begin());
+      return;
+    }
+  }
+  now.texels.resize(size.bytes());
+  FillTexture(ReadPng(file), size, now.texels);
+  std::ranges::copy(now.texels, texels.begin());
+  const std::lock_guard lock(pngs.mutex);
+  if (pngs.all.size() >= KnownPngs::kMost) pngs.all.clear();
+  pngs.all.insert_or_assign(key, std::move(now));
 }
 
 }  // namespace robocell::internal

@@ -8,6 +8,7 @@
 // roundings are used.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -30,8 +31,10 @@ struct TextureSize {
   }
 };
 
-// Writes red, green, blue of each texel, face after face. Throws NotFoundError for an unknown kind.
-void FillTexture(const MadeTexture& texture, const TextureSize& size, std::span<uint8_t> texels);
+// Writes red, green, blue of each texel, face after face. Throws NotFoundError, which `place` begins,
+// for an unknown kind.
+void FillTexture(const MadeTexture& texture, const TextureSize& size, std::span<uint8_t> texels,
+                 const std::string& place = "");
 
 // An image, rows from the top.
 struct TextureImage {
@@ -39,9 +42,18 @@ struct TextureImage {
   std::vector<uint8_t> rgb;
 };
 
+// Throws IoError, which names the file, if it is missing, no whole PNG file, or larger than kMostPixels.
+// It reads the beginning and the end of the file alone.
+void RequirePng(const std::string& file);
+inline constexpr int64_t kMostPixels = int64_t{64} << 20;
+
 // Throws IoError, which names the file, if it cannot be read as PNG.
 TextureImage ReadPng(const std::string& file);
 // Writes the image into every face, scaled.
 void FillTexture(const TextureImage& image, const TextureSize& size, std::span<uint8_t> texels);
+// Writes the image of a PNG file into every face. The process keeps the texels of recent files, until
+// they change.
+void FillTextureFromPng(const std::string& file, const TextureSize& size,
+                        std::span<uint8_t> texels);
 
 }  // namespace robocell::internal

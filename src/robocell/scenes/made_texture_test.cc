@@ -3,14 +3,21 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/base/io_error.h"
+#include "robocell/media/png.h"
 #include "robocell/spec/randomize_config.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell::internal {
 namespace {
@@ -54,7 +61,41 @@ TEST(MadeTexture, UnknownKindsAndFilesAreNamed) {
   std::vector<uint8_t> texels(3);
   ExpectThrow<NotFoundError>([&] { FillTexture({.kind = "wod"}, {.side = 1}, texels); },
                              "Did you mean 'wood'?");
+  ExpectThrow<NotFoundError>(
+      [&] { FillTexture({.kind = "wod"}, {.side = 1}, texels, "target 'cube'"); }, "target 'cube'");
   ExpectThrow<IoError>([] { ReadPng("/nowhere/oak.png"); }, "there is no such file");
+}
+
+TEST(MadeTexture, AFileIsCheckedWithoutDecodingAndReadAgainWhenItChanges) {
+  const TempDir folder;
+  const std::string file = (folder / "oak.png").string();
+  const auto write = [&](uint8_t red) {
+    std::vector<uint8_t> rgb;
+    for (int i = 0; i < 4; ++i) rgb.insert(rgb.end(), {red, 0, 0});
+    WritePng(file, RgbImage{2, 2, rgb});
+  };
+  const auto red_of = [&] {
+    std::vector<uint8_t> texels(TextureSize{.side = 1}.bytes());
+    FillTextureFromPng(file, {.side = 1}, texels);
+    return static_cast<int>(texels[0]);
+  };
+  write(100);
+  EXPECT_NO_THROW(RequirePng(file));
+  EXPECT_EQ(red_of(), 100);
+  EXPECT_EQ(red_of(), 100);
+  write(200);
+  std::filesystem::last_write_time(
+      file, std::filesystem::last_write_time(file) + std::chrono::seconds(2));
+  EXPECT_EQ(red_of(), 200);
+  const std::string whole = ReadFile(file);
+  AtomicWrite(file, whole.substr(0, whole.size() - 4));
+  ExpectThrow<IoError>([&] { RequirePng(file); }, "its end is missing");
+  std::string large = whole;
+  large[17] = large[21] = 1;  // 65538 x 65538
+  AtomicWrite(file, large);
+  ExpectThrow<IoError>([&] { RequirePng(file); }, "it has 65538 x 65538 pixels");
+  AtomicWrite(file, "GIF");
+  ExpectThrow<IoError>([&] { ReadPng(file); }, "too short");
 }
 
 TEST(MadeTexture, AnImageIsScaledToEveryFaceByMeans) {

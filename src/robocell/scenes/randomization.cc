@@ -1,6 +1,7 @@
 #include "robocell/scenes/randomization.h"
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
 
 #include <algorithm>
 #include <charconv>
@@ -9,18 +10,29 @@
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <system_error>
 #include <utility>
 
 #include "robocell/base/error.h"
+#include "robocell/base/log.h"
+#include "robocell/base/name_pattern.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/scenes/catalogue.h"
+#include "robocell/scenes/made_texture.h"
+#include "robocell/spec/pinned_values.h"
 
 namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
+
+bool IsTextureFile(std::string_view word) { return word.ends_with(".png"); }
+
+std::string FileOfTexture(const std::string& directory, const std::string& word) {
+  return (fs::path(directory) / word).lexically_normal().string();
+}
 
 constexpr double kSeeds = 4294967296.0;  // of textures
 
@@ -36,6 +48,38 @@ double Draw(const RandomNumber& number, Rng rng) {
 
 RandomNumber Uniform(double low, double high) { return {.uniform = Vec2{low, high}}; }
 RandomNumber Always(double value) { return {.value = value}; }
+
+double MassOf(const mjModel* m, const RandomizedTarget& target) {
+  double mass = 0;
+  for (const int b : target.bodies) mass += m->body_mass[b];
+  return mass;
+}
+
+bool HasMaterial(const RandomLook& look) {
+  const bool can_be_own = std::ranges::find(look.texture, kOwnTexture) != look.texture.end();
+  return look.specular || look.shininess || look.reflectance ||
+         (!look.texture.empty() && !can_be_own);
+}
+
+// Returns the targets whose drawn look needs a material of the studio.
+std::vector<std::string> TargetsWithMaterial(const RandomizedValues& values) {
+  std::set<std::string> targets;
+  for (const auto& [name, value] : values.entries()) {
+    const size_t slash = name.rfind('/');
+    if (!IsLookName(name)) continue;
+    const std::string_view property = std::string_view(name).substr(slash + 1);
+    if (property.starts_with("colour") || property == "texture_seed" ||
+        (property == "texture" && value->word == kOwnTexture))
+      continue;
+    targets.insert(name.substr(0, slash));
+  }
+  return {targets.begin(), targets.end()};
+}
+
+// Returns the lights of a pinned or drawn number.
+int CountOf(double number, int most) {
+  return static_cast<int>(std::lround(std::clamp(number, 0.0, static_cast<double>(most))));
+}
 
 // The property that the last entry with it gives a target.
 template <class T>
@@ -107,26 +151,56 @@ void Randomization::Validate(const std::vector<std::string>& others) {
           where("appearance"), name));
     }
   }
+  std::set<std::string> with_material;
   for (const auto& [pattern, look] : config_.appearance.entries()) {
     model_.targets().RequireMatch(pattern, others, where("appearance"));
-    TexturesOf(look->texture);
+    for (const std::string& word : TexturesOf(look->texture)) {
+      if (IsTextureFile(word)) RequirePng(FileOfTexture(options_.directory, word));
+    }
+    if (!HasMaterial(*look)) continue;
+    for (const std::string& name : model_.targets().Matching(pattern)) with_material.insert(name);
+  }
+  for (const std::string& name : config_.pinned.keys()) {
+    const RandomizedValue& value = config_.pinned.at(name);
+    if (IsLookName(name) && name.ends_with("/texture") && IsTextureFile(value.word))
+      RequirePng(FileOfTexture(options_.directory, value.word));
+    if (name.starts_with("clutter/") && name.ends_with("/kind") && !IsObjectKind(value.word))
+      throw NotFoundError(
+          NoSuchName(where("pinned") + "." + name, "kind", value.word, ObjectKinds()));
+  }
+  if (const std::vector<std::string> without =
+          model_.WithoutMaterials({with_material.begin(), with_material.end()});
+      !without.empty()) {
+    throw ArgumentError(fmt::format(
+        "{}: there are materials for 14 solid parts, and for 6 planes and meshes with texture "
+        "coordinates, and none are left for {}. Give looks to fewer targets, or `colour` alone, "
+        "which needs none",
+        where("appearance"), ListNames(without)));
   }
   for (const auto& [pattern, physics] : config_.dynamics.entries()) {
-    const auto require = [&](const std::string& target, const char* field, bool has,
-                             const char* what) {
-      if (has || pattern.find_first_of("*?") != std::string::npos) return;
-      throw ArgumentError(fmt::format("{}.{}.{}: '{}' has no {}; leave it out", where("dynamics"),
-                                      pattern, field, target, what));
-    };
-    if (pattern == "objects" || pattern == "robots") continue;
     model_.targets().RequireMatch(pattern, others, where("dynamics"));
-    for (const std::string& name : model_.targets().Matching(pattern)) {
-      const RandomizedTarget& target = model_.targets().At(name, where("dynamics"));
-      if (physics->mass || physics->inertia)
-        require(name, "mass", !target.bodies.empty(), "mass: it is a geom of the world");
-      if (physics->damping) require(name, "damping", !target.dofs.empty(), "hinges or slides");
-      if (physics->gain) require(name, "gain", !target.servos.empty(), "servos");
-    }
+    const std::vector<std::string> names = model_.targets().Matching(pattern);
+    // A name needs the property, and a group of targets one that has it, perhaps in another start.
+    const bool is_group = IsNamePattern(pattern) || pattern == "objects" || pattern == "robots";
+    if (names.empty() || (is_group && !others.empty())) continue;
+    const std::string& key = pattern;
+    const auto require = [&](bool is_given, const char* field, const char* what, const auto& has) {
+      if (!is_given) return;
+      for (const std::string& name : names) {
+        if (has(model_.targets().At(name, where("dynamics")))) return;
+      }
+      throw ArgumentError(fmt::format("{}.{}.{}: {} {}; leave it out", where("dynamics"), key,
+                                      field, is_group ? "no target has" : "it has no", what));
+    };
+    const auto has_mass = [&](const RandomizedTarget& target) {
+      return MassOf(model_.model(), target) > 0;
+    };
+    require(physics->mass.has_value(), "mass", "mass", has_mass);
+    require(physics->inertia.has_value(), "inertia", "mass", has_mass);
+    require(physics->damping.has_value(), "damping", "hinges or slides",
+            [](const RandomizedTarget& target) { return !target.dofs.empty(); });
+    require(physics->gain.has_value(), "gain", "servos",
+            [](const RandomizedTarget& target) { return !target.servos.empty(); });
   }
   for (const std::string& name : config_.pinned.keys()) {
     const size_t slash = name.rfind('/');
@@ -148,47 +222,32 @@ void Randomization::Validate(const std::vector<std::string>& others) {
   }
 }
 
-// Returns the words to choose from: folders are replaced by their files.
-std::vector<std::string> Randomization::TexturesOf(const std::vector<std::string>& named) const {
-  std::vector<std::string> words;
-  for (const std::string& name : named) {
-    const bool is_file = name.ends_with(".png");
-    if (name.find('/') == std::string::npos && !is_file) {
-      words.push_back(name);
-      continue;
+// Folders are listed once, so that all draws choose from the same files.
+const std::vector<std::string>& Randomization::TexturesOf(const std::vector<std::string>& named) {
+  const auto [known, is_new] = textures_.try_emplace(named);
+  if (is_new) {
+    try {
+      known->second = TextureWords(named, options_.directory, options_.place);
+    } catch (...) {
+      textures_.erase(known);
+      throw;
     }
-    const fs::path path = fs::path(options_.directory) / name;
-    std::error_code error;
-    if (is_file && fs::is_regular_file(path, error)) {
-      words.push_back(name);
-      continue;
-    }
-    std::vector<std::string> files;
-    for (const auto& entry : fs::directory_iterator(path, error)) {
-      if (entry.path().extension() == ".png")
-        files.push_back((fs::path(name) / entry.path().filename()).lexically_normal().string());
-    }
-    if (files.empty()) {
-      throw NotFoundError(fmt::format(
-          "{}: randomize.appearance: '{}' is not a PNG file, and not a folder with PNG files; "
-          "names start at the folder of the file that says so, '{}'",
-          options_.place, name, options_.directory));
-    }
-    std::ranges::sort(files);
-    words.insert(words.end(), files.begin(), files.end());
   }
-  return words;
+  return known->second;
 }
 
 // Returns the number of lights that shine.
 int Randomization::DrawLights(Drawing& drawing) const {
-  if (!config_.lights) return model_.own_lights();
+  const RandomizedValue* pinned = config_.pinned.find("light/number");
+  const bool is_pinned = pinned && !pinned->numbers.empty();
+  int count =
+      is_pinned ? CountOf(pinned->numbers.front(), RandomLights::kMost) : model_.own_lights();
+  if (!config_.lights) return count;
   const RandomLights& lights = *config_.lights;
   drawing.Maybe("light/ambient", lights.ambient);
-  int count = model_.own_lights();
   if (lights.number)
-    count = static_cast<int>(std::lround(drawing.Number("light/number", *lights.number)));
-  const bool is_new = lights.number.has_value();
+    count = CountOf(drawing.Number("light/number", *lights.number), RandomLights::kMost);
+  const bool is_new = lights.number || is_pinned;
   for (int i = 0; i < count; ++i) {
     const std::string name = fmt::format("light/{}/", i);
     const auto number = [&](const char* what, const robocell::Maybe<RandomNumber>& given,
@@ -258,7 +317,7 @@ void Randomization::DrawDynamics(Drawing& drawing) {
   }
   for (const auto& [name, physics] : all) {
     const RandomizedTarget& target = model_.targets().At(name, options_.place);
-    const bool has_mass = !target.bodies.empty();
+    const bool has_mass = MassOf(model_.model(), target) > 0;
     if (physics.mass && has_mass) drawing.Property(name + "/mass", *physics.mass);
     if (physics.inertia && has_mass) drawing.Property(name + "/inertia", *physics.inertia);
     if (physics.friction) drawing.Property(name + "/friction", *physics.friction);
@@ -268,12 +327,27 @@ void Randomization::DrawDynamics(Drawing& drawing) {
   }
 }
 
+// Starts have other objects than the validated one: a look without room is left out of the start and
+// of its values, and the run goes on.
+void Randomization::DropLooksWithoutMaterial() {
+  const std::vector<std::string> without = model_.WithoutMaterials(TargetsWithMaterial(values_));
+  if (without.empty()) return;
+  std::erase_if(values_.entries(), [&](const auto& entry) {
+    const std::string& name = entry.first;
+    const size_t slash = name.rfind('/');
+    return IsLookName(name) && !std::string_view(name).substr(slash + 1).starts_with("colour") &&
+           std::ranges::find(without, name.substr(0, slash)) != without.end();
+  });
+  LogWarn(fmt::format(
+      "{}: no materials are left for the looks of {}, which keep their own; give looks to fewer "
+      "targets, or `colour` alone",
+      options_.place, ListNames(without)));
+}
+
 const RandomizedValues& Randomization::Apply(const Rng& stream, const RandomizedValues& clutter) {
+  model_.Restore();
   Drawing drawing(stream, config_.pinned);
-  int lights = DrawLights(drawing);
-  if (const RandomizedValue* number = config_.pinned.find("light/number");
-      number && !number->numbers.empty())
-    lights = static_cast<int>(std::lround(number->numbers.front()));
+  const int lights = DrawLights(drawing);
   if (config_.sky) {
     drawing.Colour("sky/horizon", *config_.sky);
     drawing.Colour("sky/zenith", *config_.sky);
@@ -283,12 +357,15 @@ const RandomizedValues& Randomization::Apply(const Rng& stream, const Randomized
   drawing.Maybe("action_delay", config_.action_delay);
   values_ = drawing.Take([&](const std::string& name) {
     if (const auto light = LightOf(name)) return *light < lights;
+    if (name.starts_with("clutter/"))
+      return false;  // `clutter` has those of objects that are there
     const size_t slash = name.rfind('/');
-    const bool is_of_target = slash != std::string::npos && !name.starts_with("light/") &&
-                              !name.starts_with("sky/") && !name.starts_with("clutter/");
+    const bool is_of_target =
+        slash != std::string::npos && !name.starts_with("light/") && !name.starts_with("sky/");
     return !is_of_target || model_.targets().Has(name.substr(0, slash));
   });
   for (const auto& [name, value] : clutter.entries()) values_[name] = *value;
+  DropLooksWithoutMaterial();
   // A seed that no texture uses would be a value that explains nothing.
   std::erase_if(values_.entries(), [&](const auto& entry) {
     if (!entry.first.ends_with("/texture_seed")) return false;
@@ -306,14 +383,69 @@ const RandomizedValues& Randomization::Apply(const Rng& stream, const Randomized
 }
 
 std::vector<std::string> ClutterKinds(const RandomizeConfig& config) {
-  return config.clutter ? KindsToDraw(config.clutter->kinds) : std::vector<std::string>();
+  if (!config.clutter) return {};
+  std::vector<std::string> kinds = KindsToDraw(config.clutter->kinds);
+  for (const auto& [name, value] : config.pinned.entries()) {
+    if (name.starts_with("clutter/") && name.ends_with("/kind") &&
+        std::ranges::find(kinds, value->word) == kinds.end())
+      kinds.push_back(value->word);
+  }
+  return kinds;
+}
+
+std::vector<std::string> TextureWords(const std::vector<std::string>& named,
+                                      const std::string& directory, const std::string& place) {
+  std::vector<std::string> words;
+  for (const std::string& name : named) {
+    if (name.find('/') == std::string::npos && !IsTextureFile(name)) {
+      words.push_back(name);
+      continue;
+    }
+    const fs::path path = fs::path(directory) / name;
+    std::error_code error;
+    if (IsTextureFile(name) && fs::is_regular_file(path, error)) {
+      words.push_back(name);
+      continue;
+    }
+    std::vector<std::string> files;
+    for (const auto& entry : fs::directory_iterator(path, error)) {
+      if (entry.path().extension() == ".png")
+        files.push_back((fs::path(name) / entry.path().filename()).lexically_normal().string());
+    }
+    if (files.empty()) {
+      throw NotFoundError(fmt::format(
+          "{}: randomize.appearance: '{}' is not a PNG file, and not a folder with PNG files; "
+          "names start at the folder of the file that says so, '{}'",
+          place, name, directory));
+    }
+    std::ranges::sort(files);
+    words.insert(words.end(), files.begin(), files.end());
+  }
+  return words;
+}
+
+std::vector<std::string> TextureFiles(const RandomizeConfig& config, const std::string& directory,
+                                      const std::string& place) {
+  std::set<std::string> words;
+  for (const auto& [pattern, look] : config.appearance.entries()) {
+    for (const std::string& word : TextureWords(look->texture, directory, place))
+      words.insert(word);
+  }
+  for (const auto& [name, value] : config.pinned.entries()) {
+    if (IsLookName(name)) words.insert(value->word);
+  }
+  std::vector<std::string> files;
+  for (const std::string& word : words) {
+    if (IsTextureFile(word)) files.push_back(FileOfTexture(directory, word));
+  }
+  return files;
 }
 
 Clutter DrawClutter(const RandomizeConfig& config, const std::vector<std::string>& needed,
                     const Rng& stream) {
   Clutter clutter;
   if (!config.clutter) return clutter;
-  std::vector<std::string> kinds = ClutterKinds(config);
+  std::vector<std::string> kinds = KindsToDraw(config.clutter->kinds);
   std::erase_if(kinds, [&](const std::string& kind) {
     return std::ranges::find(needed, kind) != needed.end();
   });
@@ -322,10 +454,10 @@ Clutter DrawClutter(const RandomizeConfig& config, const std::vector<std::string
   double number =
       Draw(config.clutter->number ? *config.clutter->number : usual, stream.Fork("clutter/number"));
   if (const RandomizedValue* pinned = pin("clutter/number"); pinned && !pinned->numbers.empty())
-    number = std::clamp(pinned->numbers.front(), 0.0, static_cast<double>(RandomClutter::kMost));
-  if (kinds.empty()) number = 0;
-  clutter.values["clutter/number"].numbers = {number};
-  for (int i = 0; i < static_cast<int>(number); ++i) {
+    number = pinned->numbers.front();
+  const int count = kinds.empty() ? 0 : CountOf(number, RandomClutter::kMost);
+  clutter.values["clutter/number"].numbers = {static_cast<double>(count)};
+  for (int i = 0; i < count; ++i) {
     const std::string name = fmt::format("clutter/{}/kind", i);
     Rng rng = stream.Fork(name);
     std::string kind = rng.Choice(kinds);

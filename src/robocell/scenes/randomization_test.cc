@@ -1,5 +1,6 @@
 #include "robocell/scenes/randomization.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
@@ -8,8 +9,11 @@
 #include <string>
 
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
+#include "robocell/base/io_error.h"
 #include "robocell/spec/yaml.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell::internal {
 namespace {
@@ -111,11 +115,88 @@ TEST(Randomization, WhatMeansNothingIsReportedWithTheTargets) {
                              "Did you mean 'red'?");
   EXPECT_NO_THROW(validate("dynamics: {mug: {mass: 0.2}}", {"mug"})) << "another start has it";
   ExpectThrow<ArgumentError>([&] { validate("dynamics: {red: {gain: {scale: 2}}}"); },
-                             "'red' has no servos");
+                             "dynamics.red.gain: it has no servos");
   ExpectThrow<NotFoundError>([&] { validate("appearance: {red: {texture: [./nowhere/]}}"); },
                              "./nowhere/");
   ExpectThrow<NotFoundError>([&] { validate("clutter: {kinds: [mugg]}"); }, "Did you mean 'mug'?");
   ExpectThrow<NotFoundError>([&] { validate("pinned: {reed/mass: 1}"); }, "Did you mean 'red'?");
+}
+
+TEST(Randomization, ObjectsWithoutMassAreLeftOut) {
+  const TempDir folder;
+  AtomicWrite(folder / "ghost.xml",
+              "<mujoco><worldbody><body name='ghost'><geom size='0.1' mass='0' contype='0' "
+              "conaffinity='0'/></body></worldbody></mujoco>");
+  const RandomizeConfig config =
+      Read("dynamics: {objects: {mass: {scale: 2}, inertia: {scale: 2}}}");
+  SceneSpec spec{.timestep = 0.002, .add_floor = true, .add_skybox = true};
+  spec.objects.push_back(
+      {.name = "ghost", .mjcf_path = (folder / "ghost.xml").string(), .fixed = true});
+  ExpectThrow<ArgumentError>([&] { Randomization(config, Scene::Build(spec), {}).Validate(); },
+                             "objects.mass: no target has mass");
+  spec.objects.push_back({.name = "cup", .mjcf_path = "mug"});
+  const Scene scene = Scene::Build(spec);
+  Randomization randomization(config, scene, {});
+  randomization.Validate();
+  EXPECT_THAT(randomization.Apply(Rng::Stream(1)).keys(),
+              ::testing::UnorderedElementsAre("cup/mass_scale", "cup/inertia_scale"));
+}
+
+TEST(Randomization, LooksWithoutAMaterialAreRefusedAtOnceAndLeftOutOfStarts) {
+  const RandomizeConfig config = Read("appearance: {'b*': {specular: 0.5, colour: 0.5}}");
+  SceneSpec spec{.timestep = 0.002, .add_floor = true, .add_skybox = true};
+  for (int i = 0; i < 16; ++i) {
+    spec.objects.push_back({.name = fmt::format("b{:02}", i),
+                            .shape = Shape::kBox,
+                            .size = Vec3{0.02, 0.02, 0.02},
+                            .rgba = Vec4{1, 0, 0, 1},
+                            .mass = 0.1,
+                            .friction = Vec3{1, 0.005, 0.0001},
+                            .pos = Vec3{0, 0, 0.1 * i}});
+  }
+  AddStudio(spec);
+  const Scene scene = Scene::Build(spec);
+  Randomization randomization(config, scene, {.place = "run 'a'"});
+  ExpectThrow<ArgumentError>([&] { randomization.Validate(); }, "none are left for b14, b15");
+  for (int i = 0; i < 2; ++i) {
+    const RandomizedValues& values = randomization.Apply(Rng::Stream(1, i));
+    EXPECT_TRUE(values.contains("b13/specular"));
+    EXPECT_FALSE(values.contains("b14/specular")) << "what is not shown is not recorded";
+    EXPECT_TRUE(values.contains("b15/colour"));
+  }
+}
+
+TEST(Randomization, APinnedNumberOfLightsCounts) {
+  RandomizeConfig config = Read(
+      "lights: {intensity: {uniform: [0.2, 0.6]}}\n"
+      "pinned: {light/number: 3, light/3/intensity: 0.5}");
+  const Scene scene = Cubes(config);
+  const RandomizedValues values = Randomization(config, scene, {}).Apply(Rng::Stream(1));
+  EXPECT_TRUE(values.contains("light/2/azimuth"));
+  EXPECT_FALSE(values.contains("light/3/intensity"));
+}
+
+TEST(Randomization, TexturesThatAreNoImagesAreReportedBeforeAnyStart) {
+  const TempDir folder;
+  AtomicWrite(folder / "oak.png", "no image");
+  const RandomizeConfig config = Read("appearance: {red: {texture: [oak.png]}}");
+  const Scene scene = Cubes(config);
+  ExpectThrow<IoError>(
+      [&] { Randomization(config, scene, {.directory = folder.path()}).Validate(); }, "oak.png");
+}
+
+TEST(Randomization, PinnedClutterIsRecordedAsItIsPlaced) {
+  RandomizeConfig config = Read("clutter: {kinds: [mug, nut]}\npinned: {clutter/0/kind: box}");
+  config.pinned["clutter/number"].numbers = {2.7};  // refused in files
+  const Clutter clutter = DrawClutter(config, {}, Rng::Stream(2));
+  EXPECT_EQ(clutter.values.at("clutter/number").numbers.front(), clutter.objects.size());
+  EXPECT_EQ(clutter.kinds.front(), "box");
+  EXPECT_THAT(ClutterKinds(config), ::testing::Contains("box")) << "a run keeps its model";
+  config.pinned["clutter/9/kind"].word = "nut";
+  const Scene scene = Cubes(config);
+  EXPECT_FALSE(Randomization(config, scene, {})
+                   .Apply(Rng::Stream(1), clutter.values)
+                   .contains("clutter/9/kind"));
 }
 
 TEST(Randomization, ClutterIsOfOtherKindsThanTheTasks) {

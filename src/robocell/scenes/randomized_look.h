@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -41,6 +42,9 @@ class StudioMaterials {
   // Returns the material for geoms of a target that have the same one now. `is_new` tells whether it
   // has to be filled. Throws ArgumentError if there are no more.
   int Of(const std::string& target, int own, bool is_flat, bool& is_new);
+  // Takes `solid` and `flat` ones for another target. Returns false, and takes none, if there are
+  // fewer.
+  bool Take(size_t solid, size_t flat);
   // Returns the texture that belongs to the material.
   int TextureOf(int material) const {
     return model_->mat_texid[material * mjNTEXROLE + mjTEXROLE_RGB];

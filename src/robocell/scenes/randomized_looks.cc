@@ -7,9 +7,10 @@
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
-#include <optional>
 #include <set>
 #include <span>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "robocell/base/error.h"
@@ -28,8 +29,15 @@ constexpr double kLightDistance = 2.5;  // metres from the robots
 // The engine takes the colour of the material for a geom of this one.
 constexpr std::array<float, 4> kUnsetColour = {0.5F, 0.5F, 0.5F, 1.0F};
 
-bool IsOfStudio(const mjModel* m, mjtObj kind, int id) {
-  return ElementName(m, kind, id).starts_with(std::string(kStudio) + "_");
+// Returns the elements `studio_light_0`, `studio_light_1` ... of the model; another object's name may
+// begin with the same word.
+std::vector<int> OfStudio(const mjModel* m, mjtObj kind, std::string_view name) {
+  std::vector<int> ids;
+  for (int i = 0;; ++i) {
+    const int id = FindId(m, kind, fmt::format("{}_{}_{}", kStudio, name, i));
+    if (id < 0) return ids;
+    ids.push_back(id);
+  }
 }
 
 // Returns the colour that the engine gives a geom.
@@ -70,26 +78,22 @@ std::vector<int> OwnLights(const mjModel* m) {
   return lights;
 }
 
-std::vector<int> StudioLights(const mjModel* m) {
-  std::vector<int> lights;
-  for (int i = 0; i < m->nlight; ++i) {
-    if (IsOfStudio(m, mjOBJ_LIGHT, i)) lights.push_back(i);
-  }
-  return lights;
-}
-
 uint8_t ByteOf(double part) {
   return static_cast<uint8_t>(std::floor(255 * std::clamp(part, 0.0, 1.0) + 0.5));
 }
 
 }  // namespace
 
-StudioMaterials::StudioMaterials(const mjModel* m) : model_(m) {
-  for (int i = 0; i < m->nmat; ++i) {
-    const std::string name = ElementName(m, mjOBJ_MATERIAL, i);
-    if (name.starts_with(std::string(kStudio) + "_solid")) solid_.push_back(i);
-    if (name.starts_with(std::string(kStudio) + "_flat")) flat_.push_back(i);
-  }
+StudioMaterials::StudioMaterials(const mjModel* m)
+    : model_(m),
+      solid_(OfStudio(m, mjOBJ_MATERIAL, "solid")),
+      flat_(OfStudio(m, mjOBJ_MATERIAL, "flat")) {}
+
+bool StudioMaterials::Take(size_t solid, size_t flat) {
+  if (solid > solid_.size() || flat > flat_.size()) return false;
+  solid_.erase(solid_.begin(), solid_.begin() + static_cast<std::ptrdiff_t>(solid));
+  flat_.erase(flat_.begin(), flat_.begin() + static_cast<std::ptrdiff_t>(flat));
+  return true;
 }
 
 int StudioMaterials::Of(const std::string& target, int own, bool is_flat, bool& is_new) {
@@ -113,6 +117,23 @@ int RandomizedModel::own_lights() const {
   return static_cast<int>(OwnLights(scene_.model()).size());
 }
 
+std::vector<std::string> RandomizedModel::WithoutMaterials(std::vector<std::string> targets) {
+  const mjModel* m = scene_.model();
+  StudioMaterials studio(m);
+  std::ranges::sort(targets);
+  std::vector<std::string> without;
+  for (const std::string& name : targets) {
+    std::set<std::pair<int, bool>> needed;  // as ApplyLook asks for them
+    for (const int g : targets_.At(name, place()).shown) {
+      if (ColourOf(m, g)[3] > 0) needed.emplace(m->geom_matid[g], IsFlat(m, g));
+    }
+    const auto flat = static_cast<size_t>(
+        std::ranges::count_if(needed, [](const auto& each) { return each.second; }));
+    if (!studio.Take(needed.size() - flat, flat)) without.push_back(name);
+  }
+  return without;
+}
+
 bool RandomizedModel::has_sky() const { return SkyOf(scene_.model()) >= 0; }
 
 void RandomizedModel::ApplyLights(const RandomizedValues& values) {
@@ -120,7 +141,7 @@ void RandomizedModel::ApplyLights(const RandomizedValues& values) {
   std::set<std::string> known = {"light/number", "light/ambient"};
   const bool is_numbered = values.contains("light/number");
   const int number = static_cast<int>(NumberOf(values, "light/number", 0));
-  std::vector<int> lights = is_numbered ? StudioLights(m) : OwnLights(m);
+  std::vector<int> lights = is_numbered ? OfStudio(m, mjOBJ_LIGHT, "light") : OwnLights(m);
   if (is_numbered) {
     if (number < 0 || number > std::ssize(lights)) {
       throw ArgumentError(
@@ -246,7 +267,6 @@ void RandomizedModel::ApplySky(const RandomizedValues& values) {
 void RandomizedModel::ApplyLook(const RandomizedTarget& target, const RandomizedLook& look,
                                 StudioMaterials& studio) {
   mjModel* m = scene_.mutable_model();
-  std::optional<TextureImage> image;
   for (const int g : target.shown) {
     std::array<float, 4> colour = ColourOf(m, g);
     if (colour[3] == 0) continue;
@@ -287,13 +307,12 @@ void RandomizedModel::ApplyLook(const RandomizedTarget& target, const Randomized
           Keep(texels, BytesOfTexture(m, texture));
           const std::span<uint8_t> out(texels, size.bytes());
           if (look.texture.ends_with(".png")) {
-            if (!image) {
-              image = ReadPng(
-                  (std::filesystem::path(directory_) / look.texture).lexically_normal().string());
-            }
-            FillTexture(*image, size, out);
+            FillTextureFromPng(
+                (std::filesystem::path(directory_) / look.texture).lexically_normal().string(),
+                size, out);
           } else {
-            FillTexture({.kind = look.texture, .seed = look.seed}, size, out);
+            FillTexture({.kind = look.texture, .seed = look.seed}, size, out,
+                        place() + ": target '" + target.name + "'");
           }
         }
       }

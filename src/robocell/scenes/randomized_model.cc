@@ -37,8 +37,8 @@ bool IsOf(std::string_view property, const auto& list) {
   return std::ranges::find(list, property) != list.end();
 }
 
-// Fields that values change, and those that follow from masses.
-constexpr bool IsVaried(std::string_view field) {
+// Returns true for fields that values change, and for those that follow from masses.
+bool IsVaried(std::string_view field) {
   for (const std::string_view each : {"geom_rgba",
                                       "geom_matid",
                                       "geom_friction",
@@ -67,15 +67,13 @@ constexpr bool IsVaried(std::string_view field) {
                                       "body_inertia",
                                       "body_subtreemass",
                                       "body_invweight0",
+                                      "flexedge_invweight0",
                                       "dof_invweight0",
                                       "dof_M0",
                                       "dof_length",
                                       "dof_damping",
-                                      "tendon_length0",
                                       "tendon_invweight0",
-                                      "tendon_lengthspring",
                                       "actuator_acc0",
-                                      "actuator_length0",
                                       "actuator_gainprm",
                                       "actuator_biasprm"}) {
     if (field == each) return true;
@@ -83,11 +81,42 @@ constexpr bool IsVaried(std::string_view field) {
   return false;
 }
 
+// Returns true for fields that mj_setConst writes too, from the pose of the reference alone: a model
+// may have others since it was compiled, such as the anchors of a connection that was moved.
+bool IsOfReference(std::string_view field) {
+  for (const std::string_view each :
+       {"eq_data", "tendon_length0", "tendon_lengthspring", "actuator_length0"}) {
+    if (field == each) return true;
+  }
+  return false;
+}
+
+// Calls f(name, address, bytes) for each array of the model.
+template <class F>
+void ForEachArray(mjModel* m, const F& f) {
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wunused-variable"  // sizes of few arrays
+  MJMODEL_POINTERS_PREAMBLE(m)
+#pragma GCC diagnostic pop
+#define X(type, name, rows, columns)  \
+  f(std::string_view(#name), m->name, \
+    sizeof(type) * static_cast<size_t>(m->rows) * static_cast<size_t>(columns));
+#define XNV X
+  MJMODEL_POINTERS
+#undef X
+#undef XNV
+}
+
 }  // namespace
 
 void AddStudio(SceneSpec& spec) {
   for (const SceneObject& object : spec.objects) {
-    if (object.name == kStudio) return;
+    if (object.name != kStudio) continue;
+    if (object.mjcf_path == kStudio) return;
+    throw ArgumentError(
+        fmt::format("object '{}': this name belongs to the lights and materials that `randomize` "
+                    "adds to the scene; give the object another name",
+                    kStudio));
   }
   spec.objects.push_back({.name = kStudio, .mjcf_path = kStudio, .fixed = true});
 }
@@ -117,16 +146,9 @@ void RandomizedModel::KeepAll() {
   saved_.clear();
   Keep(&m->vis, 1);
   Keep(&m->stat, 1);
-#pragma GCC diagnostic push
-#pragma GCC diagnostic ignored "-Wunused-variable"  // sizes of other arrays
-  MJMODEL_POINTERS_PREAMBLE(m)
-#pragma GCC diagnostic pop
-#define X(type, name, rows, columns) \
-  if constexpr (IsVaried(#name)) Keep(m->name, static_cast<int64_t>(m->rows) * (columns));
-#define XNV X
-  MJMODEL_POINTERS
-#undef X
-#undef XNV
+  ForEachArray(m, [&](std::string_view name, void* at, size_t bytes) {
+    if (IsVaried(name)) KeepBytes(at, bytes);
+  });
 }
 
 void RandomizedModel::Restore() {
@@ -258,12 +280,19 @@ void RandomizedModel::ApplyPhysics(const RandomizedTarget& target, std::string_v
   }
 }
 
-// Computes what follows from masses. The visual scale stays.
+// Computes what follows from masses. The visual scale stays, and what follows from the reference.
 void RandomizedModel::RecomputeConstants() {
   mjModel* m = scene_.mutable_model();
   if (!scratch_) scratch_ = MakeData(m);
   const mjStatistic before = m->stat;
+  std::vector<Saved> reference;
+  ForEachArray(m, [&](std::string_view name, void* at, size_t bytes) {
+    if (!IsOfReference(name) || bytes == 0) return;
+    const auto* from = static_cast<const std::byte*>(at);
+    reference.push_back({at, std::vector<std::byte>(from, from + bytes)});
+  });
   Guarded(place(), [&] { mj_setConst(m, scratch_.get()); });
+  for (const Saved& each : reference) std::memcpy(each.at, each.bytes.data(), each.bytes.size());
   m->stat.extent = before.extent;
   m->stat.meansize = before.meansize;
   std::copy_n(before.center, 3, m->stat.center);

@@ -36,7 +36,8 @@
 
 namespace robocell::internal {
 
-// Adds the built-in model of lights and materials that randomisation uses, unless it is there.
+// Adds the built-in model of lights and materials that randomisation uses, unless it is there. Throws
+// ArgumentError if another object has its name.
 void AddStudio(SceneSpec& spec);
 class StudioMaterials;
 struct RandomizedLook;
@@ -49,12 +50,17 @@ class RandomizedModel {
   RandomizedModel(const RandomizedModel&) = delete;
   RandomizedModel& operator=(const RandomizedModel&) = delete;
 
+  const mjModel* model() const { return scene_.model(); }
   RandomizedTargets& targets() { return targets_; }
   // Returns the number of the scene's own lights.
   int own_lights() const;
   bool has_sky() const;
 
   enum class Part { kAll, kPhysics };  // physics: what a replay of controls depends on
+  // Returns those of `targets` for whose materials the studio has no room when looks other than
+  // colour are given to all of them, in the order of their names.
+  std::vector<std::string> WithoutMaterials(std::vector<std::string> targets);
+
   // Restores, and then applies. The state stays; quantities that follow from it are computed anew.
   // Throws Error if objects were added or removed since the last values were applied.
   // Throws NotFoundError for names of nothing, ArgumentError for values of a wrong form and for more

@@ -10,8 +10,10 @@
 #include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/base/files.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell::internal {
 namespace {
@@ -73,6 +75,89 @@ TEST(RandomizedModel, RestoringGivesTheModelBackToTheByte) {
     model.Apply(Everything());
   }
   EXPECT_EQ(BytesOf(scene.model()), before) << "the destructor restores too";
+}
+
+// A part with all that follows from masses and from the pose of the reference.
+Scene Machine(const TempDir& folder) {
+  AtomicWrite(folder / "machine.xml", R"(<mujoco><worldbody><body name="machine">
+<geom size="0.05" mass="1"/><site name="wall" pos="0 0 0.1"/>
+<body name="arm" pos="0 0 0.2"><joint axis="0 1 0"/>
+<geom type="capsule" fromto="0 0 0 0.2 0 0" size="0.01"/><site name="end" pos="0.1 0 0"/></body>
+<body name="rod" pos="0.3 0 0.2"><joint axis="0 1 0"/><geom size="0.02"/></body>
+<body name="net" pos="1 0 1">
+<flexcomp name="net" type="grid" count="3 3 1" spacing="0.05 0.05 0.05" dim="2" mass="0.1"
+ radius="0.005"><edge equality="true"/></flexcomp></body></body></worldbody>
+<equality><connect body1="arm" body2="rod" anchor="0.2 0 0"/></equality>
+<tendon><spatial name="cord"><site site="wall"/><site site="end"/></spatial></tendon>
+<actuator><muscle name="pull" tendon="cord" lengthrange="0.01 1"/></actuator></mujoco>)");
+  SceneSpec spec{.timestep = 0.002, .add_floor = false, .add_skybox = false};
+  spec.objects.push_back(
+      {.name = "m", .mjcf_path = (folder / "machine.xml").string(), .fixed = true});
+  return Scene::Build(spec);
+}
+
+TEST(RandomizedModel, RestoresWhatFollowsFromMassesOfFlexesTendonsAndMuscles) {
+  const TempDir folder;
+  Scene scene = Machine(folder);
+  const mjModel* m = scene.model();
+  ASSERT_GT(m->nflexedge, 0);
+  ASSERT_GT(m->ntendon, 0);
+  const std::vector<std::byte> before = BytesOf(m);
+  const mjtNum flex = m->flexedge_invweight0[0], tendon = m->tendon_invweight0[0];
+  RandomizedModel model(scene);
+  model.Apply({{"m/mass_scale", {.numbers = {2}}}});
+  EXPECT_NEAR(m->tendon_invweight0[0], tendon / 2, 1e-9 * tendon);
+  EXPECT_NEAR(m->flexedge_invweight0[0], flex / 2, 1e-9 * flex);
+  model.Restore();
+  EXPECT_EQ(BytesOf(m), before);
+}
+
+TEST(RandomizedModel, KeepsAnchorsThatMovedSinceTheModelWasCompiled) {
+  const TempDir folder;
+  Scene scene = Machine(folder);
+  mjModel* m = scene.mutable_model();
+  int connect = 0;
+  while (m->eq_type[connect] != mjEQ_CONNECT) ++connect;
+  mjtNum* anchor = m->eq_data + static_cast<ptrdiff_t>(mjNEQDATA) * connect;
+  anchor[4] += 0.25;  // on the second body: mj_setConst would compute it from the reference
+  const std::vector<mjtNum> moved(anchor, anchor + mjNEQDATA);
+  const std::vector<std::byte> before = BytesOf(m);
+  RandomizedModel model(scene);
+  model.Apply({{"m/mass_scale", {.numbers = {2}}}});
+  EXPECT_EQ(std::vector<mjtNum>(anchor, anchor + mjNEQDATA), moved);
+  model.Restore();
+  EXPECT_EQ(BytesOf(m), before);
+}
+
+TEST(RandomizedModel, AnotherObjectCannotHaveTheNameOfTheStudio) {
+  SceneSpec spec;
+  spec.objects.push_back({.name = "studio", .mjcf_path = "mug"});
+  ExpectThrow<ArgumentError>([&] { AddStudio(spec); }, "give the object another name");
+}
+
+// Its lights and materials are those of the built-in model, not those of names that begin alike.
+TEST(RandomizedModel, AnObjectWhoseNameBeginsLikeTheStudioKeepsItsLights) {
+  const TempDir folder;
+  AtomicWrite(folder / "lamp.xml",
+              "<mujoco><worldbody><body name='lamp'><geom size='0.1'/>"
+              "<light name='bulb'/></body></worldbody></mujoco>");
+  SceneSpec spec{.timestep = 0.002, .add_floor = false, .add_skybox = false};
+  spec.objects.push_back(
+      {.name = "studio_lamp", .mjcf_path = (folder / "lamp.xml").string(), .fixed = true});
+  AddStudio(spec);
+  const Scene scene = Scene::Build(spec);
+  const mjModel* m = scene.model();
+  RandomizedModel model(scene);
+  ExpectThrow<ArgumentError>(
+      [&] {
+        model.Apply({{"light/number", {.numbers = {5}}}});
+      },
+      "lights for 0 to 4");
+  model.Apply({{"light/number", {.numbers = {4}}}});
+  for (int i = 0; i < m->nlight; ++i) {
+    const bool is_studio = ElementName(m, mjOBJ_LIGHT, i).starts_with("studio_light_");
+    if (is_studio) EXPECT_TRUE(m->light_active[i]);
+  }
 }
 
 TEST(RandomizedModel, ValuesAreOfTheModelsOwnHoweverOftenTheyAreApplied) {

@@ -4,34 +4,16 @@
 
 #include <algorithm>
 #include <set>
-#include <string_view>
 #include <utility>
 
 #include "robocell/base/error.h"
+#include "robocell/base/name_pattern.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/actuators.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
 
 namespace robocell::internal {
-namespace {
-
-// Matches `*` to any part of a name and `?` to any character.
-bool IsMatch(std::string_view pattern, std::string_view name) {
-  if (pattern.empty()) return name.empty();
-  if (pattern.front() == '*') {
-    for (size_t skip = 0; skip <= name.size(); ++skip) {
-      if (IsMatch(pattern.substr(1), name.substr(skip))) return true;
-    }
-    return false;
-  }
-  if (name.empty() || (pattern.front() != '?' && pattern.front() != name.front())) return false;
-  return IsMatch(pattern.substr(1), name.substr(1));
-}
-
-bool IsPattern(std::string_view text) { return text.find_first_of("*?") != std::string_view::npos; }
-
-}  // namespace
 
 RandomizedTarget RandomizedTargets::Resolve(const std::string& name, int root) const {
   const mjModel* m = scene_.model();
@@ -116,10 +98,10 @@ std::vector<std::string> RandomizedTargets::Matching(const std::string& pattern)
   std::vector<std::string> meant;
   for (const RandomizedTarget& each : targets_) {
     const bool is_meant = (pattern == "objects" && each.is_object) ||
-                          (pattern == "robots" && each.is_robot) || IsMatch(pattern, each.name);
+                          (pattern == "robots" && each.is_robot) || FitsPattern(pattern, each.name);
     if (is_meant && std::ranges::find(meant, each.name) == meant.end()) meant.push_back(each.name);
   }
-  if (meant.empty() && !IsPattern(pattern) && ResolveElement(pattern)) meant = {pattern};
+  if (meant.empty() && !IsNamePattern(pattern) && ResolveElement(pattern)) meant = {pattern};
   return meant;
 }
 
@@ -133,7 +115,8 @@ void RandomizedTargets::RequireMatch(const std::string& pattern,
                                      const std::vector<std::string>& others,
                                      const std::string& place) {
   if (pattern == "objects" || pattern == "robots" || !Matching(pattern).empty()) return;
-  if (std::ranges::any_of(others, [&](const std::string& name) { return IsMatch(pattern, name); }))
+  if (std::ranges::any_of(others,
+                          [&](const std::string& name) { return FitsPattern(pattern, name); }))
     return;
   std::vector<std::string> known = names();
   for (const std::string& name : others) {

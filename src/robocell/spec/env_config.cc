@@ -6,11 +6,13 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 
 #include "robocell/base/suggestions.h"
 #include "robocell/base/units.h"
 #include "robocell/spec/locations.h"
+#include "robocell/spec/pinned_values.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -164,16 +166,18 @@ void ValidateRandomize(const EnvConfig& env, Problems& problems) {
                    "is for runs, which compile the scene of each start; an environment compiles "
                    "its scene once: add objects to root_frame_objects");
   }
-  if (!env.randomize->action_delay) return;
-  if (!env.sim.async_control) {
-    problems.AddAt("action_delay",
+  const std::optional<double> delay = internal::LongestDelay(*env.randomize);
+  if (!delay) return;
+  const char* field =
+      env.randomize->pinned.contains("action_delay") ? "pinned.action_delay" : "action_delay";
+  if (!env.sim.async_control && (*delay > 0 || env.randomize->action_delay)) {
+    problems.AddAt(field,
                    "needs steps of a fixed time: set `sim: {async_control: true}`, or leave it "
                    "out");
-  } else if (env.sim.frequency > 0 &&
-             env.randomize->action_delay->highest() > 1 / env.sim.frequency + 1e-9) {
-    problems.AddAt("action_delay",
+  } else if (env.sim.frequency > 0 && *delay > 1 / env.sim.frequency + 1e-9) {
+    problems.AddAt(field,
                    fmt::format("can be {:g} s, and a step takes {:g} s: the delay is at most that",
-                               env.randomize->action_delay->highest(), 1 / env.sim.frequency));
+                               *delay, 1 / env.sim.frequency));
   }
 }
 

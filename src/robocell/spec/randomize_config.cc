@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include "robocell/base/suggestions.h"
+#include "robocell/spec/pinned_values.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -117,7 +118,7 @@ double RandomNumber::highest() const {
 
 std::string RandomNumber::Text() const {
   if (value) return fmt::format("{:g}", *value);
-  if (uniform) return fmt::format("{:g} to {:g}", (*uniform)[0], (*uniform)[1]);
+  if (uniform) return fmt::format("{:g} to {:g}, uniform", (*uniform)[0], (*uniform)[1]);
   if (log_uniform) {
     return fmt::format("{:g} to {:g}, log-uniform", (*log_uniform)[0], (*log_uniform)[1]);
   }
@@ -155,16 +156,8 @@ void RandomLook::Validate(Problems& problems) const {
   ValidateWithin(specular, "specular", 0, 1, problems);
   ValidateWithin(shininess, "shininess", 0, 1, problems);
   ValidateWithin(reflectance, "reflectance", 0, 1, problems);
-  std::vector<std::string> known = MadeTextures();
-  known.emplace_back(kOwnTexture);
-  for (size_t i = 0; i < texture.size(); ++i) {
-    const std::string& name = texture[i];
-    const bool is_file = name.find('/') != std::string::npos || name.ends_with(".png");
-    if (is_file || std::ranges::find(known, name) != known.end()) continue;
-    problems.AddAt(fmt::format("texture[{}]", i),
-                   NoSuchName("", "texture", name, known) +
-                       ". A folder of PNG files is written with a slash: ./textures/");
-  }
+  for (size_t i = 0; i < texture.size(); ++i)
+    internal::ValidateTexture(texture[i], fmt::format("texture[{}]", i), problems);
 }
 
 void RandomDynamics::Validate(Problems& problems) const {
@@ -199,6 +192,7 @@ void RandomizeConfig::Validate(Problems& problems) const {
     Problems::Scope scope(problems, "appearance");
     problems.AddAt(target, "is empty; give it a colour, a texture, or leave it out");
   }
+  internal::ValidatePinned(*this, problems);
 }
 
 bool RandomizeConfig::needs_studio() const {

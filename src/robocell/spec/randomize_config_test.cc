@@ -55,6 +55,9 @@ TEST(RandomizeConfig, WhatIsWrongIsNamedWithThePlaceAndWhatIsAllowed) {
   EXPECT_THAT(ProblemsOf("{dynamics: {cube: {mass: {scale: {uniform: [0, 1]}}}}}"),
               HasSubstr("its factor is above 0"));
   EXPECT_THAT(ProblemsOf("{action_delay: 0.2}"), HasSubstr("an action comes every 0.066 s"));
+  EXPECT_THAT(ProblemsOf("{pinned: {action_delay: 5}}"),
+              HasSubstr("randomize.pinned.action_delay: can be 5 s, and an action comes every"));
+  EXPECT_THAT(ProblemsOf("{pinned: {light/number: 2e9}}"), HasSubstr("between 0 and 4"));
 }
 
 TEST(RandomizeConfig, ARunWithoutTheBlockIsWrittenAsBefore) {
@@ -65,9 +68,10 @@ TEST(RandomizeConfig, ARunWithoutTheBlockIsWrittenAsBefore) {
 }
 
 TEST(RandomizeConfig, DescribesEachThingThatVaries) {
-  EXPECT_THAT(Describe(Read("sky: {uniform: [0.3, 1]}\n"
-                            "dynamics: {cube: {mass: {scale: {log_uniform: [0.5, 2]}}}}\n")),
-              ::testing::ElementsAre("sky: 0.3 to 1", "cube: mass: x 0.5 to 2, log-uniform"));
+  EXPECT_THAT(
+      Describe(Read("sky: {uniform: [0.3, 1]}\n"
+                    "dynamics: {cube: {mass: {scale: {log_uniform: [0.5, 2]}}}}\n")),
+      ::testing::ElementsAre("sky: 0.3 to 1, uniform", "cube: mass: x 0.5 to 2, log-uniform"));
 }
 
 }  // namespace

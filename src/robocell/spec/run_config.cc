@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <optional>
+
 #include "robocell/base/error.h"
+#include "robocell/spec/pinned_values.h"
 #include "robocell/spec/validate.h"
 
 namespace robocell {
@@ -11,19 +14,21 @@ namespace {
 
 // An action takes effect before the next one comes.
 void ValidateDelay(const RunConfig& run, Problems& problems) {
-  if (!run.randomize || !run.randomize->action_delay) return;
+  if (!run.randomize) return;
+  const std::optional<double> most = internal::LongestDelay(*run.randomize);
+  if (!most) return;
   double period = 0;
   try {
     period = run.rates.policy_period();
   } catch (const ArgumentError&) {
     return;  // reported at `rates`
   }
-  const double most = run.randomize->action_delay->highest();
-  if (most <= period + 1e-9) return;
-  problems.AddAt("randomize.action_delay",
+  if (*most <= period + 1e-9) return;
+  problems.AddAt(run.randomize->pinned.contains("action_delay") ? "randomize.pinned.action_delay"
+                                                                : "randomize.action_delay",
                  fmt::format("can be {:g} s, and an action comes every {:g} s: the delay is at "
                              "most that",
-                             most, period));
+                             *most, period));
 }
 
 }  // namespace
