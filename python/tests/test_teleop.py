@@ -375,6 +375,87 @@ def test_failure_discard_and_quit(tmp_path: Path):
     assert [each.id for each in made] == ["s0000_e0001"], "the session goes on"
 
 
+def test_a_session_repeats_its_own_episode_in_full(tmp_path: Path):
+    """Not the first one that is missing, and not cut by the run's own number of actions."""
+    motions = [Motion((0, 0, 0.001 * i)) for i in range(5)]
+    run = config_of(tmp_path, episodes_per_scene=2)
+    record(run, Says([*motions, Motion(commands=("failure",)), *motions]), FAST)
+    assert run.expert != "teleop", "the run of the caller stays as it was"
+    session = tmp_path / "out" / "device_sessions" / "s0000_e0001.json"
+    again = RecordedDevice(session)
+    short = config_of(tmp_path, episodes_per_scene=2, output=str(tmp_path / "again"))
+    short.rates.max_steps = 3
+    made = record(short, again, again.options())
+    assert [each.id for each in made] == ["s0000_e0001"]
+    same, first = (rc.Dataset(tmp_path / name)["s0000_e0001"] for name in ("again", "out"))
+    for name in first.columns:
+        np.testing.assert_array_equal(first[name], same[name], err_msg=name)
+    again = RecordedDevice(session)
+    with pytest.raises(rc.ArgumentError, match=r"'s0000_e0001' is in .*another output"):
+        record(short, again, again.options())
+    other = config_of(tmp_path, episodes_per_scene=1, output=str(tmp_path / "other"))
+    with pytest.raises(rc.ArgumentError, match=r"'s0000_e0001', which .* it has s0000_e0000\."):
+        record(other, again, again.options())
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"motions": [3]}, r"motions\[0\].*3 is no Motion"),
+        ({"motions": [None, {"joints": []}]}, r"motions\[1\].*joints"),
+        ({"follow": {"speed": 3}}, "follow.*speed"),
+        ({"follow": {"scale": "x"}}, "follow.*scale is 'x', not a float"),
+        ({"robot": None}, "robot.* is None, not a str"),
+        ({"ends_at_success": 1}, "ends_at_success"),
+        ({"max_steps": True}, "max_steps"),
+        ({"episode": 3}, "episode"),
+    ],
+)
+def test_a_session_with_wrong_fields_names_them(
+    change: dict[str, Any], message: str, tmp_path: Path
+):
+    content = {"format": 1, "episode": "s0000_e0000", "robot": "", "follow": {}, "motions": [{}]}
+    content |= {"ends_at_success": True}
+    file = tmp_path / "session.json"
+    file.write_text(json.dumps(content))
+    RecordedDevice(file)
+    file.write_text(json.dumps(content | change))
+    with pytest.raises(rc.ArgumentError, match=rf"session\.json.*{message}"):
+        RecordedDevice(file)
+
+
+def test_quit_keeps_an_episode_that_has_ended(tmp_path: Path):
+    script = ["record", "", "failure", "quit"]
+
+    class Presses(Device):
+        def read(self, seconds: float) -> Motion:
+            name = script.pop(0) if script else ""
+            return Motion(commands=(name,) if name else ())
+
+    options = OperatorOptions(countdown_s=0, asks=True, real_time=False)
+    made = record(config_of(tmp_path), Presses(), options)
+    assert [each.id for each in made] == ["s0000_e0000"]
+
+
+@pytest.mark.parametrize("method", ["start", "begin", "reset_origin", "read"])
+def test_a_device_with_a_fault_ends_the_session_without_an_episode(method: str, tmp_path: Path):
+    class Faulty(Says):
+        def reset_origin(self) -> None:
+            pass
+
+    def fault(*_: float) -> int:
+        if method == "read":
+            return 3
+        raise ZeroDivisionError("no scale")
+
+    device = Faulty([Motion(commands=("reset_origin",)), Motion()])
+    setattr(device, method, fault)
+    with pytest.raises(DeviceLostError, match=rf"Faulty\.{method}\(\).*(no scale|3, not a Motion)"):
+        record(config_of(tmp_path), device, FAST)
+    assert device.closed
+    assert method != "start" or not (tmp_path / "out").exists(), "no folder without a device"
+
+
 @pytest.mark.parametrize("error", [DeviceLostError("unplugged"), KeyError("left")])
 def test_a_lost_device_ends_the_session_without_an_episode(error: Exception, tmp_path: Path):
     class Breaks(Says):

@@ -144,8 +144,6 @@ def _config(
     max_seconds: float,
 ) -> RunConfig:
     """Reads the run; its dataset is not that of the run's own expert."""
-    from robocell._teleop.operator import policy_seconds
-
     fields = [*replaced]
     if episodes is not None:
         fields.append(f"episodes_per_scene={episodes}")
@@ -153,7 +151,7 @@ def _config(
         fields.append(f"seed={seed}")
     config = source.load(fields)
     config.output = output or f"{str(config.output).rstrip('/')}_teleop"
-    config.rates.max_steps = 1 + max(1, round(max_seconds / policy_seconds(config.rates)))
+    config.rates.max_steps = 1 + max(1, round(max_seconds / config.rates.policy_period()))
     return config
 
 

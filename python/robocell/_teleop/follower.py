@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -58,7 +58,13 @@ class FollowOptions:
     stops_at_collisions: bool = True
 
     def __post_init__(self) -> None:
-        """Raises ArgumentError for values that are out of range."""
+        """Raises ArgumentError for values that are out of range, or of another kind."""
+        for name, default in ((each.name, each.default) for each in fields(self)):
+            value, kind = getattr(self, name), type(default)
+            if isinstance(value, bool) != (kind is bool) or not isinstance(
+                value, int | float if kind is float else kind
+            ):
+                raise ArgumentError(f"{name} is {value!r}, not a {kind.__name__}")
         for name in ("max_speed", "max_angular_speed", "max_joint_speed", "max_lead"):
             if not 0 < getattr(self, name) < np.inf:
                 raise ArgumentError(f"{name} must be above 0, got {getattr(self, name)}")
