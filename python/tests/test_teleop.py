@@ -550,6 +550,50 @@ def test_one_page_drives_and_silence_stops_it(monkeypatch: pytest.MonkeyPatch):
     assert not motion.clutch
 
 
+def web_input(**fields: Any) -> dict[str, Any]:
+    return {"op": "input", **checked_input({"op": "input", "clutch": True, **fields})}
+
+
+def test_a_key_that_is_let_go_before_the_read_counts(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(time, "monotonic", lambda: 100.0)
+    device = WebDevice()
+    device.apply(1, web_input(linear=[1, 0, 0]))
+    device.apply(1, web_input())
+    motions = [device.read(0.1) for _ in range(2)]
+    for motion, expected in zip(motions, (0.01, 0.0), strict=True):
+        assert motion is not None
+        np.testing.assert_allclose(motion.translation, [expected, 0, 0], atol=1e-12)
+    device.apply(1, web_input(linear=[1, 0, 0]))
+    device.apply(1, web_input(linear=[1, 0, 0], clutch=False))
+    device.apply(1, web_input())
+    assert device.read(0.1) is not None
+
+
+def test_a_page_drives_the_gripper_only_by_what_it_changes(monkeypatch: pytest.MonkeyPatch):
+    """What an idle page remembers opens no gripper when it begins to drive."""
+    now = [100.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    device = WebDevice()
+
+    def said(page: int, **fields: Any) -> float | None:
+        device.apply(page, web_input(**fields))
+        motion = device.read(0.1)
+        assert motion is not None
+        return motion.opening if motion.clutch else None
+
+    assert said(1, opening=None) is None
+    assert said(1, opening=0) == 0
+    device.apply(2, web_input(opening=1))  # watches
+    assert said(1, opening=0) == 0
+    now[0] += 1
+    assert said(2, opening=1) is None, "page 2 takes over with an old opening"
+    assert said(2, opening=0) == 0
+    now[0] += 1
+    assert said(2, opening=1) == 1, "changed while the network was slow"
+    said(2, opening=0, clutch=False)
+    assert said(2, opening=0) is None
+
+
 def test_names_of_devices_are_explained(tmp_path: Path):
     with pytest.raises(rc.ArgumentError, match="Did you mean 'gamepad'"):
         make_device("gamepd")

@@ -29,6 +29,8 @@ class FakePad:
     def __init__(self) -> None:
         self.events: list[Any] = []
         self.gone = False
+        self.absinfo: Any = None
+        self.active_keys: Any = None
 
     def capabilities(self) -> dict[int, list[Any]]:
         sticks = [(code, SimpleNamespace(min=0, max=255, value=128)) for code in (0, 1, 3, 4)]
@@ -72,6 +74,31 @@ def test_a_gamepad_moves_opens_and_commands():
     fake.gone = True
     with pytest.raises(DeviceLostError, match="gone"):
         device.read(0.1)
+
+
+def test_a_gamepad_forgets_nothing_after_lost_events():
+    """The system drops events of a full queue; the sticks are then where they are now."""
+    fake = FakePad()
+    device = Gamepad(opened=fake)
+    device.start()
+    fake.absinfo = lambda code: SimpleNamespace(value=128 if code in (0, 1, 3, 4) else 0)
+    fake.active_keys = lambda: [pad.RIGHT]
+    fake.send(pad.EV_ABS, pad.ABS_Y, 0)
+    moved = device.read(0.1)
+    assert moved is not None
+    assert moved.translation[0] > 0
+    fake.send(pad.EV_SYN, pad.SYN_DROPPED, 0)
+    fake.send(pad.EV_ABS, pad.ABS_X, 255)
+    fake.send(pad.EV_SYN, pad.SYN_REPORT, 0)
+    moved = device.read(0.1)
+    assert moved is not None
+    np.testing.assert_allclose(moved.translation, 0, atol=1e-6)
+    assert not moved.clutch
+    fake.send(pad.EV_KEY, pad.SOUTH, 1)
+    fake.send(pad.EV_KEY, pad.EAST, 1)
+    moved = device.read(0.1)
+    assert moved is not None
+    assert moved.opening == 1, "the last button counts"
 
 
 class FakeMouse:
