@@ -60,11 +60,11 @@ class FollowOptions:
     def __post_init__(self) -> None:
         """Raises ArgumentError for values that are out of range, or of another kind."""
         for name, default in ((each.name, each.default) for each in fields(self)):
-            value, kind = getattr(self, name), type(default)
-            if isinstance(value, bool) != (kind is bool) or not isinstance(
-                value, int | float if kind is float else kind
+            value, expected = getattr(self, name), type(default)
+            if isinstance(value, bool) != (expected is bool) or not isinstance(
+                value, int | float if expected is float else expected
             ):
-                raise ArgumentError(f"{name} is {value!r}, not a {kind.__name__}")
+                raise ArgumentError(f"{name} is {value!r}, not a {expected.__name__}")
         for name in ("max_speed", "max_angular_speed", "max_joint_speed", "max_lead"):
             if not 0 < getattr(self, name) < np.inf:
                 raise ArgumentError(f"{name} must be above 0, got {getattr(self, name)}")
