@@ -23,6 +23,7 @@ with needed_by("a WebSocket", "web"):
     from websockets.server import ServerProtocol
 
 CHUNK = 1 << 18  # bytes per read
+ANSWER_S = 5.0  # for an answer to a ping to be read
 
 
 class DroppedError(Error):
@@ -91,19 +92,22 @@ class Channel:
             self._protocol.send_binary(message)
         self.flush(deadline)
 
-    def receive(self, deadline: Deadline, idle: bool = False) -> bytes | str:
+    def receive(
+        self, deadline: Deadline, idle: bool = False, idle_s: float = math.inf
+    ) -> bytes | str:
         """Returns the next message; control frames are answered on the way.
 
         Args:
             deadline: When the message must be complete.
-            idle: Wait for the message's first byte as long as it takes; then
-                `deadline.seconds` are left.
+            idle: Wait for the message's first byte for `idle_s`; then `deadline.seconds` are left.
+            idle_s: The time for which the other end may say nothing, s.
 
         Raises:
             DroppedError: The connection is gone.
             MisbehavedError: The message is too large, or is none.
             TimeoutError: The message was not complete in time.
         """
+        silence = Deadline(idle_s, "sign of life")
         began: Deadline | None = None if idle else deadline
         whole, is_text = bytearray(), False
         while True:
@@ -119,7 +123,7 @@ class Channel:
                     if frame.fin:
                         return _decoded(bytes(whole), is_text)
                     began = began or Deadline(deadline.seconds, deadline.what)
-            if not self._feed(began) and began is None:
+            if not self._feed(began or silence) and began is None:
                 began = Deadline(deadline.seconds, deadline.what)
 
     def handshake(self, deadline: Deadline) -> Request | Response:
@@ -136,8 +140,7 @@ class Channel:
         try:
             for data in self._protocol.data_to_send():
                 if data:
-                    self._socket.settimeout(deadline.left())
-                    self._socket.sendall(data)  # its timeout is for all of the data
+                    self._send_all(data, deadline)
                 else:
                     self._socket.shutdown(socket.SHUT_WR)
         except TimeoutError as error:
@@ -146,6 +149,13 @@ class Channel:
         except OSError as error:
             self.abort()
             raise DroppedError(f"the connection broke: {error.strerror or error}") from error
+
+    def _send_all(self, data: bytes, deadline: Deadline) -> None:
+        """Sends by the deadline. `sendall` of TLS takes its timeout for each record anew."""
+        left = memoryview(data)
+        while left:
+            self._socket.settimeout(deadline.left())
+            left = left[self._socket.send(left[:CHUNK]) :]
 
     def close(self, code: int = CloseCode.NORMAL_CLOSURE, reason: str = "") -> None:
         """Says goodbye if that does not take long, and closes the socket."""
@@ -183,7 +193,8 @@ class Channel:
         self._waiting += events
         self._ended = self._end()
         if self._ended is None:
-            self.flush(deadline or Deadline(5.0, "reader"))  # answers to pings
+            left = deadline.left() if deadline else None
+            self.flush(Deadline(min(left or ANSWER_S, ANSWER_S), "reader"))
         else:  # what came before the end is still read
             with contextlib.suppress(DroppedError, TimeoutError):
                 self.flush(Deadline(0.5, "reader"))
@@ -301,12 +312,18 @@ class ChannelServer:
         if others >= 2 * self._most_clients:  # also of those that say nothing
             channel.abort()
             return
-        threading.Thread(
+        thread = threading.Thread(
             target=self._talk,
             args=(channel, protocol, others >= self._most_clients),
             name=self._thread,
             daemon=True,
-        ).start()
+        )
+        try:
+            thread.start()
+        except RuntimeError:  # the system has no more threads now; others are still answered
+            channel.abort()
+            with self._lock:
+                self._channels.discard(channel)
 
     def _talk(self, channel: Channel, protocol: ServerProtocol, is_one_too_many: bool) -> None:
         try:

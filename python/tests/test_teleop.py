@@ -109,12 +109,23 @@ def test_speeds_limits_and_lead_hold_for_any_motion(lead: float):
             assert np.all(np.abs(follower.command - measured) <= lead + 1e-9)
 
 
-def test_the_arm_stops_before_what_stands_still_and_may_leave_it():
+def arm_on_floor(plates: int = 0) -> rc.Robot:
+    """With thin plates that stand around the arm."""
     spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=False)
     config = rc.RobotConfig.load(str(RC7))
     spec.robots.append(rc.RobotSpec(name="arm", config=config, control_modes=config.used_modes()))
-    scene = rc.Scene.build(spec)
-    robot = scene.robot("arm")
+    for i in range(plates):
+        angle = 2 * np.pi * (i + 0.5) / plates
+        plate = {"name": f"plate{i}", "shape": "box", "size": [0.1, 0.002, 0.4], "fixed": True}
+        plate |= {"rgba": [1] * 4, "mass": 1, "friction": [1, 0.005, 0.0001]}
+        plate["pos"] = [0.55 * np.cos(angle), 0.55 * np.sin(angle), 0.5]
+        plate["quat"] = [np.cos(angle / 2), 0, 0, np.sin(angle / 2)]
+        spec.objects.append(rc.SceneObject(**plate))
+    return rc.Scene.build(spec).robot("arm")
+
+
+def test_the_arm_stops_before_what_stands_still_and_may_leave_it():
+    robot = arm_on_floor()
     follower = ArmFollower(robot, FollowOptions(max_lead=10))
     free = rc.kinematics.CollisionFilter(robot)
     down, blocked = Motion(translation=(0, 0, -0.01)), False
@@ -133,9 +144,128 @@ def test_the_arm_stops_before_what_stands_still_and_may_leave_it():
     assert not free(pressing.command[None])[0], "the test would not see a collision otherwise"
 
 
+def simulate(robot: rc.Robot, follower: ArmFollower, motion: Motion, actions: int) -> set[str]:
+    """Follows under physics; returns why the motions were cut short."""
+    reasons = set()
+    for _ in range(actions):
+        robot.apply(follower.follow(motion, 0.066))
+        reasons.add(follower.blocked)
+        for _ in range(33):
+            robot.update()
+            robot.scene.step()
+    return reasons
+
+
+def lowest_contact(robot: rc.Robot) -> float:
+    """The deepest contact with the floor, m; 0 without one."""
+    data = robot.scene.data
+    return min([float(each.dist) for each in data.contact[: data.ncon]], default=0.0)
+
+
+def test_physics_keeps_a_blocked_arm_off_the_floor_with_the_usual_lead():
+    robot = arm_on_floor()
+    follower = ArmFollower(robot, FollowOptions())
+    free = rc.kinematics.CollisionFilter(robot)
+    for direction in (0.0, 0.006):  # straight down, and then along the floor
+        motion = Motion(translation=(direction, direction, -0.015))
+        assert "collision" in simulate(robot, follower, motion, 45)
+        assert free(follower.command[None])[0]
+        assert lowest_contact(robot) > -0.001
+    before = robot.fk_frame().translation[2]
+    simulate(robot, follower, Motion(translation=(0, 0, 0.015)), 5)
+    assert robot.fk_frame().translation[2] > before + 0.03
+
+
+def test_an_arm_that_touches_goes_no_deeper():
+    """It begins in the floor: down is not made, along and up are."""
+    robot = arm_on_floor()
+    pressing = ArmFollower(robot, FollowOptions(stops_at_collisions=False, max_lead=10))
+    free, down = rc.kinematics.CollisionFilter(robot), Motion(translation=(0, 0, -0.01))
+    for _ in range(200):
+        pressing.follow(down, 0.1)
+        if not free(pressing.command[None])[0]:
+            break
+    robot.set_joint_pos(pressing.command)
+    start = robot.fk_frame().translation
+    follower = ArmFollower(robot, FollowOptions())
+    for _ in range(10):
+        follower.follow(down, 0.066)
+        assert follower.blocked == "collision"
+    assert moved_by(robot, follower).translation[2] > start[2] - 1e-6
+    for motion in (Motion(joints={"joint4": 9.0}), Motion(joints={"joint4": -9.0})):
+        ArmFollower(robot, FollowOptions()).follow(motion, 0.066)  # no error on any way
+    for _ in range(10):
+        follower.follow(Motion(translation=(0, 0, 0.01)), 0.066)
+        robot.set_joint_pos(follower.command)
+    assert free(follower.command[None])[0]
+    assert moved_by(robot, follower).translation[2] > start[2] + 0.05
+
+
+def test_no_command_touches_wherever_the_arm_is_pushed():
+    """With the usual lead the command follows the arm, not through the floor or itself."""
+    rng = np.random.default_rng(4)
+    robot = arm_on_floor(plates=5)
+    free = rc.kinematics.CollisionFilter(robot)
+    lower, upper = np.asarray(robot.joint_limits).T
+    starts = rng.uniform(np.maximum(lower, -3), np.minimum(upper, 3), (300, len(lower)))
+    pushed = np.clip(starts + rng.uniform(-0.4, 0.4, starts.shape), lower, upper)
+    led = pushed + np.clip(starts - pushed, -0.15, 0.15)
+    both_free = free(starts) & free(pushed)
+    touching = both_free & ~free(led)
+    assert touching.any(), "the test would not see a collision otherwise"
+    for k in [*np.flatnonzero(touching), *np.flatnonzero(both_free)[:10]]:
+        robot.set_joint_pos(starts[k])
+        follower = ArmFollower(robot, FollowOptions())
+        robot.set_joint_pos(pushed[k])
+        for _ in range(4):
+            follower.follow(Motion(tuple(rng.normal(scale=0.001, size=3))), 0.066)
+            assert free(follower.command[None])[0]
+            assert np.all(np.abs(follower.command - pushed[k]) <= 0.15 + 1e-9)
+
+
+def test_a_leader_does_not_jump_over_what_is_between_two_postures():
+    rng = np.random.default_rng(5)
+    robot = arm_on_floor(plates=5)
+    free = rc.kinematics.CollisionFilter(robot)
+    lower, upper = np.asarray(robot.joint_limits).T
+    fast = {"max_speed": 1e3, "max_angular_speed": 1e3, "max_joint_speed": 1e3, "max_lead": 10.0}
+    jumps = 0
+    for _ in range(40):
+        q, goal = rng.uniform(np.maximum(lower, -3), np.minimum(upper, 3), (2, len(lower)))
+        if not free(np.array([q, goal])).all():
+            continue
+        robot.set_joint_pos(q)
+        follower = ArmFollower(robot, FollowOptions(**fast))
+        follower.follow(Motion(joints={str(i): float(each) for i, each in enumerate(goal)}), 0.1)
+        jumps += not free(np.linspace(q, goal, 200)).all()
+        assert free(np.linspace(q, follower.command, 200)).all()
+        assert follower.blocked == "collision" or np.allclose(follower.command, goal)
+    assert jumps, "the test would not see a collision otherwise"
+
+
+def test_a_leader_moves_the_tcp_no_faster_than_it_may():
+    rng = np.random.default_rng(6)
+    robot = arm()
+    lower, upper = np.asarray(robot.joint_limits).T
+    for _ in range(20):
+        robot.set_joint_pos(rng.uniform(np.maximum(lower, -3), np.minimum(upper, 3)))
+        options = FollowOptions(max_angular_speed=0.8, max_lead=10, stops_at_collisions=False)
+        follower = ArmFollower(robot, options)
+        goal = rng.uniform(np.maximum(lower, -3), np.minimum(upper, 3))
+        joints = {str(i): float(each) for i, each in enumerate(goal)}
+        before, q = moved_by(robot, follower), follower.command
+        follower.follow(Motion(joints=joints), 0.066)
+        after = moved_by(robot, follower)
+        assert np.linalg.norm(after.translation - before.translation) < 0.25 * 0.066 * 1.001
+        cosine = (np.trace(before.rotation.T @ after.rotation) - 1) / 2
+        assert np.arccos(np.clip(cosine, -1, 1)) < 0.8 * 0.066 * 1.001
+        assert np.any(follower.command != q)
+
+
 def test_a_leader_is_followed_no_faster_than_joints_may_move():
     robot = arm()
-    follower = ArmFollower(robot, FollowOptions(max_joint_speed=1.0, max_lead=10))
+    unlimited = {"max_speed": 10.0, "max_angular_speed": 10.0, "max_lead": 10.0}
+    follower = ArmFollower(robot, FollowOptions(max_joint_speed=1.0, **unlimited))
     start = follower.command
     follower.follow(Motion(joints={"joint1": 0.5, "1": start[1] - 0.05}, opening=0.25), 0.1)
     np.testing.assert_allclose((follower.command - start)[:3], [0.1, -0.05, 0], atol=1e-9)
@@ -147,6 +277,12 @@ def test_an_open_clutch_and_silence_hold_the_arm():
     robot = arm()
     follower = ArmFollower(robot, FollowOptions())
     start = follower.command
+    opened = []
+    for clutch in (False, True):
+        robot.apply(follower.follow(Motion(opening=0.123, clutch=clutch), 0.1))
+        robot.update()
+        opened.append(np.array(robot.scene.data.ctrl))
+    assert not np.array_equal(*opened), "the clutch holds the gripper, too"
     follower.follow(Motion(translation=(1, 1, 1), clutch=False), 0.1)
     follower.hold()
     np.testing.assert_array_equal(follower.command, start)
@@ -163,11 +299,17 @@ def test_an_open_clutch_and_silence_hold_the_arm():
         {"speed": 1},
         {"joints": {"a": float("nan")}},
         {"translation": 3},
+        {"joints": []},
+        {"joints": {"a": "b"}},
+        {"clutch": "no"},
+        {"commands": 3},
     ],
 )
 def test_motions_with_wrong_parts_are_refused(fields: dict[str, Any]):
     with pytest.raises(rc.ArgumentError):
         Motion.of_json(fields)
+    with pytest.raises(rc.ArgumentError, match="map of fields"):
+        Motion.of_json(3)  # type: ignore[arg-type]
 
 
 def test_a_motion_survives_its_file():
@@ -231,6 +373,87 @@ def test_failure_discard_and_quit(tmp_path: Path):
     assert dataset[0].end_reason == "marked as a failure"
     made = record(config_of(tmp_path), Says([Motion()]), FAST)
     assert [each.id for each in made] == ["s0000_e0001"], "the session goes on"
+
+
+def test_a_session_repeats_its_own_episode_in_full(tmp_path: Path):
+    """Not the first one that is missing, and not cut by the run's own number of actions."""
+    motions = [Motion((0, 0, 0.001 * i)) for i in range(5)]
+    run = config_of(tmp_path, episodes_per_scene=2)
+    record(run, Says([*motions, Motion(commands=("failure",)), *motions]), FAST)
+    assert run.expert != "teleop", "the run of the caller stays as it was"
+    session = tmp_path / "out" / "device_sessions" / "s0000_e0001.json"
+    again = RecordedDevice(session)
+    short = config_of(tmp_path, episodes_per_scene=2, output=str(tmp_path / "again"))
+    short.rates.max_steps = 3
+    made = record(short, again, again.options())
+    assert [each.id for each in made] == ["s0000_e0001"]
+    same, first = (rc.Dataset(tmp_path / name)["s0000_e0001"] for name in ("again", "out"))
+    for name in first.columns:
+        np.testing.assert_array_equal(first[name], same[name], err_msg=name)
+    again = RecordedDevice(session)
+    with pytest.raises(rc.ArgumentError, match=r"'s0000_e0001' is in .*another output"):
+        record(short, again, again.options())
+    other = config_of(tmp_path, episodes_per_scene=1, output=str(tmp_path / "other"))
+    with pytest.raises(rc.ArgumentError, match=r"'s0000_e0001', which .* it has s0000_e0000\."):
+        record(other, again, again.options())
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"motions": [3]}, r"motions\[0\].*3 is no Motion"),
+        ({"motions": [None, {"joints": []}]}, r"motions\[1\].*joints"),
+        ({"follow": {"speed": 3}}, "follow.*speed"),
+        ({"follow": {"scale": "x"}}, "follow.*scale is 'x', not a float"),
+        ({"robot": None}, "robot.* is None, not a str"),
+        ({"ends_at_success": 1}, "ends_at_success"),
+        ({"max_steps": True}, "max_steps"),
+        ({"episode": 3}, "episode"),
+    ],
+)
+def test_a_session_with_wrong_fields_names_them(
+    change: dict[str, Any], message: str, tmp_path: Path
+):
+    content = {"format": 1, "episode": "s0000_e0000", "robot": "", "follow": {}, "motions": [{}]}
+    content |= {"ends_at_success": True}
+    file = tmp_path / "session.json"
+    file.write_text(json.dumps(content))
+    RecordedDevice(file)
+    file.write_text(json.dumps(content | change))
+    with pytest.raises(rc.ArgumentError, match=rf"session\.json.*{message}"):
+        RecordedDevice(file)
+
+
+def test_quit_keeps_an_episode_that_has_ended(tmp_path: Path):
+    script = ["record", "", "failure", "quit"]
+
+    class Presses(Device):
+        def read(self, seconds: float) -> Motion:
+            name = script.pop(0) if script else ""
+            return Motion(commands=(name,) if name else ())
+
+    options = OperatorOptions(countdown_s=0, asks=True, real_time=False)
+    made = record(config_of(tmp_path), Presses(), options)
+    assert [each.id for each in made] == ["s0000_e0000"]
+
+
+@pytest.mark.parametrize("method", ["start", "begin", "reset_origin", "read"])
+def test_a_device_with_a_fault_ends_the_session_without_an_episode(method: str, tmp_path: Path):
+    class Faulty(Says):
+        def reset_origin(self) -> None:
+            pass
+
+    def fault(*_: float) -> int:
+        if method == "read":
+            return 3
+        raise ZeroDivisionError("no scale")
+
+    device = Faulty([Motion(commands=("reset_origin",)), Motion()])
+    setattr(device, method, fault)
+    with pytest.raises(DeviceLostError, match=rf"Faulty\.{method}\(\).*(no scale|3, not a Motion)"):
+        record(config_of(tmp_path), device, FAST)
+    assert device.closed
+    assert method != "start" or not (tmp_path / "out").exists(), "no folder without a device"
 
 
 @pytest.mark.parametrize("error", [DeviceLostError("unplugged"), KeyError("left")])
@@ -325,6 +548,50 @@ def test_one_page_drives_and_silence_stops_it(monkeypatch: pytest.MonkeyPatch):
     assert motion is not None
     assert motion.commands == ("quit",)
     assert not motion.clutch
+
+
+def web_input(**fields: Any) -> dict[str, Any]:
+    return {"op": "input", **checked_input({"op": "input", "clutch": True, **fields})}
+
+
+def test_a_key_that_is_let_go_before_the_read_counts(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(time, "monotonic", lambda: 100.0)
+    device = WebDevice()
+    device.apply(1, web_input(linear=[1, 0, 0]))
+    device.apply(1, web_input())
+    motions = [device.read(0.1) for _ in range(2)]
+    for motion, expected in zip(motions, (0.01, 0.0), strict=True):
+        assert motion is not None
+        np.testing.assert_allclose(motion.translation, [expected, 0, 0], atol=1e-12)
+    device.apply(1, web_input(linear=[1, 0, 0]))
+    device.apply(1, web_input(linear=[1, 0, 0], clutch=False))
+    device.apply(1, web_input())
+    assert device.read(0.1) is not None
+
+
+def test_a_page_drives_the_gripper_only_by_what_it_changes(monkeypatch: pytest.MonkeyPatch):
+    """What an idle page remembers opens no gripper when it begins to drive."""
+    now = [100.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    device = WebDevice()
+
+    def said(page: int, **fields: Any) -> float | None:
+        device.apply(page, web_input(**fields))
+        motion = device.read(0.1)
+        assert motion is not None
+        return motion.opening if motion.clutch else None
+
+    assert said(1, opening=None) is None
+    assert said(1, opening=0) == 0
+    device.apply(2, web_input(opening=1))  # watches
+    assert said(1, opening=0) == 0
+    now[0] += 1
+    assert said(2, opening=1) is None, "page 2 takes over with an old opening"
+    assert said(2, opening=0) == 0
+    now[0] += 1
+    assert said(2, opening=1) == 1, "changed while the network was slow"
+    said(2, opening=0, clutch=False)
+    assert said(2, opening=0) is None
 
 
 def test_names_of_devices_are_explained(tmp_path: Path):

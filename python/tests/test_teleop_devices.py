@@ -29,6 +29,8 @@ class FakePad:
     def __init__(self) -> None:
         self.events: list[Any] = []
         self.gone = False
+        self.absinfo: Any = None
+        self.active_keys: Any = None
 
     def capabilities(self) -> dict[int, list[Any]]:
         sticks = [(code, SimpleNamespace(min=0, max=255, value=128)) for code in (0, 1, 3, 4)]
@@ -72,6 +74,31 @@ def test_a_gamepad_moves_opens_and_commands():
     fake.gone = True
     with pytest.raises(DeviceLostError, match="gone"):
         device.read(0.1)
+
+
+def test_a_gamepad_forgets_nothing_after_lost_events():
+    """The system drops events of a full queue; the sticks are then where they are now."""
+    fake = FakePad()
+    device = Gamepad(opened=fake)
+    device.start()
+    fake.absinfo = lambda code: SimpleNamespace(value=128 if code in (0, 1, 3, 4) else 0)
+    fake.active_keys = lambda: [pad.RIGHT]
+    fake.send(pad.EV_ABS, pad.ABS_Y, 0)
+    moved = device.read(0.1)
+    assert moved is not None
+    assert moved.translation[0] > 0
+    fake.send(pad.EV_SYN, pad.SYN_DROPPED, 0)
+    fake.send(pad.EV_ABS, pad.ABS_X, 255)
+    fake.send(pad.EV_SYN, pad.SYN_REPORT, 0)
+    moved = device.read(0.1)
+    assert moved is not None
+    np.testing.assert_allclose(moved.translation, 0, atol=1e-6)
+    assert not moved.clutch
+    fake.send(pad.EV_KEY, pad.SOUTH, 1)
+    fake.send(pad.EV_KEY, pad.EAST, 1)
+    moved = device.read(0.1)
+    assert moved is not None
+    assert moved.opening == 1, "the last button counts"
 
 
 class FakeMouse:
@@ -217,15 +244,31 @@ def test_files_of_leaders_are_explained(text: str, message: str, tmp_path: Path)
 
 
 class FakeConfig:
-    def __init__(self, port: str) -> None:
-        self.port = port
+    def __init__(self, port: str, use_degrees: bool = False) -> None:
+        self.port, self.use_degrees = port, use_degrees
 
 
 class FakeLeader(Arm):
+    """Reports -100 to 100 unless it is asked for degrees, as LeRobot's arms do."""
+
     config_class = FakeConfig
 
     def __init__(self, config: FakeConfig) -> None:
         super().__init__(config.port)
+        if not config.use_degrees:
+            self.numbers = {"a.pos": 100.0, "b.pos": -100.0, "gripper.pos": 25.0}
+
+
+class OldConfig:
+    def __init__(self, port: str) -> None:
+        self.port = port
+
+
+class OldLeader(FakeLeader):
+    config_class = OldConfig  # type: ignore[assignment]
+
+    def __init__(self, config: OldConfig) -> None:
+        super().__init__(FakeConfig(config.port))
 
 
 def test_a_leader_of_lerobot_has_its_own_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
@@ -238,11 +281,39 @@ def test_a_leader_of_lerobot_has_its_own_name(tmp_path: Path, monkeypatch: pytes
     for name in ("SO101Leader", "so101_leader"):
         device = make_device(f"lerobot:{name}", tmp_path / "options.yaml")
         device.start()
-        assert device.read(0.1) is not None
+        moved = device.read(0.1)
+        assert moved is not None
+        assert moved.joints == pytest.approx({"0": np.pi / 2, "1": -np.pi / 4})
     with pytest.raises(rc.SpecError, match="lerobot:module:Class"):
         make_device("lerobot:Koch")
     with pytest.raises(rc.SpecError, match="cannot be made"):
         make_device("lerobot:SO101Leader")
+
+
+@pytest.mark.parametrize(
+    ("kind", "options", "message"),
+    [
+        ("FakeLeader", "{port: x, use_degrees: false}", "`use_degrees` is False"),
+        ("OldLeader", "{port: x}", "no option `use_degrees`"),
+    ],
+)
+def test_a_leader_that_reports_no_degrees_needs_a_map(
+    kind: str, options: str, message: str, tmp_path: Path
+):
+    file = tmp_path / "leader.yaml"
+    file.write_text(f"class: test_teleop_devices:{kind}\noptions: {options}\n")
+    with pytest.raises(rc.SpecError, match=rf"{message}.*leader:FILE.yaml"):
+        make_device(f"leader:{file}")
+    (tmp_path / "options.yaml").write_text(options)
+    with pytest.raises(rc.SpecError, match=message):
+        make_device(f"lerobot:test_teleop_devices:{kind}", tmp_path / "options.yaml")
+    with file.open("a") as more:
+        more.write("joints: {a.pos: {joint: joint1, scale: 0.02}}\n")
+    device = make_device(f"leader:{file}")
+    device.start()
+    moved = device.read(0.1)
+    assert moved is not None
+    assert moved.joints == pytest.approx({"joint1": 2.0})
 
 
 def test_a_device_of_ones_own(tmp_path: Path):

@@ -262,4 +262,91 @@ def test_a_phone_turns_the_tool(tab: Tab):
         phone.join()
         tab.call("Emulation.setTouchEmulationEnabled", enabled=False)
         tab.call("Emulation.setEmulatedMedia", features=[])
-    np.testing.assert_allclose(np.degrees(phone.turned), [10, -20, 30], atol=0.1)
+    # gamma turns about the phone's y axis, which beta has raised by 20 degrees
+    c, s = np.cos(np.radians(20)), np.sin(np.radians(20))
+    np.testing.assert_allclose(np.degrees(phone.turned), [10 * c, -20, 30 + 10 * s], atol=0.1)
+
+
+def rotation_of_phone(degrees: np.ndarray) -> np.ndarray:
+    """As the W3C defines alpha, beta and gamma."""
+    (ca, cb, cg), (sa, sb, sg) = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    about_z = np.array([[ca, -sa, 0], [sa, ca, 0], [0, 0, 1]])
+    about_x = np.array([[1, 0, 0], [0, cb, -sb], [0, sb, cb]])
+    about_y = np.array([[cg, 0, sg], [0, 1, 0], [-sg, 0, cg]])
+    return np.asarray(about_z @ about_x @ about_y)
+
+
+def test_turns_of_a_phone_are_those_of_its_rotation_matrices(tab: Tab):
+    """Whatever its attitude: upright, too, where alpha and gamma jump."""
+    rng = np.random.default_rng(3)
+    with served(TeleopPage("phone", None, [])) as server:
+        tab.open(server.url)
+        tab.wait_for("typeof RC !== 'undefined' && !!RC.phoneTurn")
+        for k in range(20):
+            first = rng.uniform((0, -180, -90), (360, 180, 90))
+            if k < 5:
+                first[1] = 90 - 1e-4  # it stands
+            second = rng.uniform((0, -180, -90), (360, 180, 90)) if k % 2 else first + rng.normal(3)
+            a, b = (f"RC.phoneRotation({','.join(map(str, each))})" for each in (first, second))
+            turn = np.array(tab.value(f"RC.phoneTurn({a}, {b})"))
+            before, now = rotation_of_phone(first), rotation_of_phone(second)
+            right = before[:, 0] * [1, 1, 0] / np.linalg.norm(before[:2, 0])
+            axes = np.stack([[-right[1], right[0], 0], -right, [0, 0, 1]], axis=1)
+            angle = np.linalg.norm(vector := axes @ turn)
+            x, y, z = vector / angle
+            cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+            turned = np.eye(3) + np.sin(angle) * cross + (1 - np.cos(angle)) * cross @ cross
+            np.testing.assert_allclose(turned @ before, now, atol=1e-6)
+
+
+def test_a_key_that_is_let_go_never_moves_the_arm_on(tab: Tab):
+    """Whatever is held, chosen or clicked meanwhile; and a picture that stands drives nothing."""
+    phone = Phone()
+    send = "(on || document).dispatchEvent(new KeyboardEvent(kind, {{code, bubbles: true, {}}}))"
+    key = "((kind, code, on) => {{ {}; return RC.page.pressed.size }})({!r}, {!r}, {})"
+
+    def says(kind: str, code: str, held: str = "", on: str = "document.body") -> int:
+        return int(tab.value(key.format(send.format(held), kind, code, on)))
+
+    try:
+        with served(phone.site) as server:
+            tab.open(server.url)
+            tab.wait_for("document.documentElement.dataset.phase === 'recording'")
+            assert says("keydown", "KeyW") == 1
+            assert says("keyup", "KeyW", "ctrlKey: true") == 0
+            assert says("keydown", "KeyW") == 1
+            assert says("keydown", "ControlLeft", "ctrlKey: true") == 0
+            assert says("keydown", "KeyW") == 1
+            assert says("keyup", "KeyW", on="document.querySelector('select')") == 0
+            assert says("keydown", "KeyW") == 1
+            assert (
+                tab.value("(document.querySelector('select').focus(), RC.page.pressed.size)") == 0
+            )
+            assert says("keydown", "KeyW") == 1
+            press(tab, "Clutch")
+            assert tab.value("RC.page.pressed.size") == 0
+            press(tab, "Clutch")
+            assert says("keydown", "KeyW") == 1
+            phone.ends.set()
+            tab.wait_for("RC.page.isStale() && RC.page.pressed.size === 0")
+    finally:
+        phone.ends.set()
+        phone.join()
+
+
+def test_a_frame_that_fails_is_told_and_others_follow(tab: Tab):
+    phone = Phone()
+    try:
+        with served(phone.site) as server:
+            tab.open(server.url)
+            tab.wait_for("document.documentElement.dataset.phase === 'recording'")
+            tab.value(
+                "RC.page.show_ = RC.page.show; RC.page.show = () => { throw Error('no phase') }"
+            )
+            tab.wait_for("RC.page.banner.textContent.includes('not of now: no phase')")
+            tab.wait_for("RC.page.isStale()")
+            tab.value("RC.page.show = RC.page.show_")
+            tab.wait_for("!RC.page.isStale() && RC.page.banner.textContent.includes('Recording')")
+    finally:
+        phone.ends.set()
+        phone.join()

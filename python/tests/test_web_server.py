@@ -108,6 +108,102 @@ def test_names_of_other_sites_are_refused(host: str):
         assert get(server, "/?token=secret", Host=host.format(port=server.port))[0] == 403
 
 
+def test_names_of_this_server_are_those_of_browsers(monkeypatch: pytest.MonkeyPatch):
+    """They write names in lower case, and leave the usual ports out."""
+    monkeypatch.setattr(socket, "gethostname", lambda: "MyLaptop")
+    server = WebServer(Echo(), host="0.0.0.0", token="secret")
+    server.start()
+    try:
+        assert server.url.startswith("http://MyLaptop:")
+        name = f"mylaptop:{server.port}"
+        assert get(server, "/?token=secret", Host=name)[0] == 200
+        plain = socket.create_connection(("127.0.0.1", server.port))
+        url = f"ws://{name}/socket?token=secret"
+        with connect(url, sock=plain, origin=f"http://{name}"):  # type: ignore[arg-type]
+            pass
+        assert not server._is_own("mylaptop")
+        for tls, port, other in ((None, 80, 443), (object(), 443, 80)):
+            server._tls = tls  # type: ignore[assignment]
+            server.port = port
+            for host in ("mylaptop", "LOCALHOST", "[::1]", "192.168.0.7"):
+                assert server._is_own(host), host
+                assert server._is_own(f"{host}:{port}"), host
+                assert not server._is_own(f"{host}:{other}"), host
+            assert not server._is_own("evil.com")
+            assert not server._is_own("")
+    finally:
+        server.close()
+
+
+@pytest.mark.parametrize(
+    "path", [b"//[x", b"/?token=\xff", b"/?token=%ff%ed%a0%80", b"/?" + b"a=1&" * 900, b"/\xff"]
+)
+def test_a_strange_address_gets_an_answer(path: bytes, capfd: pytest.CaptureFixture[str]):
+    with serving() as server:
+        with socket.create_connection(("127.0.0.1", server.port), timeout=5) as plain:
+            host = f"127.0.0.1:{server.port}".encode()
+            plain.sendall(b"GET " + path + b" HTTP/1.1\r\nHost: " + host + b"\r\n\r\n")
+            answer = plain.recv(1000)
+        # What is not ASCII is no HTTP.
+        assert answer[:12] in ((b"HTTP/1.1 401", b"HTTP/1.1 400") if path.isascii() else (b"",))
+        assert get(server, "/?token=secret")[0] == 200
+    assert capfd.readouterr().err == ""
+
+
+def test_a_site_that_fails_answers_with_its_error(capfd: pytest.CaptureFixture[str]):
+    class Breaks(Echo):
+        def get(self, path: str, query: Mapping[str, str]) -> Reply | None:
+            raise KeyError("no such column")
+
+    with serving(Breaks()) as server:
+        status, text, _ = get(server, "/large?token=secret")
+    assert status == 500
+    assert b"no such column" in text
+    assert capfd.readouterr().err == ""
+
+
+def test_a_page_that_says_nothing_leaves_its_place(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(web_server, "IDLE_S", 0.3)
+    site = Echo()
+    with serving(site) as server, visiting(server, ping_interval=None):
+        assert site.ended.wait(5)
+
+
+def test_a_slow_reader_of_https_has_one_deadline(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """Not one for each of the records in which TLS sends."""
+    monkeypatch.setattr(web_server, "RESPONSE_S", 0.5)
+    server = WebServer(Echo(), token="secret", certificate=make_certificate(tmp_path, "127.0.0.1"))
+    server.start()
+    trust = ssl.create_default_context(cafile=tmp_path / "certificate.pem")
+    try:
+        with trust.wrap_socket(
+            socket.create_connection(("127.0.0.1", server.port)), server_hostname="127.0.0.1"
+        ) as page:
+            host = f"127.0.0.1:{server.port}"
+            page.sendall(f"GET /large?token=secret HTTP/1.1\r\nHost: {host}\r\n\r\n".encode())
+            began = time.monotonic()
+            with contextlib.suppress(OSError):
+                while server._channels or time.monotonic() < began + 0.2:
+                    page.recv(16384)
+                    time.sleep(0.02)  # a record takes a 25th of the deadline, all of them 10 s
+            assert time.monotonic() - began < 5
+    finally:
+        server.close()
+
+
+def test_a_server_without_threads_goes_on(monkeypatch: pytest.MonkeyPatch):
+    with serving() as server:
+
+        def none(_thread: threading.Thread) -> None:
+            raise RuntimeError("can't start new thread")
+
+        with monkeypatch.context() as full:
+            full.setattr(threading.Thread, "start", none)
+            with pytest.raises((http.client.HTTPException, ConnectionError)):
+                get(server, "/page.css")
+        assert get(server, "/page.css")[0] == 200
+
+
 @pytest.mark.parametrize("origin", [None, "null", "http://evil.com", "https://127.0.0.1:{port}"])
 def test_pages_of_other_sites_may_not_connect(origin: str | None):
     with serving() as server:

@@ -11,9 +11,11 @@ from typing import Annotated
 import typer
 
 from robocell import RunConfig
-from robocell._cli.common import ExitCode, require_spec_file
+from robocell._cli.common import ExitCode, fail, require_spec_file
 from robocell._generation.run_source import RunSource
 from robocell._suggestions import counted
+
+LONGEST_S = 86400.0  # an episode, or a countdown
 
 
 def teleop(
@@ -88,6 +90,9 @@ def teleop(
     3    reading or writing failed
     130  interrupted
     """
+    for name, value in (("--max-seconds", max_seconds), ("--countdown", countdown)):
+        if not value <= LONGEST_S:
+            fail(f"{name} is {value:g}; it must be at most {LONGEST_S:g} s")
     from robocell._cli.web_view import serving
     from robocell._teleop.devices import make_device
     from robocell._teleop.follower import FollowOptions
@@ -128,7 +133,10 @@ def teleop(
     if chosen.help:
         print(chosen.help, flush=True)
     try:
-        with _certificate(tls, host) as certificate, serving(site, host, port, certificate):
+        with (
+            _certificate(tls, host) as certificate,
+            serving(site, host, port, certificate, offers_tls=True),
+        ):
             made = record(config, moved, options, site, say)
     except KeyboardInterrupt:
         raise typer.Exit(ExitCode.INTERRUPTED) from None
@@ -144,8 +152,6 @@ def _config(
     max_seconds: float,
 ) -> RunConfig:
     """Reads the run; its dataset is not that of the run's own expert."""
-    from robocell._teleop.operator import policy_seconds
-
     fields = [*replaced]
     if episodes is not None:
         fields.append(f"episodes_per_scene={episodes}")
@@ -153,7 +159,7 @@ def _config(
         fields.append(f"seed={seed}")
     config = source.load(fields)
     config.output = output or f"{str(config.output).rstrip('/')}_teleop"
-    config.rates.max_steps = 1 + max(1, round(max_seconds / policy_seconds(config.rates)))
+    config.rates.max_steps = 1 + max(1, round(max_seconds / config.rates.policy_period()))
     return config
 
 

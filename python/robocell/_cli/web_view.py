@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import ipaddress
 import signal
 import threading
 from collections.abc import Iterator
@@ -12,11 +13,13 @@ from robocell._cli.common import fail, is_dataset, print_warning
 from robocell._cli.view import load
 from robocell._web.dataset_page import DatasetPages
 from robocell._web.live_scene import LiveScene
-from robocell._web.web_server import LOOPBACK_NAMES, Site, WebServer
+from robocell._web.web_server import Site, WebServer
 
 
 def view_in_browser(target: Path, index: int, speed: float, host: str, port: int) -> None:
     """Serves a page until Ctrl-C."""
+    if target.name in ("", ".."):
+        target = target.resolve()
     if (target / "episode.json").is_file():
         wait_serving(DatasetPages(target.parent, target.name), host, port)
         return
@@ -31,6 +34,11 @@ def view_in_browser(target: Path, index: int, speed: float, host: str, port: int
         live.run()
 
 
+def _is_own(address: str) -> bool:
+    """Returns True for an address that only this machine reaches."""
+    return ipaddress.ip_address(address.partition("%")[0]).is_loopback
+
+
 def wait_serving(site: Site, host: str, port: int) -> None:
     """Serves a site whose data stay as they are until Ctrl-C."""
     with serving(site, host, port), contextlib.suppress(KeyboardInterrupt):
@@ -39,14 +47,29 @@ def wait_serving(site: Site, host: str, port: int) -> None:
 
 @contextlib.contextmanager
 def serving(
-    site: Site, host: str, port: int, certificate: tuple[Path, Path] | None = None
+    site: Site,
+    host: str,
+    port: int,
+    certificate: tuple[Path, Path] | None = None,
+    *,
+    offers_tls: bool = False,
 ) -> Iterator[WebServer]:
-    """Serves a site, prints its address, and ends at SIGTERM as at Ctrl-C."""
+    """Serves a site, prints its address, and ends at SIGTERM as at Ctrl-C.
+
+    Args:
+        site: The site.
+        host: Address to listen at.
+        port: 0 for a free one.
+        certificate: Files with a certificate and its key, for https.
+        offers_tls: The command has the option --tls.
+    """
     server = WebServer(site, host=host, port=port, certificate=certificate)
-    if host not in LOOPBACK_NAMES:
+    if not _is_own(server.host):
+        way = "use --tls" if offers_tls else "use a tunnel, ssh -L"
+        clear = "" if certificate else f" that goes over the network in clear text: {way}"
         print_warning(
             f"the page can be opened from other machines that reach {host}; its address is a "
-            "password"
+            f"password{clear}"
         )
     print(f"page: {server.url}", flush=True)
     print("Ctrl-C ends it.", flush=True)

@@ -17,7 +17,7 @@ COMMANDS = {
     "reset_origin": "make the device's present pose its zero",
     "keep": "store the episode that has ended",
     "discard": "drop the episode that has ended, or the present one, and begin again",
-    "quit": "end the program",
+    "quit": "end the program; an ended episode is kept, one that is recorded is dropped",
 }
 FRAMES = ("base", "world", "tool", "camera")
 
@@ -52,6 +52,8 @@ class Motion:
 
     def __post_init__(self) -> None:
         """Raises ArgumentError for numbers that are not finite, unknown commands and frames."""
+        if not isinstance(self.joints, Mapping) or not isinstance(self.clutch, bool):
+            raise ArgumentError("`joints` of a Motion is a map of numbers, `clutch` True or False")
         opening = () if self.opening is None else (self.opening,)
         numbers = (*self.translation, *self.rotation, *opening, *self.joints.values())
         if len(self.translation) != 3 or len(self.rotation) != 3:
@@ -72,6 +74,8 @@ class Motion:
     @classmethod
     def of_json(cls, fields: Mapping[str, Any]) -> Motion:
         """Returns what `as_json` returned. Raises ArgumentError for anything else."""
+        if not isinstance(fields, Mapping):
+            raise ArgumentError(f"{fields!r} is no Motion: it is a map of fields")
         known = set(cls.__dataclass_fields__)
         if unknown := sorted(set(fields) - known):
             raise ArgumentError(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 from robocell._core import (
     ArgumentError,
     CollisionFilter,
+    Error,
     GroupCommand,
+    MotionPlanner,
     NotFoundError,
     Pose,
     Robot,
@@ -23,6 +25,8 @@ from robocell._teleop.device import FRAMES, Motion
 # The device's x forward, y left, z up in MuJoCo's axes of cameras: x right, y up, view along -z.
 DEVICE_IN_CAMERA = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]])
 PARTS = 8  # of an action, so that the TCP keeps to its line and its speed
+TESTED_STEP = 0.005  # rad or m of a joint between two postures that are tested for collisions
+NEARER = 1e-7  # m; distances that differ by less are the same
 
 
 @dataclass(frozen=True)
@@ -34,8 +38,8 @@ class FollowOptions:
         rotation_scale: Angle of the TCP for an angle of the device.
         frame: Axes of the device: "base" of the robot, "world", "tool", or "camera:NAME" for those
             of a camera of the scene.
-        max_speed: Largest speed of the TCP, m/s.
-        max_angular_speed: Its largest angular speed, rad/s.
+        max_speed: Largest speed of the TCP, m/s; of leader arms, too.
+        max_angular_speed: Its largest angular speed, rad/s; of leader arms, too.
         max_joint_speed: Largest speed of a joint, rad/s or m/s.
         max_lead: How far the command of a joint may lead the joint, rad or m: a blocked arm presses
             no harder.
@@ -54,7 +58,13 @@ class FollowOptions:
     stops_at_collisions: bool = True
 
     def __post_init__(self) -> None:
-        """Raises ArgumentError for values that are out of range."""
+        """Raises ArgumentError for values that are out of range, or of another kind."""
+        for name, default in ((each.name, each.default) for each in fields(self)):
+            value, expected = getattr(self, name), type(default)
+            if isinstance(value, bool) != (expected is bool) or not isinstance(
+                value, int | float if expected is float else expected
+            ):
+                raise ArgumentError(f"{name} is {value!r}, not a {expected.__name__}")
         for name in ("max_speed", "max_angular_speed", "max_joint_speed", "max_lead"):
             if not 0 < getattr(self, name) < np.inf:
                 raise ArgumentError(f"{name} must be above 0, got {getattr(self, name)}")
@@ -95,6 +105,7 @@ class ArmFollower:
         self._command = np.array(robot.arm.joint_pos, float)
         self._opening = float(robot.gripper.opening) if robot.has_gripper else None
         self._filter = self._make_filter()
+        self._depth: _Depth | None = None
         self.blocked = ""
 
     @property
@@ -117,20 +128,16 @@ class ArmFollower:
     def follow(self, motion: Motion, seconds: float) -> dict[str, GroupCommand]:
         """Returns the commands of one action of so many seconds."""
         self.blocked = ""
-        if motion.opening is not None and self._opening is not None:
-            self._opening = min(max(motion.opening, 0.0), 1.0)
         if not motion.clutch:
             return self.hold()
+        if motion.opening is not None and self._opening is not None:
+            self._opening = min(max(motion.opening, 0.0), 1.0)
         wanted = (
             self._towards_joints(motion, seconds)
             if motion.joints
             else self._towards_pose(motion, seconds)
         )
-        if np.any(wanted != self._command) and not self._may_move_to(wanted):
-            self.blocked = "collision"
-        else:
-            self._command = wanted
-        self._keep_lead()
+        self._go_to(wanted)
         blocked = self.blocked
         commands = self.hold()
         self.blocked = blocked
@@ -162,16 +169,24 @@ class ArmFollower:
             wanted = wanted + part * np.asarray(moved.velocity)
             if moved.slower:
                 self.blocked = "limit"
-        return self._no_faster(wanted, options.max_speed * seconds)
+        return self._no_faster(wanted, seconds)
 
-    def _no_faster(self, wanted: NDArray[np.float64], longest: float) -> NDArray[np.float64]:
-        """Shortens a motion whose TCP moves further: at limits, turning may cost translation."""
-        start = self._robot.fk_frame(self._command).translation
+    def _no_faster(self, wanted: NDArray[np.float64], seconds: float) -> NDArray[np.float64]:
+        """Shortens a motion whose TCP moves or turns further than its speeds allow.
+
+        A leader's joints may do that, and so may turning that costs translation at limits.
+        """
+        longest = self._options.max_speed * seconds
+        widest = min(self._options.max_angular_speed * seconds, np.pi)
+        start = self._robot.fk_frame(self._command)
         for _ in range(PARTS):  # joints move the TCP on arcs, so that one division is not exact
-            moved = float(np.linalg.norm(self._robot.fk_frame(wanted).translation - start))
-            if moved <= longest * (1 + 1e-6):
+            tcp = self._robot.fk_frame(wanted)
+            moved = float(np.linalg.norm(tcp.translation - start.translation))
+            turned = _angle(np.asarray(start.rotation).T @ np.asarray(tcp.rotation))
+            excess = max(moved / longest, turned / widest)
+            if excess <= 1 + 1e-6:
                 break
-            wanted = self._command + (wanted - self._command) * (longest / moved)
+            wanted = self._command + (wanted - self._command) / excess
         return wanted
 
     def _axes_in_base(self, frame: str, camera: str) -> NDArray[np.float64]:
@@ -193,7 +208,8 @@ class ArmFollower:
             wanted[self._place(name)] = value
         wanted = np.clip(wanted, *self._limits.T)
         step = self._options.max_joint_speed * seconds
-        return self._command + np.clip(wanted - self._command, -step, step)
+        wanted = self._command + np.clip(wanted - self._command, -step, step)
+        return self._no_faster(wanted, seconds)
 
     def _place(self, name: str) -> int:
         if name in self._names:
@@ -206,11 +222,21 @@ class ArmFollower:
             f"{len(self._names) - 1}"
         )
 
-    def _keep_lead(self) -> None:
+    def _go_to(self, wanted: NDArray[np.float64]) -> None:
+        """Moves the command towards a posture, up to the last one that the arm may take.
+
+        The command leads the arm by no more than `max_lead`. Where a collision forbids every such
+        command on the way, the arm stays where it is.
+        """
         measured = np.asarray(self._robot.arm.joint_pos)
         lead = self._options.max_lead
-        self._command = measured + np.clip(self._command - measured, -lead, lead)
-        self._command = np.clip(self._command, *self._limits.T)
+        wanted = np.clip(measured + np.clip(wanted - measured, -lead, lead), *self._limits.T)
+        reached = self._last_allowed(wanted)
+        if np.any(reached != wanted):
+            self.blocked = "collision"
+        if np.any(np.abs(reached - measured) > lead + 1e-9):
+            reached = np.clip(measured, *self._limits.T)
+        self._command = reached
 
     def _make_filter(self) -> Any:
         """Returns the test of configurations: only what stands still is in the way.
@@ -222,13 +248,74 @@ class ArmFollower:
         ignored = _movable_bodies(self._scene)
         return CollisionFilter(self._robot, self._options.clearance, ignored)
 
-    def _may_move_to(self, wanted: NDArray[np.float64]) -> bool:
-        """Returns False if a free arm would touch something; one that touches may move away."""
-        if self._filter is None:
-            return True
+    def _last_allowed(self, wanted: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Returns the last posture on the way that is free of collisions.
+
+        An arm that touches something already may move away from it, or along it.
+        """
+        furthest = float(np.max(np.abs(wanted - self._command), initial=0.0))
+        if self._filter is None or furthest == 0:
+            return wanted
         self._filter.update()
-        now, then = self._filter(np.array([self._command, wanted]))
-        return bool(then or not now)
+        way = np.linspace(self._command, wanted, 1 + int(np.ceil(furthest / TESTED_STEP)))
+        free = np.asarray(self._filter(way))
+        if free.all():
+            return wanted
+        last, depths = 0, self._depths()
+        for k in range(1, len(way)):
+            if not free[k] and (free[last] or not depths.is_no_deeper(way[0], way[k])):
+                break
+            last = k
+        return np.asarray(way[last])
+
+    def _depths(self) -> _Depth:
+        """Returns the measure of how deep the arm is in what it touches."""
+        self._depth = self._depth or _Depth(self._robot, self._options.clearance)
+        self._depth.update()
+        return self._depth
+
+
+class _Depth:
+    """Compares how near two postures of an arm come to what stands still, and to itself."""
+
+    def __init__(self, robot: Robot, clearance: float) -> None:
+        record = next(each for each in robot.scene.compiled.robots if each.name == robot.name)
+        ignored = [(body, "") for body in _movable_bodies(robot.scene)]
+        itself = [(record.top_body, record.top_body)]
+        self._clearance = max(clearance, 1e-6)
+        self._planners: list[MotionPlanner] = []
+        try:
+            for allowed in (ignored, [*ignored, *itself]):
+                planner = MotionPlanner(robot, clearance=clearance, allowed_contacts=allowed)
+                self._planners.append(planner)
+        except Error:  # a robot for which nothing can be planned: no motion counts as a way out
+            self._planners = []
+            return
+        names = list(robot.joint_names)
+        self._order = [names.index(name) for name in self._planners[0].joint_names]
+
+    def update(self) -> None:
+        """Copies the scene's present state."""
+        for planner in self._planners:
+            planner.update()
+
+    def is_no_deeper(self, start: NDArray[np.float64], end: NDArray[np.float64]) -> bool:
+        """Returns True if the arm is at `end` no nearer to anything than at `start`."""
+        if not self._planners:
+            return False
+        whole, others = self._planners
+        return all(
+            planner.clearance(end[self._order], horizon)
+            >= planner.clearance(start[self._order], horizon) - NEARER
+            for planner, horizon in ((whole, 1e-6), (others, self._clearance))
+        )
+
+
+def _angle(rotation: NDArray[np.float64]) -> float:
+    """Returns the angle of a rotation matrix (3, 3), rad; exact for small ones, too."""
+    skew = rotation - rotation.T
+    sine = float(np.linalg.norm([skew[2, 1], skew[0, 2], skew[1, 0]])) / 2
+    return float(np.arctan2(sine, (np.trace(rotation) - 1) / 2))
 
 
 def _cut(vector: NDArray[np.float64], longest: float) -> NDArray[np.float64]:

@@ -10,7 +10,8 @@ from robocell._teleop.device import Device, DeviceLostError, Motion
 FASTEST = (0.2, 1.0)  # m/s and rad/s
 DEAD_ZONE = 0.12  # of the full deflection
 # Codes of linux/input-event-codes.h
-EV_KEY, EV_ABS = 1, 3
+EV_SYN, EV_KEY, EV_ABS = 0, 1, 3
+SYN_REPORT, SYN_DROPPED = 0, 3
 ABS_X, ABS_Y, ABS_Z, ABS_RX, ABS_RY, ABS_RZ, ABS_HAT0X, ABS_HAT0Y = 0, 1, 2, 3, 4, 5, 16, 17
 SOUTH, EAST, NORTH, WEST, LEFT, RIGHT, SELECT, START = 304, 305, 307, 308, 310, 311, 314, 315
 COMMANDS = {
@@ -42,6 +43,7 @@ class Gamepad(Device):
         self._ranges: dict[int, tuple[float, float]] = {}
         self._held: set[int] = set()
         self._rest: dict[int, float] = {}
+        self._has_lost_events = False
 
     def start(self) -> None:
         """Opens the gamepad."""
@@ -74,7 +76,7 @@ class Gamepad(Device):
                 -angular * self._stick(ABS_RY),
                 -angular * self._stick(ABS_RX),
             ),
-            opening=next((opening[code] for code in pressed if code in opening), None),
+            opening=next((opening[code] for code in pressed[::-1] if code in opening), None),
             clutch=RIGHT not in self._held,
             commands=tuple(commands),
         )
@@ -115,13 +117,31 @@ class Gamepad(Device):
                 raise DeviceLostError(f"the gamepad is gone: {error.strerror}") from error
             if event is None:
                 return pressed
-            if event.type == EV_ABS:
+            if event.type == EV_SYN:
+                self._synchronise(event.code)
+            elif self._has_lost_events:
+                continue  # these events are of a state that is not known
+            elif event.type == EV_ABS:
                 self._axes[event.code] = self._normal(event.code, float(event.value))
             elif event.type == EV_KEY and event.value == 1:
                 pressed.append(event.code)
                 self._held.add(event.code)
             elif event.type == EV_KEY and event.value == 0:
                 self._held.discard(event.code)
+
+    def _synchronise(self, code: int) -> None:
+        """Asks for the present state after the system's queue was full and events were lost."""
+        if code == SYN_DROPPED:
+            self._has_lost_events = True
+        if code != SYN_REPORT or not self._has_lost_events:
+            return
+        self._has_lost_events = False
+        try:
+            for axis in self._ranges:
+                self._axes[axis] = self._normal(axis, float(self._device.absinfo(axis).value))
+            self._held = set(self._device.active_keys())
+        except OSError as error:
+            raise DeviceLostError(f"the gamepad is gone: {error.strerror}") from error
 
     def _normal(self, code: int, value: float) -> float:
         """Returns a value from -1 to 1."""

@@ -2,7 +2,7 @@
 
     # leader.yaml
     class: lerobot.teleoperators.so101_leader:SO101Leader   # or one of your own
-    options: {port: /dev/ttyACM0, id: my_leader}
+    options: {port: /dev/ttyACM0, id: my_leader, use_degrees: true}
     joints:
       shoulder_pan.pos: {joint: joint1, scale: 0.01745, offset: 0}  # robot = scale * it + offset
     gripper: {from: gripper.pos, closed: 0, open: 100}
@@ -29,6 +29,7 @@ from robocell._teleop.device import Device, DeviceLostError, Motion
 from robocell._teleop.devices import options_of
 
 LEROBOT = "lerobot.teleoperators"
+UNITS = "use_degrees"  # an option of LeRobot's arms; by default they report -100 to 100
 FIELDS = {"class", "options", "joints", "gripper"}
 
 
@@ -72,7 +73,7 @@ class Leader(Device):
     Args:
         teleoperator: The leader.
         joints: Which joint follows which number; empty for all numbers in the order of the
-            leader, in degrees, as LeRobot's arms report them.
+            leader, in degrees.
         gripper: Which number is the opening.
     """
 
@@ -112,7 +113,8 @@ class Leader(Device):
             ) from error
         if gripper and gripper.open == gripper.closed:
             raise SpecError(f"{file}: `open` and `closed` of the gripper are the same")
-        return cls(_made(content["class"], content.get("options") or {}), joints, gripper)
+        made = _made(content["class"], content.get("options") or {}, in_degrees=not joints)
+        return cls(made, joints, gripper)
 
     @classmethod
     def of_lerobot(cls, name: str, config: Path | None) -> Leader:
@@ -121,7 +123,8 @@ class Leader(Device):
         `name` is module:Class, or LeRobot's own name of a class or of its folder, such as
         SO101Leader or so101_leader.
         """
-        return cls(_made(name if ":" in name else _of_lerobot(name), options_of(config)))
+        name = name if ":" in name else _of_lerobot(name)
+        return cls(_made(name, options_of(config), in_degrees=True))
 
     def start(self) -> None:
         """Connects the leader."""
@@ -180,6 +183,24 @@ class Leader(Device):
             raise DeviceLostError(f"{kind}.{method}(): {place_of(error)}") from error
 
 
+def _parameters(kind: Any) -> Mapping[str, Any]:
+    return inspect.signature(kind).parameters
+
+
+def _with_degrees(name: str, config: Any, options: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Returns the options with which the joints of a LeRobot arm are degrees. Raises SpecError."""
+    if UNITS in _parameters(config):
+        if options.get(UNITS, True) is True:
+            return {**options, UNITS: True}
+        why = f"its option `{UNITS}` is {options[UNITS]!r}"
+    else:
+        why = f"it has no option `{UNITS}`"
+    raise SpecError(
+        f"'{name}' does not report degrees: {why}. Set `{UNITS}: true` if it has it, or map its "
+        "numbers with --device leader:FILE.yaml and `joints:`, whose scale and offset you choose"
+    )
+
+
 def _of_lerobot(name: str) -> str:
     """Returns module:Class of a Teleoperator that comes with LeRobot. Raises SpecError."""
     folder = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
@@ -207,8 +228,14 @@ def _of_lerobot(name: str) -> str:
     return f"{module_name}:{chosen[0]}"
 
 
-def _made(name: str, options: Mapping[str, Any]) -> Any:
-    """Returns an object of a class by name; a LeRobot class is made from its configuration."""
+def _made(name: str, options: Mapping[str, Any], in_degrees: bool) -> Any:
+    """Returns an object of a class by name; a LeRobot class is made from its configuration.
+
+    Args:
+        name: The class, as module:Class.
+        options: Its options.
+        in_degrees: Let a LeRobot arm report degrees, not -100 to 100 of each joint's range.
+    """
     module_name, colon, attribute = name.rpartition(":")
     if not colon:
         raise SpecError(f"'{name}' names no class: give module:Class")
@@ -224,7 +251,13 @@ def _made(name: str, options: Mapping[str, Any]) -> Any:
         if config is None:
             config = typing.get_type_hints(kind.__init__).get("config")
         make: Any = kind
-        return make(config(**options)) if inspect.isclass(config) else make(**options)
+        if not inspect.isclass(config):
+            return make(**options)
+        if in_degrees and (hasattr(kind, "config_class") or UNITS in _parameters(config)):
+            options = _with_degrees(name, config, options)
+        return make(config(**options))
+    except SpecError:
+        raise
     except RAISED as error:
         raise_interrupt(error)
         raise SpecError(f"'{name}' cannot be made: {place_of(error)}") from error

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
-from robocell._core import EpisodeStart, Error, GroupCommand, Rates, Rng, RunConfig, Scene, StopFlag
+from robocell._core import EpisodeStart, Error, GroupCommand, Rng, RunConfig, Scene, StopFlag
 from robocell._own_code import RAISED, raise_interrupt
 from robocell._raised import place_of
 from robocell._teleop.device import Device, DeviceLostError, Motion
@@ -22,7 +22,6 @@ from robocell.tasks import Expert
 
 FRAME_S = 1 / 30
 SILENT_S = 0.5  # without a word from the device, it counts as silent
-DEFAULT_POLICY_S = 0.066  # of a run that says nothing about it
 WAITING, COUNTDOWN, RECORDING, REVIEW = "waiting", "countdown", "recording", "review"
 MARKED = "marked as a failure"
 
@@ -53,6 +52,8 @@ class OperatorOptions:
         asks: Whether each ended episode is kept or discarded by command; False keeps it.
         waits: Whether an episode waits for `record`; False begins at once.
         real_time: False acts as fast as the computer can, for recorded sessions.
+        episode: Id of the only episode to record; "" for all that are missing.
+        max_steps: Most actions of an episode, in the place of the run's; 0 leaves those.
     """
 
     robot: str = ""
@@ -62,6 +63,8 @@ class OperatorOptions:
     asks: bool = True
     waits: bool = True
     real_time: bool = True
+    episode: str = ""
+    max_steps: int = 0
 
 
 class Operator:
@@ -72,6 +75,7 @@ class Operator:
         quits: True when the person has enough.
         motions: The motion of each action of the present episode; None where the device was silent.
         phase: What is going on.
+        max_steps: Most actions of the present episode.
         lost: The error that ended the session: of a device that is gone, or of a wrong name.
     """
 
@@ -82,6 +86,7 @@ class Operator:
         self.stop, self.quits = StopFlag(), False
         self.motions: list[Motion | None] = []
         self.phase = WAITING
+        self.max_steps = 0
         self.lost: Exception | None = None
         self.row: Mapping[str, Any] = {}
         self._screen = screen or NoScreen()
@@ -107,20 +112,28 @@ class Operator:
 
     def read(self, seconds: float) -> Motion | None:
         """Reads the device, and keeps its commands for `take`. A lost device ends the session."""
+        motion = self.call("read", seconds)
+        if motion is None:
+            return None
+        if not isinstance(motion, Motion):
+            kind = type(self.device).__name__
+            self.end(DeviceLostError(f"{kind}.read() returned {motion!r}, not a Motion or None"))
+            return None
+        self._heard = time.monotonic()
+        self._commands += motion.commands
+        return motion
+
+    def call(self, method: str, *arguments: object) -> Any:
+        """Calls a method of the device. Whatever it raises ends the session; then returns None."""
         try:
-            motion = self.device.read(seconds)
+            return getattr(self.device, method)(*arguments)
         except Error as error:
             self.end(error)
-            return None
         except RAISED as error:
             raise_interrupt(error)
-            text = f"{type(self.device).__name__}.read(): {place_of(error)}"
-            self.end(DeviceLostError(text))
-            return None
-        if motion is not None:
-            self._heard = time.monotonic()
-            self._commands += motion.commands
-        return motion
+            kind = type(self.device).__name__
+            self.end(DeviceLostError(f"{kind}.{method}(): {place_of(error)}"))
+        return None
 
     def end(self, error: Exception) -> None:
         """Ends the session; the present episode is dropped, and `record` raises the error."""
@@ -128,10 +141,14 @@ class Operator:
         self.stop.set()
 
     def take(self, *names: str) -> str:
-        """Returns the first waiting command of these, and drops it; "" without one."""
+        """Returns the first waiting command of these, and drops it; "" without one.
+
+        After `quit` the present rollout stops, unless its episode has ended: that one is kept.
+        """
         if "quit" in self._commands:
             self.quits = True
-            self.stop.set()
+            if self.phase != REVIEW:
+                self.stop.set()
         for name in names:
             if name in self._commands:
                 self._commands.remove(name)
@@ -145,12 +162,12 @@ class Operator:
     def wait_for(self, scene: Scene, *names: str, seconds: float | None = None) -> str:
         """Shows the scene until one of the commands is given, or the time is over ("")."""
         end = None if seconds is None else time.monotonic() + seconds
-        while not self.stop.is_set:
+        while not (self.stop.is_set or self.quits):
             if end is not None and time.monotonic() >= end:
                 return ""
             self.read(FRAME_S)
             if self.take("reset_origin"):
-                self.device.reset_origin()
+                self.call("reset_origin")
             if found := self.take(*names):
                 return found
             self.show(scene, end)
@@ -180,7 +197,8 @@ class Teleoperator(Expert):
     def __init__(self, run: RunConfig, start: EpisodeStart, operator: Operator) -> None:
         super().__init__()
         self._operator, self._start = operator, start
-        self._seconds = policy_seconds(run.rates)
+        self._seconds = run.rates.policy_period()
+        operator.max_steps = run.rates.max_steps
         self._most_actions = max(run.rates.max_steps - 1, 1)
         self._follower: ArmFollower | None = None
         self._robot = ""
@@ -211,7 +229,7 @@ class Teleoperator(Expert):
             operator.phase = COUNTDOWN
             operator.wait_for(scene, seconds=options.countdown_s)
         operator.phase = RECORDING
-        operator.device.begin()
+        operator.call("begin")
         operator.forget_commands()
         self._due = time.monotonic()
 
@@ -235,7 +253,7 @@ class Teleoperator(Expert):
         motion = None if operator.stop.is_set else operator.read(self._seconds)
         operator.motions.append(motion)
         if operator.take("reset_origin"):
-            operator.device.reset_origin()
+            operator.call("reset_origin")
         if operator.take("resync"):
             follower.resync()
         if operator.take("discard"):
@@ -302,13 +320,6 @@ class Teleoperator(Expert):
         elif now > self._due + 2 * self._seconds:
             self._due = now
         self._due += self._seconds
-
-
-def policy_seconds(rates: Rates) -> float:
-    """Returns the time per action of a run, s."""
-    if rates.policy_ms is not None:
-        return rates.policy_ms / 1000
-    return DEFAULT_POLICY_S if rates.policy_hz is None else 1 / rates.policy_hz
 
 
 def _arm_of(robot: Any) -> str:

@@ -6,13 +6,12 @@ from pathlib import Path
 
 from robocell._core import ArgumentError
 from robocell._teleop.device import Device, Motion
-from robocell._teleop.follower import FollowOptions
 from robocell._teleop.operator import OperatorOptions
 from robocell._teleop.session import load_session
 
 
 class RecordedDevice(Device):
-    """Repeats a session. With the same run the episode is the same.
+    """Repeats a session. With the same run the episode is the same: the one with its id.
 
     Attributes:
         session: Content of the file: its robot and the options of following.
@@ -31,11 +30,13 @@ class RecordedDevice(Device):
         """Returns the options of the session, without what only a person needs."""
         return OperatorOptions(
             robot=self.session["robot"],
-            follow=FollowOptions(**self.session["follow"]),
+            follow=self.session["follow"],
             ends_at_success=self.session["ends_at_success"],
             asks=False,
             waits=False,
             real_time=False,
+            episode=self.session["episode"],
+            max_steps=self.session["max_steps"],
         )
 
     def read(self, seconds: float) -> Motion | None:

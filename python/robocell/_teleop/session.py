@@ -8,6 +8,7 @@ device said, which `replay:FILE` repeats.
 
 from __future__ import annotations
 
+import copy
 import json
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
@@ -29,6 +30,7 @@ from robocell._core import (
     prepare_dataset,
 )
 from robocell._teleop.device import Device, Motion
+from robocell._teleop.follower import FollowOptions
 from robocell._teleop.operator import Operator, OperatorOptions, Screen, Teleoperator
 from robocell.generate import Keep
 from robocell.tasks import Expert, expert_registration
@@ -36,6 +38,7 @@ from robocell.tasks import Expert, expert_registration
 TELEOP = "teleop"  # the kind of expert in a run
 FOLDER = "device_sessions"
 FORMAT = 1
+FIELDS = {"episode": str, "robot": str, "follow": dict, "ends_at_success": bool, "max_steps": int}
 
 
 @dataclass(frozen=True)
@@ -65,7 +68,7 @@ def record(
     """Records the episodes of a run until all are there, or the person quits.
 
     Args:
-        run: The run; `output` is the folder of the dataset.
+        run: The run; `output` is the folder of the dataset. Its `expert` and `keep` do not count.
         device: What the person moves.
         options: How the session goes.
         screen: Shows it.
@@ -75,29 +78,56 @@ def record(
         The episodes of this session.
 
     Raises:
+        ArgumentError: The options ask for an episode that is not of the run, or is there already.
         DeviceLostError: The device is gone. What was kept stays.
         SpecError: The run is not valid, or its output belongs to another run.
     """
-    operator = Operator(device, options or OperatorOptions(), screen)
+    options = options or OperatorOptions()
+    operator = Operator(device, options, screen)
     expert_registration(TELEOP, (), __name__)(_teleoperator)
+    run = copy.deepcopy(run)
     run.expert, run.keep = TELEOP, Keep.FIRST
-    prepare_dataset(run)
+    if options.max_steps:
+        run.rates.max_steps = options.max_steps
     folder = Path(run.output)
     recorded: list[Recorded] = []
-    device.start()
     _acting.append(operator)
     try:
+        operator.call("start")
+        if operator.lost is not None:
+            raise operator.lost
+        items = _items(run, options.episode)
+        prepare_dataset(run)
         with DatasetLock(folder, 0, 1):
             runner = Runner(run)
-            for item in make_plan(run):
+            for item in items:
                 if is_complete(run, item):
+                    if options.episode:
+                        raise ArgumentError(
+                            f"episode '{item.id}' is in '{folder}' already; choose another output"
+                        )
                     continue
                 if not _record_one(runner, item, operator, folder, recorded, on_recorded):
                     break
     finally:
         _acting.remove(operator)
-        device.close()
+        operator.call("close")
     return recorded
+
+
+def _items(run: RunConfig, episode: str) -> list[PlanItem]:
+    """Returns the episodes of the run's plan, or the one that is named."""
+    plan = list(make_plan(run))
+    if not episode:
+        return plan
+    if found := [item for item in plan if item.id == episode]:
+        return found
+    names = [item.id for item in plan]
+    shown = ", ".join(names[:5]) + (" ..." if len(names) > 5 else "")
+    raise ArgumentError(
+        f"the session is of episode '{episode}', which the run does not have; it has {shown}. Give "
+        "the session's run, with as many episodes"
+    )
 
 
 # Whoever acts: what is registered lives as long as the process, and must not keep a scene.
@@ -157,6 +187,7 @@ def save_session(folder: Path, episode: str, operator: Operator) -> Path:
         "robot": operator.options.robot,
         "follow": asdict(operator.options.follow),
         "ends_at_success": operator.options.ends_at_success,
+        "max_steps": operator.max_steps,
         "motions": [None if each is None else each.as_json() for each in operator.motions],
     }
     file = place / f"{episode}.json"
@@ -165,7 +196,7 @@ def save_session(folder: Path, episode: str, operator: Operator) -> Path:
 
 
 def load_session(file: Path) -> dict[str, Any]:
-    """Returns what `save_session` wrote, with `motions` as Motions.
+    """Returns what `save_session` wrote, with `motions` as Motions and `follow` as FollowOptions.
 
     Raises:
         IoError: The file cannot be read.
@@ -182,5 +213,21 @@ def load_session(file: Path) -> dict[str, Any]:
         raise ArgumentError(
             f"'{file}' is no session of a device: give a file of a dataset's {FOLDER}/"
         )
-    content["motions"] = [None if each is None else Motion.of_json(each) for each in motions]
+    content.setdefault("max_steps", 0)
+    for name, kind in FIELDS.items():
+        if not isinstance(content.get(name), kind) or isinstance(content[name], bool) != (
+            kind is bool
+        ):
+            raise ArgumentError(
+                f"'{file}': `{name}` is {content.get(name)!r}, not a {kind.__name__}"
+            )
+    try:
+        content["follow"] = FollowOptions(**content["follow"])
+    except (ArgumentError, TypeError) as error:
+        raise ArgumentError(f"'{file}': `follow`: {error}") from error
+    for i, each in enumerate(motions):
+        try:
+            motions[i] = None if each is None else Motion.of_json(each)
+        except ArgumentError as error:
+            raise ArgumentError(f"'{file}': `motions[{i}]`: {error}") from error
     return content

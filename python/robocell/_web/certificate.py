@@ -25,10 +25,7 @@ def make_certificate(folder: Path, host: str) -> tuple[Path, Path]:
     """
     openssl = shutil.which("openssl")
     if openssl is None:
-        raise IoError(
-            "--tls needs the program openssl: sudo apt install openssl; or give --certificate and "
-            "--key"
-        )
+        raise IoError("--tls needs the program openssl: sudo apt install openssl")
     certificate, key = folder / "certificate.pem", folder / "key.pem"
     command = [openssl, "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1"]
     command += ["-nodes", "-days", str(DAYS), "-subj", "/CN=robocell", "-addext"]

@@ -27,7 +27,9 @@ class DatasetPages:
         self._dataset = Dataset(folder)
         self._only = only
         self._pages: OrderedDict[str, EpisodePage] = OrderedDict()
-        self._lock = threading.Lock()
+        self._lock = threading.Lock()  # of the pages that are ready
+        self._dataset_lock = threading.Lock()
+        self._making = threading.Lock()  # one episode is simulated at a time; others are shown
         if only is not None:
             self._page(only)
 
@@ -59,19 +61,32 @@ class DatasetPages:
         """Returns None: nothing here changes."""
 
     def _list(self) -> Reply:
-        with self._lock:
+        with self._dataset_lock:
             self._dataset.refresh()
             rows = [row_of(episode) for episode in self._dataset]
         text = json.dumps({"episodes": rows, "broken": self._dataset.broken})
         return Reply(text.encode(), "application/json")
 
     def _page(self, name: str) -> EpisodePage | None:
+        if found := self._ready(name):
+            return found
+        with self._dataset_lock:
+            if name not in self._dataset:
+                return None
+            episode = self._dataset[name]
+        with self._making:
+            if found := self._ready(name):
+                return found
+            made = EpisodePage(episode)
+            with self._lock:
+                self._pages[name] = made
+                while len(self._pages) > KEPT:
+                    self._pages.popitem(last=False)
+            return made
+
+    def _ready(self, name: str) -> EpisodePage | None:
+        """Returns a page that is known, which is then the latest one."""
         with self._lock:
-            if name not in self._pages:
-                if name not in self._dataset:
-                    return None
-                self._pages[name] = EpisodePage(self._dataset[name])
-            self._pages.move_to_end(name)
-            while len(self._pages) > KEPT:
-                self._pages.popitem(last=False)
-            return self._pages[name]
+            if name in self._pages:
+                self._pages.move_to_end(name)
+            return self._pages.get(name)

@@ -29,6 +29,7 @@ FRAME_S = 1 / 30
 IMAGE_S = 0.1  # between the images of a camera
 IMAGE_SIZE = (320, 240)
 MOST_IMAGES = 4  # cameras at one time
+MOST_SHOWN = 64  # cameras that a page asks for
 MOST_LAG_S = 0.1  # simulated at once; a slower machine shows a slower simulation
 MOST_SPEED = 100.0
 MEASURED_S = 1.0  # window of the measured speed
@@ -92,7 +93,10 @@ class SceneFrames:
         if command["op"] != "camera":
             return False
         shown = self._shown.setdefault(page, set())
-        (shown.add if command["on"] else shown.discard)(command["name"])
+        if not command["on"]:
+            shown.discard(command["name"])
+        elif len(shown) < MOST_SHOWN:  # a page may send any names
+            shown.add(command["name"])
         return True
 
     @property

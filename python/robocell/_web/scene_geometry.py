@@ -91,7 +91,7 @@ def joints_of(scene: _core.Scene) -> list[dict[str, Any]]:
 
 
 def frames_of(scene: _core.Scene) -> list[dict[str, Any]]:
-    """Returns the frames that a page can draw: TCPs, bases, sites and cameras, fixed to bodies."""
+    """Returns the frames that a page can draw: TCPs, sites and cameras, fixed to bodies."""
     model: Any = scene.model
     found = [
         _frame(f"{robot.name} TCP", "robot", model, model.site(robot.tcp_site), model.site_quat)

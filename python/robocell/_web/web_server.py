@@ -27,11 +27,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import parse_qs
 
 from robocell._channel import Channel, ChannelServer, Deadline, MisbehavedError
 from robocell._core import Error, IoError
 from robocell._extras import needed_by
+from robocell._raised import place_of
 from robocell._web.page_files import FILES, index_page, page_file
 
 with needed_by("robocell view --web", "web"):
@@ -45,9 +46,12 @@ LOOPBACK_NAMES = ("127.0.0.1", "localhost", "[::1]")
 MOST_CLIENTS = 32
 MOST_BYTES = 1 << 16  # of a message from a page
 MOST_LEVELS = 8  # of lists and maps in it
+MOST_FIELDS = 20  # of an address
 MESSAGE_S = 10.0  # for a message, once its first byte is there, and for an answer to be read
 HANDSHAKE_S = 10.0
 RESPONSE_S = 120.0  # for shapes and videos to be read, on a slow network too
+PUBLIC_S = 20.0  # for what is there without the token, and for refusals
+IDLE_S = 30.0  # an open page says something more often
 POLICY = (
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
     "media-src blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
@@ -161,9 +165,15 @@ class WebServer(ChannelServer):
         request = channel.handshake(deadline)
         if not isinstance(request, Request) or protocol.parser_exc is not None:
             return
-        response = self._response(protocol, request, is_one_too_many)
+        try:
+            response = self._response(protocol, request, is_one_too_many)
+        except Exception as error:  # of a site: the others' pages go on
+            response = _refused(
+                http.HTTPStatus.INTERNAL_SERVER_ERROR, f"The page failed: {place_of(error)}"
+            )
         protocol.send_response(response)
-        channel.flush(Deadline(RESPONSE_S, "reader"))
+        has_token = response.status_code == http.HTTPStatus.OK and _path_of(request) not in FILES
+        channel.flush(Deadline(RESPONSE_S if has_token else PUBLIC_S, "reader"))
         if response.status_code == http.HTTPStatus.SWITCHING_PROTOCOLS:
             self._converse(channel)
 
@@ -175,19 +185,24 @@ class WebServer(ChannelServer):
         host = _only(request.headers.get_all("Host"))
         if not self._is_own(host):
             return _refused(http.HTTPStatus.FORBIDDEN, "This is not the host of the server.")
-        parts = urlsplit(request.path)
-        name = parts.path.removeprefix("/")
+        name = _path_of(request)
         if name in FILES:
             return _found(Reply(page_file(name), FILES[name]))
-        query = {key: values[0] for key, values in parse_qs(parts.query).items()}
-        if not hmac.compare_digest(query.pop("token", "").encode(), self._token.encode()):
+        try:
+            found_in_query = parse_qs(request.path.partition("?")[2], max_num_fields=MOST_FIELDS)
+        except ValueError:
+            return _refused(http.HTTPStatus.BAD_REQUEST, "The address has too many fields.")
+        query = {key: values[0] for key, values in found_in_query.items()}
+        given = query.pop("token", "").encode(errors="surrogateescape")
+        if not hmac.compare_digest(given, self._token.encode()):
             return _refused(
                 http.HTTPStatus.UNAUTHORIZED,
                 "The address lacks the token: open the one that the command printed.",
             )
         if name == "socket":
             scheme = "http" if self._tls is None else "https"
-            if _only(request.headers.get_all("Origin")) != f"{scheme}://{host}":
+            origin = _only(request.headers.get_all("Origin"))
+            if origin.lower() != f"{scheme}://{host}".lower():
                 return _refused(http.HTTPStatus.FORBIDDEN, "Pages of other sites may not connect.")
             return protocol.accept(request)
         try:
@@ -210,16 +225,21 @@ class WebServer(ChannelServer):
 
         Another name would be that of a site whose address was changed to this machine's.
         """
+        host = host.lower()  # as browsers write it
         name, _, port = host.rpartition(":")
+        if self.port == (80 if self._tls is None else 443) and (
+            not port.isdecimal() or host.endswith("]")
+        ):
+            name, port = host, str(self.port)  # browsers leave the usual port out
         if port != str(self.port):
             return False
         address = ipaddress.ip_address(self.host.partition("%")[0])
         if address.is_loopback:
             return name in LOOPBACK_NAMES or name == self.netloc.rpartition(":")[0]
         if address.is_unspecified:
-            own = {socket.gethostname(), *LOOPBACK_NAMES}
+            own = {socket.gethostname().lower(), *LOOPBACK_NAMES}
             return name in own or _is_address(name)
-        return name in (self._asked_host, self.netloc.rpartition(":")[0])
+        return name in (self._asked_host.lower(), self.netloc.rpartition(":")[0])
 
     def _converse(self, channel: Channel) -> None:
         visit = self._site.visit()
@@ -227,7 +247,7 @@ class WebServer(ChannelServer):
             return
         try:
             while True:
-                message = channel.receive(Deadline(MESSAGE_S, "message"), idle=True)
+                message = channel.receive(Deadline(MESSAGE_S, "message"), True, IDLE_S)
                 answer = visit.answer(message_of(message))
                 if answer is not None:
                     channel.send(answer, Deadline(MESSAGE_S, "reader"))
@@ -298,6 +318,11 @@ def _require_plain(value: object, levels: int) -> None:
     if isinstance(children, list) or isinstance(value, dict):
         for child in children:  # type: ignore[attr-defined]
             _require_plain(child, levels - 1)
+
+
+def _path_of(request: Request) -> str:
+    """Returns the path of a request, without its query."""
+    return request.path.partition("?")[0].partition("#")[0].removeprefix("/")
 
 
 def _only(values: list[str]) -> str:

@@ -11,10 +11,11 @@ RC.LivePage = class {
     this.view = new RC.SceneView(this.box);
     this.cameras = {};
     this.frames = 0;
+    this.shownAt = this.between = 0; // ms
     this.connection = new RC.Connection((header, array) => this.onFrame(header, array), (open, why) => {
       document.documentElement.dataset.connected = open;
-      if (!open) this.say(`The connection is closed${why ? `: ${why}` : ""}. Start the command again, and reload.`, "bad");
-    });
+      if (!open) this.say(`The connection is closed${why ? `: ${why}` : ""}. Reload the page, or start the command again.`, "bad");
+    }, (error) => this.say(`The picture is not of now: ${error.message}`, "bad"));
   }
 
   send(message) { this.connection.send(message); }
@@ -32,6 +33,14 @@ RC.LivePage = class {
     if (header.poses.shape[0] === this.view.bodies.length) this.view.setPoses(array(header.poses));
     this.show(header, array);
     document.documentElement.dataset.frames = ++this.frames;
+    const now = performance.now();
+    this.between = Math.min(now - this.shownAt, 1000);
+    this.shownAt = now;
+  }
+
+  // True if the picture is older than the time between frames allows.
+  isStale() {
+    return performance.now() - this.shownAt > Math.max(500, 2 * this.between);
   }
 
   // Builds the panel for the scene's joints and cameras.

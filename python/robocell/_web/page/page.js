@@ -83,16 +83,21 @@ RC.paint = function (canvas, place, rgb) {
 };
 
 // A connection that asks for one frame after the other. `onFrame` gets header and arrays, and
-// `onState` whether the connection is open.
+// `onState` whether the connection is open. A frame that fails is told to `onError`; others follow.
 RC.Connection = class {
-  constructor(onFrame, onState) {
+  constructor(onFrame, onState, onError) {
     const scheme = location.protocol === "https:" ? "wss:" : "ws:";
     this.socket = new WebSocket(`${scheme}//${location.host}/${RC.address("socket")}`);
     this.socket.binaryType = "arraybuffer";
     this.socket.onopen = () => { onState(true); this.next(); };
     this.socket.onclose = (event) => onState(false, event.reason);
     this.socket.onmessage = async (event) => {
-      if (event.data.byteLength) await onFrame(...RC.unpack(event.data));
+      try {
+        if (event.data.byteLength) await onFrame(...RC.unpack(event.data));
+      } catch (error) {
+        onError(error);
+        await new Promise((resolve) => setTimeout(resolve, 500)); // asks the server no faster
+      }
       this.next();
     };
   }

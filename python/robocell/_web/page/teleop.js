@@ -19,10 +19,35 @@ RC.BANNERS = {
   review: ["Keep or discard the episode?", ""],
 };
 
+// The rotation of a phone, as a quaternion (w, x, y, z) from its axes to those of the earth: about z
+// by alpha, then about its new x axis by beta, then about its new y axis by gamma, degrees.
+RC.phoneRotation = function (alpha, beta, gamma) {
+  const [a, b, g] = [alpha, beta, gamma].map((degrees) => ((degrees || 0) * Math.PI) / 360);
+  const [ca, sa, cb, sb, cg, sg] = [a, b, g].flatMap((half) => [Math.cos(half), Math.sin(half)]);
+  return [ca * cb * cg - sa * sb * sg, ca * sb * cg - sa * cb * sg, ca * cb * sg + sa * sb * cg, ca * sb * sg + sa * cb * cg];
+};
+
+// The rotation vector from one rotation of a phone to another, along the operator's forward, left, up.
+// Right is where the phone's right edge points, on the floor, whether it lies flat or stands.
+RC.phoneTurn = function (before, now) {
+  const [w, x, y, z] = before, [w2, x2, y2, z2] = now;
+  let real = w2 * w + x2 * x + y2 * y + z2 * z; // now times the inverse of before
+  let vector = [x2 * w - w2 * x - y2 * z + z2 * y, y2 * w - w2 * y - z2 * x + x2 * z, z2 * w - w2 * z - x2 * y + y2 * x];
+  if (real < 0) { real = -real; vector = vector.map((each) => -each); }
+  const sine = Math.hypot(...vector);
+  const scale = sine < 1e-9 ? 2 : (2 * Math.atan2(sine, real)) / sine;
+  const [east, north, up] = vector.map((each) => each * scale);
+  // To the left of the horizontal part of the phone's x axis.
+  const fx = -2 * (x * y + w * z), fy = 1 - 2 * (y * y + z * z);
+  const size = Math.hypot(fx, fy) || 1;
+  return [(east * fx + north * fy) / size, (north * fx - east * fy) / size, up];
+};
+
 RC.TeleopPage = class extends RC.LivePage {
   constructor(app) {
     super(app);
     this.pressed = new Set();
+    this.tapped = new Set(); // since the last input, also if they are let go
     this.drag = [0, 0, 0];
     this.turn = [0, 0, 0];
     this.opening = null;
@@ -31,8 +56,9 @@ RC.TeleopPage = class extends RC.LivePage {
     this.phase = "";
     addEventListener("keydown", (event) => this.onKey(event, true));
     addEventListener("keyup", (event) => this.onKey(event, false));
-    addEventListener("blur", () => this.pressed.clear());
-    document.addEventListener("visibilitychange", () => document.hidden && this.pressed.clear());
+    addEventListener("blur", () => this.release());
+    document.addEventListener("visibilitychange", () => document.hidden && this.release());
+    document.addEventListener("focusin", (event) => event.target.matches("input[type=search], select") && this.release());
     setInterval(() => this.sendInput(), 33);
   }
 
@@ -60,7 +86,7 @@ RC.TeleopPage = class extends RC.LivePage {
     const frame = RC.element("select", { ariaLabel: "axes", onchange: () => { this.frame = frame.value; frame.blur(); } });
     for (const [value, text] of [["camera", "axes of this view"], ["base", "axes of the base"], ["tool", "axes of the tool"]])
       frame.append(RC.element("option", { value }, text));
-    this.clutch = RC.toggle("Clutch", () => this.clutch.blur(), true);
+    this.clutch = RC.toggle("Clutch", () => { this.release(); this.clutch.blur(); }, true);
     this.grip = RC.toggle("Close gripper", (on) => { this.setOpening(on ? 0 : 1); this.grip.blur(); });
     const speed = RC.slider("speed", { lower: 0.1, upper: 1, value: 1, step: 0.1 }, (value) => (this.speed_ = value));
     const key = (text) => RC.element("kbd", {}, text);
@@ -125,17 +151,13 @@ RC.TeleopPage = class extends RC.LivePage {
     return pad;
   }
 
-  // The orientation of a phone turns the tool. Browsers give it to pages of https alone: alpha about
-  // its z axis, up, beta about x, to the right, gamma about y, forward.
+  // The orientation of a phone turns the tool. Browsers give it to pages of https alone.
   phoneButton() {
     if (!window.isSecureContext || !window.DeviceOrientationEvent || !matchMedia("(pointer: coarse)").matches) return "";
     let before = null;
     const onTurn = (event) => {
-      const now = [event.beta, event.gamma, event.alpha].map((degrees) => ((degrees || 0) * Math.PI) / 180);
-      if (before) now.forEach((angle, i) => {
-        const change = Math.atan2(Math.sin(angle - before[i]), Math.cos(angle - before[i]));
-        this.turn[i === 0 ? 1 : i === 1 ? 0 : 2] += i === 0 ? -change : change;
-      });
+      const now = RC.phoneRotation(event.alpha, event.beta, event.gamma);
+      if (before) RC.phoneTurn(before, now).forEach((angle, axis) => (this.turn[axis] += angle));
       before = now;
     };
     return RC.toggle("Turn with the phone", async (on) => {
@@ -147,13 +169,18 @@ RC.TeleopPage = class extends RC.LivePage {
   }
 
   onKey(event, down) {
-    if (event.target.matches("input[type=search], select") || event.ctrlKey || event.metaKey || event.altKey) return;
     this.slow = event.shiftKey;
+    // A key that is let go always counts, whatever else is held and wherever the focus is.
+    if (!down && this.pressed.delete(event.code)) return event.preventDefault();
+    if (event.ctrlKey || event.metaKey || event.altKey) {
+      this.release(); // some systems tell nothing of keys that are let go meanwhile
+      return;
+    }
+    if (event.target.matches?.("input[type=search], select")) return;
     if (event.code === "Space") {
       if (down && !event.repeat) { this.grip.set(this.opening !== 0); this.setOpening(this.opening === 0 ? 1 : 0); }
     } else if (RC.KEYS[event.code]) {
-      if (down) this.pressed.add(event.code);
-      else this.pressed.delete(event.code);
+      if (down) { this.pressed.add(event.code); this.tapped.add(event.code); }
     } else if (RC.COMMAND_KEYS[event.code]) {
       if (!down || event.repeat) return;
       const name = RC.COMMAND_KEYS[event.code];
@@ -162,15 +189,26 @@ RC.TeleopPage = class extends RC.LivePage {
     event.preventDefault();
   }
 
+  release() {
+    this.pressed.clear();
+    this.tapped.clear();
+  }
+
   setOpening(value) { this.opening = value; }
 
   command(name) { this.send({ op: "command", name }); }
 
   sendInput() {
     if (!this.drives || document.hidden) return;
+    if (this.isStale()) { // nobody drives what he does not see
+      this.release();
+      this.drag = [0, 0, 0];
+      this.turn = [0, 0, 0];
+      return;
+    }
     const input = { op: "input", linear: [0, 0, 0], angular: [0, 0, 0], drag: this.drag, turn: this.turn,
       opening: this.opening, clutch: this.clutch.classList.contains("on"), frame: this.frame };
-    for (const key of this.pressed) {
+    for (const key of new Set([...this.pressed, ...this.tapped])) {
       const [array, axis, sign] = RC.KEYS[key];
       input[array][axis] += sign * this.speed_ * (this.slow ? 0.3 : 1);
     }
@@ -185,6 +223,7 @@ RC.TeleopPage = class extends RC.LivePage {
     }
     this.drag = [0, 0, 0];
     this.turn = [0, 0, 0];
+    this.tapped.clear();
     this.send(input);
   }
 
@@ -213,6 +252,7 @@ RC.TeleopPage = class extends RC.LivePage {
     this.state.textContent = notes.join(". ");
     const usable = { waiting: ["record", "reset_origin", "quit"], countdown: ["quit"], review: ["keep", "discard", "quit"],
       recording: ["success", "failure", "discard", "resync", "reset_origin", "quit"] }[header.phase];
+    this.buttons.at(-1).title = header.phase === "review" ? "Q: keeps this episode" : "Q";
     for (const button of this.buttons) button.disabled = !usable.includes(button.dataset.command);
   }
 };
