@@ -145,10 +145,10 @@ TEST(WipeTask, RejectsAnAreaOfAnotherSize) {
 TEST(PourTask, SaysWhichKindsAreNoVessels) {
   EXPECT_EQ(PourTask::WhyNotFrom("open_bottle", {}), "");
   EXPECT_EQ(PourTask::WhyNotInto("receiver"), "");
-  EXPECT_THAT(PourTask::WhyNotFrom("box", {}), testing::HasSubstr("'box' has no hollow"));
-  EXPECT_THAT(PourTask::WhyNotInto("box"), testing::HasSubstr("'box' has no hollow"));
+  EXPECT_THAT(PourTask::WhyNotFrom("box", {}), ::testing::HasSubstr("'box' has no hollow"));
+  EXPECT_THAT(PourTask::WhyNotInto("box"), ::testing::HasSubstr("'box' has no hollow"));
   EXPECT_THAT(PourTask::WhyNotFrom("open_bottle", {.grains = 200}),
-              testing::HasSubstr("lower task.grains or task.grain_radius"));
+              ::testing::HasSubstr("lower task.grains or task.grain_radius"));
   EXPECT_EQ(PourTask::WhyNotFrom("open_bottle", {.grain_radius = 1e-7}), "");
 }
 

@@ -67,7 +67,7 @@ TEST(Pouring, GrainsHaveTheNameOfTheirVesselAndANumber) {
     spec.objects.push_back(BoxObject(name, {x += 0.1, 0, 0.02}));
   const Scene scene = Scene::Build(spec);
   EXPECT_THAT(internal::GrainsOf(scene, "cup"),
-              testing::ElementsAre("cup_grain", "cup_grain_0", "cup_grain_12"));
+              ::testing::ElementsAre("cup_grain", "cup_grain_0", "cup_grain_12"));
 }
 
 TEST(Pouring, NeedsGrainsAndAHollow) {
