@@ -110,7 +110,7 @@ std::string DoNotFit(const Vessel& vessel, const std::string& kind, const PourTa
 // Returns a scene with one object, the target.
 Scene SceneWith(const std::string& kind) {
   Rng rng = Rng::Stream(0, "check");
-  SceneSpec spec{.name = kind, .timestep = 0.002};
+  SceneSpec spec{.name = kind, .timestep = 0.002, .add_floor = false, .add_skybox = false};
   spec.objects.push_back(PickAndPlaceTask::MakeGoalObject(kind, kTarget, rng));
   spec.objects[0].pos = Vec3{};
   Scene scene = Scene::Build(spec);
