@@ -106,7 +106,8 @@ TEST(DemonstrationTest, PhasesOfContactAreSegmentsOfTheirObjects) {
 
 TEST(DemonstrationTest, EachPhaseOfASkillIsFreeOrGuided) {
   EXPECT_THAT(SkillPhases(), IsSupersetOf(FreeSkillPhases()));
-  for (const char* guided : {"align", "insert", "wipe", "carry", "pour", "lift", "follow", "press"}) {
+  for (const char* guided :
+       {"align", "insert", "wipe", "carry", "pour", "lift", "follow", "press"}) {
     EXPECT_THAT(SkillPhases(), Contains(guided));
     EXPECT_FALSE(IsFreePhase(guided)) << guided;
   }
@@ -123,9 +124,10 @@ TEST(DemonstrationTest, CarryingAVesselBelongsToItsPouring) {
   const std::vector<DemoSegment> segments = FindSegments(script.demo);
   ASSERT_EQ(segments.size(), 2U);
   EXPECT_EQ(segments[1].held, "bottle");
-  EXPECT_EQ(script.demo.phases[static_cast<size_t>(
-                script.demo.phase[static_cast<size_t>(segments[1].first)])],
-            "carry");
+  EXPECT_EQ(
+      script.demo
+          .phases[static_cast<size_t>(script.demo.phase[static_cast<size_t>(segments[1].first)])],
+      "carry");
 }
 
 TEST(DemonstrationTest, WithoutPhasesTheGripperTellsTheSegments) {

@@ -31,17 +31,17 @@ TEST(HeldObjectSkill, PicksUpAgainWhatSlippedAndStaysWhenThatIsOutOfReach) {
   std::optional<Pose> start;
   int slips = 0;
   std::string before;
-  const SkillOutcome outcome = RollOutSkills(
-      InsertTaskConfig{.shapes = {"square"}}, 1,
-      [&](Scene& scene, int /*row*/, const std::string& phase) {
-        const std::string body = scene.compiled()->object("target").root_body;
-        if (!start) start = scene.body_pose(body);
-        if (phase == "transfer" && before != phase) {
-          const Eigen::Vector3d away(slips++ == 0 ? 0 : 3, 0, 0.001);
-          scene.SetBodyPose(body, Pose(away) * *start);
-        }
-        before = phase;
-      });
+  const SkillOutcome outcome =
+      RollOutSkills(InsertTaskConfig{.shapes = {"square"}}, 1,
+                    [&](Scene& scene, int /*row*/, const std::string& phase) {
+                      const std::string body = scene.compiled()->object("target").root_body;
+                      if (!start) start = scene.body_pose(body);
+                      if (phase == "transfer" && before != phase) {
+                        const Eigen::Vector3d away(slips++ == 0 ? 0 : 3, 0, 0.001);
+                        scene.SetBodyPose(body, Pose(away) * *start);
+                      }
+                      before = phase;
+                    });
   EXPECT_EQ(slips, 2);
   EXPECT_EQ(std::ranges::count(outcome.phases, "transfer"), 2);
   EXPECT_EQ(std::ranges::count(outcome.phases, "lift"), 2);

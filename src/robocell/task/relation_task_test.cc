@@ -178,9 +178,12 @@ TEST_F(RelationTaskTest, RecallsTheMemoryOfWhatWasChosen) {
   other.Recall(task.memory());
   EXPECT_EQ(other.memory(), task.memory());
   EXPECT_EQ(other.goals().size(), 2u);
-  ExpectThrow<ArgumentError>([&] { other.Recall(std::vector<double>{0, 1, 1}); },
-                             "the memory has 3 numbers, and the goal of what the start has drawn "
-                             "remembers 4");
+  ExpectThrow<ArgumentError>(
+      [&] {
+        other.Recall(std::vector<double>{0, 1, 1});
+      },
+      "the memory has 3 numbers, and the goal of what the start has drawn "
+      "remembers 4");
 }
 
 TEST_F(RelationTaskTest, SaysWhichGoalIsNotReached) {
