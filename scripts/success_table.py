@@ -36,6 +36,7 @@ KINDS = (
 # The least share of successes that the soak test asks of kinds beside the nine tenths of others.
 LEAST = {"insert": 0.75, "sort": 0.75, "wipe": 0.75, "pour": 0.75}
 MOST_REFUSED = 40  # starts in a row
+MAX_STEPS = 800  # of kinds whose example has no more
 BEGIN, END = "<!-- success: begin -->", "<!-- success: end -->"
 HEAD = "| kind | robot | success | 95 % | failures |\n|---|---|---|---|---|"
 
@@ -74,6 +75,14 @@ def one_line(error: Exception) -> str:
     return " ".join(str(error).split()).replace("|", "/")
 
 
+def max_steps(kind: str) -> int:
+    """The number of steps of a rollout: those of the kind's example, and MAX_STEPS at least."""
+    example = ROOT / f"examples/tasks/{kind}.yaml"
+    if not example.is_file():
+        return MAX_STEPS
+    return max(MAX_STEPS, rc.RunConfig.load(example).rates.max_steps)
+
+
 def measure(
     robot: str, kind: str, starts: int, seed: int = 0, objects: tuple[str, ...] = ()
 ) -> Cell:
@@ -86,7 +95,8 @@ def measure(
         run.task, run.scenes, run.seed = {"kind": kind}, {"source": "tabletop"}, seed
         if objects:
             run.task = {"kind": kind, "objects": list(objects)}
-        run.episodes, run.max_attempts, run.rates.max_steps = starts, MOST_REFUSED, 800
+        run.episodes, run.max_attempts = starts, MOST_REFUSED
+        run.rates.max_steps = max_steps(kind)
         run.keep = rc.generate.Keep.FIRST
         try:
             rc.diagnose.check_run(run)

@@ -42,6 +42,11 @@ def test_the_fields_are_attributes_and_survive_yaml():
         ("{kind: open, opening: 0.3, start_opening: [0, 0.4]}", "3:49", "leave something to open"),
         ("{kind: close, start_opening: [0.1, 0.4]}", "3:36", "leave something to close"),
         ("{kind: push, distance: [0.01, 0.1]}", "3:30", "within the region"),
+        ("{kind: pour, objects: [box, open_bottle]}", "3:30", "'box' has no hollow"),
+        ("{kind: pour, receivers: [box]}", "3:32", "'box' has no hollow"),
+        ("{kind: pour, grains: 200}", "3:28", "200 grains with a radius of 0.005 m do not fit"),
+        ("{kind: wipe, share: 0}", "3:27", "holds at every start"),
+        ("{kind: relations, goal: [a inserted b 5]}", "3:32", "has the share 5"),
         ("{kind: press, objects: [buton]}", "3:31", "no kind of object 'buton'"),
     ],
 )

@@ -19,6 +19,17 @@ def test_an_expert_succeeds_from_most_starts(robot: str, kind: str):
     assert cell.successes >= success_table.LEAST.get(kind, 0.9) * cell.starts, cell
 
 
+@pytest.mark.proof
+def test_the_expert_pours():
+    cell = success_table.measure("rc7", "pour", starts=1)
+    assert cell.successes == 1, cell
+
+
+def test_a_kind_has_the_steps_of_its_example():
+    assert success_table.max_steps("sort") == 1200
+    assert success_table.max_steps("pick") == success_table.MAX_STEPS
+
+
 def test_the_interval_is_wilsons():
     low, high = success_table.interval(18, 20)  # R: binom::binom.wilson(18, 20)
     assert low == pytest.approx(0.6989664, abs=1e-4)

@@ -5,11 +5,13 @@
 #include <limits>
 #include <optional>
 
+#include "robocell/expert/skill.h"
+
 namespace robocell::internal {
 namespace {
 
-constexpr std::array kFreePhases = {"open", "pregrasp", "transfer", "carry", "reach",
-                                    "move", "travel",   "home",     "wait",  "done"};
+// Names of experts that are no skills.
+constexpr std::array kOtherFreePhases = {"move", "travel", "home", "wait"};
 
 // Segments around the gripper's motions begin and end so far from them, m of the TCP's path.
 constexpr double kMargin = 0.08;
@@ -163,7 +165,10 @@ std::string MovedIn(const Demonstration& demo, const Span& rows) {
 }  // namespace
 
 bool IsFreePhase(std::string_view phase) {
-  return std::ranges::find(kFreePhases, phase) != kFreePhases.end();
+  const auto has = [&](const auto& names) {
+    return std::ranges::find(names, phase) != std::ranges::end(names);
+  };
+  return has(FreeSkillPhases()) || has(kOtherFreePhases);
 }
 
 bool HasSegmentLabels(const Demonstration& demo) {

@@ -7,10 +7,14 @@
 #include <string>
 #include <vector>
 
+#include "robocell/expert/skill.h"
+
 namespace robocell::internal {
 namespace {
 
+using ::testing::Contains;
 using ::testing::IsEmpty;
+using ::testing::IsSupersetOf;
 
 constexpr double kStep = 0.02;  // m of the TCP in a row
 
@@ -98,6 +102,32 @@ TEST(DemonstrationTest, PhasesOfContactAreSegmentsOfTheirObjects) {
       if (inside) EXPECT_FALSE(IsFreePhase(phase)) << phase;
     }
   }
+}
+
+TEST(DemonstrationTest, EachPhaseOfASkillIsFreeOrGuided) {
+  EXPECT_THAT(SkillPhases(), IsSupersetOf(FreeSkillPhases()));
+  for (const char* guided :
+       {"align", "insert", "wipe", "carry", "pour", "lift", "follow", "press"}) {
+    EXPECT_THAT(SkillPhases(), Contains(guided));
+    EXPECT_FALSE(IsFreePhase(guided)) << guided;
+  }
+  for (const std::string& free : FreeSkillPhases()) EXPECT_TRUE(IsFreePhase(free)) << free;
+}
+
+// A full vessel is carried upright: that is a part, and not a motion to be planned anew.
+TEST(DemonstrationTest, CarryingAVesselBelongsToItsPouring) {
+  Script script({0, 0, 0.4}, {{"bottle", {0.3, 0.2, 0}}, {"bowl", {0.3, -0.2, 0}}});
+  script.Phase("pregrasp").Go({0.3, 0.2, 0.15}).Phase("grasp").Go({0.3, 0.2, 0});
+  script.Phase("close").Open(0).Hold({"bottle"}).Phase("lift").Go({0.3, 0.2, 0.15});
+  script.Phase("transfer").Go({0.3, 0.1, 0.2}).Phase("carry").Go({0.3, -0.2, 0.2});
+  script.Phase("pour").Go({0.3, -0.2, 0.15}).Phase("release").Open(1).Hold({});
+  const std::vector<DemoSegment> segments = FindSegments(script.demo);
+  ASSERT_EQ(segments.size(), 2U);
+  EXPECT_EQ(segments[1].held, "bottle");
+  EXPECT_EQ(
+      script.demo
+          .phases[static_cast<size_t>(script.demo.phase[static_cast<size_t>(segments[1].first)])],
+      "carry");
 }
 
 TEST(DemonstrationTest, WithoutPhasesTheGripperTellsTheSegments) {

@@ -199,7 +199,7 @@ Action HeldObjectSkill::Act(const Scene& scene, Rng& rng) {
   }
   if (!arm_) return pick_.Act(scene, rng);  // given up: stay
   if (!finished_) Advance(scene, rng);
-  if (phase_ == Phase::kPick) return finished_ ? Command() : pick_.Act(scene, rng);
+  if (!arm_) return pick_.Act(scene, rng);  // it picks again, or no pick is left
   if (!finished_) {
     if (phase_ != Phase::kGuide && phase_ != Phase::kReturn) arm_->Next();
     if (phase_ == Phase::kRelease) opening_ = std::min(1.0, opening_ + opening_step_);

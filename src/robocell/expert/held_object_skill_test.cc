@@ -1,6 +1,14 @@
 #include "robocell/expert/held_object_skill.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <optional>
+#include <string>
+
+#include "robocell/expert/testing/skill_rollout.h"
+#include "robocell/task/held_task_config.h"
 
 namespace robocell::internal {
 namespace {
@@ -16,6 +24,29 @@ TEST(PathWalk, ReachesTheEndAtItsSpeed) {
   EXPECT_NEAR(walk.place().translation().x(), 0.1, 1e-12);
   walk.Restart();
   EXPECT_NEAR(walk.place().translation().x(), 0, 1e-12);
+}
+
+// The object slips twice: first it falls to where it was, then out of reach.
+TEST(HeldObjectSkill, PicksUpAgainWhatSlippedAndStaysWhenThatIsOutOfReach) {
+  std::optional<Pose> start;
+  int slips = 0;
+  std::string before;
+  const SkillOutcome outcome =
+      RollOutSkills(InsertTaskConfig{.shapes = {"square"}}, 1,
+                    [&](Scene& scene, int /*row*/, const std::string& phase) {
+                      const std::string body = scene.compiled()->object("target").root_body;
+                      if (!start) start = scene.body_pose(body);
+                      if (phase == "transfer" && before != phase) {
+                        const Eigen::Vector3d away(slips++ == 0 ? 0 : 3, 0, 0.001);
+                        scene.SetBodyPose(body, Pose(away) * *start);
+                      }
+                      before = phase;
+                    });
+  EXPECT_EQ(slips, 2);
+  EXPECT_EQ(std::ranges::count(outcome.phases, "transfer"), 2);
+  EXPECT_EQ(std::ranges::count(outcome.phases, "lift"), 2);
+  EXPECT_FALSE(outcome.success);
+  EXPECT_NE(outcome.failure, "");
 }
 
 }  // namespace

@@ -29,6 +29,9 @@ class Skill {
 
 // Returns the phases of all skills, in the order of their numbers in episodes.
 const std::vector<std::string>& SkillPhases();
+// Returns those in which the hand moves through free space, to where it goes on. Nothing that is held
+// is guided in them: a vessel that is carried upright ("carry") is.
+const std::vector<std::string>& FreeSkillPhases();
 
 // What skills need of a run.
 struct SkillSettings {

@@ -39,6 +39,11 @@ const std::vector<std::string>& SkillPhases() {
   return phases;
 }
 
+const std::vector<std::string>& FreeSkillPhases() {
+  static const std::vector<std::string> phases = {"open", "pregrasp", "transfer", "reach", "done"};
+  return phases;
+}
+
 SkillExpert::SkillExpert(SkillSettings settings, std::shared_ptr<const RelationTask> task)
     : settings_(std::move(settings)), task_(std::move(task)) {}
 

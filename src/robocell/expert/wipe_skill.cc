@@ -8,6 +8,7 @@
 #include "robocell/expert/held_object_skill.h"
 #include "robocell/expert/skill.h"
 #include "robocell/math/rotation.h"
+#include "robocell/scene/body_handle.h"
 #include "robocell/task/held.h"
 #include "robocell/task/wiping.h"
 
@@ -32,8 +33,8 @@ class WipeSkill final : public internal::HeldObjectSkill {
  private:
   std::string path_phase() const override { return "wipe"; }
 
-  void BeginPath(const Scene& /*scene*/) override {
-    body_ = goal().stated.subject;
+  void BeginPath(const Scene& scene) override {
+    sponge_.emplace(scene, scene.compiled()->object(goal().stated.subject).root_body);
     walk_.emplace(path(), kWipeSpeed, kTurnSpeed);
     lowering_ = 0;
     rounds_ = 0;
@@ -44,8 +45,7 @@ class WipeSkill final : public internal::HeldObjectSkill {
   std::optional<Guidance> Guide(const Scene& scene) override {
     const double tick = settings().tick;
     if (goal().Holds() && presses_) return std::nullopt;
-    const std::string& root = scene.compiled()->object(body_).root_body;
-    const double force = internal::ForceOnOthers(scene, root);
+    const double force = internal::ForceOnOthers(scene, sponge_->id());
     const Eigen::Vector3d up = path().front().rotation().col(2);
     if (!presses_) {
       lowering_ += tick;
@@ -79,7 +79,7 @@ class WipeSkill final : public internal::HeldObjectSkill {
     walk_->Move(tick * std::clamp(2 - behind.norm() / kBehind, kLeastShare, 1.0));
   }
 
-  std::string body_;
+  std::optional<BodyHandle> sponge_;
   std::optional<internal::PathWalk> walk_;
   double lowering_ = 0, down_ = 0;
   int rounds_ = 0;

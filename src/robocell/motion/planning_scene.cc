@@ -4,6 +4,7 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -86,7 +87,8 @@ void PlanningScene::State::PlaceTarget(const Pose& in_world) {
 }
 
 // What lies in a vessel moves with it. That is each free body whose geoms are all within the box around
-// the target's geoms, in its frame.
+// the target's geoms, in its frame, over a floor of the target and between its walls: an object under a
+// handle, or between legs, stays an obstacle.
 void PlanningScene::State::FindContents() {
   const mjModel* m = scratch.model();
   const mjData* d = scratch.data();
@@ -106,6 +108,25 @@ void PlanningScene::State::FindContents() {
           along > box[axis].upper - m->geom_rbound[g])
         is_out[root] = 1;
     }
+  }
+  const std::vector<int> own = internal::CollisionGeomsOf(m, target);
+  const auto is_enclosed = [&](const Eigen::Vector3d& at) {
+    int walls = 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Vector3d direction = target_in_world.rotation().col(axis);
+      for (const double sign : {-1.0, 1.0}) {
+        const bool hits =
+            std::isfinite(internal::CastRay(m, d, own, at, sign * direction).distance);
+        if (!hits && axis == 2 && sign < 0) return false;  // no floor
+        walls += hits;
+      }
+    }
+    return walls >= 5;  // one side is open
+  };
+  for (int g = 0; g < m->ngeom; ++g) {
+    const int root = m->body_rootid[m->geom_bodyid[g]];
+    if (is_out[root] || is_target[g] || !internal::IsCollisionGeom(m, g)) continue;
+    if (!is_enclosed(Eigen::Vector3d(d->geom_xpos + 3 * g))) is_out[root] = 1;
   }
   for (int g = 0; g < m->ngeom; ++g) {
     const int root = m->body_rootid[m->geom_bodyid[g]];

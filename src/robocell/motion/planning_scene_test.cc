@@ -5,11 +5,13 @@
 
 #include <set>
 #include <string>
+#include <utility>
 
 #include "robocell/base/error.h"
 #include "robocell/motion/clearance.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
+#include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
 
@@ -145,6 +147,49 @@ TEST(PlanningScene, ClearanceIsTheDistanceToTheSurroundings) {
         << nearest.robot_geom;
   }
   EXPECT_EQ(compared, 8);
+}
+
+// A ball between the fingers is in a vessel, and moves with it; or it lies between the legs of a
+// stool, where it is in the way.
+TEST(PlanningScene, WhatMovesWithTheHeldObjectLiesInAHollowOfIt) {
+  const PickScene pick = MakePickScene(ObjectOnTheTable("box"));
+  const Pose tcp(pick.robot.tcp_in_world().translation());
+  constexpr const char* kSides =
+      R"(<geom type="box" size=".002 .04 .04" pos=".04 0 0"/>
+         <geom type="box" size=".002 .04 .04" pos="-.04 0 0"/>
+         <geom type="box" size=".04 .002 .04" pos="0 .04 0"/>
+         <geom type="box" size=".04 .002 .04" pos="0 -.04 0"/>)";
+  constexpr const char* kFloor = R"(<geom type="box" size=".04 .04 .002" pos="0 0 -.04"/>)";
+  constexpr const char* kTop = R"(<geom type="box" size=".04 .04 .002" pos="0 0 .04"/>)";
+  constexpr const char* kLegs = R"(<geom type="box" size=".004 .004 .04" pos=".036 .036 0"/>
+                                   <geom type="box" size=".004 .004 .04" pos="-.036 -.036 0"/>)";
+  const std::pair<std::string, bool> shapes[] = {
+      {std::string(kSides) + kFloor, true},
+      {std::string(kLegs) + kTop, false},
+      {std::string(kSides) + kTop, false},  // upside down
+      {std::string(kLegs) + kFloor, false}};
+  for (const auto& shape : shapes) {
+    ModelFolder folder;
+    SceneSpec spec = pick.scene.spec();
+    spec.objects[0] = {
+        .name = "target",
+        .mjcf_path = folder.Write("held", "<worldbody><body name=\"held\"><freejoint/>" +
+                                              shape.first + "</body></worldbody>"),
+        .pos = ToVec3(tcp.translation()),
+        .fixed = false};
+    SceneObject ball = BoxObject("ball", ToVec3(tcp.translation()));
+    ball.shape = Shape::kSphere;
+    ball.size = Vec3{0.012, 0, 0};
+    spec.objects.push_back(ball);
+    Scene scene = Scene::Build(spec);
+    scene.Reset();
+    scene.Forward();
+    const Robot robot = Robot::Of(scene, pick.robot.name());
+    PlanningScene planning(scene, robot, scene.compiled()->object("target").root_body,
+                           pick.shape());
+    planning.HoldTarget(robot.tcp_in_world().inverse() * tcp);
+    EXPECT_EQ(planning.IsFree(pick.home(), {.gap = 0.015}), shape.second) << shape.first;
+  }
 }
 
 TEST(PlanningScene, OnlyReadsTheSimulation) {

@@ -42,8 +42,7 @@ std::string HoleOf(const Scene& scene, const std::string& name) {
     if (holes.size() != 1)
       throw ArgumentError(
           fmt::format("scene '{}': '{}' has {}; name the site that fills the hole, a box or a "
-                      "cylinder with its "
-                      "z axis out of the mouth",
+                      "cylinder with its z axis out of the mouth",
                       scene.name(), name,
                       holes.empty() ? "no site whose name ends in 'hole'"
                                     : fmt::format("several holes, {}", ListNames(holes))));
@@ -90,21 +89,20 @@ Insertion::Insertion(const Scene& scene, const std::string& object, const std::s
 }
 
 Pose Insertion::mouth() const {
+  return scene_.site_pose(site_) * Pose(Eigen::Vector3d(0, 0, hole_depth() / 2));
+}
+
+double Insertion::hole_depth() const {
   const mjModel* m = scene_.model();
   const int site = FindId(m, mjOBJ_SITE, site_);
-  const double half =
-      m->site_type[site] == mjGEOM_BOX ? m->site_size[3 * site + 2] : m->site_size[3 * site + 1];
-  return scene_.site_pose(site_) * Pose(Eigen::Vector3d(0, 0, half));
+  return 2 * (m->site_type[site] == mjGEOM_BOX ? m->site_size[3 * site + 2]
+                                               : m->site_size[3 * site + 1]);
 }
 
 double Insertion::full_depth() const {
-  const mjModel* m = scene_.model();
-  const int site = FindId(m, mjOBJ_SITE, site_);
-  const double half =
-      m->site_type[site] == mjGEOM_BOX ? m->site_size[3 * site + 2] : m->site_size[3 * site + 1];
   const Interval length = BodyExtent(scene_.model(), scene_.data(), body_.id(),
                                      body_.pose_in_world().rotation().col(2));
-  return std::min(2 * half, length.upper - length.lower);
+  return std::min(hole_depth(), length.upper - length.lower);
 }
 
 // The middle of the geoms that are as deep as the deepest one.
@@ -113,16 +111,18 @@ Insertion::Tip Insertion::DeepestPart() const {
   const mjData* d = scene_.data();
   const Pose mouth_in_world = mouth();
   const Eigen::Vector3d out = mouth_in_world.rotation().col(2);
-  const double lowest = BodyExtent(scene_.model(), scene_.data(), body_.id(), out).lower;
+  const Interval extent = BodyExtent(m, d, body_.id(), out);
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
   int count = 0;
   for (const int geom : CollisionGeomsOf(m, body_.id())) {
-    if (GeomExtent(m, d, geom, out).lower > lowest + kSameDepth) continue;
+    if (GeomExtent(m, d, geom, out).lower > extent.lower + kSameDepth) continue;
     middle += Eigen::Vector3d(d->geom_xpos + 3 * geom);
     ++count;
   }
   const Eigen::Vector3d at = mouth_in_world.inverse() * Eigen::Vector3d(middle / count);
-  return {mouth_in_world.translation().dot(out) - lowest, at.head<2>()};
+  const double rim = mouth_in_world.translation().dot(out);
+  const double overlap = std::min(rim, extent.upper) - std::max(rim - hole_depth(), extent.lower);
+  return {overlap, at.head<2>()};
 }
 
 bool Insertion::Contains(const Eigen::Vector2d& in_mouth) const {
@@ -163,6 +163,7 @@ RelationKind InsertedRelation() {
           .defaults = {0.8},
           .numbers_text = "the depth as a share of the hole",
           .comparison = ">=",
+          .is_share = true,
           .words = "insert the {0} into the {1}",
           .bind = [](const Scene& scene, const StatedRelation& stated) {
             return std::make_unique<Inserted>(scene, stated);

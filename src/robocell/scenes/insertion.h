@@ -28,8 +28,8 @@ class Insertion {
   Pose mouth() const;
   // Returns how far the object goes into the hole, m: the hole's depth, or the object's length.
   double full_depth() const;
-  // Returns how far below the mouth the object's deepest point is, m; negative above the mouth. 0 for
-  // one that is below the mouth beside the hole.
+  // Returns the length of the object between the mouth and the bottom of the hole, m. Negative for one
+  // over the mouth or under the bottom: the distance from there. 0 for one beside the hole.
   double Depth() const;
   // Returns the distance of the object's deepest part from the hole's axis, m.
   double Aside() const;
@@ -42,10 +42,11 @@ class Insertion {
 
  private:
   struct Tip {
-    double along;              // below the mouth, m
+    double along;              // as Depth(), without a look at what is beside the hole
     Eigen::Vector2d in_mouth;  // across
   };
   Tip DeepestPart() const;
+  double hole_depth() const;
   bool Contains(const Eigen::Vector2d& in_mouth) const;
 
   Scene scene_;

@@ -68,6 +68,21 @@ TEST(Insertion, HoldsFromItsShareOfTheDepthOnAndOnlyInTheHole) {
   }
 }
 
+TEST(Insertion, IsNotThroughAHoleThatTheObjectHasLeft) {
+  Rng rng = Rng::Stream(1, "insertion");
+  for (int i = 0; i < 4; ++i) {
+    Scene scene = PegAndHole(i % 2 == 0, 5e-4, rng);
+    const auto bound = BindRelation(scene, ParseRelation("peg inserted block"));
+    const internal::Insertion insertion(scene, "peg", "block");
+    for (const double fallen : {0.3, 1.0, 5.0}) {
+      Put(scene, insertion.PoseAt(0, 0.03 + fallen));
+      EXPECT_FALSE(bound->Holds()) << fallen;
+      EXPECT_LT(insertion.Depth(), 0) << fallen;
+      EXPECT_LT(bound->Progress(), 0.5) << fallen;
+    }
+  }
+}
+
 TEST(Insertion, SaysWhatIsNoHole) {
   Rng rng = Rng::Stream(0, "insertion");
   const Scene scene = PegAndHole(true, 1e-3, rng);

@@ -67,7 +67,7 @@ std::set<std::string> Meant(const std::vector<ReferableObject>& things, const st
     const std::string other = body.substr(at + words.size());
     for (const ReferableObject& landmark : things) {
       if (!Has(landmark, other)) continue;
-      each(body.substr(0, at), [&](const ReferableObject& thing) {
+      each(body.substr(0, at), [&, &words = words, &test = test](const ReferableObject& thing) {
         const Eigen::Vector3d d = MiddleOf(thing) - MiddleOf(landmark);
         // Directions are said of what is near, and mostly in that direction.
         const bool is_direction = words != " next to the " && words != " on the ";

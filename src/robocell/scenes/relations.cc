@@ -146,6 +146,9 @@ StatedRelation ParseRelation(const std::string& text) {
   if (kind.subject == RelationSubject::kJoint && !stated.numbers.empty() && stated.numbers[0] > 1)
     Refuse(text, fmt::format("has the share {}, and shares of a joint's range go from 0 to 1{}",
                              stated.numbers[0], form));
+  if (kind.is_share && (!(stated.numbers[0] > 0) || stated.numbers[0] > 1))
+    Refuse(text, fmt::format("has the share {}, and {} is above 0 and at most 1{}",
+                             stated.numbers[0], kind.numbers_text, form));
   if (stated.subject == stated.reference) Refuse(text, "relates an object to itself" + form);
   return stated;
 }

@@ -89,6 +89,8 @@ struct RelationKind {
   std::string numbers_text = {};  // "the largest gap in metres", for messages
   // ">=" or "<=", which may stand before the number; "" if none may.
   std::string comparison = {};
+  // True for a number that is a share, above 0 and at most 1: with 0 it would always hold.
+  bool is_share = false;
   // True if having held once in an episode is enough.
   bool is_momentary = false;
   // The words of an instruction, in which {0} is the subject and {1} the reference.

@@ -45,6 +45,8 @@ TEST(ParseRelation, RejectsWhatIsNoRelation) {
   EXPECT_THAT(why("mug next_to mug"), HasSubstr("relates an object to itself"));
   EXPECT_THAT(why("mug upright tray"), HasSubstr("does not take"));
   EXPECT_THAT(why("drawer open 5"), HasSubstr("go from 0 to 1"));
+  for (const char* share : {"5", "0", "1.01"})
+    EXPECT_THAT(why(std::string("peg inserted hole ") + share), HasSubstr("above 0 and at most 1"));
   EXPECT_THAT(why("cup in_region 1 2"), HasSubstr("has 2 numbers, not 3"));
   EXPECT_THAT(why("cup in_region 1 2 0"), HasSubstr("must be above 0"));
 }

@@ -91,17 +91,16 @@ bool IsHeld(const Scene& scene, const std::string& body) {
   return partners.several_robots || IsGrasped(scene, roots, partners.robot, body).value_or(true);
 }
 
-double ForceOnOthers(const Scene& scene, const std::string& body) {
+double ForceOnOthers(const Scene& scene, int body) {
   const mjModel* m = scene.model();
   const mjData* d = scene.data();
   const std::vector<int> roots = RobotRoots(scene);
-  const int object = RequireId(m, mjOBJ_BODY, body, "scene '" + scene.name() + "'");
   double force = 0;
   for (int c = 0; c < d->ncon; ++c) {
     const mjContact& contact = d->contact[c];
     if (contact.exclude != 0 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;
     const int a = m->geom_bodyid[contact.geom[0]], b = m->geom_bodyid[contact.geom[1]];
-    const bool a_inside = IsInSubtree(m, a, object), b_inside = IsInSubtree(m, b, object);
+    const bool a_inside = IsInSubtree(m, a, body), b_inside = IsInSubtree(m, b, body);
     if (a_inside == b_inside || RobotOf(m, roots, a_inside ? b : a) >= 0) continue;
     mjtNum in_contact[6];
     mj_contactForce(m, d, c, in_contact);

@@ -21,6 +21,6 @@ bool OnlyRobotsTouch(const Scene& scene, const std::string& body);
 // on one finger is not held.
 bool IsHeld(const Scene& scene, const std::string& body);
 // Returns the sum of the normal forces between a body's subtree and all that is no robot, N.
-double ForceOnOthers(const Scene& scene, const std::string& body);
+double ForceOnOthers(const Scene& scene, int body);
 
 }  // namespace robocell::internal

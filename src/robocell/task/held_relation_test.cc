@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
+#include "robocell/base/error.h"
 #include "robocell/scenes/relations.h"
+#include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
 
 namespace robocell {
@@ -17,6 +21,16 @@ TEST(HeldRelation, IsRegisteredOnceAndNeverAStart) {
   Rng rng = Rng::Stream(0, "held");
   EXPECT_TRUE(held->Sample(rng, 4).poses.empty());
   EXPECT_EQ(WordsOf(ParseRelation("mug held"), "mug", ""), "pick up the mug");
+}
+
+TEST(HeldRelation, SharesAreAboveZeroAndAtMostOne) {
+  internal::RegisterTaskRelations();
+  for (const std::string relation : {"wiped", "poured_into"}) {
+    for (const char* wrong : {" 0", " 3"})
+      ExpectThrow<ArgumentError>([&] { ParseRelation("a " + relation + " b" + wrong); },
+                                 "above 0 and at most 1");
+    EXPECT_NO_THROW(ParseRelation("a " + relation + " b 1"));
+  }
 }
 
 }  // namespace

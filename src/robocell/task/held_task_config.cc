@@ -21,9 +21,14 @@ constexpr int kLeastGrains = 20, kMostGrains = 200;
 constexpr double kWidestClearance = 0.01;  // m
 constexpr double kNearestArea = 0.12;      // m: the sponge is beside the area
 
+void RequireSome(double share, const char* field, Problems& problems) {
+  if (share == 0) problems.AddAt(field, "0 holds at every start; give a share above 0");
+}
+
 }  // namespace
 
 void InsertTaskConfig::Validate(Problems& problems) const {
+  RequireSome(depth, "depth", problems);
   if (clearance > kWidestClearance)
     problems.AddAt("clearance",
                    fmt::format("is {:g} m; at most {:g} m makes sense for holes of "
@@ -44,6 +49,7 @@ void SortTaskConfig::Validate(Problems& problems) const {
 }
 
 void WipeTaskConfig::Validate(Problems& problems) const {
+  RequireSome(share, "share", problems);
   ValidateRange(distance, "distance", problems);
   if (distance[0] < kNearestArea)
     problems.AddAt("distance",
@@ -53,6 +59,7 @@ void WipeTaskConfig::Validate(Problems& problems) const {
 }
 
 void PourTaskConfig::Validate(Problems& problems) const {
+  RequireSome(share, "share", problems);
   if (grains < kLeastGrains || grains > kMostGrains)
     problems.AddAt("grains", fmt::format("is {}; a vessel has {} to {} grains", grains,
                                          kLeastGrains, kMostGrains));

@@ -21,8 +21,7 @@ struct InsertTaskConfig {
     using T = InsertTaskConfig;
     v("shapes", &T::shapes,
       "What is drawn: square and round are pegs with their holes, plug is a plug with two blades "
-      "and "
-      "its socket. Unset: all three.");
+      "and its socket. Unset: all three.");
     v("clearance", &T::clearance,
       "Difference between the width of a hole and that of its peg, metres. A plug has 0.001.",
       Bound::kPositive);

@@ -18,6 +18,9 @@ size_t Mistakes(const T& fields) {
 TEST(HeldTaskConfig, RejectsTasksThatCannotBe) {
   EXPECT_EQ(Mistakes(InsertTaskConfig{}), 0u);
   EXPECT_EQ(Mistakes(InsertTaskConfig{.shapes = {"square", "star"}, .clearance = 0.02}), 2u);
+  EXPECT_EQ(Mistakes(InsertTaskConfig{.depth = 0}), 1u);
+  EXPECT_EQ(Mistakes(WipeTaskConfig{.share = 0}), 1u);
+  EXPECT_EQ(Mistakes(PourTaskConfig{.share = 0}), 1u);
   EXPECT_EQ(Mistakes(SortTaskConfig{.objects = 1}), 1u);
   EXPECT_EQ(Mistakes(SortTaskConfig{.objects = 7}), 1u);
   EXPECT_EQ(Mistakes(SortTaskConfig{}), 0u);

@@ -13,7 +13,9 @@
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
-#include "robocell/scenes/landmarks.h"
+#include "robocell/scenes/catalogue.h"
+#include "robocell/scenes/hollows.h"
+#include "robocell/scenes/place_overlap.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/colours.h"
 #include "robocell/task/drawn_objects.h"
@@ -28,7 +30,7 @@ namespace {
 constexpr const char* kHole = "hole";
 constexpr const char* kArea = "area";
 constexpr const char* kSponge = "sponge";
-constexpr const char* kReceiver = "receiver";
+constexpr const char* kReceiver = "receiver";  // the object, and its default kind
 constexpr const char* kSquare = "square";
 constexpr const char* kRound = "round";
 constexpr const char* kPlug = "plug";
@@ -70,6 +72,63 @@ Feature Share(const std::string& name, const std::string& description) {
           .role = FeatureRole::kPrivileged,
           .lower = {0},
           .upper = {1}};
+}
+
+// Returns places in the frame of a vessel, in layers with a hexagonal grid; none if not all fit.
+std::vector<Eigen::Vector3d> GrainPlaces(const Vessel& vessel, int count, double radius) {
+  const double spacing = 2.02 * radius;
+  // Tiny grains do not need the whole width.
+  const double room = std::min(vessel.radius() - radius, spacing * std::sqrt(count));
+  std::vector<Eigen::Vector2d> layer;
+  const int most = room > 0 ? static_cast<int>(room / spacing) + 1 : 0;
+  for (int i = -2 * most; i <= 2 * most; ++i) {
+    for (int j = -2 * most; j <= 2 * most; ++j) {
+      const Eigen::Vector2d at(spacing * (i + 0.5 * j), spacing * j * std::sqrt(0.75));
+      if (at.norm() <= room + 1e-9) layer.push_back(at);
+    }
+  }
+  const Eigen::Vector3d bottom = vessel.bottom();
+  const double layers = std::floor((vessel.mouth().z() - bottom.z()) / spacing);
+  std::vector<Eigen::Vector3d> places;
+  if (static_cast<double>(layer.size()) * layers < count) return places;
+  for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
+    const Eigen::Vector2d& at = layer[i % layer.size()];
+    const double up = spacing * (static_cast<double>(i / layer.size()) + 0.5);
+    places.push_back(bottom + Eigen::Vector3d(at.x(), at.y(), up));
+  }
+  return places;
+}
+
+std::string DoNotFit(const Vessel& vessel, const std::string& kind, const PourTaskConfig& task) {
+  return fmt::format(
+      "{} grains with a radius of {:g} m do not fit into the {}, {:.3f} m wide and {:.3f} m deep; "
+      "lower task.grains or task.grain_radius",
+      task.grains, task.grain_radius, kind, 2 * vessel.radius(),
+      vessel.mouth().z() - vessel.bottom().z());
+}
+
+// Returns a scene with one object, the target.
+Scene SceneWith(const std::string& kind) {
+  Rng rng = Rng::Stream(0, "check");
+  SceneSpec spec{.name = kind, .timestep = 0.002, .add_floor = false, .add_skybox = false};
+  spec.objects.push_back(PickAndPlaceTask::MakeGoalObject(kind, kTarget, rng));
+  spec.objects[0].pos = Vec3{};
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  scene.Forward();
+  return scene;
+}
+
+// Returns why the target cannot be poured from or into; "" if it can.
+std::string WhyNoVessel(const Scene& scene, const std::string& kind) {
+  const ObjectRecord& target = scene.compiled()->object(kTarget);
+  const std::optional<Hollow> hollow =
+      FindHollow(scene, FindId(scene.model(), mjOBJ_BODY, target.root_body));
+  if (hollow && hollow->opening.z() > 0.5) return "";
+  return fmt::format(
+      "'{}' has no hollow that is open upwards, which a vessel needs; name a kind "
+      "such as {} or {}",
+      kind, PourTask::kDefaultVessel, kReceiver);
 }
 
 }  // namespace
@@ -186,7 +245,7 @@ int WipeTask::CellCount() {
 void WipeTask::AddObjects(SceneSpec& spec, Rng& /*rng*/) {
   spec.objects.push_back({.name = kTarget,
                           .shape = Shape::kBox,
-                          .size = Vec3{0.035, 0.022, 0.03},
+                          .size = Vec3{0.035, 0.022, 0.025},
                           .rgba = kNamedColours[3].rgba,
                           .mass = 0.05,
                           .friction = Vec3{0.7, 0.02, 0.001},
@@ -198,6 +257,14 @@ void WipeTask::AddObjects(SceneSpec& spec, Rng& /*rng*/) {
 
 void WipeTask::Found(const Scene& scene, const TaskSetting& /*setting*/) {
   for (const char* name : {kTarget, kArea}) scene.compiled()->object(name);
+  const size_t cells = WipeRegion(scene, kArea).cells().size();
+  if (cells != static_cast<size_t>(CellCount()))
+    throw ArgumentError(
+        fmt::format("{}: '{}' has {} cells of {:g} m, and the task records {}: make it {:g} x {:g} "
+                    "m large, or state the goal \"{} wiped {}\" with `kind: relations`",
+                    place(), kArea, cells, kWipeCell, CellCount(), 2 * kAreaHalfX, 2 * kAreaHalfY,
+                    kTarget, kArea));
+  sponge_.emplace(scene, scene.compiled()->object(kTarget).root_body);
   Name(kTarget, kSponge);
   Name(kArea, kArea);
 }
@@ -222,15 +289,39 @@ std::optional<Refusal> WipeTask::Draw(Scene& scene, Rng& rng) {
     if (IsCollisionGeom(m, geom) && !IsInSubtree(m, m->geom_bodyid[geom], body))
       others.push_back(geom);
   }
-  const auto is_free = [&](const Pose& area) {
+  const WipeRegion region(scene, kArea);
+  const auto has_support = [&](const Pose& area) {
     constexpr double kOver = 0.02, kOff = 0.01;  // m
     for (int i = -2; i <= 2; ++i) {
       for (int j = -2; j <= 2; ++j) {
         const Eigen::Vector3d above =
-            area * Eigen::Vector3d(i * (kAreaHalfX + 0.02) / 2, j * (kAreaHalfY + 0.02) / 2, kOver);
+            area * Eigen::Vector3d(i * (region.half_x() + 0.02) / 2,
+                                   j * (region.half_y() + 0.02) / 2, kOver);
         const double distance =
             CastRay(m, scene.data(), others, above, -Eigen::Vector3d::UnitZ()).distance;
         if (!(std::abs(distance - kOver) < kOff)) return false;
+      }
+    }
+    return true;
+  };
+  // The sponge, side by side over the whole area and a little beyond it, meets nothing, however thin.
+  PlaceOverlap overlap(scene, body);
+  const Pose sponge = scene.body_pose(target.root_body);
+  Eigen::Vector2d half = Eigen::Vector2d::Zero();
+  for (const int axis : {0, 1}) {
+    const Interval extent = BodyExtent(m, scene.data(), body, sponge.rotation().col(axis));
+    half[axis] = (extent.upper - extent.lower) / 2;
+  }
+  const auto is_free = [&](const Pose& area) {
+    constexpr double kLift = 0.002;  // m over the support
+    if (!has_support(area)) return false;
+    const int columns = static_cast<int>(std::ceil(region.half_x() / half.x()));
+    const int rows = static_cast<int>(std::ceil(region.half_y() / half.y()));
+    for (int i = 0; i < columns; ++i) {
+      for (int j = 0; j < rows; ++j) {
+        const Eigen::Vector3d place((2 * i + 1 - columns) * half.x(), (2 * j + 1 - rows) * half.y(),
+                                    sponge.translation().z() - low + kLift);
+        if (!overlap.IsFree(Pose((area * place).eval(), area.quaternion()), 0)) return false;
       }
     }
     return true;
@@ -278,19 +369,19 @@ void WipeTask::Observe(const Scene& scene, std::span<double> out) const {
   if (goals().empty()) return;
   const std::vector<double> cells = goals().front().bound->memory();
   std::copy_n(cells.begin(), std::min(cells.size(), out.size() - 1), out.begin());
-  out[out.size() - 1] =
-      std::min(1000.0, ForceOnOthers(scene, scene.compiled()->object(kTarget).root_body));
+  out[out.size() - 1] = std::min(1000.0, ForceOnOthers(scene, sponge_->id()));
 }
 
 PourTask::PourTask(const PourTaskConfig& fields) : task_(Checked(fields)) {}
 
 void PourTask::AddObjects(SceneSpec& spec, Rng& rng) {
-  const auto draw = [&](const NameList& kinds, const char* unset) {
-    if (kinds.empty()) return std::string(unset);
-    return is_prepared_once() ? kinds[rng.UniformInt(kinds.size())] : turn().Choose(kinds.names);
+  const auto draw = [&](const NameList& names, const char* unset) {
+    if (names.empty()) return std::string(unset);
+    const std::vector<std::string> kinds = ObjectKindsOf(names.names);
+    return is_prepared_once() ? kinds[rng.UniformInt(kinds.size())] : turn().Choose(kinds);
   };
-  Add(spec, kTarget, draw(task_.objects, "open_bottle"), rng);
-  Add(spec, kReceiver, draw(task_.receivers, "receiver"), rng);
+  Add(spec, kTarget, draw(task_.objects, kDefaultVessel), rng);
+  Add(spec, kReceiver, draw(task_.receivers, kReceiver), rng);
   for (int i = 0; i < task_.grains; ++i) {
     // They get their places in the vessel once its own is drawn.
     spec.objects.push_back({.name = fmt::format("{}_grain_{}", kTarget, i),
@@ -315,36 +406,29 @@ std::vector<std::string> PourTask::StatedGoal() const {
   return {fmt::format("{} poured_into {} {}", kTarget, kReceiver, task_.share)};
 }
 
-// The grains lie in layers in the vessel, in a hexagonal grid.
+std::string PourTask::WhyNotFrom(const std::string& kind, const PourTaskConfig& fields) {
+  if (fields.grains < 1 || !(fields.grain_radius > 0)) return "";  // reported already
+  const Scene scene = SceneWith(kind);
+  if (std::string why = WhyNoVessel(scene, kind); !why.empty()) return why;
+  const Vessel vessel(scene, kTarget);
+  if (!GrainPlaces(vessel, fields.grains, fields.grain_radius).empty()) return "";
+  return DoNotFit(vessel, kind, fields);
+}
+
+std::string PourTask::WhyNotInto(const std::string& kind) {
+  return WhyNoVessel(SceneWith(kind), kind);
+}
+
 std::optional<Refusal> PourTask::Draw(Scene& scene, Rng& /*rng*/) {
   const Vessel vessel(scene, kTarget);
-  const double spacing = 2.02 * task_.grain_radius;
-  const double room = vessel.radius() - task_.grain_radius;
-  std::vector<Eigen::Vector2d> layer;
-  const int most = room > 0 ? static_cast<int>(room / spacing) + 1 : 0;
-  for (int i = -2 * most; i <= 2 * most; ++i) {
-    for (int j = -2 * most; j <= 2 * most; ++j) {
-      const Eigen::Vector2d at(spacing * (i + 0.5 * j), spacing * j * std::sqrt(0.75));
-      if (at.norm() <= room + 1e-9) layer.push_back(at);
-    }
-  }
-  const Eigen::Vector3d bottom = vessel.bottom(), top = vessel.mouth();
-  const Pose body = vessel.pose();
   const std::vector<std::string> grains = GrainsOf(scene, kTarget);
-  const double height =
-      layer.empty() ? 0 : spacing * static_cast<double>((grains.size() - 1) / layer.size() + 1);
-  if (layer.empty() || height > top.z() - bottom.z())
-    throw ArgumentError(fmt::format(
-        "{}: {} grains with a radius of {:g} m do not fit into the {}, {:.3f} m wide and {:.3f} m "
-        "deep; lower task.grains or task.grain_radius",
-        place(), grains.size(), task_.grain_radius, kind_of(kTarget), 2 * vessel.radius(),
-        top.z() - bottom.z()));
-  for (size_t i = 0; i < grains.size(); ++i) {
-    const Eigen::Vector2d& at = layer[i % layer.size()];
-    const double up = spacing * (static_cast<double>(i / layer.size()) + 0.5);
-    scene.SetBodyPose(scene.compiled()->object(grains[i]).root_body,
-                      Pose(body * (bottom + Eigen::Vector3d(at.x(), at.y(), up))));
-  }
+  const std::vector<Eigen::Vector3d> places =
+      GrainPlaces(vessel, static_cast<int>(grains.size()), task_.grain_radius);
+  if (places.empty())
+    throw ArgumentError(place() + ": " + DoNotFit(vessel, kind_of(kTarget), task_));
+  const Pose body = vessel.pose();
+  for (size_t i = 0; i < grains.size(); ++i)
+    scene.SetBodyPose(scene.compiled()->object(grains[i]).root_body, Pose(body * places[i]));
   return std::nullopt;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "robocell/scene/body_handle.h"
 #include "robocell/task/held_task_config.h"
 #include "robocell/task/relation_task.h"
 
@@ -56,7 +57,7 @@ class WipeTask final : public RelationTask {
   explicit WipeTask(const WipeTaskConfig& fields);
   std::vector<Feature> signals() const override;
   void Observe(const Scene& scene, std::span<double> out) const override;
-  // Returns the number of cells of the area.
+  // Returns the number of cells of the area, as many in every scene: they are recorded.
   static int CellCount();
 
  private:
@@ -67,12 +68,18 @@ class WipeTask final : public RelationTask {
   std::string WordFor(const std::string& name) const override;
 
   WipeTaskConfig task_;
+  std::optional<BodyHandle> sponge_;
 };
 
 // What is in a vessel is poured into another one.
 class PourTask final : public RelationTask {
  public:
+  static constexpr const char* kDefaultVessel = "open_bottle";
+
   explicit PourTask(const PourTaskConfig& fields);
+  // Returns why nothing can be poured from a kind of vessel, or into it; "" if it can.
+  static std::string WhyNotFrom(const std::string& kind, const PourTaskConfig& fields);
+  static std::string WhyNotInto(const std::string& kind);
   // Refuses a start in which grains are beside the vessel.
   std::optional<Refusal> CheckStart(const Scene& scene) override;
   std::vector<Feature> signals() const override;

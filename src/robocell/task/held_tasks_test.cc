@@ -1,15 +1,21 @@
 #include "robocell/task/held_tasks.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/base/units.h"
 #include "robocell/scene/testing/scenes.h"
+#include "robocell/scenes/insertion.h"
 #include "robocell/task/pouring.h"
+#include "robocell/task/start_contents.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell::internal {
@@ -37,25 +43,37 @@ TEST(InsertTask, PegsAreNarrowerThanTheirHolesByTheClearance) {
     InsertTask task({.shapes = {shape}, .clearance = 0.0008});
     const Scene scene = Prepared(task, 0);
     task.Begin(scene);
-    // The hole is as wide as the task says: a peg that is wider by the clearance does not fit.
     Rng rng = Rng::Stream(0, "places");
     EXPECT_FALSE(task.goals().front().bound->Sample(rng, 16).poses.empty());
     EXPECT_EQ(task.instruction(),
               std::string("insert the ") + shape + " peg into the " + shape + " hole");
+    // The hole is as wide as the task says: a peg that is wider by the clearance does not fit.
+    SceneSpec spec = EmptyScene();
+    spec.objects.push_back(InsertTask::MakePeg(shape, "peg", -0.0008));
+    spec.objects[0].pos = Vec3{0, 0, 0.5};
+    spec.objects.push_back({.name = "hole",
+                            .mjcf_path = std::string(shape) + "_hole",
+                            .pos = Vec3{0, 0, 0.021},
+                            .fixed = true});
+    Scene wider = Scene::Build(spec);
+    wider.Reset();
+    EXPECT_TRUE(Insertion(wider, "peg", "hole").FreePoses(16).empty()) << shape;
   }
 }
 
 TEST(InsertTask, DrawsEachShape) {
   std::set<std::string> seen;
-  for (uint64_t seed = 0; seed < 20; ++seed) {
+  for (int episode = 0; episode < 3; ++episode) {
     InsertTask task({});
     SceneSpec spec = EmptyScene();
-    Rng rng = Rng::Stream(seed, "prepare");
-    task.Prepare(spec, rng);
+    Rng rng = Rng::Stream(0, "prepare");
+    const Task::KnownScene unknown = [] { return nullptr; };
+    const StartContents contents = PrepareContents(
+        task, {.known = unknown, .kind = "insert", .turn = {.episode = episode}}, spec, rng);
+    ASSERT_EQ(contents.objects.size(), 2u);
     seen.insert(task.kind_of("hole"));
   }
-  EXPECT_LE(seen.size(), 3u);
-  EXPECT_FALSE(seen.empty());
+  EXPECT_EQ(seen.size(), 3u);
 }
 
 TEST(SortTask, EachCubeGoesToThePlateOfItsColour) {
@@ -78,6 +96,60 @@ TEST(SortTask, EachCubeGoesToThePlateOfItsColour) {
   EXPECT_EQ(holds(), 4);
   put("red_cube", "blue_plate");
   EXPECT_EQ(holds(), 3) << "a cube on another plate does not count";
+}
+
+// Posts are thinner than any grid of points: the sponge itself must be free.
+TEST(WipeTask, TheAreaIsFreeOfThinThings) {
+  WipeTask task({});
+  SceneSpec spec = EmptyScene();
+  Rng rng = Rng::Stream(0, "posts");
+  task.Prepare(spec, rng);
+  spec.objects[0].pos = Vec3{0, 0, 0.0251};
+  std::vector<Eigen::Vector2d> posts;
+  for (int i = 0; i < 12; ++i) {
+    const double angle = rng.Uniform(-kPi, kPi), distance = rng.Uniform(0.06, 0.3);
+    posts.emplace_back(distance * std::cos(angle), distance * std::sin(angle));
+    SceneObject post = BoxObject(fmt::format("post_{}", i), {posts[i].x(), posts[i].y(), 0.02});
+    post.size = Vec3{0.001, 0.001, 0.02};
+    post.fixed = true;
+    spec.objects.push_back(post);
+  }
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  scene.Forward();
+  task.Begin(scene);
+  int placed = 0;
+  for (int i = 0; i < 20; ++i) {
+    if (task.Arrange(scene, rng)) continue;
+    ++placed;
+    const Pose area = scene.body_pose(scene.compiled()->object("area").root_body);
+    for (const Eigen::Vector2d& post : posts) {
+      const Eigen::Vector3d at = area.inverse() * Eigen::Vector3d(post.x(), post.y(), 0);
+      EXPECT_FALSE(std::abs(at.x()) < 0.08 && std::abs(at.y()) < 0.06) << at.transpose();
+    }
+  }
+  EXPECT_GT(placed, 0);
+}
+
+TEST(WipeTask, RejectsAnAreaOfAnotherSize) {
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back(BoxObject("target", {0, 0, 0.02}));
+  spec.objects.push_back(BoxObject("area", {0.3, 0, 0.02}));
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  WipeTask task({});
+  ExpectThrow<ArgumentError>([&] { task.Begin(scene); },
+                             "'area' has 16 cells of 0.01 m, and the task records 192");
+}
+
+TEST(PourTask, SaysWhichKindsAreNoVessels) {
+  EXPECT_EQ(PourTask::WhyNotFrom("open_bottle", {}), "");
+  EXPECT_EQ(PourTask::WhyNotInto("receiver"), "");
+  EXPECT_THAT(PourTask::WhyNotFrom("box", {}), ::testing::HasSubstr("'box' has no hollow"));
+  EXPECT_THAT(PourTask::WhyNotInto("box"), ::testing::HasSubstr("'box' has no hollow"));
+  EXPECT_THAT(PourTask::WhyNotFrom("open_bottle", {.grains = 200}),
+              ::testing::HasSubstr("lower task.grains or task.grain_radius"));
+  EXPECT_EQ(PourTask::WhyNotFrom("open_bottle", {.grain_radius = 1e-7}), "");
 }
 
 TEST(PourTask, FillsTheVesselWithItsGrains) {

@@ -6,12 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <string_view>
 
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
 #include "robocell/math/rotation.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/body_handle.h"
 #include "robocell/scenes/landmarks.h"
 
 namespace robocell::internal {
@@ -30,10 +32,10 @@ class PouredInto final : public BoundRelation {
     for (const std::string& grain : GrainsOf(scene, stated.subject))
       grains_.emplace_back(scene.inner(), scene.compiled()->object(grain).root_body);
     if (grains_.empty())
-      throw ArgumentError(
-          fmt::format("scene '{}': '{}' has nothing to pour: no free object is named "
-                      "{}_grain...",
-                      scene.name(), stated.subject, stated.subject));
+      throw ArgumentError(fmt::format(
+          "scene '{}': '{}' has nothing to pour: no free object is named {}_grain or "
+          "{}_grain_0, {}_grain_1 etc.",
+          scene.name(), stated.subject, stated.subject, stated.subject, stated.subject));
   }
   bool Holds() const override { return Progress() >= share_ - 1e-9; }
   double Progress() const override {
@@ -52,19 +54,32 @@ class PouredInto final : public BoundRelation {
 
 }  // namespace
 
+namespace {
+
+// Returns true for "cup_grain" and "cup_grain_12" of the vessel "cup".
+bool IsGrainOf(const std::string& vessel, std::string_view name) {
+  const std::string stem = vessel + "_grain";
+  if (!name.starts_with(stem)) return false;
+  name.remove_prefix(stem.size());
+  if (name.empty()) return true;
+  if (!name.starts_with('_') || name.size() < 2) return false;
+  return std::ranges::all_of(name.substr(1), [](char c) { return c >= '0' && c <= '9'; });
+}
+
+}  // namespace
+
 std::vector<std::string> GrainsOf(const Scene& scene, const std::string& vessel) {
   std::vector<std::string> grains;
   for (const ObjectRecord& object : scene.compiled()->objects()) {
-    if (object.free_joint && object.name.starts_with(vessel + "_grain"))
-      grains.push_back(object.name);
+    if (object.free_joint && IsGrainOf(vessel, object.name)) grains.push_back(object.name);
   }
   return grains;
 }
 
 Vessel::Vessel(const Scene& scene, const std::string& name)
     : scene_(scene.inner()),
-      body_(scene_, ElementName(scene.model(), mjOBJ_BODY, RequireObjectOrBody(scene, name))) {
-  const std::optional<Hollow> hollow = FindHollow(scene, body_.id());
+      geoms_(scene_, ElementName(scene.model(), mjOBJ_BODY, RequireObjectOrBody(scene, name))) {
+  const std::optional<Hollow> hollow = FindHollow(scene, geoms_.body().id());
   if (!hollow || hollow->opening.z() < 0.5)
     throw ArgumentError(
         fmt::format("scene '{}': '{}' has no hollow that is open upwards", scene.name(), name));
@@ -81,8 +96,8 @@ bool Vessel::Contains(const Eigen::Vector3d& point) const {
   const Eigen::Vector3d out = point - middle;
   const double distance = out.norm();
   if (distance < 1e-9) return true;
-  const std::vector<int> geoms = CollisionGeomsOf(scene_.model(), body_.id());
-  return CastRay(scene_.model(), scene_.data(), geoms, middle, out / distance).distance > distance;
+  return CastRay(scene_.model(), scene_.data(), geoms_.ids(), middle, out / distance).distance >
+         distance;
 }
 
 Eigen::Vector3d Vessel::mouth() const {
@@ -100,6 +115,7 @@ RelationKind PouredIntoRelation() {
           .defaults = {0.8},
           .numbers_text = "the share of the grains",
           .comparison = ">=",
+          .is_share = true,
           .words = "pour what is in the {0} into the {1}",
           .bind = [](const Scene& scene, const StatedRelation& stated) {
             return std::make_unique<PouredInto>(scene, stated);

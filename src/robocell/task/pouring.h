@@ -1,5 +1,5 @@
 // The relation `poured_into`: what was in one vessel is in another one. The grains of a vessel `cup`
-// are the free objects whose names begin with `cup_grain`.
+// are the free objects `cup_grain`, or `cup_grain_0`, `cup_grain_1` etc.
 //
 //   | sentence                | holds if                                             |
 //   | A poured_into B [share] | that share of the grains of A is in vessel B (0.8)   |
@@ -12,10 +12,10 @@
 #include <vector>
 
 #include "robocell/math/pose.h"
-#include "robocell/scene/body_handle.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scenes/hollows.h"
 #include "robocell/scenes/relations.h"
+#include "robocell/task/body_geoms.h"
 #include "robocell/task/held_motion.h"
 
 namespace robocell::internal {
@@ -34,11 +34,11 @@ class Vessel {
   // Returns the middle of its bottom, and half its least width.
   Eigen::Vector3d bottom() const;
   double radius() const;
-  Pose pose() const { return body_.pose_in_world(); }
+  Pose pose() const { return geoms_.body().pose_in_world(); }
 
  private:
   Scene scene_;
-  BodyHandle body_;
+  BodyGeoms geoms_;
   Hollow hollow_;
 };
 

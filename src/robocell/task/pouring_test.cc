@@ -2,6 +2,7 @@
 #include "robocell/task/pouring.h"
 
 #include <fmt/format.h>
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -56,6 +57,17 @@ TEST(Pouring, CountsGrainsInsideTheWallsAndUnderTheRim) {
     EXPECT_NEAR(put(rng.Uniform(0, 0.035), rng.Uniform(0.014, 0.07)), i + 1, 1e-6) << "in it";
     EXPECT_EQ(poured->Holds(), i + 1 >= 0.8 * kGrains);
   }
+}
+
+TEST(Pouring, GrainsHaveTheNameOfTheirVesselAndANumber) {
+  SceneSpec spec = EmptyScene();
+  double x = 0;
+  for (const char* name : {"cup", "cup_grain", "cup_grain_0", "cup_grain_12", "cup_grain_mill",
+                           "cup_grains", "cup_grain_", "cup_grain_1_lid", "cupola_grain_1"})
+    spec.objects.push_back(BoxObject(name, {x += 0.1, 0, 0.02}));
+  const Scene scene = Scene::Build(spec);
+  EXPECT_THAT(internal::GrainsOf(scene, "cup"),
+              ::testing::ElementsAre("cup_grain", "cup_grain_0", "cup_grain_12"));
 }
 
 TEST(Pouring, NeedsGrainsAndAHollow) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -62,9 +63,36 @@ void CheckFields(const PushTaskConfig& task, Problems& problems) {
 void CheckFields(const InsertTaskConfig& /*task*/, Problems& /*problems*/) {}
 void CheckFields(const SortTaskConfig& /*task*/, Problems& /*problems*/) {}
 void CheckFields(const WipeTaskConfig& /*task*/, Problems& /*problems*/) {}
+// Rejects kinds of the catalogue and of equipment that are no vessels for the task.
+void RequireVessels(const char* field, const NameList& chosen,
+                    const std::function<std::string(const std::string&)>& why_not,
+                    Problems& problems) {
+  const std::vector<std::string> known = PickAndPlaceTask::AllGoalKinds();
+  const Problems::Scope scope(problems, field);
+  for (size_t i = 0; i < chosen.size(); ++i) {
+    const Problems::Scope item(problems, i);
+    for (const std::string& kind : ObjectKindsOf({chosen[i]})) {
+      if (std::ranges::find(known, kind) == known.end()) continue;  // reported already
+      const std::string why = why_not(kind);
+      if (why.empty()) continue;
+      problems.Add(why);
+      break;
+    }
+  }
+}
+
 void CheckFields(const PourTaskConfig& task, Problems& problems) {
   RequireKindsOfObjects("objects", task.objects, PickAndPlaceTask::AllGoalKinds(), problems);
   RequireKindsOfObjects("receivers", task.receivers, PickAndPlaceTask::AllGoalKinds(), problems);
+  const auto why_not_from = [&](const std::string& kind) {
+    return PourTask::WhyNotFrom(kind, task);
+  };
+  RequireVessels("objects", task.objects, why_not_from, problems);
+  if (task.objects.empty()) {
+    if (const std::string why = why_not_from(PourTask::kDefaultVessel); !why.empty())
+      problems.AddAt("grains", why);
+  }
+  RequireVessels("receivers", task.receivers, &PourTask::WhyNotInto, problems);
 }
 template <class JointConfig>
 void CheckFields(const JointConfig& task, Problems& problems) {

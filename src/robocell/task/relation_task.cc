@@ -391,6 +391,12 @@ void RelationTask::Recall(std::span<const double> memory) {
   Choose(static_cast<size_t>(memory[1]));
   if (scene_) BindGoals(Scene(*scene_));
   size_t next = 2 + goals_.size();
+  // The relations of what was chosen may remember more or less than those before.
+  if (const size_t own = this->memory().size(); memory.size() != own)
+    throw ArgumentError(
+        fmt::format("{}: the memory has {} numbers, and the goal of what the start has drawn "
+                    "remembers {}; restore a state that this task has saved",
+                    place_, memory.size(), own));
   for (size_t i = 0; i < goals_.size(); ++i) {
     goals_[i].has_held = memory[2 + i] != 0;
     const size_t own = goals_[i].bound->memory().size();

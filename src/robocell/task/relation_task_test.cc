@@ -153,6 +153,39 @@ TEST_F(RelationTaskTest, RemembersOnlyWhatItCanHaveSaved) {
   EXPECT_EQ(task.WhyNotRecalled(std::vector<double>{0, 0, 1}), "");
 }
 
+// Its second choice has two goals, the first one has one.
+class TaskWithChoices final : public RelationTask {
+ public:
+  void Choose(size_t chosen) override { chosen_ = chosen; }
+
+ private:
+  void AddObjects(SceneSpec& /*spec*/, Rng& /*rng*/) override {}
+  std::vector<std::string> StatedGoal() const override {
+    if (chosen_ == 0) return {"panel_red_button pressed"};
+    return {"panel_red_button pressed", "red on blue"};
+  }
+  size_t chosen() const override { return chosen_; }
+  size_t choices() const override { return 2; }
+
+  size_t chosen_ = 0;
+};
+
+TEST_F(RelationTaskTest, RecallsTheMemoryOfWhatWasChosen) {
+  TaskWithChoices task, other;
+  task.Choose(1);
+  for (TaskWithChoices* each : {&task, &other}) each->Begin(*scene_);
+  task.Judge(*scene_);
+  other.Recall(task.memory());
+  EXPECT_EQ(other.memory(), task.memory());
+  EXPECT_EQ(other.goals().size(), 2u);
+  ExpectThrow<ArgumentError>(
+      [&] {
+        other.Recall(std::vector<double>{0, 1, 1});
+      },
+      "the memory has 3 numbers, and the goal of what the start has drawn "
+      "remembers 4");
+}
+
 TEST_F(RelationTaskTest, SaysWhichGoalIsNotReached) {
   RelationsTask task = Begun({.goal = {"blue in_region 0.3 0 0.05", "red on blue"}});
   EXPECT_EQ(task.why_not_done(), "not done: red on blue");

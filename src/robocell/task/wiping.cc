@@ -76,8 +76,8 @@ Pose WipeRegion::frame() const {
 
 Wiped::Wiped(const Scene& scene, const StatedRelation& stated)
     : scene_(scene.inner()),
-      body_(scene_,
-            ElementName(scene.model(), mjOBJ_BODY, RequireObjectOrBody(scene, stated.subject))),
+      object_(scene_,
+              ElementName(scene.model(), mjOBJ_BODY, RequireObjectOrBody(scene, stated.subject))),
       region_(scene, stated.reference),
       share_(stated.numbers[0]),
       wiped_(region_.cells().size(), 0) {}
@@ -91,9 +91,9 @@ double Wiped::Progress() const {
 RelationSamples Wiped::Sample(Rng& /*rng*/, int /*count*/) const { return {}; }
 
 void Wiped::Watch() {
-  const double force = ForceOnOthers(scene_, body_.name());
+  const double force = ForceOnOthers(scene_, object_.body().id());
   if (force < kLeastWipeForce || force > kMostWipeForce) return;
-  const std::vector<int> geoms = CollisionGeomsOf(scene_.model(), body_.id());
+  const std::vector<int>& geoms = object_.ids();
   const Pose frame = region_.frame();
   const Eigen::Vector3d up = frame.rotation().col(2);
   for (size_t cell = 0; cell < wiped_.size(); ++cell) {
@@ -112,6 +112,7 @@ RelationKind WipedRelation() {
           .defaults = {0.8},
           .numbers_text = "the share of the region",
           .comparison = ">=",
+          .is_share = true,
           .words = "wipe the {1} with the {0}",
           .bind = [](const Scene& scene, const StatedRelation& stated) {
             return std::make_unique<Wiped>(scene, stated);

@@ -17,6 +17,7 @@
 #include "robocell/scene/body_handle.h"
 #include "robocell/scene/scene.h"
 #include "robocell/scenes/relations.h"
+#include "robocell/task/body_geoms.h"
 #include "robocell/task/held_motion.h"
 
 namespace robocell::internal {
@@ -56,7 +57,7 @@ class Wiped final : public BoundRelation {
 
  private:
   Scene scene_;
-  BodyHandle body_;
+  BodyGeoms object_;
   WipeRegion region_;
   double share_;
   std::vector<double> wiped_;  // 1 for each cell that is, else 0
