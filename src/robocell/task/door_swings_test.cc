@@ -86,5 +86,35 @@ TEST(DoorSwings, ARobotIsRefusedExactlyWhereTheDoorWouldTouchItInSomePosture) {
   EXPECT_LT(refused, 36);
 }
 
+// What a robot moves itself: only the part of the swing that it moves the door through counts, and only
+// the base, as the arm goes along.
+TEST(DoorSwings, ABaseStandsOutsideOfThePartThatItMoves) {
+  ModelFolder folder;
+  Scene scene = SceneWithDoor(folder, 2);
+  Robot robot = Robot::Of(scene, "arm");
+  const std::vector<Articulation> doors = DoorsOf(DeriveAnnotations(scene), scene);
+  const JointOpening opening = JointOpening::Of(scene, "door");
+  // The leaf turns from +x towards +y about x = 1; the base stands at 60 degrees of its swing.
+  robot.base().SetPose(Pose::FromRpy({1 + 0.6 * 0.5, 0.6 * 0.87, 0}, {0, 0, 0}));
+  scene.Forward();
+  const std::vector<double> before = scene.state();
+  EXPECT_TRUE(ValidateDoorSwings(scene, robot, doors, 0.01).has_value());
+  EXPECT_FALSE(ValidateMovedJoint(scene, robot, opening, 0.1, 0.01).has_value());
+  const auto refusal = ValidateMovedJoint(scene, robot, opening, 0.9, 0.01);
+  ASSERT_TRUE(refusal.has_value());
+  EXPECT_EQ(refusal->reason, Refusal::kInDoorSwing);
+  EXPECT_EQ(scene.state(), before);
+  // Of a robot beside the swing, the arm alone may be inside.
+  for (int seed = 0; seed < 20; ++seed) {
+    Rng rng = Rng::Stream(seed, "part of a swing");
+    robot.base().SetPose(Pose::FromRpy({rng.Uniform(0, 2.2), rng.Uniform(-0.8, 1.2), 0.3},
+                                       {0, 0, rng.Uniform(-3, 3)}));
+    scene.Forward();
+    if (ValidateMovedJoint(scene, robot, opening, 1, 0.01)) {
+      EXPECT_TRUE(ValidateDoorSwings(scene, robot, doors, 0.01).has_value()) << seed;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace robocell::internal
