@@ -67,6 +67,9 @@ std::string WhyInTheWay(Scene& scene, const std::vector<int>& near, const std::v
     mj_kinematics(m, d);
     for (const int a : near) {
       for (const int b : leaf) {
+        const Eigen::Vector3d apart =
+            Eigen::Vector3d(d->geom_xpos + 3 * a) - Eigen::Vector3d(d->geom_xpos + 3 * b);
+        if (apart.norm() > m->geom_rbound[a] + m->geom_rbound[b] + clearance) continue;
         const double distance = Guarded("distance of a robot to a door", d, [&] {
           return mj_geomDistance(m, d, a, b, clearance, nullptr);
         });

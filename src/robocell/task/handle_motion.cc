@@ -477,7 +477,8 @@ ContactPathSource JointPaths(const Robot& robot, const StatedRelation& stated,
   using Way = std::function<std::vector<ContactPath>()>;
   const Scene scene = robot.scene();
   const JointOpening opening = JointOpening::Of(scene, stated.subject);
-  const double share = ShareFor(stated);
+  const bool presses = stated.relation == "pressed";
+  const double share = presses ? 1 : ShareFor(stated);
   const std::optional<HandleBar> bar = FindHandle(scene, opening);
   const bool has_bar = bar && bar->is_exact;
   const auto found = std::make_shared<bool>(false);  // some paths
@@ -502,7 +503,7 @@ ContactPathSource JointPaths(const Robot& robot, const StatedRelation& stated,
   // After a failure the other ways come first, and then the same again.
   const bool again = failures % 2 == 1;
   std::vector<Way> ways;
-  if (stated.relation == "pressed") {
+  if (presses) {
     ways = {press};
   } else if (stated.relation == "closed") {
     ways = again ? std::vector<Way>{grip, reach_behind, hook, push}
