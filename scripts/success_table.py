@@ -11,7 +11,6 @@ is 1. `--page` writes the table between the marks of a page.
 from __future__ import annotations
 
 import argparse
-import difflib
 import math
 import tempfile
 from collections import Counter
@@ -85,7 +84,7 @@ def one_line(error: Exception) -> str:
 def run_of(
     robot: str, kind: str, folder: str, objects: tuple[str, ...] = (), seed: int = 0
 ) -> rc.RunConfig:
-    """The run of a pair. Raises Error if a file cannot be read or the kind lacks a field."""
+    """The run of a pair. Raises Error without such a kind or file, TypeError without a field."""
     run = rc.RunConfig(run="table", robot=str(ROBOTS.get(robot, robot)), output=folder + "/out")
     run.task, run.scenes, run.seed = {"kind": kind}, {"source": "tabletop"}, seed
     if objects:
@@ -98,12 +97,11 @@ def run_of(
 def problems_of(kinds: Sequence[str], robots: Sequence[str], objects: Sequence[str]) -> list[str]:
     """What is wrong with names that were given, before anything is measured."""
     problems = []
-    known = rc.tasks.task_kinds()
     for kind in kinds:
-        if kind not in known:
-            near = difflib.get_close_matches(kind, known, 1)
-            hint = f" Did you mean '{near[0]}'?" if near else ""
-            problems.append(f"--kinds: no kind '{kind}'. Available: {', '.join(known)}.{hint}")
+        try:
+            run_of("rc7", kind, "", objects)
+        except (rc.Error, TypeError) as error:
+            problems.append(f"--kinds: '{kind}': {one_line(error)}")
     for name in objects:
         known = [*rc.tasks.object_kinds(), *rc.tasks.object_categories()]
         if name in known or Path(name).is_file():
@@ -116,8 +114,8 @@ def problems_of(kinds: Sequence[str], robots: Sequence[str], objects: Sequence[s
         try:
             run_of(robot, "pick", "")
         except rc.Error as error:
-            place = f"robots {', '.join(ROBOTS)}, or a file"
-            problems.append(f"--robots: '{robot}': {one_line(error)}. Available: {place}")
+            names = ", ".join(ROBOTS)
+            problems.append(f"--robots: '{robot}': {one_line(error)}. Robots by name: {names}")
     return problems
 
 
