@@ -173,7 +173,7 @@ TEST(Furniture, ARobotStandsInFrontOfADoorThatIsFarFromItsRoot) {
   ModelFolder folder;
   const std::string house = folder.Write("house", R"(
     <worldbody><body name="house"><geom type="box" size=".1 .1 .1" pos="0 0 -.1"/>
-      <body name="door" pos="4 3 0"><joint name="hinge" axis="0 0 1" range="0 1.4"/>
+      <body name="door" pos="4 3 0"><joint name="hinge" axis="0 0 1" range="0 80"/>
         <geom type="box" size=".02 .4 1" pos="0 .4 1"/>
         <geom name="handle" type="capsule" size=".01 .08" pos="-.07 .7 .8"/>
         <geom type="box" size=".03 .01 .01" pos="-.04 .7 .8"/>
