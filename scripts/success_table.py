@@ -94,7 +94,7 @@ def run_of(
     return run
 
 
-def problems_of(kinds: Sequence[str], robots: Sequence[str], objects: Sequence[str]) -> list[str]:
+def problems_of(kinds: Sequence[str], robots: Sequence[str], objects: tuple[str, ...]) -> list[str]:
     """What is wrong with names that were given, before anything is measured."""
     problems = []
     for kind in kinds:
