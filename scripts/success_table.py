@@ -3,8 +3,9 @@
     python scripts/success_table.py [--starts 50] [--robots rc7,my_robot.yaml] [--kinds open,close]
 
 The scripted expert gets one rollout from each start on the built-in table, without cameras. The
-interval is Wilson's, with 95 %. A pair that does not apply has its reason. `--page` writes the
-table between the marks of a page.
+interval is Wilson's, with 95 %. A pair that does not apply has its reason. Names and files are
+checked first. A pair that fails later has its error: the others are measured, and the exit code
+is 1. `--page` writes the table between the marks of a page.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import argparse
 import math
 import tempfile
 from collections import Counter
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field
 from itertools import product
@@ -59,9 +61,12 @@ class Cell:
     refused: int = 0  # starts for which no attempt found a place
     failures: Counter[str] = field(default_factory=Counter)
     why_not: str = ""  # why the kind does not apply to the robot; "" if it does
+    error: str = ""  # what ended the measurement; "" if nothing did
 
     def row(self, kind: str, robot: str) -> str:
         """The cell as a row of the table."""
+        if self.error:
+            return f"| `{kind}` | {robot} | error | | {self.error} |"
         if self.why_not:
             return f"| `{kind}` | {robot} | – | | {self.why_not} |"
         low, high = interval(self.successes, self.starts)
@@ -83,21 +88,61 @@ def max_steps(kind: str) -> int:
     return max(MAX_STEPS, rc.RunConfig.load(example).rates.max_steps)
 
 
+def run_of(
+    robot: str, kind: str, folder: str, objects: tuple[str, ...] = (), seed: int = 0
+) -> rc.RunConfig:
+    """The run of a pair. Raises Error without such a kind or file, TypeError without a field."""
+    run = rc.RunConfig(run="table", robot=str(ROBOTS.get(robot, robot)), output=folder + "/out")
+    run.task, run.scenes, run.seed = {"kind": kind}, {"source": "tabletop"}, seed
+    if objects:
+        run.task = {"kind": kind, "objects": list(objects)}
+    run.rates.max_steps = max_steps(kind)
+    run.keep = rc.generate.Keep.FIRST
+    return run
+
+
+def problems_of(kinds: Sequence[str], robots: Sequence[str], objects: tuple[str, ...]) -> list[str]:
+    """What is wrong with names that were given, before anything is measured."""
+    problems = []
+    for kind in kinds:
+        try:
+            run_of("rc7", kind, "", objects)
+        except (rc.Error, TypeError) as error:
+            problems.append(f"--kinds: '{kind}': {one_line(error)}")
+    for name in objects:
+        known = [*rc.tasks.object_kinds(), *rc.tasks.object_categories()]
+        if name in known or Path(name).is_file():
+            continue
+        try:
+            rc.tasks.object_info(name)
+        except rc.Error as error:
+            problems.append(f"--objects: {one_line(error)}")
+    for robot in robots:
+        try:
+            run_of(robot, "pick", "")
+        except rc.Error as error:
+            names = ", ".join(ROBOTS)
+            problems.append(f"--robots: '{robot}': {one_line(error)}. Robots by name: {names}")
+    return problems
+
+
 def measure(
     robot: str, kind: str, starts: int, seed: int = 0, objects: tuple[str, ...] = ()
 ) -> Cell:
+    """Rolls the expert out from this many starts. An error of robocell becomes the cell's."""
+    try:
+        return roll_out(robot, kind, starts, seed, objects)
+    except rc.Error as error:
+        return Cell(starts, error=f"{type(error).__name__}: {one_line(error)}")
+
+
+def roll_out(robot: str, kind: str, starts: int, seed: int, objects: tuple[str, ...]) -> Cell:
     """Rolls the expert out from this many starts."""
     cell = Cell(starts)
     refusals: Counter[str] = Counter()
     with tempfile.TemporaryDirectory() as folder:
-        file = str(ROBOTS.get(robot, robot))
-        run = rc.RunConfig(run="table", robot=file, output=folder + "/out")
-        run.task, run.scenes, run.seed = {"kind": kind}, {"source": "tabletop"}, seed
-        if objects:
-            run.task = {"kind": kind, "objects": list(objects)}
+        run = run_of(robot, kind, folder, objects, seed)
         run.episodes, run.max_attempts = starts, MOST_REFUSED
-        run.rates.max_steps = max_steps(kind)
-        run.keep = rc.generate.Keep.FIRST
         try:
             rc.diagnose.check_run(run)
         except rc.SpecError as error:
@@ -118,12 +163,19 @@ def measure(
     return cell
 
 
+def require_marks(page: Path) -> str:
+    """The text of a page that has the marks."""
+    if not page.is_file():
+        raise SystemExit(f"{page}: is no file")
+    text = page.read_text(encoding="utf-8")
+    if END not in text.partition(BEGIN)[2]:
+        raise SystemExit(f"{page}: has no lines {BEGIN} and {END} around its table")
+    return text
+
+
 def write_page(page: Path, table: str) -> None:
     """Replaces what is between the marks of a page."""
-    text = page.read_text(encoding="utf-8")
-    if BEGIN not in text or END not in text:
-        raise SystemExit(f"{page}: has no lines {BEGIN} and {END} around its table")
-    before, rest = text.split(BEGIN, 1)
+    before, rest = require_marks(page).split(BEGIN, 1)
     page.write_text(f"{before}{BEGIN}\n{table}\n{END}{rest.split(END, 1)[1]}", encoding="utf-8")
 
 
@@ -140,20 +192,30 @@ def main() -> None:
     words = parser.parse_args()
     if words.starts < 1 or words.workers < 1:
         parser.error("--starts and --workers are at least 1")
-    objects = tuple(filter(None, words.objects.split(",")))
-    pairs = list(product(words.kinds.split(","), words.robots.split(",")))
+    kinds, robots, objects = (
+        tuple(filter(None, text.split(","))) for text in (words.kinds, words.robots, words.objects)
+    )
+    if problems := problems_of(kinds, robots, objects):
+        parser.error("\n".join(problems))
+    if words.page:
+        require_marks(words.page)
+    pairs = list(product(kinds, robots))
     print(HEAD, flush=True)
-    rows = []
+    rows, errors = [], 0
     with ProcessPoolExecutor(words.workers) as pool:
         cells = [
             pool.submit(measure, robot, kind, words.starts, words.seed, objects)
             for kind, robot in pairs
         ]
         for (kind, robot), cell in zip(pairs, cells, strict=True):
-            rows.append(cell.result().row(kind, Path(robot).stem))
+            measured = cell.result()
+            errors += bool(measured.error)
+            rows.append(measured.row(kind, Path(robot).stem))
             print(rows[-1], flush=True)
     if words.page:
         write_page(words.page, "\n".join([HEAD, *rows]))
+    if errors:
+        raise SystemExit(f"{errors} of {len(rows)} pairs ended with an error")
 
 
 if __name__ == "__main__":

@@ -197,15 +197,25 @@ def hand_alone() -> str:
     return model("hand", world, finger_drive())
 
 
+def cup(radius: float = 0.02, length: float = 0.06, at: float = 0.06, margin: float = 0.002) -> str:
+    """The body of a suction cup along z."""
+    return (
+        f"<body name='cup' pos='0 0 {at}'><geom name='cup' type='cylinder' "
+        f"size='{radius} {length / 2}' pos='0 0 {length / 2}' mass='.1' contype='1' "
+        f"conaffinity='1' margin='{margin}' gap='{margin}'/>"
+        f"<site name='tip' pos='0 0 {length}'/></body>"
+    )
+
+
+def suck(force: float = 40) -> str:
+    """The actuator of the cup."""
+    return f"<adhesion name='suck' body='cup' ctrlrange='0 1' gain='{force}'/>"
+
+
 def suction_arm() -> str:
     """A six-axis arm with a cup that sticks."""
-    cup = (
-        "<body name='cup' pos='0 0 .06'><geom name='cup' type='cylinder' size='.02 .03' "
-        "pos='0 0 .03' mass='.1' contype='1' conaffinity='1' margin='.002' gap='.002'/>"
-        "<site name='tip' pos='0 0 .06'/></body>"
-    )
-    suck = "<adhesion name='suck' body='cup' ctrlrange='0 1' gain='40'/>"
-    return model("cup", six_axis(cup), f"<actuator>{servos(SIX_GAINS)}{suck}</actuator>")
+    drives = f"<actuator>{servos(SIX_GAINS)}{suck()}</actuator>"
+    return model("cup", six_axis(cup()), drives)
 
 
 def first_joint_at_the_root() -> str:

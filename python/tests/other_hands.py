@@ -8,6 +8,7 @@ from pathlib import Path
 import yaml
 
 import robocell as rc
+from init_models import cup, suck
 
 
 def _body(root: ET.Element, name: str) -> ET.Element:
@@ -67,12 +68,9 @@ def suction_cup(folder: Path, force: float = 60) -> Path:
     for exclude in contact.findall("exclude"):
         if exclude.get("body1") == "left_finger":
             contact.remove(exclude)
-    cup = ET.SubElement(hand, "body", name="cup", pos="0 0 0.069")
-    ET.SubElement(
-        cup, "geom", name="lip", type="cylinder", size="0.015 0.0355", pos="0 0 0.0355", mass="0.1"
-    )
+    hand.append(ET.fromstring(cup(radius=0.015, length=0.071, at=0.069, margin=0)))
     actuators = root.find("actuator")
     assert actuators is not None
     _without(actuators, "general")
-    ET.SubElement(actuators, "adhesion", name="suck", body="cup", gain=f"{force}", ctrlrange="0 1")
+    actuators.append(ET.fromstring(suck(force)))
     return _write(folder, "cup", root, {"actuators": ["suck"]}, [])

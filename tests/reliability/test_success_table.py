@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections import Counter
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import pytest
 
+import robocell as rc
 import success_table
 
 
@@ -15,7 +17,7 @@ import success_table
 @pytest.mark.parametrize("robot", success_table.ROBOTS)
 def test_an_expert_succeeds_from_most_starts(robot: str, kind: str):
     cell = success_table.measure(robot, kind, starts=20)
-    assert not cell.why_not, cell
+    assert not cell.why_not + cell.error, cell
     assert cell.successes >= success_table.LEAST.get(kind, 0.9) * cell.starts, cell
 
 
@@ -67,3 +69,41 @@ def test_a_page_keeps_what_is_around_its_table(tmp_path: Path):
     page.write_text("no marks\n")
     with pytest.raises(SystemExit, match="no lines"):
         success_table.write_page(page, "new")
+
+
+def test_names_are_checked_before_anything_is_measured(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
+    words = "success_table --kinds opne,stack --robots rc7,nobody.yaml --objects microwve,mug"
+    monkeypatch.setattr("sys.argv", words.split())
+    with pytest.raises(SystemExit) as left:
+        success_table.main()
+    assert left.value.code == 2
+    printed = capsys.readouterr()
+    for text in ("no task 'opne'", "Did you mean 'open'?", "nobody.yaml", "xarm7", "microwve"):
+        assert text in printed.err, text
+    assert "'stack': " in printed.err  # it has no field `objects`
+    assert "'mug'" not in printed.err
+    assert "|" not in printed.out  # no row
+
+
+def test_an_error_of_a_pair_is_its_row_and_the_others_are_measured(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
+    def roll_out(robot: str, kind: str, starts: int, *_: object) -> success_table.Cell:
+        if kind == "open":
+            raise rc.ArgumentError("no free place for\nthe cupboard")
+        return success_table.Cell(starts, successes=1)
+
+    page = tmp_path / "page.md"
+    page.write_text(f"{success_table.BEGIN}\n{success_table.END}\n")
+    monkeypatch.setattr(success_table, "roll_out", roll_out)
+    monkeypatch.setattr(success_table, "ProcessPoolExecutor", ThreadPoolExecutor)
+    words = f"success_table --kinds open,close --robots rc7 --starts 1 --page {page}"
+    monkeypatch.setattr("sys.argv", words.split())
+    with pytest.raises(SystemExit, match="1 of 2 pairs ended with an error"):
+        success_table.main()
+    text = page.read_text()
+    assert "| `open` | rc7 | error | | ArgumentError: no free place for the cupboard |" in text
+    assert "| `close` | rc7 | 1/1 |" in text
+    capsys.readouterr()

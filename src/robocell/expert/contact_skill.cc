@@ -64,18 +64,16 @@ double ContactSkill::OpeningFor(double gap) const {
 }
 
 void ContactSkill::Plan(const Scene& scene, Rng& rng) {
-  std::vector<ContactPath> paths = plan_.paths(*robot_, *shape_);
-  if (paths.empty()) return GiveUp(plan_.without_paths);
   PlanningScene planning(scene, *robot_, plan_.target_body, shape_);
   planning.Update();
-  ContactMotions motions(planning, paths, JointVector(std::span<const double>(arm_->target())),
-                         {.least_share = plan_.least_share});
+  ContactMotions motions(planning, {}, JointVector(std::span<const double>(arm_->target())),
+                         {.least_share = plan_.least_share, .more = plan_.paths(*robot_, *shape_)});
   std::string why = "nothing in reach";
   for (int i = 0; i < kMostPathSearches; ++i) {
     std::optional<ContactMotion> motion = motions.Next();
     if (!motion) break;
     why = "no free path to the contact";
-    const ContactPath& path = paths[motion->path];
+    const ContactPath& path = motions.paths()[motion->path];
     std::optional<JointPath> reach = FindReach(planning, motion->in.front(), path.free_gap, rng);
     if (!reach) continue;
     reach_ = std::move(*reach);
@@ -95,7 +93,7 @@ void ContactSkill::Plan(const Scene& scene, Rng& rng) {
           (path.tcp_in_world[k].translation() - path.tcp_in_world[k - 1].translation()).norm();
     return;
   }
-  GiveUp(why);
+  GiveUp(motions.paths().empty() ? plan_.without_paths : why);
 }
 
 // The planner moves the arm with the fingers as they are now. They move to their gap on the way, so

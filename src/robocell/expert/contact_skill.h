@@ -18,8 +18,8 @@
 namespace robocell {
 
 struct ContactSkillPlan {
-  // Returns the paths from the present state, best first.
-  std::function<std::vector<ContactPath>(const Robot&, const GripperShape&)> paths;
+  // Returns the source of the paths from the present state. The shape outlives it.
+  std::function<ContactPathSource(const Robot&, const GripperShape&)> paths;
   std::string target_body;       // which the hand may touch
   std::string follow_phase;      // "follow", "press", "push"
   std::string without_paths;     // the failure if there is none: "no grasp of the handle"

@@ -30,7 +30,7 @@ class JointSkill final : public Skill {
         ContactSkillPlan{
             .paths =
                 [this](const Robot& robot, const GripperShape& shape) {
-                  return internal::JointPaths(robot, stated_, shape, settings_.tried);
+                  return internal::JointPaths(robot, stated_, shape, settings_.failures);
                 },
             .target_body = ElementName(scene.model(), mjOBJ_BODY, opening.body_id()),
             .follow_phase = presses ? "press" : "follow",

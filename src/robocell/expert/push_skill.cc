@@ -44,8 +44,8 @@ class PushSkill final : public Skill {
         settings_, ContactSkillPlan{
                        .paths =
                            [this, place](const Robot& robot, const GripperShape& shape) {
-                             return internal::PushPaths(robot.scene(), stated_.subject, place,
-                                                        shape);
+                             return SourceOf(
+                                 internal::PushPaths(robot.scene(), stated_.subject, place, shape));
                            },
                        .target_body = object.name(),
                        .follow_phase = "push",

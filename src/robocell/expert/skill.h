@@ -38,7 +38,7 @@ struct SkillSettings {
   std::string robot;  // its name
   SimOptions sim;
   double tick = 0.066;  // seconds between actions
-  int tried = 0;        // how often this was tried before
+  int failures = 0;     // how often skills for this goal have failed
 };
 
 // The skills of one file each. `goal` outlives the skill.

@@ -16,7 +16,8 @@
 namespace robocell {
 namespace {
 
-constexpr int kMostSkillTries = 4;    // of one goal
+constexpr int kMostSkillTries = 4;       // of one goal
+constexpr double kLeastProgress = 0.01;  // of a skill that has not failed
 constexpr double kStaySeconds = 0.3;  // after the last skill, beside the time that the goal takes
 
 std::shared_ptr<const RelationTask> RelationTaskOf(const RunConfig& run,
@@ -72,6 +73,7 @@ std::unique_ptr<Skill> SkillExpert::SkillFor(const RelationTask::Goal& goal) con
 
 void SkillExpert::Begin(const Scene& scene, Rng& rng) {
   tries_.assign(task_->goals().size(), 0);
+  failures_.assign(task_->goals().size(), 0);
   waited_ = 0;
   finished_ = false;
   setback_.clear();
@@ -95,12 +97,22 @@ void SkillExpert::Next(const Scene& scene, Rng& rng) {
       return;
     }
     waited_ = 0;
-    settings_.tried = tries_[goal_] - 1;
+    settings_.failures = failures_[goal_];
+    progress_ = open->bound->Progress();
     skill_ = SkillFor(*open);
     skill_->Begin(scene, rng);
     if (!skill_->done()) return;
-    setback_ = skill_->failure();
+    Finish();
   }
+}
+
+// A skill that did a part of its goal has not failed: what it did is worth doing again.
+void SkillExpert::Finish() {
+  setback_ = skill_->failure();
+  const RelationTask::Goal& goal = task_->goals()[goal_];
+  const bool helped = goal.Holds() || goal.bound->Progress() > progress_ + kLeastProgress;
+  if (!setback_.empty() || !helped) ++failures_[goal_];
+  skill_.reset();
 }
 
 Action SkillExpert::Act(const Scene& scene, Rng& rng) {
@@ -113,10 +125,7 @@ Action SkillExpert::Act(const Scene& scene, Rng& rng) {
     if (!skill_) return last_;
   }
   last_ = skill_->Act(scene, rng);
-  if (skill_->done()) {
-    setback_ = skill_->failure();
-    skill_.reset();
-  }
+  if (skill_->done()) Finish();
   return last_;
 }
 

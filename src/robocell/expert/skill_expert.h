@@ -30,13 +30,15 @@ class SkillExpert final : public Expert {
 
  private:
   void Next(const Scene& scene, Rng& rng);
+  void Finish();
   std::unique_ptr<Skill> SkillFor(const RelationTask::Goal& goal) const;
 
   SkillSettings settings_;
   std::shared_ptr<const RelationTask> task_;
   std::unique_ptr<Skill> skill_;
-  std::vector<int> tries_;  // of each goal
-  size_t goal_ = 0;         // of the skill
+  std::vector<int> tries_, failures_;  // of each goal
+  size_t goal_ = 0;                    // of the skill
+  double progress_ = 0;                // of that goal, when the skill began
   Action last_;
   int waited_ = 0;  // ticks since all goals hold
   bool finished_ = false;

@@ -69,6 +69,30 @@ TEST(SkillExpert, RepeatsAGoalThatWasUndone) {
   EXPECT_TRUE(outcome.success) << outcome.failure;
 }
 
+// A grip that has moved the drawer is no failure, even if it has to move it again: fingers close on the
+// handle the second time, too, in place of a hook.
+TEST(SkillExpert, GripsAgainWhereAGripHasHelped) {
+  int grips = 0;
+  bool was_gripping = false, is_undone = false;
+  const SkillOutcome outcome =
+      RollOutSkills(OpenTaskConfig{.objects = {"drawer_unit"}}, 1,
+                    [&](Scene& scene, int, const std::string& phase) {
+                      grips += phase == "close" && !was_gripping;
+                      was_gripping = phase == "close";
+                      if (phase != "done" || is_undone) return;
+                      is_undone = true;
+                      for (int j = 0; j < scene.model()->njnt; ++j) {
+                        const std::string name = ElementName(scene.model(), mjOBJ_JOINT, j);
+                        if (name.starts_with("target_drawer"))
+                          scene.data()->qpos[scene.model()->jnt_qposadr[j]] = 0;
+                      }
+                      scene.Forward();
+                    });
+  EXPECT_TRUE(is_undone);
+  EXPECT_EQ(grips, 2);
+  EXPECT_TRUE(outcome.success) << outcome.failure;
+}
+
 // A goal that is undone for ever: the expert gives up after its tries, and says why.
 TEST(SkillExpert, GivesUpAfterItsTries) {
   Pose start;

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
+#include <utility>
 
 #include "robocell/kinematics/ik_batch.h"
 #include "robocell/math/rotation.h"
@@ -25,6 +27,19 @@ constexpr double kMostContactStep = 0.35;
 double GapOfClosedHand(const GripperShape& shape) {
   constexpr double kAjar = 0.004;  // m
   return std::min(shape.closed_gap() + kAjar, shape.open_gap());
+}
+
+ContactPathSource SourceOf(std::vector<ContactPath> paths) {
+  return [paths = std::move(paths)]() mutable { return std::exchange(paths, {}); };
+}
+
+std::vector<ContactPath> AllPathsOf(const ContactPathSource& source) {
+  std::vector<ContactPath> all;
+  for (;;) {
+    std::vector<ContactPath> more = source();
+    if (more.empty()) return all;
+    std::ranges::move(more, std::back_inserter(all));
+  }
 }
 
 ContactMotions::ContactMotions(PlanningScene& planning, std::vector<ContactPath> paths,
@@ -71,6 +86,15 @@ void ContactMotions::SolveMore() {
   out_of_reach_ += static_cast<int>(std::ranges::count(solved, false));
   std::stable_sort(starts_.begin() + static_cast<std::ptrdiff_t>(first), starts_.end(),
                    [](const Start& a, const Start& b) { return a.path < b.path; });
+}
+
+// Returns false if there are no further paths.
+bool ContactMotions::AddMore() {
+  if (!options_.more) return false;
+  std::vector<ContactPath> more = options_.more();
+  if (more.empty()) options_.more = nullptr;
+  std::ranges::move(more, std::back_inserter(paths_));
+  return options_.more != nullptr;
 }
 
 // Returns the line from the end of a motion along the path, as far as it is free. Fingers that let go
@@ -147,8 +171,9 @@ std::optional<ContactMotion> ContactMotions::Try(const Start& start) {
 }
 
 std::optional<ContactMotion> ContactMotions::Next() {
-  while (next_ < starts_.size() || solved_ < paths_.size()) {
+  for (;;) {
     if (next_ >= starts_.size()) {
+      if (solved_ >= paths_.size() && !AddMore()) break;
       SolveMore();
       continue;
     }

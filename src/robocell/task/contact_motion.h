@@ -7,6 +7,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -41,10 +42,20 @@ struct ContactMotion {
   double share = 1;  // of the path that the arm can follow
 };
 
+// Returns further paths at each call, the best first; empty: there are none any more. Paths that take
+// time to compute come later, and are computed only if those before have no motion.
+using ContactPathSource = std::function<std::vector<ContactPath>()>;
+// Returns the source of these paths.
+ContactPathSource SourceOf(std::vector<ContactPath> paths);
+// Returns all paths of a source.
+std::vector<ContactPath> AllPathsOf(const ContactPathSource& source);
+
 struct ContactMotionOptions {
   // Motions that follow less than this share of their path are rejected. Those that follow all of it
   // come first. Below 1, a motion ends earlier where the hand has no way out from the end.
   double least_share = 1;
+  // Is called when no path so far can be followed as a whole.
+  ContactPathSource more = {};
 };
 
 class ContactMotions {
@@ -58,6 +69,8 @@ class ContactMotions {
   std::optional<ContactMotion> Next();
   // Returns why paths so far were rejected: "of 30 ways 12 out of reach, 3 in collision".
   std::string Reasons() const;
+  // Returns the paths so far; ContactMotion::path is an index into these.
+  const std::vector<ContactPath>& paths() const { return paths_; }
 
  private:
   struct Start {
@@ -65,6 +78,7 @@ class ContactMotions {
     JointVector q;
   };
   void SolveMore();
+  bool AddMore();
   std::optional<ContactMotion> Try(const Start& start);
   JointPath WayOut(const ContactPath& path, const JointPath& along);
 

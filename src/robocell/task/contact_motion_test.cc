@@ -41,6 +41,31 @@ TEST(ContactMotions, FollowsItsPathByForwardKinematics) {
   EXPECT_NEAR(before.translation().z(), 0.70, 2e-3);
 }
 
+// A source is asked for more only while no path can be followed as a whole.
+TEST(ContactMotions, AsksForMorePathsOnlyWhereTheFirstDoNotSuffice) {
+  const PickScene scene = MakePickScene(ObjectOnTheTable("box"));
+  PlanningScene planning = scene.planning();
+  planning.Update();
+  const std::vector<std::vector<ContactPath>> lots = {
+      {Over({5, 0, 0.6}, 0.1)}, {Over({0, 0, 0.65}, 0.1)}, {Over({0, 0, 0.6}, 0.1)}};
+  size_t asked = 0;
+  ContactMotions motions(planning, {}, scene.home(), {.more = [&] {
+                           return asked < lots.size() ? lots[asked++] : std::vector<ContactPath>();
+                         }});
+  const auto motion = motions.Next();
+  ASSERT_TRUE(motion.has_value()) << motions.Reasons();
+  EXPECT_EQ(asked, 2u);
+  ASSERT_EQ(motions.paths().size(), 2u);
+  EXPECT_EQ(motion->path, 1u);
+  const Pose tcp = scene.robot.base_in_world() * scene.robot.chain().Fk(motion->along.back());
+  EXPECT_TRUE(tcp.is_close(motions.paths()[1].tcp_in_world.back(), 1e-2, 1e-3));
+  while (motions.Next()) {
+  }
+  EXPECT_EQ(motions.paths().size(), 3u);
+  EXPECT_EQ(AllPathsOf(SourceOf(lots[0])).size(), 1u);
+  EXPECT_FALSE(ContactMotions(planning, {}, scene.home(), {.more = SourceOf({})}).Next());
+}
+
 TEST(ContactMotions, TakesAPartOfAPathIfThatIsOfUse) {
   const PickScene scene = MakePickScene(ObjectOnTheTable("box"));
   PlanningScene planning = scene.planning();

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <string>
 #include <Eigen/Core>
 
 #include "robocell/motion/geom_extent.h"
@@ -19,6 +20,7 @@ namespace {
 
 constexpr double kLeastSwing = 0.2;  // rad; a hinge that moves less is no door
 constexpr double kSwingStep = 0.04;  // rad between the postures of a door that are checked
+constexpr double kSlideStep = 0.02;  // m
 constexpr double kUpright = 0.95;    // of the axis along the vertical
 
 std::vector<int> GeomsOf(const mjModel* m, int body) {
@@ -45,6 +47,39 @@ void ForEachCorner(const mjModel* m, const mjData* d, const std::vector<int>& ge
       look(Eigen::Vector3d(at + turn * point));
     }
   }
+}
+
+// Returns why a joint that takes some positions between two is too near to a robot's geoms; "" if it
+// is not. The state stays.
+std::string WhyInTheWay(Scene& scene, const std::vector<int>& near, const std::vector<int>& leaf,
+                        int joint, double from, double to, double step, double clearance) {
+  const mjModel* m = scene.model();
+  mjData* d = scene.data();
+  double& pos = d->qpos[m->jnt_qposadr[joint]];
+  const double before = pos;
+  const std::shared_ptr<void> restore(nullptr, [&](void*) {
+    pos = before;
+    mj_kinematics(m, d);
+  });
+  const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(to - from) / step)));
+  for (int i = 0; i <= steps; ++i) {
+    pos = std::lerp(from, to, static_cast<double>(i) / steps);
+    mj_kinematics(m, d);
+    for (const int a : near) {
+      for (const int b : leaf) {
+        const Eigen::Vector3d apart =
+            Eigen::Vector3d(d->geom_xpos + 3 * a) - Eigen::Vector3d(d->geom_xpos + 3 * b);
+        if (apart.norm() > m->geom_rbound[a] + m->geom_rbound[b] + clearance) continue;
+        const double distance = Guarded("distance of a robot to a door", d, [&] {
+          return mj_geomDistance(m, d, a, b, clearance, nullptr);
+        });
+        if (distance >= clearance) continue;
+        return fmt::format("{} would be {:.3f} m from the door '{}'", Describe(m, mjOBJ_GEOM, a),
+                           distance, ElementName(m, mjOBJ_BODY, m->jnt_bodyid[joint]));
+      }
+    }
+  }
+  return "";
 }
 
 double HeightOf(const mjModel* m, const mjData* d, const std::vector<int>& geoms) {
@@ -93,30 +128,32 @@ std::optional<Refusal> ValidateDoorSwings(Scene& scene, const Robot& robot,
         near.push_back(g);
     }
     if (near.empty()) continue;
-    double& pos = d->qpos[m->jnt_qposadr[joint]];
-    const double before = pos;
-    const std::shared_ptr<void> restore(nullptr, [&](void*) {
-      pos = before;
-      mj_kinematics(m, d);
-    });
-    const int steps = static_cast<int>(std::ceil((door.range[1] - door.range[0]) / kSwingStep));
-    for (int step = 0; step <= steps; ++step) {
-      pos = std::lerp(door.range[0], door.range[1], static_cast<double>(step) / steps);
-      mj_kinematics(m, d);
-      for (const int a : near) {
-        for (const int b : leaf) {
-          const double distance = Guarded("distance of a robot to a door", d, [&] {
-            return mj_geomDistance(m, d, a, b, clearance, nullptr);
-          });
-          if (distance >= clearance) continue;
-          return Refusal{Refusal::kInDoorSwing,
-                         fmt::format("{} would be {:.3f} m from the door '{}'",
-                                     Describe(m, mjOBJ_GEOM, a), distance, door.body)};
-        }
-      }
-    }
+    const std::string why =
+        WhyInTheWay(scene, near, leaf, joint, door.range[0], door.range[1], kSwingStep, clearance);
+    if (!why.empty()) return Refusal{Refusal::kInDoorSwing, why};
   }
   return std::nullopt;
+}
+
+std::optional<Refusal> ValidateMovedJoint(Scene& scene, const Robot& robot,
+                                          const JointOpening& opening, double share,
+                                          double clearance) {
+  const mjModel* m = scene.model();
+  const int joint = opening.joint_id();
+  // What the arm moves goes along.
+  int arm = -1;
+  if (!robot.joint_names().empty())
+    arm = m->jnt_bodyid[RequireId(m, mjOBJ_JOINT, robot.joint_names().front(),
+                                  "robot '" + robot.name() + "'")];
+  std::vector<int> base;
+  for (const int g : robot.collision_geom_ids())
+    if (arm < 0 || !IsInSubtree(m, m->geom_bodyid[g], arm)) base.push_back(g);
+  const double step = m->jnt_type[joint] == mjJNT_HINGE ? kSwingStep : kSlideStep;
+  const std::string why =
+      WhyInTheWay(scene, base, GeomsOf(m, opening.body_id()), joint, opening.position(),
+                  opening.PositionAt(share), step, clearance);
+  if (why.empty()) return std::nullopt;
+  return Refusal{Refusal::kInDoorSwing, why};
 }
 
 }  // namespace robocell::internal

@@ -20,6 +20,7 @@
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/place_overlap.h"
 #include "robocell/task/base_placement.h"
+#include "robocell/task/door_swings.h"
 #include "robocell/task/handle_motion.h"
 
 namespace robocell::internal {
@@ -42,8 +43,9 @@ constexpr int kStandTries = 60, kStandChecks = 6;
 constexpr double kNearer = 0.2, kFarther = 0.45;  // m, of the last of them
 // The way of the hand is between these shares of the robot's reach.
 constexpr double kNearestShare = 0.25, kFarthestShare = 0.9;
-constexpr int kPlaceTries = 40;             // of each support, and of the floor
-constexpr int kFacingTries = 400;           // of each support, for furniture that looks to a robot
+constexpr double kStandShare = 0.6;  // of the reach, from a handle that the base was far from
+constexpr int kPlaceTries = 40;      // of each support, and of the floor
+constexpr int kFacingTries = 400;    // of each support, for furniture that looks to a robot
 constexpr Vec2 kFrontOfRobot = {0.3, 0.5};  // m from a robot to the front of furniture, at first
 
 // What is known of a model.
@@ -249,15 +251,21 @@ std::optional<Refusal> StandInFront(Scene& scene, const Robot& robot, int root,
                                     const StanceCheck& check, Rng& rng) {
   const std::vector<Eigen::Vector3d> way = WayOfHandle(scene, opening, share);
   if (way.empty()) return check();
-  const Eigen::Vector3d middle(scene.data()->xpos + 3 * root);
   const Eigen::Vector3d hand = way[way.size() / 2];
   const Pose base = robot.base().pose();
+  const double reach = robot.reach();
+  Eigen::Vector3d middle(scene.data()->xpos + 3 * root);
+  double distance = (base.translation() - middle).head<2>().norm();
+  // A door of a house is far from the root of the house, or the robot was put beside something else:
+  // nothing on the circle around the root is near to the handle.
+  const bool is_elsewhere =
+      std::abs(distance - (hand - middle).head<2>().norm()) > kFarthestShare * reach;
+  if (is_elsewhere) middle = hand, distance = kStandShare * reach;
   const Eigen::Vector3d from = base.translation() - middle;
   const std::optional<Eigen::Vector3d> front = FrontOf(scene, opening);
   const double first = front ? YawOf(*front) : YawOf(from);
   // What the robot looks to, and how far it looks past that.
-  const double facing = YawOf(base.rotation().col(0)) - YawOf(-from);
-  const double reach = robot.reach();
+  const double facing = is_elsewhere ? 0 : YawOf(base.rotation().col(0)) - YawOf(-from);
   const auto is_in_reach = [&] {
     const Eigen::Vector3d shoulder = robot.base_in_world().translation();
     return std::ranges::all_of(way, [&](const Eigen::Vector3d& point) {
@@ -271,7 +279,7 @@ std::optional<Refusal> StandInFront(Scene& scene, const Robot& robot, int root,
     const double wider = static_cast<double>(i) / kStandTries;
     const double aside = std::lerp(front || i > 0 ? kMostOffFront : 0, kPi, wider * wider);
     const double yaw = first + rng.Uniform(-aside, aside);
-    const double away = from.head<2>().norm() + wider * rng.Uniform(-kNearer, kFarther);
+    const double away = distance + wider * rng.Uniform(-kNearer, kFarther);
     if (away <= 0) continue;
     Eigen::Vector3d at = middle + away * Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0);
     at.z() = base.translation().z();
@@ -286,6 +294,10 @@ std::optional<Refusal> StandInFront(Scene& scene, const Robot& robot, int root,
       continue;
     }
     if (auto blocked = ValidateBaseClearance(scene, robot, kStandClearance)) {
+      if (checks == 0) refusal = std::move(blocked);
+      continue;
+    }
+    if (auto blocked = ValidateMovedJoint(scene, robot, opening, share, kStandClearance)) {
       if (checks == 0) refusal = std::move(blocked);
       continue;
     }

@@ -32,10 +32,11 @@ SceneObject PutFurniture(const SceneSpec& spec, const SceneAnnotations& annotati
 // Refuses a stance from which the robot cannot do what it is for.
 using StanceCheck = std::function<std::optional<Refusal>()>;
 
-// Moves the robot's base around the root of furniture until it stands free, the way of the joint's
-// handle to a share of its range is within reach, and `check` accepts. The height stays. It begins in
-// front of the handle at the present distance, and goes aside, nearer and farther from there; for a
-// joint that is pressed from above it begins where the base is. Refuses without such a place.
+// Moves the robot's base around the root of furniture until it stands free, outside of what the joint
+// moves through, the way of the joint's handle to a share of its range is within reach, and `check`
+// accepts. The height stays. It begins in front of the handle at the present distance, and goes aside,
+// nearer and farther from there; for a joint that is pressed from above it begins where the base is. A
+// base that is far from the handle is moved around the handle. Refuses without such a place.
 std::optional<Refusal> StandInFront(Scene& scene, const Robot& robot, int root,
                                     const JointOpening& opening, double share,
                                     const StanceCheck& check, Rng& rng);

@@ -5,12 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/scenes.h"
+#include "robocell/task/door_swings.h"
 #include "robocell/task/handle_motion.h"
 #include "robocell/testing/pick_scene.h"
 
@@ -163,6 +165,40 @@ TEST(Furniture, TheRobotStandsWhereItsCheckAccepts) {
       scene, robot, root, door, 0.6, [] { return Refusal{"not here"}; }, rng);
   ASSERT_TRUE(never.has_value());
   EXPECT_EQ(never->reason, "not here");
+}
+
+// The root of a house is far from its doors, and its robots are put beside tables: the stance is in
+// front of the handle, and the base is not in the way of the door that it opens.
+TEST(Furniture, ARobotStandsInFrontOfADoorThatIsFarFromItsRoot) {
+  ModelFolder folder;
+  const std::string house = folder.Write("house", R"(
+    <worldbody><body name="house"><geom type="box" size=".1 .1 .1" pos="0 0 -.1"/>
+      <body name="door" pos="4 3 0"><joint name="hinge" axis="0 0 1" range="0 80"/>
+        <geom type="box" size=".02 .4 1" pos="0 .4 1"/>
+        <geom name="handle" type="capsule" size=".01 .08" pos="-.07 .7 .8"/>
+        <geom type="box" size=".03 .01 .01" pos="-.04 .7 .8"/>
+      </body></body></worldbody>)");
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back({.name = "house", .mjcf_path = house, .pos = Vec3{}, .fixed = true});
+  spec.robots.push_back({.name = "arm",
+                         .config = ExampleRun("pick_and_place.yaml").robot.config,
+                         .pos = {-1, 0, 0.3}});
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  const Robot robot = Robot::Of(scene, "arm");
+  const JointOpening door = JointOpening::Of(scene, "house_hinge");
+  const int root = FindId(scene.model(), mjOBJ_BODY, "house_house");
+  ASSERT_GT(root, 0);
+  for (const double share : {0.2, 0.4}) {
+    Rng rng = Rng::Stream(5, "far door");
+    const auto refusal = internal::StandInFront(
+        scene, robot, root, door, share, []() -> std::optional<Refusal> { return std::nullopt; },
+        rng);
+    ASSERT_FALSE(refusal.has_value()) << refusal->reason << ": " << refusal->detail;
+    for (const Eigen::Vector3d& point : internal::WayOfHandle(scene, door, share))
+      EXPECT_LE((point - robot.base_in_world().translation()).norm(), 0.9 * robot.reach());
+    EXPECT_FALSE(internal::ValidateMovedJoint(scene, robot, door, share, 0.01).has_value());
+  }
 }
 
 }  // namespace

@@ -6,8 +6,9 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <iterator>
 #include <limits>
+#include <memory>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -20,6 +21,7 @@
 #include "robocell/task/grasp_candidates.h"
 #include "robocell/task/grasp_generator.h"
 #include "robocell/task/grasped_body.h"
+#include "robocell/task/remembered_grasps.h"
 #include "robocell/task/suction_grasps.h"
 
 namespace robocell::internal {
@@ -404,33 +406,33 @@ std::vector<ContactPath> GraspedHandlePaths(const Robot& robot, const JointOpeni
                                             const GripperShape& shape, double share) {
   const GraspKind kind = shape.is_suction() ? GraspKind::kSuction : GraspKind::kHandle;
   const GraspSet grasps =
-      GenerateGrasps(robot, BodyOf(robot.scene(), opening),
-                     {.kinds = {kind},
-                      .samples = kHandleSamples,
-                      .most = shape.is_suction() ? kMostCups : kMostHandleGrasps,
-                      .approach_length = kBeforeHandle});
+      RememberedGrasps(robot, BodyOf(robot.scene(), opening),
+                       {.kinds = {kind},
+                        .samples = kHandleSamples,
+                        .most = shape.is_suction() ? kMostCups : kMostHandleGrasps,
+                        .approach_length = kBeforeHandle});
   return PathsOfGrasps(robot.scene(), opening, shape, share, grasps);
 }
 
 std::vector<ContactPath> PushedJointPaths(const Robot& robot, const JointOpening& opening,
                                           const GripperShape& shape, double share) {
   if (shape.is_suction()) return {};
-  const GraspSet pushes = GenerateGrasps(robot, BodyOf(robot.scene(), opening),
-                                         {.kinds = {GraspKind::kPush},
-                                          .samples = kPushSamples,
-                                          .most = kMostPushes,
-                                          .approach_length = kBeforePush});
+  const GraspSet pushes = RememberedGrasps(robot, BodyOf(robot.scene(), opening),
+                                           {.kinds = {GraspKind::kPush},
+                                            .samples = kPushSamples,
+                                            .most = kMostPushes,
+                                            .approach_length = kBeforePush});
   return PathsOfGrasps(robot.scene(), opening, shape, share, pushes);
 }
 
 std::vector<ContactPath> HookedJointPaths(const Robot& robot, const JointOpening& opening,
                                           const GripperShape& shape, double share) {
   if (shape.is_suction()) return {};
-  const GraspSet hooks = GenerateGrasps(robot, BodyOf(robot.scene(), opening),
-                                        {.kinds = {GraspKind::kHook},
-                                         .samples = kHookSamples,
-                                         .most = kMostHooks,
-                                         .approach_length = kBeforePush});
+  const GraspSet hooks = RememberedGrasps(robot, BodyOf(robot.scene(), opening),
+                                          {.kinds = {GraspKind::kHook},
+                                           .samples = kHookSamples,
+                                           .most = kMostHooks,
+                                           .approach_length = kBeforePush});
   return PathsOfGrasps(robot.scene(), opening, shape, share, hooks);
 }
 
@@ -470,42 +472,52 @@ double ShareFor(const StatedRelation& stated) {
   return std::min(1.0, share + kMargin);
 }
 
-std::vector<ContactPath> JointPaths(const Robot& robot, const StatedRelation& stated,
-                                    const GripperShape& shape, int tried) {
+ContactPathSource JointPaths(const Robot& robot, const StatedRelation& stated,
+                             const GripperShape& shape, int failures) {
+  using Way = std::function<std::vector<ContactPath>()>;
   const Scene scene = robot.scene();
   const JointOpening opening = JointOpening::Of(scene, stated.subject);
-  if (stated.relation == "pressed") return PressPaths(scene, opening, shape);
-  const double share = ShareFor(stated);
+  const bool presses = stated.relation == "pressed";
+  const double share = presses ? 1 : ShareFor(stated);
   const std::optional<HandleBar> bar = FindHandle(scene, opening);
-  const bool closes = stated.relation == "closed", has_bar = bar && bar->is_exact;
-  std::vector<ContactPath> paths;
-  const auto add = [&](std::vector<ContactPath> more) {
-    std::ranges::move(more, std::back_inserter(paths));
+  const bool has_bar = bar && bar->is_exact;
+  const auto found = std::make_shared<bool>(false);  // some paths
+  const Way press = [=, &shape] { return PressPaths(scene, opening, shape); };
+  const Way grip = [=, &shape] {
+    std::vector<ContactPath> paths;
+    if (has_bar) paths = HandlePaths(scene, opening, shape, share);
+    if (paths.empty() && (bar || shape.is_suction()))
+      paths = GraspedHandlePaths(robot, opening, shape, share);
+    return paths;
   };
-  const auto grip = [&] {
-    const size_t before = paths.size();
-    if (has_bar) add(HandlePaths(scene, opening, shape, share));
-    if (paths.size() == before && (bar || shape.is_suction()))
-      add(GraspedHandlePaths(robot, opening, shape, share));
+  const Way reach_behind = [=, &shape] {
+    return has_bar ? HandlePaths(scene, opening, shape, share, HandleHold::kBehind)
+                   : std::vector<ContactPath>();
   };
-  const auto hook = [&] {
-    if (has_bar) add(HandlePaths(scene, opening, shape, share, HandleHold::kBehind));
-    if (bar && (tried > 0 || paths.empty())) add(HookedJointPaths(robot, opening, shape, share));
+  const Way hook = [=, &shape] {
+    return bar && (failures > 0 || !*found) ? HookedJointPaths(robot, opening, shape, share)
+                                            : std::vector<ContactPath>();
   };
-  const auto push = [&] { add(PushedJointPaths(robot, opening, shape, share)); };
+  const Way push = [=, &shape] { return PushedJointPaths(robot, opening, shape, share); };
+  const Way push_at_last = [=] { return *found ? std::vector<ContactPath>() : push(); };
   // After a failure the other ways come first, and then the same again.
-  const bool again = tried % 2 == 1;
-  if (closes && !again) {
-    push(), hook(), grip();
-  } else if (closes) {
-    grip(), hook(), push();
-  } else if (!again) {
-    grip(), hook();
-    if (paths.empty()) push();
+  const bool again = failures % 2 == 1;
+  std::vector<Way> ways;
+  if (presses) {
+    ways = {press};
+  } else if (stated.relation == "closed") {
+    ways = again ? std::vector<Way>{grip, reach_behind, hook, push}
+                 : std::vector<Way>{push, reach_behind, hook, grip};
   } else {
-    hook(), grip(), push();
+    ways = again ? std::vector<Way>{reach_behind, hook, grip, push}
+                 : std::vector<Way>{grip, reach_behind, hook, push_at_last};
   }
-  return paths;
+  return [ways = std::move(ways), found, next = size_t{0}]() mutable {
+    std::vector<ContactPath> paths;
+    while (paths.empty() && next < ways.size()) paths = ways[next++]();
+    *found = *found || !paths.empty();
+    return paths;
+  };
 }
 
 std::string WhyNoJointPaths(const StatedRelation& stated) {
@@ -517,8 +529,13 @@ std::optional<Refusal> CheckJointGoal(const Scene& scene, const Robot& robot,
   if (!robot.has_gripper() || !GripperShape::Supports(robot.gripper())) return std::nullopt;
   const auto shape = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
   const JointOpening opening = JointOpening::Of(scene, stated.subject);
-  std::vector<ContactPath> paths = JointPaths(robot, stated, *shape);
-  if (paths.empty()) {
+  PlanningScene planning(scene, robot, BodyOf(scene, opening), shape);
+  const std::vector<double> home = robot.arm().joint_pos();
+  ContactMotions motions(
+      planning, {}, JointVector(std::span<const double>(home)),
+      {.least_share = kLeastFollowed, .more = JointPaths(robot, stated, *shape)});
+  if (motions.Next()) return std::nullopt;
+  if (motions.paths().empty()) {
     std::string why;
     if (stated.relation == "pressed") {
       why = fmt::format(
@@ -535,11 +552,6 @@ std::optional<Refusal> CheckJointGoal(const Scene& scene, const Robot& robot,
     }
     return Refusal{.reason = WhyNoJointPaths(stated), .detail = why, .holds_everywhere = true};
   }
-  PlanningScene planning(scene, robot, BodyOf(scene, opening), shape);
-  const std::vector<double> home = robot.arm().joint_pos();
-  ContactMotions motions(planning, std::move(paths), JointVector(std::span<const double>(home)),
-                         {.least_share = kLeastFollowed});
-  if (motions.Next()) return std::nullopt;
   return Refusal{.reason = Refusal::kNoReachableBasePose, .detail = motions.Reasons()};
 }
 

@@ -84,11 +84,12 @@ std::vector<ContactPath> PressPaths(const Scene& scene, const JointOpening& open
 // Returns the share of the range to which an expert moves a joint for a relation: somewhat more than
 // it requires.
 double ShareFor(const StatedRelation& stated);
-// Returns the paths that bring about a relation about a joint, best first. What is to be closed is
-// pushed, else gripped; what is to be opened is gripped. `tried`: how many times the hand has failed:
-// after a failure the other ways come first.
-std::vector<ContactPath> JointPaths(const Robot& robot, const StatedRelation& stated,
-                                    const GripperShape& shape, int tried = 0);
+// Returns the paths that bring about a relation about a joint, one way of the hand after the other.
+// What is to be closed is pushed, else gripped; what is to be opened is gripped. `failures`: how many
+// times the hand has failed: after a failure the other ways come first. `shape` must outlive the
+// source.
+ContactPathSource JointPaths(const Robot& robot, const StatedRelation& stated,
+                             const GripperShape& shape, int failures = 0);
 // Returns why there are none, in few words: "no grasp of the handle", "no way to press it".
 std::string WhyNoJointPaths(const StatedRelation& stated);
 // Refuses a start in which the robot cannot follow any of these. Robots without a gripper that can

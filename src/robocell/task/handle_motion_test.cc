@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
+#include <iterator>
 #include <string>
 #include <utility>
 #include <vector>
@@ -181,6 +183,63 @@ TEST(HandleMotion, HooksAreBehindTheBar) {
   }
 }
 
+// Where the robot stands changes nothing about the grasps of the door: they are computed once, and a
+// start has several stances.
+TEST(HandleMotion, ASecondStanceTakesTheGraspsOfTheFirst) {
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back(
+      {.name = "unit", .mjcf_path = "cupboard", .pos = Vec3{0.6, 0, 0}, .fixed = true});
+  spec.robots.push_back({.name = "arm", .config = ExampleRun("pick_and_place.yaml").robot.config});
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  const Robot robot = Robot::Of(scene, "arm");
+  JointOpening opening = JointOpening::Of(scene, "unit");
+  opening.Put(0.3137);  // no other test's
+  const auto shape = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
+  std::vector<std::vector<ContactPath>> all;
+  std::vector<double> seconds;
+  for (const double y : {0.0, 0.2}) {
+    robot.base().SetPose(Pose(Eigen::Vector3d(0, y, 0)));
+    scene.Forward();
+    const std::clock_t begin = std::clock();
+    std::vector<ContactPath>& paths =
+        all.emplace_back(internal::HookedJointPaths(robot, opening, *shape, 0.5));
+    std::ranges::move(internal::PushedJointPaths(robot, opening, *shape, 0.5),
+                      std::back_inserter(paths));
+    seconds.push_back(static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
+  }
+  ASSERT_FALSE(all[0].empty());
+  ASSERT_EQ(all[0].size(), all[1].size());
+  for (size_t i = 0; i < all[0].size(); ++i)
+    EXPECT_TRUE(all[0][i].tcp_in_world.back().is_close(all[1][i].tcp_in_world.back(), 1e-6, 1e-6));
+  EXPECT_LT(seconds[1], seconds[0] / 2);
+}
+
+// The paths of one way of the hand after the other: after a failure the other ways come first.
+TEST(HandleMotion, AfterAFailureTheOtherWaysComeFirst) {
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back(
+      {.name = "unit", .mjcf_path = "drawer_unit", .pos = Vec3{0.6, 0, 0}, .fixed = true});
+  spec.robots.push_back({.name = "arm", .config = ExampleRun("demo.yaml").robot.config});
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  const Robot robot = Robot::Of(scene, "arm");
+  JointOpening::Of(scene, "unit_drawer_1").Put(0.6);
+  scene.Forward();
+  const auto shape = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
+  for (const auto& [text, grips_first] : std::vector<std::pair<std::string, bool>>{
+           {"unit_drawer_1 open 0.9", true}, {"unit_drawer_1 closed 0.1", false}}) {
+    for (const int failures : {0, 1, 2, 3}) {
+      const ContactPathSource source =
+          internal::JointPaths(robot, ParseRelation(text), *shape, failures);
+      const std::vector<ContactPath> first = source();
+      ASSERT_FALSE(first.empty());
+      for (const ContactPath& path : first)
+        EXPECT_EQ(path.grips, (failures % 2 == 0) == grips_first) << text << " " << failures;
+    }
+  }
+}
+
 TEST(HandleMotion, AimsSomewhatFurtherThanTheGoal) {
   EXPECT_NEAR(internal::ShareFor(ParseRelation("d open 0.5")), 0.6, 1e-9);
   EXPECT_NEAR(internal::ShareFor(ParseRelation("d open 0.95")), 1, 1e-9);
@@ -244,7 +303,7 @@ TEST(HandleMotion, GripsHandlesThatAreMeshes) {
   EXPECT_NEAR(internal::FrontOf(scene, opening)->x(), 1, 1e-6);
   const auto shape = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
   const std::vector<ContactPath> paths =
-      internal::JointPaths(robot, ParseRelation("unit open 0.5"), *shape);
+      AllPathsOf(internal::JointPaths(robot, ParseRelation("unit open 0.5"), *shape));
   ASSERT_FALSE(paths.empty());
   const Pose before = scene.body_pose("unit_door");
   opening.Put(0.6);

@@ -14,15 +14,18 @@
 #include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/scene_cache.h"
+#include "robocell/scenes/joint_opening.h"
 #include "robocell/scenes/object_places.h"
 #include "robocell/scenes/object_view.h"
 #include "robocell/scenes/randomization.h"
 #include "robocell/scenes/related_places.h"
+#include "robocell/scenes/relations.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/scenes/settle.h"
 #include "robocell/spec/problems.h"
 #include "robocell/spec/yaml.h"
 #include "robocell/task/door_swings.h"
+#include "robocell/task/relation_task.h"
 #include "robocell/task/start_cameras.h"
 #include "robocell/task/task_calls.h"
 #include "robocell/task/task_kind.h"
@@ -94,6 +97,22 @@ bool IsOnFloor(const Eigen::Vector3d& at, const std::vector<FloorArea>& floor) {
     return std::abs(on.x()) <= area.half_x && std::abs(on.y()) <= area.half_y &&
            std::abs(on.z()) <= kStorey;
   });
+}
+
+// Returns the doors that a task leaves as they are. A robot stands in the swing of one that it moves:
+// the task looks for its stance.
+std::vector<Articulation> DoorsLeftAlone(const std::vector<Articulation>& doors, const Task* task,
+                                         const Scene& scene) {
+  const auto* relations = dynamic_cast<const RelationTask*>(task);
+  if (doors.empty() || !relations) return doors;
+  std::set<std::string> moved;
+  for (const RelationTask::Goal& goal : relations->goals()) {
+    if (FindRelation(goal.stated.relation).subject == RelationSubject::kJoint)
+      moved.insert(JointOpening::Of(scene, goal.stated.subject).joint());
+  }
+  std::vector<Articulation> others = doors;
+  std::erase_if(others, [&](const Articulation& door) { return moved.contains(door.joint); });
+  return others;
 }
 
 // Returns the world poses of the objects that keep theirs.
@@ -397,7 +416,8 @@ std::optional<Refusal> StartSampler::ValidateBasePose(Scene& scene, Robot& robot
                               : ValidateBaseReach(robot, scene.body_pose(target_body)))
     return refusal;
   if (auto refusal = ValidateBaseClearance(scene, robot, run_.start.base_clearance)) return refusal;
-  return internal::ValidateDoorSwings(scene, robot, doors_, run_.start.base_clearance);
+  return internal::ValidateDoorSwings(scene, robot, DoorsLeftAlone(doors_, task_.get(), scene),
+                                      run_.start.base_clearance);
 }
 
 std::optional<Refusal> StartSampler::ValidateCameras(Scene& scene, const std::string& target_body) {
@@ -537,8 +557,9 @@ std::optional<Refusal> StartSampler::ValidatePlaced(Setup& setup,
   if (setup.target_body.empty()) {
     auto refusal = ValidateBaseClearance(setup.scene, setup.robot, run_.start.base_clearance);
     if (!refusal)
-      refusal =
-          internal::ValidateDoorSwings(setup.scene, setup.robot, doors_, run_.start.base_clearance);
+      refusal = internal::ValidateDoorSwings(setup.scene, setup.robot,
+                                             DoorsLeftAlone(doors_, setup.task.get(), setup.scene),
+                                             run_.start.base_clearance);
     if (refusal) return std::move(*refusal).MadeBy(Refusal::kBaseStage);
     if (auto by_task = check_task()) return by_task;
     return check_cameras();
