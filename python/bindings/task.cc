@@ -500,7 +500,17 @@ void BindTask(nb::module_& m) {
           "tell.")
       .def("phase", &Expert::phase, "Returns the index of the present phase in phase_names().")
       .def("phase_names", &Expert::phase_names,
-           "Returns the names of the phases, which episodes record as labels.");
+           "Returns the names of the phases, which episodes record as labels.")
+      .def(
+          "results_json", [](const Expert& e) { return e.Expert::results_json(); },
+          "Returns what the episode's results record of the expert, a JSON object as text. Asked "
+          "once, at the end of the episode."
+          "\n\nExamples:\n"
+          "    >>> class Counting(rc.tasks.Expert):\n"
+          "    ...     def results_json(self):\n"
+          "    ...         return '{\"grasps\": 2}'\n"
+          "    >>> Counting().results_json()\n"
+          "    '{\"grasps\": 2}'");
   m.def("object_kinds", &ObjectKinds,
         "Returns all kinds of objects that tasks can use: primitives, and the built-in objects and "
         "those of users.");

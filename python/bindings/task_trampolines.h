@@ -346,6 +346,10 @@ class PyExpertOf : public Base {
     return Ask<std::vector<std::string>>("phase_names",
                                          [](auto* self) { return self->Base::phase_names(); });
   }
+  std::string results_json() const override {
+    if (!Defines(nb_trampoline, "results_json")) return Base::results_json();
+    return Ask<std::string>("results_json", [](auto* self) { return self->Base::results_json(); });
+  }
 
  private:
   RowLoan row_;  // the one that see() got last

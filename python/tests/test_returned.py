@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -65,6 +66,26 @@ ACTION = "Mine.act() must return {robot: {group: GroupCommand}}: "
 )
 def test_rejects_invalid_expert_results(run: rc.RunConfig, method: str, value: Any, message: str):
     assert message in told(run, expert=expert_returning(method, value))
+
+
+@pytest.mark.parametrize(
+    ("value", "message"),
+    [
+        (None, "Mine.results_json() must return a str, got None"),
+        ("two grasps", "results_json() must return a JSON object as text, such as "),
+        ("[2]", "got '[2]'"),
+    ],
+)
+def test_rejects_results_that_are_no_json_object(tmp_path: Path, value: Any, message: str):
+    run = load(tmp_path, max_attempts=1, keep=rc.generate.Keep.ALL)
+    assert message in told(run, expert=expert_returning("results_json", value))
+
+
+def test_an_episode_has_the_results_of_its_expert(tmp_path: Path):
+    run = load(tmp_path, max_attempts=1, keep=rc.generate.Keep.ALL)
+    expert = expert_returning("results_json", '{"grasps": 2}')
+    rc.generate.Runner(run, expert=expert).run(rc.generate.make_plan(run)[0])
+    assert rc.Dataset(run.output)[0].results == {"grasps": 2}
 
 
 def test_accepts_a_numpy_bool(run: rc.RunConfig):

@@ -52,6 +52,16 @@ def test_a_function_and_a_value_of_a_module_or_its_file_are_runs(module):
         assert (run.run, run.seed, run.episodes_per_scene) == ("made", 7, 2)
 
 
+def test_a_policy_is_evaluated_without_noise_and_source_episodes(module):
+    sets = ["noise.translation=0.01", "noise.start_translation=0.1", "augment.dataset=out/few"]
+    run = RunSource(f"{module}:run").load(sets)
+    assert run.noise is not None
+    assert run.noise.start_translation == 0.1
+    run = RunSource(f"{module}:run", policy="random").load(sets)
+    assert run.noise is None
+    assert run.augment is None
+
+
 @pytest.mark.parametrize(
     ("name", "error", "told"),
     [

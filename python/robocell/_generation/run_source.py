@@ -130,6 +130,7 @@ class RunSource:
             run.expert = expert_of_policy(self.policy, self.run, self.acting)
             run.keep = Keep.FIRST
             run.augment = None
+            run.noise = None  # a policy is judged by its own actions, from the starts of the task
         return run
 
     def _augmenting(self) -> list[str]:

@@ -155,8 +155,8 @@ double AugmentExpert::DistanceOf(const Scene& scene, const Demonstration& demo) 
   for (const DemoSegment& segment : demo.segments) {
     const Pose moved = robot_->base_in_world().inverse() * Displacement(scene, demo, segment) *
                        demo.target_in_world[static_cast<size_t>(segment.first)];
-    const Pose there =
-        demo.base_in_world.inverse() * demo.target_in_world[static_cast<size_t>(segment.first)];
+    const Pose there = demo.base_in_world[static_cast<size_t>(segment.first)].inverse() *
+                       demo.target_in_world[static_cast<size_t>(segment.first)];
     distance += (moved.translation() - there.translation()).norm() +
                 kMetresPerRadian * (there.inverse() * moved).angle();
   }

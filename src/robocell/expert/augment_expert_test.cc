@@ -46,7 +46,6 @@ Demonstration RollOut(EpisodeStart& start, Expert& expert, bool& success) {
   Robot robot = RobotsOf(start.scene).front();
   Rng rng = Rng::Stream(1, "expert");
   expert.Begin(start.scene, rng);
-  demo.base_in_world = robot.base_in_world();
   demo.phases = expert.phase_names();
   success = false;
   while (!expert.done() && demo.rows() < 800) {
@@ -56,7 +55,8 @@ Demonstration RollOut(EpisodeStart& start, Expert& expert, bool& success) {
     for (const std::string& object : start.task->objects())
       demo.bodies[object].push_back(start.scene.body_pose(object));
     EXPECT_TRUE(robot.Apply(expert.Act(start.scene, rng).at(robot.name())).ok);
-    demo.target_in_world.push_back(demo.base_in_world *
+    demo.base_in_world.push_back(robot.base_in_world());
+    demo.target_in_world.push_back(robot.base_in_world() *
                                    robot.FkFrame(robot.controller("arm").commanded_joint_pos()));
     demo.opening.push_back(robot.controller("gripper").target()[0]);
     for (int i = 0; i < kTicks; ++i) {

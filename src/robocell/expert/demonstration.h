@@ -36,7 +36,7 @@ struct Demonstration {
   std::string episode = {};  // its id
   std::string object_kind = {};
   double tick = 0.066;                     // seconds between rows
-  Pose base_in_world = {};                 // of the robot
+  std::vector<Pose> base_in_world = {};    // of the robot, before the action of each row
   Pose root_in_world = {};                 // the root frame of the scene
   std::vector<Pose> tcp_in_world = {};     // before the action of each row
   std::vector<Pose> target_in_world = {};  // of the TCP, after it

@@ -1,9 +1,12 @@
 #include "robocell/rollout/action_noise.h"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <optional>
 #include <utility>
 
+#include "robocell/base/log.h"
 #include "robocell/kinematics/ik.h"
 #include "robocell/motion/joint_path.h"
 #include "robocell/motion/motion_planner.h"
@@ -80,32 +83,55 @@ void ActionNoise::Advance(Eigen::Vector3d& share) {
   if (share.norm() > 1) share.normalize();
 }
 
+Action ActionNoise::Intended() const {
+  Action action;
+  for (const Arm& arm : arms_) {
+    if (!arm.intended.empty())
+      action[arm.robot.name()][arm.group] = GroupCommand::Joints(arm.intended);
+  }
+  return action;
+}
+
 Action ActionNoise::Perturb() {
   numbers_.clear();
   for (Targets& targets : targets_) {
     targets.actions.Read(targets.all);
     for (const size_t i : targets.chosen) numbers_.push_back(targets.all[i]);
   }
-  Action noisy;
+  noisy_.clear();
+  const bool is_noisy = config_.translation + config_.rotation > 0;
+  bool has_all = !arms_.empty();
   for (Arm& arm : arms_) {
     Advance(arm.translation);
     Advance(arm.rotation);
-    const JointVector q(arm.robot.controller(arm.group).commanded_joint_pos());
+    const std::span<const double> target = arm.robot.controller(arm.group).commanded_joint_pos();
+    arm.intended.assign(target.begin(), target.end());
+    if (!is_noisy) continue;
+    const JointVector q(target);
     const std::optional<JointVector> with_noise = Displaced(
         arm.robot.chain(arm.group), TaskSpaceOf(arm.robot.config(), arm.group), q,
         config_.translation * arm.translation, config_.rotation * arm.rotation, kMostNoise);
+    has_all &= with_noise.has_value();
     if (with_noise) {
-      noisy[arm.robot.name()][arm.group] =
+      noisy_[arm.robot.name()][arm.group] =
           GroupCommand::Joints({with_noise->begin(), with_noise->end()});
     }
   }
-  return noisy;
+  ++actions_;
+  without_ += is_noisy && !has_all;
+  return noisy_;
 }
 
-void DisplaceStart(const RunConfig& run, EpisodeStart& start, Rng& rng) {
-  if (!run.noise || run.noise->start_translation + run.noise->start_rotation <= 0) return;
+std::optional<bool> DisplaceStart(const RunConfig& run, EpisodeStart& start, Rng& rng) {
+  if (!run.noise || run.noise->start_translation + run.noise->start_rotation <= 0)
+    return std::nullopt;
+  const auto not_displaced = [&](const std::string& why) {
+    LogWarn(fmt::format("scene '{}': the start is not displaced (`noise`): {}", start.scene.name(),
+                        why));
+    return false;
+  };
   Robot robot = Robot::Of(start.scene, run.robot.config.name);
-  if (!robot.has_arm()) return;
+  if (!robot.has_arm()) return not_displaced(fmt::format("robot '{}' has no arm", robot.name()));
   const JointVector q(std::span<const double>(robot.arm().joint_pos()));
   MotionPlanner planner(robot, {.clearance = kStartClearance});
   planner.Update();
@@ -116,8 +142,12 @@ void DisplaceStart(const RunConfig& run, EpisodeStart& start, Rng& rng) {
         Displaced(robot.chain(), TaskSpaceOf(robot), q, translation, rotation, kMostDisplaced);
     if (!displaced || !planner.IsFree(*displaced)) continue;
     robot.SetJointPos(*displaced);
-    return;
+    return true;
   }
+  return not_displaced(
+      fmt::format("{} postures within {:g} m and {:g} rad are out of reach or in collision; make "
+                  "start_translation or start_rotation smaller",
+                  kStartTries, run.noise->start_translation, run.noise->start_rotation));
 }
 
 }  // namespace robocell::internal

@@ -4,10 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
+#include <nlohmann/json.hpp>
 
+#include "robocell/base/error.h"
+#include "robocell/base/log.h"
 #include "robocell/data/episode_reader.h"
 #include "robocell/motion/motion_planner.h"
 #include "robocell/rollout/plan.h"
@@ -17,7 +23,28 @@
 namespace robocell::internal {
 namespace {
 
-using ActionNoiseTest = RolloutTest;
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+class ActionNoiseTest : public RolloutTest {
+ protected:
+  Episode RollOut(Expert& expert, bool errors_fail = false) {
+    const std::string id = "e" + std::to_string(rollouts_++);
+    Rng rng = Rng::Stream(2, "expert");
+    RunRollout(run, *start, expert, rng,
+               {.dataset = folder.path(),
+                .episode_id = id,
+                .metadata_json = "{}",
+                .keep_failures = true,
+                .expert_errors_fail = errors_fail,
+                .noise = Rng::Stream(3, "noise"),
+                .start_displaced = false});
+    return Episode(folder / id);
+  }
+
+ private:
+  int rollouts_ = 0;
+};
 
 constexpr double kTolerance =
     1e-3;  // of inverse kinematics, and of a joint that stands at its limit
@@ -94,6 +121,98 @@ TEST_F(ActionNoiseTest, RowsHaveTheIntendedAndTheNoisyAction) {
   EXPECT_EQ(episode.features().Find("robots/rc7/intended/arm").role, FeatureRole::kLabel);
 }
 
+// Does in each action what it is made with.
+class Doing : public Commanding {
+ public:
+  using Deed = std::function<RobotAction(int)>;
+  Doing(int actions, Deed deed)
+      : Commanding(Pose(), actions), actions_(actions), deed_(std::move(deed)) {}
+  Action Act(const Scene&, Rng&) override { return {{"rc7", deed_(done_++)}}; }
+  bool done() const override { return done_ >= actions_; }
+  std::string results_json() const override { return results; }
+  std::string results = "{}";
+
+ private:
+  int actions_, done_ = 0;
+  Deed deed_;
+};
+
+TEST_F(ActionNoiseTest, NoiseDoesNotAddUpInArmsThatActionsLeaveOutOrMoveByDifferences) {
+  run.noise.emplace().translation = 0.01;
+  const JointVector home(Robot::Of(start->scene, "rc7").controller("arm").commanded_joint_pos());
+  const std::vector<double> by(home.size(), 1e-3);
+  for (const double delay : {0.0, 0.02}) {
+    for (const bool is_relative : {false, true}) {
+      start->randomized = {};
+      if (delay > 0) start->randomized["action_delay"].numbers = {delay};
+      Doing expert(40, [&](int) -> RobotAction {
+        if (!is_relative) return {};
+        return {{"arm", GroupCommand::RelativeJoints(by)}};
+      });
+      const Episode episode = RollOut(expert);
+      const auto intended = episode.Read<double>("robots/rc7/intended/arm");
+      const auto sent = episode.Read<double>("robots/rc7/action/arm");
+      ASSERT_EQ(episode.rows(), 40);
+      EXPECT_NE(intended, sent);
+      for (size_t i = 0; i < intended.size(); ++i) {
+        const double row = static_cast<double>(i / by.size() + 1);
+        EXPECT_NEAR(intended[i] - intended[i % by.size()], is_relative ? (row - 1) * 1e-3 : 0, 1e-9)
+            << "row " << row << ", delay " << delay;
+      }
+      Robot::Of(start->scene, "rc7").SetJointPos({home.begin(), home.end()});
+    }
+  }
+}
+
+TEST_F(ActionNoiseTest, AnExpertThatRaisesLeavesItsLastTargetsInTheRecord) {
+  run.noise.emplace().translation = 0.01;
+  const Robot robot = Robot::Of(start->scene, "rc7");
+  const JointVector home(robot.controller("arm").commanded_joint_pos());
+  for (const int raising : {0, 3}) {
+    Doing expert(10, [&](int action) -> RobotAction {
+      if (action == raising) throw ArgumentError("a part is missing");
+      return {{"arm", GroupCommand::RelativeJoints(std::vector<double>(home.size(), 1e-3))}};
+    });
+    const Episode episode = RollOut(expert, true);
+    ASSERT_EQ(episode.rows(), raising + 1);
+    const auto intended = episode.Read<double>("robots/rc7/intended/arm");
+    for (size_t joint = 0; joint < home.size(); ++joint) {
+      EXPECT_NEAR(intended[home.size() * static_cast<size_t>(raising) + joint],
+                  intended[joint] + 1e-3 * std::max(0, raising - 1), 1e-9);
+    }
+    EXPECT_THAT(episode.end_reason(), HasSubstr("a part is missing"));
+    EXPECT_TRUE(nlohmann::json::parse(episode.results_json())["policy_error"].get<bool>());
+  }
+}
+
+TEST_F(ActionNoiseTest, CountsTheActionsThatStayWithoutNoise) {
+  run.noise.emplace().translation = 20;  // which no run file may have
+  run.noise->correlation_seconds = 0;
+  Doing expert(10, [](int) -> RobotAction { return {}; });
+  expert.results = R"({"tries": 2})";
+  const Episode episode = RollOut(expert);
+  const auto results = nlohmann::json::parse(episode.results_json());
+  EXPECT_EQ(results["noise"]["actions"], 10);
+  EXPECT_GE(results["noise"]["actions_without_noise"], 9);
+  EXPECT_EQ(results["noise"]["start_displaced"], false);
+  EXPECT_EQ(results["tries"], 2);
+  EXPECT_THAT(episode.warnings(), Contains(HasSubstr("actions are without noise")));
+}
+
+TEST_F(ActionNoiseTest, SaysThatAStartIsNotDisplaced) {
+  Robot robot = Robot::Of(start->scene, "rc7");
+  const std::vector<double> home = robot.arm().joint_pos();
+  std::string log;
+  const ScopedLogSink sink([&](LogLevel, std::string_view text) { log += text; });
+  Rng rng = Rng::Stream(5, "noise");
+  EXPECT_FALSE(DisplaceStart(run, *start, rng).has_value());
+  EXPECT_EQ(log, "");
+  run.noise.emplace().start_translation = 50;
+  EXPECT_EQ(DisplaceStart(run, *start, rng), std::optional(false));
+  EXPECT_EQ(robot.arm().joint_pos(), home);
+  EXPECT_THAT(log, HasSubstr("make start_translation or start_rotation smaller"));
+}
+
 TEST_F(ActionNoiseTest, DisplacedStartsAreFreeAndWithinTheBounds) {
   run.noise.emplace().start_translation = 0.1;
   run.noise->start_rotation = 0.3;
@@ -104,7 +223,7 @@ TEST_F(ActionNoiseTest, DisplacedStartsAreFreeAndWithinTheBounds) {
   for (int i = 0; i < 10; ++i) {
     Rng rng = Rng::Stream(5, "noise", i);
     robot.SetJointPos(home);
-    DisplaceStart(run, *start, rng);
+    EXPECT_EQ(DisplaceStart(run, *start, rng), std::optional(true));
     const Pose off = tcp.inverse() * robot.FkFrame();
     EXPECT_LE(off.translation().norm(), 0.1 + kTolerance);
     EXPECT_LE(off.angle(), 0.3 + kTolerance);

@@ -94,6 +94,7 @@ RunConfig RunOfDataset(const Dataset& dataset) {
   auto run = identity.AsSpec<RunConfig>();
   run.output.clear();   // another dataset goes elsewhere
   run.augment.reset();  // the sources of its episodes are not in it
+  run.noise.reset();    // policies are judged without it
   const SceneSpec scene = RecordedScene(first);
   if (scene.robots.empty() || !scene.robots[0].config) {
     throw ArgumentError(fmt::format("'{}': the scene of '{}' has no robot configuration", folder,

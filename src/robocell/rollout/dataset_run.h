@@ -17,7 +17,8 @@
 namespace robocell {
 
 // Returns the run with the robot and the files of its scenes as the dataset keeps them, and without
-// `output`: what is made with it goes elsewhere. Throws ArgumentError for a dataset without an
+// `output`, `augment` and `noise`: what is made with it goes elsewhere, by another expert or policy,
+// whose actions are its own. Throws ArgumentError for a dataset without an
 // episode, for one that no run made, and for one whose starts come from an unregistered sampler;
 // SpecError for tasks, scene sources and features that are not registered, and for code of theirs
 // that is not what the dataset was made with; IoError for episodes that were edited.

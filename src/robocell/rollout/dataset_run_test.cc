@@ -40,6 +40,7 @@ TEST(RunOfDataset, IsTheRunThatMadeIt) {
   fs::copy(fs::path(SourceDir()) / "models/scenes/tabletop.xml", temp / "table.xml");
   run.scenes = FilesScenes{.files = {(temp / "table.xml").string()}};
   run.output = (temp / "out").string();
+  run.noise.emplace().translation = 0.001;
   PrepareDataset(run);
   ASSERT_TRUE(Runner(run).Run(MakePlan(run)[0]).success);
   fs::remove(temp / "table.xml");
@@ -49,6 +50,7 @@ TEST(RunOfDataset, IsTheRunThatMadeIt) {
   EXPECT_EQ(again.task, run.task);
   EXPECT_EQ(again.seed, run.seed);
   EXPECT_EQ(again.output, "");
+  EXPECT_FALSE(again.noise.has_value()) << "policies act without it";
   EXPECT_THAT(again.scenes.houses.values, ElementsAre(0));
   EXPECT_TRUE(fs::exists(again.scenes.As<FilesScenes>().files.at(0))) << "as the dataset keeps it";
   ExpectThrow<SpecError>([&] { Runner{again}; }, "output");

@@ -31,6 +31,12 @@ FeatureColumns::FeatureColumns(EpisodeSchema& schema, const FeatureSchema& featu
 }
 
 void FeatureColumns::Put(EpisodeWriter& writer, std::span<const double> numbers) const {
+  size_t size = 0;
+  for (const Column& column : columns_) size += column.size;
+  if (numbers.size() != size) {
+    throw ArgumentError(fmt::format("a row has {} numbers for {} columns of {}", numbers.size(),
+                                    columns_.size(), size));
+  }
   for (const Column& column : columns_) {
     writer.Put(column.id, numbers.first(column.size));
     numbers = numbers.subspan(column.size);

@@ -20,7 +20,8 @@ namespace robocell::internal {
 class FeatureColumns {
  public:
   FeatureColumns(EpisodeSchema& schema, const FeatureSchema& features);
-  // Writes the numbers of all features, one after another.
+  // Writes the numbers of all features, one after another. Throws ArgumentError for another number
+  // of them.
   void Put(EpisodeWriter& writer, std::span<const double> numbers) const;
 
  private:

@@ -23,6 +23,9 @@ TEST(FeatureColumns, MatchTheFeatures) {
   const TempDir folder;
   EpisodeWriter writer(folder.path(), "e", schema, {.features = features.observed()});
   const std::span<const double> numbers = features.ReadState();
+  ExpectThrow<ArgumentError>([&] { columns.Put(writer, numbers.first(numbers.size() - 1)); },
+                             "a row has");
+  ExpectThrow<ArgumentError>([&] { columns.Put(writer, {}); }, "a row has 0 numbers");
   columns.Put(writer, numbers);
   writer.EndRow();
   const Episode episode(writer.Commit({}));

@@ -7,6 +7,7 @@
 #include <vector>
 #include <nlohmann/json.hpp>
 
+#include "robocell/base/error.h"
 #include "robocell/base/log.h"
 #include "robocell/rollout/action_noise.h"
 #include "robocell/rollout/exact_replay.h"
@@ -51,7 +52,8 @@ void NoteDivergence(const StepResult& step, const std::string& episode, RolloutR
   LogWarn(fmt::format("episode '{}' {}", episode, step.message));
 }
 
-std::vector<std::string> Warnings(const EngineWarnings& engine, const RolloutResult& result) {
+std::vector<std::string> Warnings(const EngineWarnings& engine, const RolloutResult& result,
+                                  const ActionNoise* noise) {
   std::vector<std::string> warnings;
   if (!result.divergence.empty()) warnings.push_back(result.divergence);
   if (engine.total()) warnings.push_back(engine.Text());
@@ -59,13 +61,37 @@ std::vector<std::string> Warnings(const EngineWarnings& engine, const RolloutRes
     warnings.push_back(
         fmt::format("{} x no IK solution for {}, first at {}", none.actions, group, none.first));
   }
+  if (noise && 2 * noise->without_noise() > noise->actions()) {
+    warnings.push_back(
+        fmt::format("{} of {} actions are without noise: no posture near them has the displaced "
+                    "pose, or no arm has joint position targets",
+                    noise->without_noise(), noise->actions()));
+  }
   return warnings;
 }
 
-// What the expert has to say, and for evaluations whether an error of the policy ended the rollout.
-std::string ResultsOf(ExpertCalls& calls, const Expert& expert, const RolloutResult& result) {
-  nlohmann::json results = nlohmann::json::parse(
-      calls("results_json", std::string("{}"), [&] { return expert.results_json(); }));
+// Returns the results that an expert records. Throws ArgumentError for what is no JSON object.
+nlohmann::json ResultsOfExpert(const Expert& expert) {
+  const std::string text = expert.results_json();
+  nlohmann::json results = nlohmann::json::parse(text, nullptr, false);
+  if (results.is_object()) return results;
+  throw ArgumentError(
+      fmt::format("the expert's results_json() must return a JSON object as text, such as "
+                  "{{\"grasps\": 2}}, got '{}'",
+                  text));
+}
+
+// Returns the expert's results, what the noise did, and for evaluations whether an error of the
+// policy ended the rollout.
+std::string ResultsOf(ExpertCalls& calls, const Expert& expert, const RolloutResult& result,
+                      const ActionNoise* noise, const RolloutOptions& options) {
+  nlohmann::json results =
+      calls("results_json", nlohmann::json::object(), [&] { return ResultsOfExpert(expert); });
+  if (noise) {
+    results["noise"] = {{"actions", noise->actions()},
+                        {"actions_without_noise", noise->without_noise()}};
+    if (options.start_displaced) results["noise"]["start_displaced"] = *options.start_displaced;
+  }
   if (calls.failed() && !result.success) results["policy_error"] = true;
   return results.dump();
 }
@@ -111,11 +137,18 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   int phase = 0;
   const auto act = [&] { return expert.Act(start.scene, rng); };
   std::optional<Action> acted;  // before the step, if actions take effect later
+  // An expert sees the targets that it set: its relative commands do not add up noise.
+  const auto act_before_step = [&] {
+    if (noise) in.cell.Send(noise->Intended());
+    acted = calls("act", Action(), act);
+    if (noise) in.cell.Send(noise->noisy());
+  };
   // All groups keep their targets when the expert has raised an error.
   const auto send = [&] {
-    const StepOutcome sent =
+    if (noise) in.cell.Send(noise->Intended());
+    StepOutcome sent =
         calls("act", StepOutcome(), [&] { return in.cell.Send(acted ? *acted : act()); });
-    if (calls.failed()) return in.cell.Send({});
+    if (calls.failed()) sent = in.cell.Send({});
     if (noise) in.cell.Send(noise->Perturb());
     return sent;
   };
@@ -136,7 +169,7 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     const double time = start.scene.time();
     CellStep step;
     const bool has_looked = recording.LetLook([&] {
-      if (in.cell.action_delay() > 0) acted = calls("act", Action(), act);
+      if (in.cell.action_delay() > 0) act_before_step();
       step = in.cell.Step({.send = send});
     });
     if (!has_looked) return Stopped(result);
@@ -175,12 +208,13 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   }
   if (!recording.Finish()) return Stopped(result);
   if (options.before_commit) options.before_commit();
-  result.committed = recording.Commit({.success = result.success,
-                                       .terminated = labels.terminated,
-                                       .truncated = labels.truncated,
-                                       .end_reason = result.success ? "success" : result.failure,
-                                       .warnings = Warnings(warnings, result),
-                                       .results_json = ResultsOf(calls, expert, result)});
+  result.committed = recording.Commit(
+      {.success = result.success,
+       .terminated = labels.terminated,
+       .truncated = labels.truncated,
+       .end_reason = result.success ? "success" : result.failure,
+       .warnings = Warnings(warnings, result, noise ? &*noise : nullptr),
+       .results_json = ResultsOf(calls, expert, result, noise ? &*noise : nullptr, options)});
   result.stopped = !result.committed;
   return result;
 }

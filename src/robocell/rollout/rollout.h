@@ -62,6 +62,8 @@ struct RolloutOptions {
   bool judge_replay = false;
   // The randomness of the run's noise; required if it has `noise`.
   std::optional<Rng> noise = {};
+  // Whether the noise displaced the start, for the record; unset if the run displaces none.
+  std::optional<bool> start_displaced = {};
 };
 
 // Commits the episode if it succeeded, or failed and failures are kept; else nothing stays on the

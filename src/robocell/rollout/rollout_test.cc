@@ -78,6 +78,28 @@ TEST_F(RolloutTest, AFailureReportedByTheExpertIsNotASuccess) {
   EXPECT_THAT(episode.Read<uint8_t>("success"), ElementsAre(1, 1, 1, 0));
 }
 
+TEST_F(RolloutTest, ResultsThatAreNoJsonObjectNameTheExpertsMethod) {
+  class Telling : public Commanding {
+   public:
+    explicit Telling(std::string results) : Commanding(Pose(), 1), results_(std::move(results)) {}
+    Action Act(const Scene& scene, Rng& rng) override {
+      return Commanding::Act(scene, rng), Action();
+    }
+    std::string results_json() const override { return results_; }
+
+   private:
+    std::string results_;
+  };
+  for (const char* results : {"two grasps", "[2]", "", "{\"grasps\": }"}) {
+    Telling expert(results);
+    ExpectThrow<HookError>([&] { Rollout(expert); }, "results_json() must return a JSON object");
+  }
+  Telling expert(R"({"grasps": 2})");
+  Rollout(expert);
+  EXPECT_EQ(nlohmann::json::parse(Episode(folder / "e").results_json()),
+            nlohmann::json({{"grasps", 2}}));
+}
+
 TEST_F(RolloutTest, AnUnfinishedTaskIsAFailureEvenIfTheExpertReportsNone) {
   class Demanding : public Content {
    public:

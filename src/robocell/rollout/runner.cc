@@ -115,8 +115,7 @@ struct Runner::State {
   void RequireSameParts() const;
   void RequireUnchangedModels();
   internal::RolloutOptions Options(const PlanItem& item, int attempt,
-                                   const EarlierAttempts& earlier, const Rng& noise,
-                                   const StopRequest& stop);
+                                   const EarlierAttempts& earlier, const StopRequest& stop);
   // In evaluations an error of the expert is a failure from this start (kFirst).
   bool do_expert_errors_fail() const { return run.keep == Keep::kFirst; }
   std::shared_ptr<Expert> MakeExpert(const EpisodeStart& start) const;
@@ -192,7 +191,7 @@ const std::string& Runner::State::Advice() {
 }
 
 internal::RolloutOptions Runner::State::Options(const PlanItem& item, int attempt,
-                                                const EarlierAttempts& earlier, const Rng& noise,
+                                                const EarlierAttempts& earlier,
                                                 const StopRequest& stop) {
   nlohmann::json metadata = {{"run", run.run},
                              {"seed", run.seed},
@@ -216,8 +215,7 @@ internal::RolloutOptions Runner::State::Options(const PlanItem& item, int attemp
           .stop = stop,
           .before_commit = [this] { RequireUnchangedModels(); },
           .expert_errors_fail = do_expert_errors_fail(),
-          .judge_replay = run.augment.has_value(),
-          .noise = noise};
+          .judge_replay = run.augment.has_value()};
 }
 
 Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State>()) {
@@ -327,11 +325,14 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
   object_kind = sample.object_kind();
   BindStart(*sample.start, run);
   Rng noise = AttemptStream(run, item, attempt, "noise");
-  internal::DisplaceStart(run, *sample.start, noise);
+  const std::optional<bool> displaced = internal::DisplaceStart(run, *sample.start, noise);
   const std::shared_ptr<Expert> expert = MakeExpert(*sample.start);
   Rng expert_rng = AttemptStream(run, item, attempt, "expert");
-  const internal::RolloutResult rollout = internal::RunRollout(
-      run, *sample.start, *expert, expert_rng, Options(item, attempt, earlier, noise, stop));
+  internal::RolloutOptions options = Options(item, attempt, earlier, stop);
+  options.noise = noise;
+  options.start_displaced = displaced;
+  const internal::RolloutResult rollout =
+      internal::RunRollout(run, *sample.start, *expert, expert_rng, options);
   AddTo(result, rollout);
   if (result.stopped) return;
   if (!rollout.committed) RequireUnchangedModels();  // failures count too

@@ -1,16 +1,19 @@
 #include "robocell/rollout/source_demos.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <span>
 #include <utility>
+#include <Eigen/Core>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
@@ -20,11 +23,15 @@
 #include "robocell/robot/robot.h"
 #include "robocell/rollout/episode_reading.h"
 #include "robocell/rollout/replay.h"
+#include "robocell/spec/scene_spec.h"
 
 namespace robocell::internal {
 namespace {
 
 constexpr size_t kPoseSize = 7;
+constexpr double kQuaternionTolerance = 0.01;
+// Largest difference of played controls from the record: more moves a grasp.
+constexpr double kReplayMetres = 0.002, kReplayRadians = 0.02;
 
 bool Has(const Episode& episode, const std::string& column) {
   return std::ranges::any_of(episode.columns(),
@@ -40,14 +47,34 @@ std::optional<std::string> Between(const std::string& name, const std::string& b
   return part.find('/') == std::string::npos ? std::optional(part) : std::nullopt;
 }
 
-// Returns the poses of a column; empty if there is none, or if some have no value.
-std::vector<Pose> ReadPoses(const Episode& episode, const std::string& column) {
+enum class IfInvalid { kThrow, kWarn };
+
+// Returns the poses of a column; empty if there is none. Throws ArgumentError for a column of another
+// shape. A row that is no pose is an error too, or a warning: the column is then not used.
+std::vector<Pose> ReadPoses(const Episode& episode, const std::string& column,
+                            IfInvalid if_invalid = IfInvalid::kThrow) {
   if (!Has(episode, column)) return {};
+  const std::vector<int64_t>& shape = episode.column(column).spec.shape;
+  if (shape != std::vector<int64_t>{static_cast<int64_t>(kPoseSize)}) {
+    throw ArgumentError(fmt::format(
+        "episode '{}': column {} has rows of shape {}; a pose is 7 numbers, x y z and the "
+        "quaternion x y z w. A mapping file of `robocell import` can give the column another name",
+        episode.folder().string(), column, ShapeText(shape)));
+  }
   const std::vector<double> numbers = ReadSteps<double>(episode, column);
   std::vector<Pose> poses;
   for (size_t i = 0; i + kPoseSize <= numbers.size(); i += kPoseSize) {
     const std::span<const double> pose = std::span(numbers).subspan(i, kPoseSize);
-    if (!std::ranges::all_of(pose, [](double x) { return std::isfinite(x); })) return {};
+    const Eigen::Map<const Eigen::Vector4d> quaternion(pose.data() + 3);
+    const bool is_finite = std::ranges::all_of(pose, [](double x) { return std::isfinite(x); });
+    if (!is_finite || std::abs(quaternion.norm() - 1) > kQuaternionTolerance) {
+      const std::string what =
+          fmt::format("episode '{}': row {} of column {} is no pose: [{:.6g}]",
+                      episode.folder().string(), i / kPoseSize, column, fmt::join(pose, ", "));
+      if (if_invalid == IfInvalid::kThrow) throw ArgumentError(what);
+      LogWarn(what + ". The column is not used");
+      return {};
+    }
     poses.emplace_back(Eigen::Vector3d(pose[0], pose[1], pose[2]),
                        Quaternion{pose[3], pose[4], pose[5], pose[6]});
   }
@@ -77,16 +104,24 @@ std::vector<double> ReadOpening(const Episode& episode, const std::string& path)
   return {};
 }
 
+// Changes poses in the base frame into poses in the world, row by row.
+std::vector<Pose> ToWorld(const std::vector<Pose>& bases, std::vector<Pose> in_base) {
+  for (size_t row = 0; row < in_base.size(); ++row) in_base[row] = bases[row] * in_base[row];
+  return in_base;
+}
+
 void ReadTcp(const Episode& episode, const std::string& path, Demonstration& demo) {
-  const std::vector<Pose> bases = ReadPoses(episode, path + "base_pose");
-  if (!bases.empty()) demo.base_in_world = bases.front();
+  demo.base_in_world = ReadPoses(episode, path + "base_pose");
+  if (demo.base_in_world.empty())
+    demo.base_in_world.assign(static_cast<size_t>(episode.rows()), Pose());
   demo.tcp_in_world = ReadPoses(episode, path + "tcp_pose");
-  if (demo.tcp_in_world.empty()) {
-    for (const Pose& tcp : ReadPoses(episode, path + "tcp_pose_in_base"))
-      demo.tcp_in_world.push_back(demo.base_in_world * tcp);
+  if (demo.tcp_in_world.empty())
+    demo.tcp_in_world = ToWorld(demo.base_in_world, ReadPoses(episode, path + "tcp_pose_in_base"));
+  // What the expert wanted, without the noise that it corrects later.
+  for (const char* target : {"intended/tcp_pose", "action/tcp_pose"}) {
+    if (demo.target_in_world.empty())
+      demo.target_in_world = ToWorld(demo.base_in_world, ReadPoses(episode, path + target));
   }
-  for (const Pose& tcp : ReadPoses(episode, path + "action/tcp_pose"))
-    demo.target_in_world.push_back(demo.base_in_world * tcp);
   if (!demo.target_in_world.empty() || demo.tcp_in_world.empty()) return;
   // Without commands the hand was sent to where it went.
   demo.target_in_world.assign(demo.tcp_in_world.begin() + 1, demo.tcp_in_world.end());
@@ -139,20 +174,69 @@ std::vector<int> ArticulatedBodies(const Scene& scene) {
   return {bodies.begin(), bodies.end()};
 }
 
-void AddArticulatedBodies(const Episode& episode, Demonstration& demo) {
-  if (!EpisodeJson::Metadata(episode).Find("scene_spec")) return;
+// Throws Error if the played scene is not where the record has the hand and the objects in a row.
+void RequireAsRecorded(const Episode& episode, const Demonstration& demo, const Scene& scene,
+                       const Robot& robot, int64_t row) {
+  const auto require = [&](const std::string& column, const Pose& recorded, const Pose& played) {
+    if (played.is_close(recorded, kReplayRadians, kReplayMetres)) return;
+    throw Error(fmt::format("row {} of column {} is {:.3g} m and {:.3g} rad away from the record",
+                            row, column, (played.translation() - recorded.translation()).norm(),
+                            (recorded.inverse() * played).angle()));
+  };
+  const auto at = static_cast<size_t>(row);
+  require("robots/" + robot.name() + "/tcp_pose", demo.tcp_in_world[at], robot.tcp_in_world());
+  for (const ObjectRecord& object : scene.compiled()->objects()) {
+    const auto recorded = demo.bodies.find(object.name);
+    if (recorded == demo.bodies.end()) continue;
+    require("objects/" + object.name + "/pose", recorded->second[at],
+            scene.body_pose(object.root_body));
+  }
+}
+
+// Returns the poses of the bodies that joints of objects move. Throws Error if the record does not
+// follow from its controls here.
+std::map<std::string, std::vector<Pose>> PlayArticulatedBodies(const Episode& episode,
+                                                               const std::string& robot,
+                                                               const Demonstration& demo) {
+  std::map<std::string, std::vector<Pose>> moving;
   std::vector<int> bodies;
+  std::optional<Robot> arm;
+  int64_t rows = 0;
   PlayControls(episode, [&](const Scene& scene, int64_t row) {
-    if (row == 0) {
-      bodies = ArticulatedBodies(scene);
-      demo.root_in_world = scene.root_frame_to_world();
-    }
+    if (row == 0) bodies = ArticulatedBodies(scene);
+    if (row == 0 && !bodies.empty()) arm = Robot::Of(scene, robot);
+    if (bodies.empty()) return false;
+    RequireAsRecorded(episode, demo, scene, *arm, row);
     for (const int body : bodies) {
       const std::string name = ElementName(scene.model(), mjOBJ_BODY, body);
-      demo.bodies[name].push_back(scene.body_pose(name));
+      moving[name].push_back(scene.body_pose(name));
     }
-    return !bodies.empty();
+    ++rows;
+    return true;
   });
+  if (!bodies.empty() && rows < episode.rows())
+    throw Error(fmt::format("the simulation diverges in row {}", rows));
+  return moving;
+}
+
+void AddArticulatedBodies(const Episode& episode, const std::string& robot, Demonstration& demo) {
+  demo.root_in_world =
+      EpisodeJson::Metadata(episode).At("scene_spec").AsSpec<SceneSpec>().root_frame_to_world;
+  try {
+    for (auto& [name, poses] : PlayArticulatedBodies(episode, robot, demo))
+      demo.bodies.insert_or_assign(name, std::move(poses));
+  } catch (const Error& error) {
+    LogWarn(fmt::format(
+        "episode '{}': its drawers, doors and other jointed bodies are not used, as the played "
+        "controls do not give the record here: {}. `robocell replay` compares both",
+        episode.folder().string(), error.what()));
+  }
+}
+
+[[noreturn]] void ThrowNoSegments(const RunConfig& run) {
+  throw ArgumentError(fmt::format(
+      "'{}': in none of its episodes a part was found in which the hand moves something",
+      run.augment->dataset));
 }
 
 }  // namespace
@@ -171,9 +255,10 @@ std::vector<std::string> SourceIds(const AugmentConfig& augment) {
                   augment.dataset));
 }
 
-Demonstration ReadDemonstration(const Episode& episode, const std::string& robot) {
+Demonstration ReadDemonstration(const Episode& episode, const std::string& robot,
+                                bool plays_controls) {
   Demonstration demo{.episode = episode.id(), .tick = TickOf(episode)};
-  const std::string path = "robots/" + RobotOf(episode, robot) + "/";
+  const std::string name = RobotOf(episode, robot), path = "robots/" + name + "/";
   ReadTcp(episode, path, demo);
   if (demo.tcp_in_world.empty()) {
     throw ArgumentError(fmt::format(
@@ -186,20 +271,33 @@ Demonstration ReadDemonstration(const Episode& episode, const std::string& robot
   for (const ColumnInfo& info : episode.columns()) {
     const auto object = Between(info.spec.name, "objects/", "/pose");
     if (!object) continue;
-    std::vector<Pose> poses = ReadPoses(episode, info.spec.name);
+    std::vector<Pose> poses = ReadPoses(episode, info.spec.name, IfInvalid::kWarn);
     if (!poses.empty()) demo.bodies[*object] = std::move(poses);
   }
   if (const auto kinds = EpisodeJson::Metadata(episode).Find("object_kinds");
       kinds && kinds->value().is_array() && !kinds->Items().empty())
     demo.object_kind = kinds->Items().front().AsText();
-  AddArticulatedBodies(episode, demo);
-  if (demo.bodies.empty()) {
+  const bool has_scene = EpisodeJson::Metadata(episode).Find("scene_spec").has_value();
+  if (has_scene && plays_controls) AddArticulatedBodies(episode, name, demo);
+  if (demo.bodies.empty() && (plays_controls || !has_scene)) {
     throw ArgumentError(fmt::format(
         "episode '{}' has no column objects/<object>/pose: nothing says what its motions refer to",
         episode.folder().string()));
   }
   demo.segments = FindSegments(demo);
   return demo;
+}
+
+void RequireSources(const RunConfig& run) {
+  const Dataset dataset(run.augment->dataset);
+  const std::string& robot = run.robot.config.name;
+  bool is_found = false;
+  for (const std::string& id : SourceIds(*run.augment)) {
+    const Episode episode = dataset.Open(id);
+    is_found |= !ReadDemonstration(episode, robot, false).segments.empty();
+    is_found = is_found || !ReadDemonstration(episode, robot).segments.empty();
+  }
+  if (!is_found) ThrowNoSegments(run);
 }
 
 Demonstrations ReadSources(const RunConfig& run) {
@@ -225,10 +323,8 @@ Demonstrations ReadSources(const RunConfig& run) {
         "are those around the gripper's opening and closing",
         run.augment->dataset, unlabelled, demos->size() + empty.size()));
   }
-  if (!demos->empty()) return demos;
-  throw ArgumentError(fmt::format(
-      "'{}': in none of its episodes a part was found in which the hand moves something",
-      run.augment->dataset));
+  if (demos->empty()) ThrowNoSegments(run);
+  return demos;
 }
 
 }  // namespace robocell::internal

@@ -403,7 +403,7 @@ class SceneValidator {
     if (run_.augment) {
       if (!robot.has_arm())
         problems_.AddAt("robot", "has no arm, and the source episodes are of one");
-      Try("augment.dataset", [&] { internal::ReadSources(run_); });
+      Try("augment.dataset", [&] { internal::RequireSources(run_); });
       return;
     }
     Try(run_.expert.empty() ? "task" : "expert",

@@ -25,6 +25,21 @@ TEST(ActionNoiseConfigTest, RejectsRotationsOfMoreThanAQuarterTurn) {
   }
 }
 
+TEST(ActionNoiseConfigTest, RejectsLengthsInMillimetres) {
+  for (double ActionNoiseConfig::*field :
+       {&ActionNoiseConfig::translation, &ActionNoiseConfig::start_translation}) {
+    ActionNoiseConfig noise;
+    noise.*field = 0.2;
+    Problems good;
+    noise.Validate(good);
+    EXPECT_TRUE(good.empty());
+    noise.*field = 5;
+    Problems bad;
+    noise.Validate(bad);
+    EXPECT_EQ(bad.list().size(), 1U);
+  }
+}
+
 TEST(ActionNoiseConfigTest, IsNotWrittenUnlessItIsSet) {
   RunConfig run;
   EXPECT_EQ(ToYaml(run).find("\nnoise:"), std::string::npos);

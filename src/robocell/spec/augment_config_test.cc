@@ -27,6 +27,20 @@ TEST(AugmentConfigTest, NeedsASourceAndExcludesAnExpert) {
   EXPECT_FALSE(missing.empty());
 }
 
+TEST(AugmentConfigTest, RejectsNoiseThatLeavesTheObject) {
+  for (double AugmentConfig::*field :
+       {&AugmentConfig::translation_noise, &AugmentConfig::rotation_noise}) {
+    AugmentConfig augment{.dataset = "few"};
+    Problems good;
+    augment.Validate(good);
+    EXPECT_TRUE(good.empty());
+    augment.*field = 5;
+    Problems bad;
+    augment.Validate(bad);
+    EXPECT_EQ(bad.list().size(), 1U);
+  }
+}
+
 TEST(AugmentConfigTest, IsNotWrittenUnlessItIsSet) {
   RunConfig run;
   EXPECT_EQ(ToYaml(run).find("augment"), std::string::npos);
