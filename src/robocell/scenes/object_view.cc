@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
@@ -77,6 +78,25 @@ std::span<const int32_t> BodyImages::Draw(const Scene& scene, const CameraView& 
   renderer_->Render(scene.data(), {.camera = view, .width = width, .height = height},
                     {.segmentation = ids_});
   return ids_;
+}
+
+std::optional<WorldBox> BoxOf(const Scene& scene, const std::vector<bool>& bodies) {
+  const mjModel* m = scene.model();
+  const mjData* d = scene.data();
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  WorldBox box{.low = Eigen::Vector3d::Constant(kInfinite),
+               .high = Eigen::Vector3d::Constant(-kInfinite)};
+  for (int g = 0; g < m->ngeom; ++g) {
+    if (!bodies[m->geom_bodyid[g]] || m->geom_type[g] == mjGEOM_PLANE) continue;
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> turn(d->geom_xmat + 9 * g);
+    const Eigen::Vector3d middle(m->geom_aabb + 6 * g), half(m->geom_aabb + 6 * g + 3);
+    const Eigen::Vector3d at = Eigen::Vector3d(d->geom_xpos + 3 * g) + turn * middle;
+    const Eigen::Vector3d reach = turn.cwiseAbs() * half;
+    box.low = box.low.cwiseMin(at - reach);
+    box.high = box.high.cwiseMax(at + reach);
+  }
+  if (!(box.low.x() <= box.high.x())) return std::nullopt;
+  return box;
 }
 
 std::vector<Pixel> PointsInMask(std::span<const uint8_t> mask, int width, int height, int most) {

@@ -13,9 +13,11 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
+#include <Eigen/Core>
 
 #include "robocell/render/camera_model.h"
 #include "robocell/render/renderer.h"
@@ -27,6 +29,14 @@ namespace robocell {
 // that hangs from it. Names of robots' elements may lack the prefix. Throws NotFoundError, which
 // begins with `place`, with the nearest names.
 std::vector<bool> BodiesOf(const Scene& scene, const std::string& name, const std::string& place);
+
+// A box along the axes of the world, metres.
+struct WorldBox {
+  Eigen::Vector3d low, high;
+};
+// Returns a box around the geoms of some bodies without planes, unset for bodies without geoms. Poses
+// are up to date.
+std::optional<WorldBox> BoxOf(const Scene& scene, const std::vector<bool>& bodies);
 
 // Images of body ids, of one scene after the other.
 class BodyImages {
