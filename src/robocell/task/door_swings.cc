@@ -9,6 +9,7 @@
 #include <memory>
 #include <Eigen/Core>
 
+#include "robocell/base/units.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
@@ -19,7 +20,8 @@ namespace {
 
 constexpr double kLeastSwing = 0.2;  // rad; a hinge that moves less is no door
 constexpr double kSwingStep = 0.04;  // rad between the postures of a door that are checked
-constexpr double kUpright = 0.95;    // of the axis along the vertical
+constexpr double kTurn = 2 * kPi;
+constexpr double kUpright = 0.95;  // of the axis along the vertical
 
 std::vector<int> GeomsOf(const mjModel* m, int body) {
   const std::vector<bool> bodies = SubtreeMask(m, body);
@@ -99,9 +101,11 @@ std::optional<Refusal> ValidateDoorSwings(Scene& scene, const Robot& robot,
       pos = before;
       mj_kinematics(m, d);
     });
-    const int steps = static_cast<int>(std::ceil((door.range[1] - door.range[0]) / kSwingStep));
+    // After a turn the postures of a hinge come again.
+    const double swing = std::min(door.range[1] - door.range[0], kTurn);
+    const int steps = static_cast<int>(std::ceil(swing / kSwingStep));
     for (int step = 0; step <= steps; ++step) {
-      pos = std::lerp(door.range[0], door.range[1], static_cast<double>(step) / steps);
+      pos = door.range[0] + swing * step / steps;
       mj_kinematics(m, d);
       for (const int a : near) {
         for (const int b : leaf) {

@@ -214,6 +214,39 @@ TEST(StartSampler, RejectsAStartWhoseCameraMissesTheObject) {
       << result.refusal.counted_as();
 }
 
+// A camera that sees nothing refuses the layout of the objects, not the places of the base.
+TEST(StartSampler, TheBaseAvoidsOnlyPlacesWhereItTouchedSomething) {
+  RunConfig run = BlocksRun();
+  run.start.visible_from = {"wrist_camera"};
+  run.start.visible_share = 1;
+  run.start.base_separation = 10;  // nowhere else
+  run.cameras.resolution = {16, 2};
+  StartSampler sampler(run);
+  int unseen = 0;
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    Rng rng = Rng::Stream(5, 0, attempt);
+    const RefusalCounts refused = sampler.Sample({.attempt = attempt}, rng).redrawn();
+    if (const auto it = refused.find("cameras: camera constraint"); it != refused.end())
+      unseen += it->second;
+  }
+  EXPECT_GT(unseen, 6);  // with the first as the only one of each attempt: 3
+}
+
+// The object is where the task puts it when a camera looks.
+TEST(StartSampler, CamerasLookAtATargetThatTheTaskMoved) {
+  RunConfig run = BlocksRun({.moves_late = true});
+  const auto& at = Blocks::kMovedTo;
+  run.start.cameras["above"] = {.pos = Vec3{at.x(), at.y() - 0.01, at.z() + 0.5},
+                                .look_at = Vec3{at.x(), at.y(), at.z()},
+                                .fovy = 10,
+                                .sees = {{"block_0", {.pixels = 1}}}};
+  StartSampler sampler(run);
+  bool is_accepted = false;
+  for (int episode = 0; episode < 20 && !is_accepted; ++episode)
+    is_accepted = FirstAccepted(sampler, episode).start.has_value();
+  EXPECT_TRUE(is_accepted);
+}
+
 // The base is placed around the object, no matter what placed the object.
 TEST(StartSampler, TheBaseIsPlacedAroundAMovedTarget) {
   for (const bool late : {false, true}) {
