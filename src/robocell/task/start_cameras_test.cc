@@ -205,7 +205,7 @@ TEST(StartCameras, ARobotWithoutGeomsIsNotSeen) {
                    "diaginertia='1 1 1'/><joint name='turn' range='-90 90'/></body></body>"
                    "</worldbody><actuator><position joint='turn'/></actuator>");
   SceneSpec spec = EmptyScene();
-  RobotConfig bare{.name = "bare", .mjcf_path = model};
+  RobotConfig bare{.name = "bare", .model = model};
   spec.robots.push_back({.name = "bare", .config = bare});
   Scene scene = Scene::Build(spec);
   scene.Reset();

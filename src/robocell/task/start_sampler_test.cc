@@ -388,41 +388,6 @@ TEST(StartSampler, ATaskPreparesFromSceneAnnotations) {
   ExpectThrow<Error>([&] { alone.Prepare(spec, rng); }, "in prepare() first");
 }
 
-// A task that takes numbers from elsewhere than its stream.
-class Forgetful final : public Task {
- public:
-  struct Config {
-    static constexpr const char* kKind = "forgetful_of_test";
-    static constexpr const char* kTypeName = "Config";
-    template <class V>
-    static void Fields(V&& /*v*/) {}
-  };
-  explicit Forgetful(const Config& /*fields*/) {}
-  void Prepare(SceneSpec& spec, Rng& /*rng*/) override {
-    static double size = 0.02;
-    SceneObject block = BoxObject("block", {0, 0, 0});
-    block.pos.reset();
-    block.size = Vec3{size, size, size};
-    size += 0.001;
-    spec.objects.push_back(block);
-  }
-  TaskVerdict Judge(const Scene& /*scene*/) override { return {}; }
-  std::string instruction() const override { return "look"; }
-};
-
-TEST(StartSampler, RequiresThatOneRandomStreamGivesOneScene) {
-  RegisterTask<Forgetful::Config>(std::make_shared<TaskKindOf<Forgetful::Config, Forgetful>>());
-  RunConfig run = ExampleRun("demo.yaml");
-  run.task = Forgetful::Config();
-  Problems problems(run.locations);
-  StartSampler(run).ValidateStarts(std::array{0}, problems);
-  ASSERT_EQ(problems.list().size(), 1);
-  EXPECT_EQ(problems.list()[0].path, "task");
-  EXPECT_THAT(problems.list()[0].message,
-              ::testing::HasSubstr("prepare() of 'forgetful_of_test' makes another scene of the "
-                                   "same random stream each time (object 'block')"));
-}
-
 TEST(StartSampler, PreparedObjectsAreValidatedBeforeMeasuring) {
   const RunConfig run = BlocksRun({.unfinished = true});
   const std::shared_ptr<TaskSampler> sampler = FindTaskKind(run.task.kind())->MakeSampler(run);
