@@ -17,6 +17,7 @@
 namespace robocell {
 namespace {
 
+constexpr int kMostPoints = 10'000;
 constexpr int kErosions = 2;  // pixels between a point and the edge of what it is on
 
 // Returns the mask without the pixels at its edge; the border of the image is an edge too.
@@ -104,6 +105,12 @@ std::vector<Pixel> PointsInMask(std::span<const uint8_t> mask, int width, int he
       mask.size() != static_cast<size_t>(width) * static_cast<size_t>(height)) {
     throw ArgumentError(
         fmt::format("a mask of {}x{} pixels has {} values", width, height, mask.size()));
+  }
+  if (most > kMostPoints) {
+    throw ArgumentError(
+        fmt::format("{} points of a mask are more than the {} that are computed at most: each is "
+                    "compared with all pixels; ask for fewer, or take the pixels of the mask",
+                    most, kMostPoints));
   }
   std::vector<uint8_t> inner(mask.begin(), mask.end());
   for (int i = 0; i < kErosions; ++i) {

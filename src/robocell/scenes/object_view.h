@@ -65,7 +65,8 @@ ObjectView ViewOfObject(const Scene& scene, const std::vector<bool>& bodies, con
 
 // Returns at most that many pixels of a mask, rows from the top: first the one nearest to the middle
 // of the mask, then each time the one farthest from those before. They are two pixels away from its
-// edge where the mask is wide enough. Throws ArgumentError for a mask of another size.
+// edge where the mask is wide enough. Throws ArgumentError for a mask of another size
+// and for more than 10,000 points.
 std::vector<Pixel> PointsInMask(std::span<const uint8_t> mask, int width, int height, int most);
 
 }  // namespace robocell

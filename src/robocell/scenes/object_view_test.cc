@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mujoco/mjmodel.h>
 
 #include <algorithm>
 #include <cmath>
@@ -129,6 +130,13 @@ TEST(PointsInMask, LieInTheMaskAwayFromItsEdgeAndFromEachOther) {
       }
     }
   }
+}
+
+TEST(PointsInMask, RejectsMoreThanCanBeComputedSoon) {
+  const std::vector<uint8_t> mask(100, 1);
+  EXPECT_THAT(PointsInMask(mask, 10, 10, 10'000), SizeIs(36));
+  ExpectThrow<ArgumentError>([&] { PointsInMask(mask, 10, 10, 10'001); },
+                             "10001 points of a mask are more than the 10000");
 }
 
 TEST(PointsInMask, RejectsAMaskOfAnotherSize) {
