@@ -38,7 +38,14 @@ class FilesSource final : public SceneSource {
   std::optional<SceneAnnotations> KnownAnnotations(int index) override {
     const std::vector<fs::path> file = AnnotationFiles(index);
     if (file.empty()) return std::nullopt;
-    return Known(PathOf(index), file.front());
+    const std::string model = PathOf(index);
+    Kept& kept = kept_[index];
+    if (kept.files.empty() || kept.key != KeyOf(file.front(), kept.files)) {
+      kept.files = FindModelFiles(model).files;
+      kept.key = KeyOf(file.front(), kept.files);
+      kept.annotations = Known(kept.key, model, file.front());
+    }
+    return kept.annotations;
   }
 
  private:
@@ -46,12 +53,16 @@ class FilesSource final : public SceneSource {
     RequireScene(*this, index, "scene source 'files'");
     return assets::Resolve(files_.at(static_cast<size_t>(index)), root_);
   }
+  static std::string KeyOf(const fs::path& annotations, const std::vector<fs::path>& files) {
+    std::string key = FileIdentity(annotations) + "\n";
+    for (const fs::path& file : files) key += FileIdentity(file) + "\n";
+    return key;
+  }
   // A source is made often; a scene is compiled once for its annotations.
-  static SceneAnnotations Known(const std::string& model, const fs::path& annotations) {
+  static SceneAnnotations Known(const std::string& key, const std::string& model,
+                                const fs::path& annotations) {
     static std::mutex mutex;
     static std::map<std::string, SceneAnnotations> known;
-    std::string key = FileIdentity(annotations) + "\n";
-    for (const fs::path& file : FindModelFiles(model).files) key += FileIdentity(file) + "\n";
     {
       const std::lock_guard lock(mutex);
       if (const auto it = known.find(key); it != known.end()) return it->second;
@@ -64,8 +75,17 @@ class FilesSource final : public SceneSource {
     return known[key] = std::move(made);
   }
 
+  // Each start asks for the annotations of its scene: the model's text is read again only after one
+  // of its files changed.
+  struct Kept {
+    std::vector<fs::path> files;  // of the model
+    std::string key;
+    SceneAnnotations annotations;
+  };
+
   std::vector<std::string> files_;
   std::string root_;
+  std::map<int, Kept> kept_;
 };
 
 }  // namespace

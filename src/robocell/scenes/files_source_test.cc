@@ -89,5 +89,36 @@ TEST(FilesSource, RelativeFilesAreBesideTheRunFile) {
   EXPECT_TRUE(has("in_root"));
 }
 
+// One source, asked again after each change.
+TEST(FilesSource, AnnotationsFollowTheirFileAndAllFilesOfTheModel) {
+  TempDir folder;
+  const auto write_bench = [&](double height) {
+    AtomicWrite(folder / "bench.xml", "<mujoco><body name='bench' pos='0 0 " +
+                                          std::to_string(height) +
+                                          "'><geom type='box' size='.5 .5 .02'/></body></mujoco>");
+  };
+  write_bench(0.5);
+  AtomicWrite(folder / "lab.xml",
+              "<mujoco><worldbody><include file='bench.xml'/></worldbody></mujoco>");
+  const auto write_words = [&](const std::string& word) {
+    AtomicWrite(folder / "lab.annotations.yaml",
+                "objects: [{object: bench, words: [" + word + "]}]");
+  };
+  write_words("the bench");
+  RunConfig run = ExampleRun("demo.yaml");
+  run.scenes = FilesScenes{.files = {(folder / "lab.xml").string()}};
+  const std::shared_ptr<SceneSource> source = MakeSceneSource(run);
+  const auto height = [&] {
+    return source->CheckedAnnotations(0)->supports.at(0).face.frame_to_world.translation().z();
+  };
+  const auto words = [&] { return source->CheckedAnnotations(0)->objects.at(0).words; };
+  EXPECT_NEAR(height(), 0.52, 1e-9);
+  EXPECT_THAT(words(), ElementsAre("the bench"));
+  write_bench(0.7);
+  EXPECT_NEAR(height(), 0.72, 1e-9);
+  write_words("the high bench");
+  EXPECT_THAT(words(), ElementsAre("the high bench"));
+}
+
 }  // namespace
 }  // namespace robocell

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
+#include <optional>
 
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
@@ -16,6 +17,7 @@
 namespace robocell {
 namespace {
 
+constexpr int kMostPoints = 10'000;
 constexpr int kErosions = 2;  // pixels between a point and the edge of what it is on
 
 // Returns the mask without the pixels at its edge; the border of the image is an edge too.
@@ -79,11 +81,36 @@ std::span<const int32_t> BodyImages::Draw(const Scene& scene, const CameraView& 
   return ids_;
 }
 
+std::optional<WorldBox> BoxOf(const Scene& scene, const std::vector<bool>& bodies) {
+  const mjModel* m = scene.model();
+  const mjData* d = scene.data();
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  WorldBox box{.low = Eigen::Vector3d::Constant(kInfinite),
+               .high = Eigen::Vector3d::Constant(-kInfinite)};
+  for (int g = 0; g < m->ngeom; ++g) {
+    if (!bodies[m->geom_bodyid[g]] || m->geom_type[g] == mjGEOM_PLANE) continue;
+    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> turn(d->geom_xmat + 9 * g);
+    const Eigen::Vector3d middle(m->geom_aabb + 6 * g), half(m->geom_aabb + 6 * g + 3);
+    const Eigen::Vector3d at = Eigen::Vector3d(d->geom_xpos + 3 * g) + turn * middle;
+    const Eigen::Vector3d reach = turn.cwiseAbs() * half;
+    box.low = box.low.cwiseMin(at - reach);
+    box.high = box.high.cwiseMax(at + reach);
+  }
+  if (!(box.low.x() <= box.high.x())) return std::nullopt;
+  return box;
+}
+
 std::vector<Pixel> PointsInMask(std::span<const uint8_t> mask, int width, int height, int most) {
   if (width < 0 || height < 0 ||
       mask.size() != static_cast<size_t>(width) * static_cast<size_t>(height)) {
     throw ArgumentError(
         fmt::format("a mask of {}x{} pixels has {} values", width, height, mask.size()));
+  }
+  if (most > kMostPoints) {
+    throw ArgumentError(
+        fmt::format("{} points of a mask are more than the {} that are computed at most: each is "
+                    "compared with all pixels; ask for fewer, or take the pixels of the mask",
+                    most, kMostPoints));
   }
   std::vector<uint8_t> inner(mask.begin(), mask.end());
   for (int i = 0; i < kErosions; ++i) {

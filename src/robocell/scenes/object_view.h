@@ -13,9 +13,11 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
+#include <Eigen/Core>
 
 #include "robocell/render/camera_model.h"
 #include "robocell/render/renderer.h"
@@ -27,6 +29,14 @@ namespace robocell {
 // that hangs from it. Names of robots' elements may lack the prefix. Throws NotFoundError, which
 // begins with `place`, with the nearest names.
 std::vector<bool> BodiesOf(const Scene& scene, const std::string& name, const std::string& place);
+
+// A box along the axes of the world, metres.
+struct WorldBox {
+  Eigen::Vector3d low, high;
+};
+// Returns a box around the geoms of some bodies without planes, unset for bodies without geoms. Poses
+// are up to date.
+std::optional<WorldBox> BoxOf(const Scene& scene, const std::vector<bool>& bodies);
 
 // Images of body ids, of one scene after the other.
 class BodyImages {
@@ -55,7 +65,8 @@ ObjectView ViewOfObject(const Scene& scene, const std::vector<bool>& bodies, con
 
 // Returns at most that many pixels of a mask, rows from the top: first the one nearest to the middle
 // of the mask, then each time the one farthest from those before. They are two pixels away from its
-// edge where the mask is wide enough. Throws ArgumentError for a mask of another size.
+// edge where the mask is wide enough. Throws ArgumentError for a mask of another size
+// and for more than 10,000 points.
 std::vector<Pixel> PointsInMask(std::span<const uint8_t> mask, int width, int height, int most);
 
 }  // namespace robocell

@@ -2,12 +2,20 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mujoco/mjmodel.h>
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <tuple>
+#include <vector>
+#include <Eigen/Core>
 
 #include "robocell/base/error.h"
 #include "robocell/base/rng.h"
+#include "robocell/math/pose.h"
+#include "robocell/motion/geom_extent.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -77,6 +85,28 @@ TEST(ObjectView, SuggestsTheNearestName) {
                              "scene 'boxes': no object, robot or body 'neer'");
 }
 
+// The extents of the geoms along the world's axes are the oracle; they are exact, and the box is not
+// for round geoms that are turned.
+TEST(BoxOf, ContainsTheGeomsOfItsBodies) {
+  SceneSpec spec = EmptyScene();
+  SceneObject box = BoxObject("box", {0.4, 0.2, 0.5});
+  box.quat = Pose::FromRpy({0, 0, 0}, {0.3, -0.5, 0.7}).quaternion();
+  spec.objects.push_back(box);
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  scene.Forward();
+  const std::optional<WorldBox> found = BoxOf(scene, BodiesOf(scene, "box", "test"));
+  ASSERT_TRUE(found);
+  const int body = FindId(scene.model(), mjOBJ_BODY, "box");
+  for (int i = 0; i < 3; ++i) {
+    const auto [low, high] =
+        internal::BodyExtent(scene.model(), scene.data(), body, Eigen::Vector3d::Unit(i));
+    EXPECT_NEAR(found->low[i], low, 1e-9);
+    EXPECT_NEAR(found->high[i], high, 1e-9);
+  }
+  EXPECT_FALSE(BoxOf(scene, std::vector<bool>(scene.model()->nbody)));
+}
+
 TEST(PointsInMask, LieInTheMaskAwayFromItsEdgeAndFromEachOther) {
   for (int seed = 0; seed < 20; ++seed) {
     Rng rng = Rng::Stream(seed, "mask");
@@ -100,6 +130,13 @@ TEST(PointsInMask, LieInTheMaskAwayFromItsEdgeAndFromEachOther) {
       }
     }
   }
+}
+
+TEST(PointsInMask, RejectsMoreThanCanBeComputedSoon) {
+  const std::vector<uint8_t> mask(100, 1);
+  EXPECT_THAT(PointsInMask(mask, 10, 10, 10'000), SizeIs(36));
+  ExpectThrow<ArgumentError>([&] { PointsInMask(mask, 10, 10, 10'001); },
+                             "10001 points of a mask are more than the 10000");
 }
 
 TEST(PointsInMask, RejectsAMaskOfAnotherSize) {

@@ -10,6 +10,7 @@
 #include <initializer_list>
 #include <limits>
 #include <optional>
+#include <set>
 #include <string_view>
 #include <utility>
 
@@ -17,6 +18,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/scenes/object_view.h"
 
 namespace robocell {
 namespace {
@@ -85,8 +87,11 @@ double GapBetween(const ReferableObject& a, const ReferableObject& b) {
 
 Answer IsOn(const ReferableObject& object, const ReferableObject& landmark) {
   static constexpr double kOver[] = {0, 0.02};
-  return Both({Within(std::abs(object.low.z() - landmark.high.z()), kOnTop),
-               Within(OverhangOf(Middle(object), landmark), kOver)});
+  const Answer is_over = Within(OverhangOf(Middle(object), landmark), kOver);
+  // A board of a shelf, or the floor below a table: the box does not tell which of them it stands on.
+  const bool is_within = object.low.z() < landmark.high.z() && object.high.z() > landmark.low.z();
+  const Answer is_at_top = Within(std::abs(object.low.z() - landmark.high.z()), kOnTop);
+  return Both({is_within ? std::max(is_at_top, Answer::kInDoubt) : is_at_top, is_over});
 }
 
 Answer IsIn(const ReferableObject& object, const ReferableObject& landmark) {
@@ -109,6 +114,44 @@ Answer IsNextTo(const ReferableObject& object, const ReferableObject& landmark) 
 
 bool Fits(const ReferableObject& object, const std::string& noun) {
   return std::ranges::find(object.nouns, noun) != object.nouns.end();
+}
+
+constexpr std::array kColourWords = {"black",  "white", "grey", "red",    "orange",
+                                     "yellow", "green", "blue", "purple", "pink"};
+
+// Returns the colours that some words name.
+std::set<std::string_view> ColoursIn(std::string_view words) {
+  std::set<std::string_view> colours;
+  while (!words.empty()) {
+    const size_t end = std::min(words.find(' '), words.size());
+    const auto colour = std::ranges::find(kColourWords, words.substr(0, end));
+    if (colour != kColourWords.end()) colours.insert(*colour);
+    words.remove_prefix(std::min(end + 1, words.size()));
+  }
+  return colours;
+}
+
+// Returns the words of `noun` before `plain`, "red" of "red mug"; unset if it does not end so.
+std::optional<std::string_view> BeforeNoun(std::string_view noun, std::string_view plain) {
+  if (noun.size() <= plain.size() + 1 || !noun.ends_with(plain)) return std::nullopt;
+  const std::string_view before = noun.substr(0, noun.size() - plain.size());
+  if (before.back() != ' ') return std::nullopt;
+  return before.substr(0, before.size() - 1);
+}
+
+// Returns whether people could call an object so. A tea box is a box, and a box may be a tea box; a
+// red one is no blue one.
+bool MayFit(const ReferableObject& object, const std::string& noun) {
+  std::set<std::string_view> own;
+  for (const std::string& each : object.nouns) own.merge(ColoursIn(each));
+  return std::ranges::any_of(object.nouns, [&](const std::string& each) {
+    if (each == noun || BeforeNoun(each, noun)) return true;
+    const std::optional<std::string_view> said = BeforeNoun(noun, each);
+    if (!said) return false;
+    const std::set<std::string_view> colours = ColoursIn(*said);
+    return own.empty() || colours.empty() ||
+           std::ranges::any_of(colours, [&](const auto& colour) { return own.contains(colour); });
+  });
 }
 
 // Returns the words in lower case, without an article: "RemoteControl" gives "remote control".
@@ -152,26 +195,6 @@ std::string ColourWord(const Vec4& rgba) {
   return "";
 }
 
-// Returns the box of a body and of what hangs from it; unset for one without geoms.
-std::optional<std::pair<Eigen::Vector3d, Eigen::Vector3d>> BoxOf(const Scene& scene, int root) {
-  const mjModel* m = scene.model();
-  const mjData* d = scene.data();
-  const std::vector<bool> bodies = internal::SubtreeMask(m, root);
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
-  Eigen::Vector3d low = Eigen::Vector3d::Constant(kInfinite), high = -low;
-  for (int g = 0; g < m->ngeom; ++g) {
-    if (!bodies[m->geom_bodyid[g]] || m->geom_type[g] == mjGEOM_PLANE) continue;
-    const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> turn(d->geom_xmat + 9 * g);
-    const Eigen::Vector3d middle(m->geom_aabb + 6 * g), half(m->geom_aabb + 6 * g + 3);
-    const Eigen::Vector3d at = Eigen::Vector3d(d->geom_xpos + 3 * g) + turn * middle;
-    const Eigen::Vector3d reach = turn.cwiseAbs() * half;
-    low = low.cwiseMin(at - reach);
-    high = high.cwiseMax(at + reach);
-  }
-  if (!(low.x() <= high.x())) return std::nullopt;
-  return std::pair{low, high};
-}
-
 // The expressions for one object.
 class Expressions {
  public:
@@ -181,17 +204,21 @@ class Expressions {
 
   std::vector<std::string> All() && {
     for (const std::string& noun : meant_.nouns) {
-      if (IsUnique(meant_, noun, nullptr)) Add("the " + noun);
+      if (IsUnique(meant_, noun)) Add("the " + noun);
     }
     for (const SeenRelation relation : {SeenRelation::kOn, SeenRelation::kIn}) AddRelated(relation);
     for (const SeenRelation relation :
          {SeenRelation::kLeftOf, SeenRelation::kRightOf, SeenRelation::kInFrontOf,
           SeenRelation::kBehind, SeenRelation::kNextTo})
       AddRelated(relation);
-    AddOrdered("leftmost", axes_.left);
-    AddOrdered("rightmost", -axes_.left);
-    AddOrdered("nearest", -axes_.ahead);
-    AddOrdered("farthest", axes_.ahead);
+    const auto to_the_left = [this](const Eigen::Vector3d& at) { return at.dot(axes_.left); };
+    const auto away = [this](const Eigen::Vector3d& at) {
+      return (at - viewer_.position).head<2>().norm();
+    };
+    AddOrdered("leftmost", [&](const auto& at) { return -to_the_left(at); });
+    AddOrdered("rightmost", to_the_left);
+    AddOrdered("nearest", away);
+    AddOrdered("farthest", [&](const auto& at) { return -away(at); });
     return std::move(found_);
   }
 
@@ -200,17 +227,16 @@ class Expressions {
     if (found_.size() < kMostExpressions && std::ranges::find(found_, expression) == found_.end())
       found_.push_back(expression);
   }
-  // True if a noun fits no other object but perhaps one.
-  bool IsUnique(const ReferableObject& object, const std::string& noun,
-                const ReferableObject* but) const {
+  // True if a noun could mean no other object.
+  bool IsUnique(const ReferableObject& object, const std::string& noun) const {
     return std::ranges::none_of(objects_, [&](const ReferableObject& other) {
-      return &other != &object && &other != but && Fits(other, noun);
+      return &other != &object && MayFit(other, noun);
     });
   }
   // Returns the plainest noun that only this landmark has; "" without one.
   std::string NounOf(const ReferableObject& landmark) const {
     for (const std::string& noun : landmark.nouns) {
-      if (IsUnique(landmark, noun, nullptr)) return noun;
+      if (IsUnique(landmark, noun)) return noun;
     }
     return "";
   }
@@ -228,7 +254,7 @@ class Expressions {
       if (noun.empty()) continue;
       for (const std::string& own : meant_.nouns) {
         const bool is_clear = std::ranges::all_of(objects_, [&](const ReferableObject& other) {
-          return &other == &meant_ || &other == landmark || !Fits(other, own) ||
+          return &other == &meant_ || &other == landmark || !MayFit(other, own) ||
                  Holds(relation, other, *landmark, viewer_) == Answer::kNo;
         });
         if (!is_clear) continue;
@@ -237,14 +263,16 @@ class Expressions {
       }
     }
   }
-  void AddOrdered(const char* word, const Eigen::Vector3d& direction) {
+  // `measure` of a place, m, is least for the object that is meant.
+  template <class F>
+  void AddOrdered(const char* word, const F& measure) {
     for (const std::string& noun : meant_.nouns) {
       int others = 0;
       const bool is_first = std::ranges::all_of(objects_, [&](const ReferableObject& other) {
-        if (&other == &meant_ || !Fits(other, noun)) return true;
+        if (&other == &meant_ || !MayFit(other, noun)) return true;
         ++others;
-        const Eigen::Vector3d displacement = Middle(meant_) - Middle(other);
-        return displacement.norm() <= kGroup && displacement.dot(direction) >= kApart;
+        return (Middle(meant_) - Middle(other)).norm() <= kGroup &&
+               measure(Middle(other)) - measure(Middle(meant_)) >= kApart;
       });
       if (!is_first || others == 0) continue;
       return Add(fmt::format("the {} {}", word, noun));
@@ -295,10 +323,10 @@ std::vector<ReferableObject> ReferableObjects(const Scene& scene,
   const mjModel* m = scene.model();
   std::vector<ReferableObject> objects;
   const auto add = [&](const ObjectWords& words, int body, const std::string& colour) {
-    const auto box = BoxOf(scene, body);
+    const std::vector<bool> own = internal::SubtreeMask(m, body);
+    const auto box = BoxOf(scene, own);
     if (!box) return;
-    ReferableObject object{
-        .object = words.object, .nouns = {}, .low = box->first, .high = box->second};
+    ReferableObject object{.object = words.object, .nouns = {}, .low = box->low, .high = box->high};
     const auto add_noun = [&](const std::string& text) {
       const std::string noun = Plain(text);
       if (!noun.empty() && !Fits(object, noun)) object.nouns.push_back(noun);
@@ -307,7 +335,6 @@ std::vector<ReferableObject> ReferableObjects(const Scene& scene,
     for (const std::string& each : words.words) add_noun(each);
     if (object.nouns.empty()) return;
     if (!colour.empty()) add_noun(colour + " " + object.nouns.front());
-    const std::vector<bool> own = internal::SubtreeMask(m, body);
     object.has_hollow = std::ranges::any_of(containers, [&](const Container& container) {
       const int id = FindId(m, mjOBJ_BODY, container.body);
       return id >= 0 && own[static_cast<size_t>(id)];

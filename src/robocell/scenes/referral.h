@@ -6,7 +6,8 @@
 //   ways.front()   // the simplest one
 //
 // An expression holds clearly for its object and clearly not for every other object that its noun
-// fits: what is in doubt is not said. Left, right, behind and in front are those of the viewer.
+// could fit: what is in doubt is not said. An object without a known colour may be a red one. Left,
+// right, behind and in front are those of the viewer, and so are the nearest and the farthest.
 #pragma once
 
 #include <span>

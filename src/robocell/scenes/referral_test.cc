@@ -38,12 +38,20 @@ bool Has(const ReferableObject& thing, const std::string& noun) {
   return std::ranges::find(thing.nouns, noun) != thing.nouns.end();
 }
 
+// Whether a reader could call a thing so: one whose colour nobody knows may have any.
+bool MayHave(const ReferableObject& thing, const std::string& noun) {
+  if (Has(thing, noun)) return true;
+  const size_t space = noun.find(' ');
+  return space != std::string::npos && thing.nouns.size() == 1 &&
+         thing.nouns[0] == noun.substr(space + 1);
+}
+
 // What a reader of an expression takes it to mean: a viewer at the origin looks along x.
 std::set<std::string> Meant(const std::vector<ReferableObject>& things, const std::string& text) {
   std::set<std::string> found;
   const auto each = [&](const std::string& noun, const auto& holds) {
     for (const ReferableObject& thing : things) {
-      if (Has(thing, noun) && holds(thing)) found.insert(thing.object);
+      if (MayHave(thing, noun) && holds(thing)) found.insert(thing.object);
     }
   };
   const std::string body = text.substr(4);  // "the "
@@ -66,7 +74,7 @@ std::set<std::string> Meant(const std::vector<ReferableObject>& things, const st
     if (at == std::string::npos) continue;
     const std::string other = body.substr(at + words.size());
     for (const ReferableObject& landmark : things) {
-      if (!Has(landmark, other)) continue;
+      if (!MayHave(landmark, other)) continue;
       each(body.substr(0, at), [&, &words = words, &test = test](const ReferableObject& thing) {
         const Eigen::Vector3d d = MiddleOf(thing) - MiddleOf(landmark);
         // Directions are said of what is near, and mostly in that direction.
@@ -81,16 +89,18 @@ std::set<std::string> Meant(const std::vector<ReferableObject>& things, const st
     }
     return found;
   }
-  static const std::map<std::string, Eigen::Vector3d> kOrders = {{"leftmost ", {0, 1, 0}},
-                                                                 {"rightmost ", {0, -1, 0}},
-                                                                 {"nearest ", {-1, 0, 0}},
-                                                                 {"farthest ", {1, 0, 0}}};
-  for (const auto& [words, direction] : kOrders) {
+  using Measure = std::function<double(const Eigen::Vector3d&)>;
+  static const std::map<std::string, Measure> kOrders = {
+      {"leftmost ", [](auto& at) { return -at.y(); }},
+      {"rightmost ", [](auto& at) { return at.y(); }},
+      {"nearest ", [](auto& at) { return std::hypot(at.x(), at.y()); }},
+      {"farthest ", [](auto& at) { return -std::hypot(at.x(), at.y()); }}};
+  for (const auto& [words, measure] : kOrders) {
     if (!body.starts_with(words)) continue;
     const ReferableObject* first = nullptr;
     for (const ReferableObject& thing : things) {
-      if (Has(thing, body.substr(words.size())) &&
-          (!first || (MiddleOf(thing) - MiddleOf(*first)).dot(direction) > 0))
+      if (MayHave(thing, body.substr(words.size())) &&
+          (!first || measure(MiddleOf(thing)) < measure(MiddleOf(*first))))
         first = &thing;
     }
     return {first->object};
@@ -158,6 +168,43 @@ TEST(Referrals, KnowWhatIsOnAndInSomething) {
   EXPECT_THAT(ReferralsTo(things, "a", {}), Contains("the mug in the tray"));
 }
 
+TEST(Referrals, TheNearestIsTheOneAtTheShortestDistance) {
+  // Ahead of the viewer, b is farther than a; a is far to the left.
+  const std::vector<ReferableObject> things = {Thing("a", {"mug"}, 0.3, 1.0),
+                                               Thing("b", {"mug"}, 0.4, 0)};
+  EXPECT_THAT(ReferralsTo(things, "b", {}), Contains("the nearest mug"));
+  EXPECT_THAT(ReferralsTo(things, "a", {}), Contains("the farthest mug"));
+  EXPECT_THAT(ReferralsTo(things, "a", {}), Not(Contains("the nearest mug")));
+  // From where a is, it is the nearest.
+  EXPECT_THAT(ReferralsTo(things, "a", {.position = {0.3, 0.9, 0}}), Contains("the nearest mug"));
+}
+
+TEST(Referrals, AThingMayHaveTheColourThatNobodyKnows) {
+  std::vector<ReferableObject> things = {Thing("a", {"mug", "red mug"}, 0.5, 0.3),
+                                         Thing("b", {"mug"}, 0.5, -0.3)};
+  EXPECT_THAT(ReferralsTo(things, "a", {}), Not(Contains("the red mug")));
+  EXPECT_THAT(ReferralsTo(things, "a", {}), Contains("the leftmost mug"));
+  things[1].nouns.emplace_back("blue cup");  // words of people
+  EXPECT_THAT(ReferralsTo(things, "a", {}), Contains("the red mug"));
+  // A tea box is a box.
+  things = {Thing("a", {"box"}, 0.5, 0.3), Thing("b", {"tea box"}, 0.5, -0.3)};
+  EXPECT_THAT(ReferralsTo(things, "a", {}), Not(Contains("the box")));
+  EXPECT_THAT(ReferralsTo(things, "a", {}), Contains("the leftmost box"));
+}
+
+TEST(Referrals, AShelfWithAMugInsideHasNoMugOnIt) {
+  ReferableObject shelf = Thing("shelf", {"shelf"}, 0.5, 0, 0.2);
+  shelf.high.z() = 1;
+  std::vector<ReferableObject> things = {shelf, Thing("top", {"mug"}, 0.5, 0, 0.04, 1),
+                                         Thing("board", {"mug"}, 0.5, 0.05, 0.04, 0.5)};
+  EXPECT_EQ(Holds(SeenRelation::kOn, things[2], shelf, {}), Answer::kInDoubt);
+  EXPECT_THAT(ReferralsTo(things, "top", {}), Not(Contains("the mug on the shelf")));
+  EXPECT_THAT(ReferralsTo(things, "board", {}), Not(Contains("the mug on the shelf")));
+  things.pop_back();
+  things.push_back(Thing("floor", {"mug"}, 0.5, 0.6, 0.04));
+  EXPECT_THAT(ReferralsTo(things, "top", {}), Contains("the mug on the shelf"));
+}
+
 TEST(Referrals, ObjectsOfASceneHaveTheWordsOfTheirShapesAndColours) {
   SceneSpec spec = EmptyScene();
   spec.objects.push_back(BoxObject("left", {0.4, 0.2, 0.02}));
@@ -169,6 +216,11 @@ TEST(Referrals, ObjectsOfASceneHaveTheWordsOfTheirShapesAndColours) {
   const std::vector<ReferableObject> objects = ReferableObjects(scene);
   EXPECT_EQ(ReferralsTo(objects, "left", {}).front(), "the red box");
   EXPECT_EQ(ReferralsTo(objects, "right", {}).front(), "the blue box");
+  // Between red and orange, the other one has no colour that all would name.
+  spec.objects[1].rgba = Vec4{1, 0.25, 0, 1};
+  Scene doubtful = Scene::Build(spec);
+  doubtful.Reset();
+  EXPECT_THAT(ReferralsTo(ReferableObjects(doubtful), "left", {}), Not(Contains("the red box")));
   const std::vector<ObjectWords> known = {
       {.object = "left", .category = "RemoteControl", .words = {"the grey thing"}}};
   EXPECT_THAT(ReferableObjects(scene, known)[0].nouns,

@@ -10,6 +10,7 @@
 #include <string>
 #include <Eigen/Core>
 
+#include "robocell/base/units.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
@@ -21,7 +22,8 @@ namespace {
 constexpr double kLeastSwing = 0.2;  // rad; a hinge that moves less is no door
 constexpr double kSwingStep = 0.04;  // rad between the postures of a door that are checked
 constexpr double kSlideStep = 0.02;  // m
-constexpr double kUpright = 0.95;    // of the axis along the vertical
+constexpr double kTurn = 2 * kPi;
+constexpr double kUpright = 0.95;  // of the axis along the vertical
 
 std::vector<int> GeomsOf(const mjModel* m, int body) {
   const std::vector<bool> bodies = SubtreeMask(m, body);
@@ -128,8 +130,10 @@ std::optional<Refusal> ValidateDoorSwings(Scene& scene, const Robot& robot,
         near.push_back(g);
     }
     if (near.empty()) continue;
+    // After a turn the postures of a hinge come again.
+    const double last = door.range[0] + std::min(door.range[1] - door.range[0], kTurn);
     const std::string why =
-        WhyInTheWay(scene, near, leaf, joint, door.range[0], door.range[1], kSwingStep, clearance);
+        WhyInTheWay(scene, near, leaf, joint, door.range[0], last, kSwingStep, clearance);
     if (!why.empty()) return Refusal{Refusal::kInDoorSwing, why};
   }
   return std::nullopt;

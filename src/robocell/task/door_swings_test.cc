@@ -186,5 +186,20 @@ TEST(DoorSwings, ARobotThatOpensADoorStandsInFrontOfIt) {
   EXPECT_TRUE(ValidateDoorSwings(scene, robot, doors, 0.01).has_value());
 }
 
+// A hinge may turn many times; its postures come again after the first turn.
+TEST(DoorSwings, AHingeOfManyTurnsIsCheckedForOne) {
+  ModelFolder folder;
+  Scene scene = SceneWithDoor(folder, 2);
+  Robot robot = Robot::Of(scene, "arm");
+  std::vector<Articulation> doors = DoorsOf(DeriveAnnotations(scene), scene);
+  robot.base().SetPose(Pose({1, 0.4, 0.3}));  // half a meter along the open leaf
+  scene.Forward();
+  doors[0].range = {0, 1e9};
+  EXPECT_TRUE(ValidateDoorSwings(scene, robot, doors, 0.01));
+  robot.base().SetPose(Pose({1, 0.4, 5}));  // above it
+  scene.Forward();
+  EXPECT_FALSE(ValidateDoorSwings(scene, robot, doors, 0.01));
+}
+
 }  // namespace
 }  // namespace robocell::internal

@@ -65,10 +65,7 @@ std::vector<std::string> ObjectTask::ChooseKinds(Rng& rng) {
 }
 
 void ObjectTask::Prepare(SceneSpec& spec, Rng& rng) {
-  if (fields_.refer) {
-    words_ = annotations().objects;
-    containers_ = annotations().containers;
-  }
+  if (fields_.refer) surroundings_ = Surroundings{annotations().objects, annotations().containers};
   if (!draws_objects_) return;
   const std::vector<std::string> kinds = ChooseKinds(rng);
   if (kinds.empty()) throw ArgumentError("choose_kinds() must return at least the target's kind");
@@ -209,6 +206,24 @@ void ObjectTask::RequireMovable(const Scene& scene) const {
   }
 }
 
+// Another task of the same fields prepared the scene, or none did.
+ObjectTask::Surroundings ObjectTask::SurroundingsOf(const Scene& scene) const {
+  const SceneAnnotations derived = DeriveAnnotations(scene);
+  Surroundings found{.words = derived.objects, .containers = {}};
+  const mjModel* m = scene.model();
+  const auto is_of_task = [&](const std::string& body) {
+    return std::ranges::any_of(candidates_, [&](const Candidate& drawn) {
+      int id = FindId(m, mjOBJ_BODY, body);
+      while (id > drawn.body.id()) id = m->body_parentid[id];
+      return id == drawn.body.id();
+    });
+  };
+  for (const Container& container : derived.containers) {
+    if (!is_of_task(container.body)) found.containers.push_back(container);
+  }
+  return found;
+}
+
 void ObjectTask::Bind(const Scene& scene, const TaskSetting& setting) {
   place_ = setting.place;
   is_run_ = setting.is_run;
@@ -220,6 +235,7 @@ void ObjectTask::Bind(const Scene& scene, const TaskSetting& setting) {
   const auto offset = setting.objects.find(fields_.name);
   offset_ =
       offset == setting.objects.end() ? root_.inverse() * object_->pose_in_world() : offset->second;
+  if (fields_.refer && !surroundings_) surroundings_ = SurroundingsOf(scene);
   robots_.clear();
   for (const std::string& robot : setting.robots)
     robots_.push_back(Robot::Of(scene.inner(), robot));
@@ -261,12 +277,24 @@ void ObjectTask::Begin(const Scene& scene) {
 }
 
 std::string ObjectTask::FindReferral(const Scene& scene) const {
-  std::vector<ReferableObject> objects = ReferableObjects(scene, words_, containers_);
+  std::vector<ReferableObject> objects =
+      ReferableObjects(scene, surroundings_->words, surroundings_->containers);
   const auto meant = std::ranges::find(objects, fields_.name, &ReferableObject::object);
   if (meant == objects.end() || robots_.empty()) return "";
-  // The kind of the catalogue is what instructions call it.
-  if (std::ranges::find(meant->nouns, word()) == meant->nouns.end())
-    meant->nouns.insert(meant->nouns.begin(), word());
+  const auto call = [](ReferableObject& object, const std::string& noun) {
+    if (noun.empty() || std::ranges::find(object.nouns, noun) != object.nouns.end()) return;
+    object.nouns.insert(object.nouns.begin(), noun);
+  };
+  // The kind of the catalogue is what instructions call a drawn object, and a word of the task's
+  // fields fits all objects like the one it was given to.
+  const std::string plain = meant->nouns.front();
+  for (ReferableObject& object : objects) {
+    const auto drawn = kinds_.find(object.object);
+    const bool is_alike = std::ranges::find(object.nouns, plain) != object.nouns.end();
+    if (drawn != kinds_.end() && drawn->second != drawn->first)
+      call(object, WordOfKind(drawn->second));
+    if (is_alike) call(object, fields_.word);
+  }
   const std::vector<std::string> found =
       ReferralsTo(objects, fields_.name, Viewer::Of(robots_.front().base_in_world()));
   return found.empty() ? "" : found.front();

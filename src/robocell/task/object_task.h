@@ -134,6 +134,12 @@ class ObjectTask : public Task {
     std::string name, kind;
     BodyHandle body;
   };
+  // What the scene without the task's objects has.
+  struct Surroundings {
+    std::vector<ObjectWords> words;
+    std::vector<Container> containers;
+  };
+  Surroundings SurroundingsOf(const Scene& scene) const;
   // Finds words that mean the object alone in the scene's present state; "" if there are none.
   std::string FindReferral(const Scene& scene) const;
   void FindCandidates(const Scene& scene, const TaskSetting& setting);
@@ -150,9 +156,7 @@ class ObjectTask : public Task {
   std::map<std::string, std::string> parts_;       // part of each object that ObservedAs names
   std::map<std::string, std::string> stands_for_;  // object of each part
   std::map<std::string, GraspCheck> grasps_;       // of each robot
-  // What the scene without the task's objects has, of a task that refers.
-  std::vector<ObjectWords> words_;
-  std::vector<Container> containers_;
+  std::optional<Surroundings> surroundings_;       // of a task that refers, from Prepare or Bind
   std::string referral_;
   std::string place_ = "task";
   Pose root_, offset_;

@@ -13,12 +13,14 @@
 #include "robocell/base/files.h"
 #include "robocell/motion/clearance.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/testing/scenes.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/task/held.h"
 #include "robocell/task/pick_task.h"
 #include "robocell/task/pick_task_config.h"
 #include "robocell/task/start_sampler.h"
 #include "robocell/testing/menagerie.h"
+#include "robocell/testing/pick_scene.h"
 #include "robocell/testing/source_dir.h"
 #include "robocell/testing/temp_dir.h"
 
@@ -294,6 +296,59 @@ TEST(ObjectTask, ParkedObjectsAreNotSampledAndCollideWithNothing) {
     EXPECT_GT(scene.body_pose("block").translation().z(), 500);
   }
   EXPECT_GE(starts, 3);
+}
+
+// A scene of the demo's robot and these objects on its table; the first is called `name`.
+Scene TableWith(const std::string& name, std::vector<SceneObject> objects) {
+  SceneSpec spec = MakePickScene(objects.front()).scene.spec();
+  objects.front().name = name;
+  spec.objects = {};
+  for (const SceneObject& object : objects) spec.objects.push_back(object);
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  scene.Forward();
+  return scene;
+}
+
+SceneObject Placed(const std::string& kind, const std::string& name, const Vec3& pos) {
+  SceneObject object = ObjectOnTheTable(kind);
+  object.name = name;
+  object.pos = pos;
+  return object;
+}
+
+// Names of the scene are no words of people.
+TEST(ObjectTask, RefersToObjectsOfTheSceneByTheirWords) {
+  SceneObject other = ObjectOnTheTable("box");
+  other.name = "cube_1";
+  (*other.pos)[1] = 0.25;
+  const Scene scene = TableWith("cube_2", {ObjectOnTheTable("box"), other});
+  PickTask task({.object = "cube_2", .refer = true});
+  task.Begin(scene);
+  EXPECT_EQ(task.instruction(), "pick up the rightmost box");
+  PickTask plain({.object = "cube_2"});
+  plain.Begin(scene);
+  EXPECT_EQ(plain.instruction(), "pick up the cube_2");
+}
+
+// Whoever prepared the scene, the task knows the hollows around its object.
+TEST(ObjectTask, RefersInAScenePreparedByAnother) {
+  const double top = 0.4505;
+  ModelFolder folder;
+  std::string boards = "<geom type='box' size='.15 .15 .005'/>";
+  for (const char* at : {".145", "-.145"}) {
+    boards += fmt::format("<geom type='box' size='.005 .15 .08' pos='{} 0 .08'/>", at);
+    boards += fmt::format("<geom type='box' size='.15 .005 .08' pos='0 {} .08'/>", at);
+  }
+  const std::string crate =
+      folder.Write("crate", "<worldbody><body name='crate'>" + boards + "</body></worldbody>");
+  const Scene scene = TableWith(
+      "cube_1", {Placed("box", "target", {0, 0, top + 0.04}),
+                 Placed("box", "cube_2", {0.02, -0.35, top + 0.04}),
+                 {.name = "crate", .mjcf_path = crate, .pos = Vec3{0, 0, top}, .fixed = true}});
+  PickTask task({.object = "cube_1", .refer = true});
+  task.Begin(scene);
+  EXPECT_EQ(task.instruction(), "pick up the box in the crate");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <Eigen/Core>
@@ -35,10 +36,11 @@ std::string FieldOf(const std::string& camera, const char* field) {
   return fmt::format("camera '{}', {}", camera, field);
 }
 
-// Returns the id of an element of the scene or of the robot; -1 without one.
+// Returns the id of an element of the robot or, if it has none of this name, of the scene; -1
+// without one.
 int FindOf(const Scene& scene, const Robot& robot, mjtObj kind, const std::string& name) {
-  const int id = FindId(scene.model(), kind, name);
-  return id >= 0 ? id : FindId(scene.model(), kind, robot.prefix() + name);
+  const int id = FindId(scene.model(), kind, robot.prefix() + name);
+  return id >= 0 ? id : FindId(scene.model(), kind, name);
 }
 
 // Returns the body that carries the TCP; -1 for a robot without an arm.
@@ -56,6 +58,13 @@ std::string Resolved(const StartCameras::ObjectOf& object_of, const std::string&
   return object_of ? object_of(name) : name;
 }
 
+// Returns the middle of the box around some bodies, or the place of the first if none has a geom.
+Eigen::Vector3d MiddleOf(const std::vector<bool>& bodies, const Scene& scene) {
+  if (const std::optional<WorldBox> box = BoxOf(scene, bodies)) return 0.5 * (box->low + box->high);
+  const auto first = std::ranges::find(bodies, true) - bodies.begin();
+  return Eigen::Vector3d(scene.data()->xpos + 3 * first);
+}
+
 // Returns the middle of what a camera looks at.
 Eigen::Vector3d MiddleOf(const NameList& names, const Scene& scene, const Robot& robot,
                          const StartCameras::ObjectOf& object_of, const std::string& place) {
@@ -65,9 +74,7 @@ Eigen::Vector3d MiddleOf(const NameList& names, const Scene& scene, const Robot&
       sum += robot.tcp_in_world().translation();
       continue;
     }
-    const std::vector<bool> bodies = BodiesNamed(scene, robot, Resolved(object_of, name), place);
-    const auto first = std::ranges::find(bodies, true) - bodies.begin();
-    sum += Eigen::Vector3d(scene.data()->subtree_com + 3 * first);
+    sum += MiddleOf(BodiesNamed(scene, robot, Resolved(object_of, name), place), scene);
   }
   return sum / static_cast<double>(names.size());
 }
@@ -120,6 +127,11 @@ std::vector<bool> BodiesNamed(const Scene& scene, const Robot& robot, const std:
                     place, robot.name()));
   }
   if (name == kRobot) {
+    if (robot.geom_ids().empty()) {
+      throw NotFoundError(fmt::format(
+          "{}: robot '{}' has no geoms that a camera could see; name an object or a body instead",
+          place, robot.name()));
+    }
     std::vector<bool> bodies(static_cast<size_t>(m->nbody));
     for (const int geom : robot.geom_ids()) bodies[m->geom_bodyid[geom]] = true;
     return bodies;

@@ -52,8 +52,8 @@ class StartCameras {
                                const Rng& rng);
   // Checks the cameras where they are.
   std::optional<Refusal> Check(const Scene& scene, const Robot& robot, const ObjectOf& object_of);
-  // Checks those that do not depend on where the robot is, before it is put anywhere: without it,
-  // they see at least as much.
+  // Checks those that do not depend on where the robot is, while it is far away: without it, they
+  // see at least as much.
   std::optional<Refusal> CheckWithoutRobot(const Scene& scene, const Robot& robot,
                                            const ObjectOf& object_of);
   // Throws NotFoundError for a name in `around` or `sees` that is neither in the scene of a start nor

@@ -10,6 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/scene/testing/scenes.h"
 #include "robocell/task/start_sampler.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/pick_scene.h"
@@ -125,9 +126,9 @@ TEST(StartCameras, OneAroundAnObjectSeesWhatItHasToSee) {
                      cell.run.cameras.resolution[0], cell.run.cameras.resolution[1], 0, images);
     EXPECT_GE(seen.pixels, 40);
     EXPECT_GE(seen.share, 0.5);
-    const int root =
-        FindId(cell.scene.model(), mjOBJ_BODY, cell.scene.compiled()->object("target").root_body);
-    const Eigen::Vector3d middle(cell.scene.data()->subtree_com + 3 * root);
+    const std::optional<WorldBox> box = BoxOf(cell.scene, mug);
+    ASSERT_TRUE(box);
+    const Eigen::Vector3d middle = 0.5 * (box->low + box->high);
     const Eigen::Vector3d away = cell.scene.camera_pose("side").translation() - middle;
     EXPECT_GE(away.head<2>().dot((middle - base).head<2>()), -1e-9) << "behind the robot";
     near = std::min(near, away.head<2>().norm());
@@ -181,6 +182,36 @@ TEST(StartCameras, RejectsUnknownNames) {
   CameraCell cell = CellWith("a", {.around = {"targt"}});
   ExpectThrow<NotFoundError>([&] { cell.cameras.RequireNames(cell.scene, cell.robot, {}); },
                              "camera 'a', around: no object, robot or body 'targt'");
+}
+
+TEST(StartCameras, NamesAreTheRobotsBeforeTheScenes) {
+  const RunConfig run = RunWith("hand", {.mount = "base_link", .pos = Vec3{0, 0, 0.5}});
+  SceneSpec spec = MakePickScene(ObjectOnTheTable("mug")).scene.spec();
+  SceneObject like_it = BoxObject("base_link", {0.3, 0.3, 0.6});
+  spec.objects.push_back(like_it);
+  const Scene probe = Scene::Build(spec);
+  const Robot robot = Robot::Of(probe, run.robot.config.name);
+  const StartCameras cameras(run, probe, robot, std::make_shared<BodyImages>());
+  cameras.AddTo(spec);
+  EXPECT_TRUE(spec.cameras.back().attach_to == Body("robot_0/base_link"));
+}
+
+TEST(StartCameras, ARobotWithoutGeomsIsNotSeen) {
+  ModelFolder folder;
+  const std::string model =
+      folder.Write("bare",
+                   "<worldbody><body name='base'><inertial mass='1' pos='0 0 0' "
+                   "diaginertia='1 1 1'/><body name='link'><inertial mass='1' pos='0 0 0' "
+                   "diaginertia='1 1 1'/><joint name='turn' range='-90 90'/></body></body>"
+                   "</worldbody><actuator><position joint='turn'/></actuator>");
+  SceneSpec spec = EmptyScene();
+  RobotConfig bare{.name = "bare", .model = model};
+  spec.robots.push_back({.name = "bare", .config = bare});
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  const Robot robot = Robot::Of(scene, "bare");
+  ExpectThrow<NotFoundError>([&] { BodiesNamed(scene, robot, "robot", "camera 'a', sees"); },
+                             "camera 'a', sees: robot 'bare' has no geoms that a camera could see");
 }
 
 TEST(StartCameras, StartsOfARunHaveThemInTheirSpecs) {

@@ -113,4 +113,18 @@ std::vector<SceneObject> OneOfEachKind(const std::vector<StartContents>& content
   return objects;
 }
 
+void ReplaceObjects(SceneSpec& spec, size_t before, const std::vector<SceneObject>& objects) {
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (before + i < spec.objects.size())
+      spec.objects[before + i] = objects[i];
+    else
+      spec.objects.push_back(objects[i]);
+  }
+}
+
+void AppendTo(StartContents& contents, const StartContents& more) {
+  contents.objects.insert(contents.objects.end(), more.objects.begin(), more.objects.end());
+  contents.kinds.insert(contents.kinds.end(), more.kinds.begin(), more.kinds.end());
+}
+
 }  // namespace robocell

@@ -29,6 +29,10 @@ struct StartPreparation {
   StartTurn turn = {};
 };
 
+void AppendTo(StartContents& contents, const StartContents& more);
+// Replaces the objects of a scene from number `before` on, and adds those that it lacks.
+void ReplaceObjects(SceneSpec& spec, size_t before, const std::vector<SceneObject>& objects);
+
 // Calls Prepare, and returns what it added to the scene.
 StartContents PrepareContents(Task& task, const StartPreparation& how, SceneSpec& spec, Rng& rng);
 

@@ -37,7 +37,6 @@ namespace {
 // the next attempt moves on from there.
 constexpr int kArrangements = 8;
 constexpr int kPlaceTries = 60;           // for objects, until a base pose is clear of the support
-constexpr size_t kMostScenes = 64;        // whose supports and landmarks are cached
 constexpr double kMoved = 1e-6;           // metres, of a target that a task moves
 constexpr double kSamePlace = 1e-9;       // rad and m, rounding of a pose
 const Eigen::Vector3d kParked(20, 0, 1);  // where the robot waits while the objects settle
@@ -46,21 +45,6 @@ const Eigen::Vector3d kParked(20, 0, 1);  // where the robot waits while the obj
 // and over the first episodes of any number of scenes: the factor is prime.
 uint64_t PlacementTurn(const SampleRequest& request) {
   return static_cast<uint64_t>(request.scene) * 7919 + static_cast<uint64_t>(request.episode);
-}
-
-// Replaces the objects of a scene from number `before` on.
-void ReplaceObjects(SceneSpec& spec, size_t before, const std::vector<SceneObject>& objects) {
-  for (size_t i = 0; i < objects.size(); ++i) {
-    if (before + i < spec.objects.size())
-      spec.objects[before + i] = objects[i];
-    else
-      spec.objects.push_back(objects[i]);
-  }
-}
-
-void Append(StartContents& contents, const StartContents& more) {
-  contents.objects.insert(contents.objects.end(), more.objects.begin(), more.objects.end());
-  contents.kinds.insert(contents.kinds.end(), more.kinds.begin(), more.kinds.end());
 }
 
 void AddParkedRobot(SceneSpec& spec, const RobotConfig& robot) {
@@ -220,152 +204,6 @@ std::shared_ptr<internal::StartCameras> StartSampler::CamerasOf(const SceneSpec&
              run_, probe, Robot::Of(probe, run_.robot.config.name), images_);
 }
 
-// Returns the placements of `start` and of the task, in the order of precedence.
-std::vector<internal::StatedPlaces> StartSampler::PlacesStated() {
-  std::vector<internal::StatedPlaces> stated;
-  if (!run_.start.places.empty())
-    stated.push_back({.places = run_.start.places, .path = "start.places"});
-  if (const Map<ObjectPlace> own = internal::TaskCalls(*task_).Places(); !own.empty())
-    stated.push_back({.places = own, .path = "task", .hook = "places()"});
-  return stated;
-}
-
-const std::shared_ptr<const internal::Landmarks>& StartSampler::LandmarksOf(const SceneSpec& base,
-                                                                            int scene_index) {
-  const std::string key = SceneKey(base);
-  if (const auto known = landmarks_.find(key); known != landmarks_.end()) return known->second;
-  if (landmarks_.size() >= kMostScenes) landmarks_.clear();
-  return landmarks_[key] =
-             internal::LandmarksOf(base, RequireSource().CheckedAnnotations(scene_index));
-}
-
-// Unset when nobody says anything of places. `spec` has the contents from number `before` on.
-std::optional<internal::RelatedPlaces> StartSampler::RelationsOf(const SceneSpec& spec,
-                                                                 size_t before, int scene_index,
-                                                                 const StartContents& contents) {
-  const std::vector<internal::StatedPlaces> stated = PlacesStated();
-  if (stated.empty()) return std::nullopt;
-  SceneSpec base = spec;
-  base.objects.boxes().resize(std::min(before, base.objects.size()));
-  const auto may_come = [&](const std::string& name) {
-    return PossibleNames(scene_index).contains(name);
-  };
-  Problems problems(run_.locations);
-  std::vector<internal::PlaceLink> links =
-      internal::LinkPlaces(LandmarksOf(base, scene_index), stated,
-                           {contents.objects, contents.kinds, may_come}, problems);
-  problems.Throw("run '" + run_.run + "'");
-  return internal::RelatedPlaces(std::move(links));
-}
-
-StartContents StartSampler::TakePlaced(SceneSpec& spec, size_t before) {
-  StartContents taken;
-  const std::vector<internal::StatedPlaces> stated = PlacesStated();
-  std::vector<SceneObject> others;
-  for (size_t i = 0; i < spec.objects.size(); ++i) {
-    SceneObject object = spec.objects[i];
-    const auto says = [&](const internal::StatedPlaces& each) {
-      return each.places.contains(object.name);
-    };
-    if (i >= before || std::ranges::none_of(stated, says)) {
-      others.push_back(std::move(object));
-      continue;
-    }
-    if (!internal::IsFixed(object)) internal::ForgetPose(object);
-    taken.kinds.push_back(object.name);
-    taken.objects.push_back(std::move(object));
-  }
-  if (taken.objects.empty()) return taken;
-  ReplaceObjects(spec, 0, others);
-  ReplaceObjects(spec, others.size(), taken.objects);
-  return taken;
-}
-
-std::vector<StartContents> StartSampler::PossibleContents(int scene_index) {
-  return kind_->PossibleContents(run_, scene_index, MakeBaseScene(scene_index),
-                                 [&] { return AnnotationsOf(scene_index); });
-}
-
-const std::set<std::string>& StartSampler::PossibleNames(int scene_index) {
-  const auto known = possible_names_.find(scene_index);
-  if (known != possible_names_.end()) return known->second;
-  if (possible_names_.size() >= kMostScenes) possible_names_.clear();
-  std::set<std::string>& names = possible_names_[scene_index];
-  for (const StartContents& contents : PossibleContents(scene_index)) {
-    for (const SceneObject& object : contents.objects) names.insert(object.name);
-    names.insert(contents.kinds.begin(), contents.kinds.end());
-  }
-  return names;
-}
-
-void StartSampler::ValidateStarts(std::span<const int> scenes, Problems& problems) {
-  // The experts of the built-in kinds require a base that can be moved themselves. A run of such a
-  // kind whose expert and sampler are given to the Runner may have another one.
-  if (run_.robot.config.base.kind == BaseKind::kFixed && !kind_->is_built_in()) {
-    problems.AddAt(
-        "robot.base.kind",
-        "the robot stands where `start` or base_range() of the task puts it, and a fixed "
-        "base cannot be moved; give it `base: {kind: mocap}`, or the run a `sampler` of "
-        "its own");
-  }
-  const std::shared_ptr<void> forget(nullptr, [this](void*) { task_.reset(); });
-  sizes_ = std::make_unique<ObjectSizes>();
-  if (!scenes.empty()) ValidateRepeats(scenes.front(), problems);
-  Problems found(run_.locations);
-  internal::PlaceMistakes reported;  // several starts show one mistake
-  for (const int scene : scenes) {
-    SceneSpec spec = MakeBaseScene(scene);
-    Rng rng = Rng::Stream(static_cast<uint64_t>(run_.seed), "possible contents", scene);
-    AddContents({.scene = scene}, spec, rng);  // tasks may choose their places in prepare()
-    const std::vector<internal::StatedPlaces> stated = PlacesStated();
-    if (stated.empty()) continue;
-    SceneSpec own = MakeBaseScene(scene);
-    const StartContents placed = TakePlaced(own, own.objects.size());
-    own.objects.boxes().resize(own.objects.size() - placed.objects.size());
-    const std::shared_ptr<const internal::Landmarks> base = LandmarksOf(own, scene);
-    const auto may_come = [&](const std::string& name) {
-      return PossibleNames(scene).contains(name);
-    };
-    for (StartContents contents : PossibleContents(scene)) {
-      Append(contents, placed);
-      internal::LinkPlaces(base, stated, {contents.objects, contents.kinds, may_come}, found,
-                           reported);
-    }
-  }
-  for (const Problem& problem : found.list()) problems.AddProblem(problem);
-}
-
-void StartSampler::ValidateBaseRange(const Robot& robot, Problems& problems) {
-  if (run_.robot.config.base.kind == BaseKind::kFixed) return;
-  const std::shared_ptr<Task> task = MakeTask();
-  if (kind_->Contents(run_).empty() && internal::TaskCalls(*task).Objects().empty()) return;
-  const BaseRange of_task = SoundBaseRange(*task);
-  robocell::ValidateBaseRange(BaseRangeOf(run_.start, of_task), robot, problems,
-                              OwnersOfBaseRange(run_.start, *task, run_.task.kind(), of_task));
-}
-
-void StartSampler::ValidateRepeats(int scene, Problems& problems) {
-  const auto prepared = [&] {
-    SceneSpec spec = MakeBaseScene(scene);
-    Rng rng = Rng::Stream(static_cast<uint64_t>(run_.seed), "repeated contents", scene);
-    AddContents({.scene = scene}, spec, rng);
-    return spec;
-  };
-  const SceneSpec one = prepared(), other = prepared();
-  if (ToYaml(one) == ToYaml(other)) return;
-  std::string what;
-  for (size_t i = 0; what.empty() && i < std::min(one.objects.size(), other.objects.size()); ++i) {
-    if (ToYaml(one.objects[i]) != ToYaml(other.objects[i]))
-      what = fmt::format(" (object '{}')", one.objects[i].name);
-  }
-  problems.AddAt(
-      "task",
-      fmt::format("prepare() of '{}' makes another scene of the same random stream each time"
-                  "{}: take all random numbers from its `rng`, so that a seed gives the "
-                  "same dataset again",
-                  run_.task.kind(), what));
-}
-
 std::optional<Refusal> StartSampler::PutObjects(
     const Support& support, const std::optional<internal::RelatedPlaces>& related,
     std::vector<SceneObject>& objects, Rng& rng) {
@@ -506,21 +344,32 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
     setup.scene.SetBodyPose(record.root_body, setup.own_poses[i].value_or(setup.objects[i].pose()));
   }
   internal::TaskCalls(*setup.task).Put(setup.scene, moved);
-  if (setup.cameras) {
-    setup.robot.base().SetPose(Pose(kParked));  // where it stood before, it could hide something
-    setup.scene.Forward();
-    if (auto refusal =
-            setup.cameras->CheckWithoutRobot(setup.scene, setup.robot, setup.object_of()))
-      return std::move(*refusal).MadeBy(Refusal::kCamerasStage);
-  }
   setup.robot.base().SetPose(*base);
   setup.scene.Forward();
   if (auto refusal = internal::TaskCalls(*setup.task).Arrange(setup.scene, rng))
     return std::move(*refusal).MadeBy(Refusal::kTaskStage);
   if (auto refusal = ValidateDistance(setup, target))
     return std::move(*refusal).MadeBy(Refusal::kBaseStage);
+  if (auto refusal = ValidateWithoutRobot(setup))
+    return std::move(*refusal).MadeBy(Refusal::kCamerasStage);
   auto refusal = ValidatePlaced(setup, rng.Fork("cameras").Fork(setup.arrangements++));
-  if (refusal) rejected_bases_.emplace_back(base->translation().head<2>());
+  // Mostly the base touches the scene, which stays, while the objects are placed anew.
+  if (refusal && refusal->stage == Refusal::kBaseStage &&
+      refusal->reason != Refusal::kNoReachableBasePose)
+    rejected_bases_.emplace_back(base->translation().head<2>());
+  return refusal;
+}
+
+// Checks what the robot cannot change before its base is checked, once the task has put its objects:
+// a start in which something else hides the object costs little then.
+std::optional<Refusal> StartSampler::ValidateWithoutRobot(Setup& setup) {
+  if (!setup.cameras) return std::nullopt;
+  const Pose base = setup.robot.base().pose();
+  setup.robot.base().SetPose(Pose(kParked));
+  setup.scene.Forward();
+  auto refusal = setup.cameras->CheckWithoutRobot(setup.scene, setup.robot, setup.object_of());
+  setup.robot.base().SetPose(base);
+  setup.scene.Forward();
   return refusal;
 }
 
@@ -629,7 +478,7 @@ RandomizedValues StartSampler::AddClutter(const SampleRequest& request, StartCon
       *run_.randomize, contents.kinds,
       is_of_scene ? Rng::Stream(static_cast<uint64_t>(run_.seed), "clutter", request.scene)
                   : rng.Fork("clutter"));
-  Append(contents, {.objects = std::move(clutter.objects), .kinds = std::move(clutter.kinds)});
+  AppendTo(contents, {.objects = std::move(clutter.objects), .kinds = std::move(clutter.kinds)});
   return std::move(clutter.values);
 }
 
@@ -648,7 +497,7 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   StartContents contents = AddContents(request, spec, rng);
   const StartContents placed = TakePlaced(spec, own);
   const size_t before = own - placed.objects.size();
-  Append(contents, placed);
+  AppendTo(contents, placed);
   std::vector<std::string> kinds = contents.kinds;
   const std::string first = kinds.empty() ? "" : kinds.front();
   RandomizedValues clutter = AddClutter(request, contents, rng);

@@ -2,14 +2,15 @@
 // scene from the run's source, what the task adds to it (Task::Prepare), objects that come to rest on
 // its support or where `start.places` puts them, the task's own arrangement, a robot placed beside
 // the first object (base_placement.h), the task's conditions (Task::CheckStart), cameras
-// (start_cameras.h) that see the object, and settling. Without objects the robot stands beside the middle of the support, and
-// cameras are not checked. Distances and heights are spread evenly over the episodes of a run (a
+// (start_cameras.h) that see the object, and settling. Without objects the robot stands beside the
+// middle of the support, and cameras are not checked. Distances and heights are spread evenly over the episodes of a run (a
 // low-discrepancy sequence), so that a short run covers the ranges too.
 //
 // Subclasses can replace single stages, in C++ and in Python. All randomness comes from the Rng
 // passed to Sample; a start that cannot be made is a Refusal with its stage and reason.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <optional>
@@ -119,6 +120,7 @@ class StartSampler : public TaskSampler {
                                     const std::optional<internal::RelatedPlaces>& related,
                                     std::vector<SceneObject>& objects, Rng& rng);
   std::optional<Refusal> ValidateDistance(const Setup& setup, const Pose& proposed_for);
+  static std::optional<Refusal> ValidateWithoutRobot(Setup& setup);
   // `camera_draws`: places the cameras of `start.cameras`; unset once they are placed.
   std::optional<Refusal> ValidatePlaced(Setup& setup, const std::optional<Rng>& camera_draws);
   std::optional<Refusal> ValidateStartCameras(Setup& setup, const std::optional<Rng>& camera_draws);
@@ -129,6 +131,8 @@ class StartSampler : public TaskSampler {
   static std::vector<std::string> RestingObjects(const Setup& setup);
   std::optional<Refusal> PrepareStart(Setup& setup, const Support& support,
                                       const BasePlacement& placement, Rng& rng);
+
+  static constexpr size_t kMostScenes = 64;  // whose supports, landmarks and cameras are kept
 
   RunConfig run_;
   std::shared_ptr<const TaskKind> kind_;
@@ -142,7 +146,7 @@ class StartSampler : public TaskSampler {
   std::map<int, std::set<std::string>> possible_names_;
   std::map<std::string, std::shared_ptr<internal::StartCameras>> cameras_;
   std::shared_ptr<BodyImages> images_;
-  std::vector<Eigen::Vector2d> rejected_bases_;  // of the start under construction
+  std::vector<Eigen::Vector2d> rejected_bases_;  // touching something, in this start
   std::vector<Articulation> doors_;              // of the base scene in use
   std::vector<FloorArea>
       free_floor_;  // of the base scene in use, from the source; empty if unknown

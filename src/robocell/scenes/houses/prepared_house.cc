@@ -65,10 +65,14 @@ std::string Shortened(const std::vector<std::string>& all) {
   return text;
 }
 
-// Returns why the files of a house cannot be used; "" if they can, with the files and folders
-// whose changes count: documents, and folders of assets.
-std::string WhyNotFiles(const HouseFiles& files, const HouseFolder& folder,
-                        std::set<fs::path>& watched) {
+// Files and folders whose changes count.
+struct Watched {
+  std::set<fs::path> of_good;  // of a house that can be used: documents, and folders of assets
+  std::set<fs::path> of_bad;   // of one that does not compile: all of its files
+};
+
+// Returns why the files of a house cannot be used; "" if they can, with what is watched.
+std::string WhyNotFiles(const HouseFiles& files, const HouseFolder& folder, Watched& watched) {
   std::error_code error;
   const uint64_t bytes = fs::file_size(files.model, error);
   if (error) return "its model cannot be read";
@@ -86,8 +90,9 @@ std::string WhyNotFiles(const HouseFiles& files, const HouseFolder& folder,
   uint64_t total = 0;
   for (const fs::path& file : found.files) {
     // Files of other houses come and go in the house's own folder.
-    if (file.parent_path() != files.model.parent_path()) watched.insert(file.parent_path());
-    if (file.extension() == ".xml") watched.insert(file);
+    if (file.parent_path() != files.model.parent_path()) watched.of_good.insert(file.parent_path());
+    if (file.extension() == ".xml") watched.of_good.insert(file);
+    watched.of_bad.insert(file);
     total += fs::file_size(file, error);
     const bool is_inside = std::ranges::any_of(
         folder.roots(), [&](const fs::path& root) { return IsBelow(file, root); });
@@ -234,7 +239,7 @@ fs::path WriteMended(mjSpec* spec, const HouseFiles& files, const std::string& c
   return file;
 }
 
-// A house that can be used, on the disk: a set has thousands of houses, and each process of a run
+// What is known of a house, on the disk: a set has thousands of houses, and each process of a run
 // would read them all. It holds while nothing watched changes.
 class PreparedOnDisk {
  public:
@@ -249,7 +254,8 @@ class PreparedOnDisk {
       for (const auto& [path, identity] : json.at("watched").items()) {
         if (FileIdentity(path) != identity.get<std::string>()) return std::nullopt;
       }
-      PreparedHouse house{.model = json.at("model").get<std::string>(),
+      PreparedHouse house{.why_not = json.value("why_not", ""),
+                          .model = json.at("model").get<std::string>(),
                           .notes = json.at("notes").get<std::vector<std::string>>()};
       if (CanReadFile(house.model)) return house;
     } catch (const std::exception&) {  // a damaged file is written again
@@ -259,8 +265,9 @@ class PreparedOnDisk {
   void Write(const PreparedHouse& house, const std::set<fs::path>& watched) const {
     nlohmann::json identities = nlohmann::json::object();
     for (const fs::path& path : watched) identities[path.string()] = FileIdentity(path);
-    const nlohmann::json json = {
+    nlohmann::json json = {
         {"watched", identities}, {"model", house.model.string()}, {"notes", house.notes}};
+    if (!house.why_not.empty()) json["why_not"] = house.why_not;
     std::error_code error;
     fs::create_directories(file_.parent_path(), error);
     try {
@@ -273,8 +280,9 @@ class PreparedOnDisk {
   fs::path file_;
 };
 
-PreparedHouse Prepare(const HouseFiles& files, const HouseFolder& folder,
-                      std::set<fs::path>& watched) {
+// `does_compile` becomes false if the model's own content is why the house cannot be used.
+PreparedHouse Prepare(const HouseFiles& files, const HouseFolder& folder, Watched& watched,
+                      bool& does_compile) {
   const std::string context = fmt::format("house '{}'", files.model.string());
   PreparedHouse house{
       .why_not = WhyNotFiles(files, folder, watched), .model = files.model, .notes = {}};
@@ -289,7 +297,10 @@ PreparedHouse Prepare(const HouseFiles& files, const HouseFolder& folder,
       house.model = WriteMended(spec.get(), files, context, mending.changes());
     else
       Compile(spec.get(), nullptr, context, nullptr, JacobianGuard::kOff);
-  } catch (const Error& error) {
+  } catch (const SpecError& error) {
+    does_compile = false;
+    house.why_not = error.what();
+  } catch (const Error& error) {  // of files, which may pass: a full disk
     house.why_not = error.what();
   }
   return house;
@@ -314,11 +325,14 @@ PreparedHouse PrepareHouse(const HouseFiles& files, const HouseFolder& folder) {
   const PreparedOnDisk on_disk(key);
   std::optional<PreparedHouse> house = on_disk.Read();
   if (!house) {
-    std::set<fs::path> watched;
-    house = Prepare(files, folder, watched);     // without the lock, because it may log
-    if (!house->why_not.empty()) return *house;  // its files may come later
-    on_disk.Write(*house, watched);
+    Watched watched;
+    bool does_compile = true;
+    house = Prepare(files, folder, watched, does_compile);  // without the lock: it may log
+    const bool is_good = house->why_not.empty();
+    if (is_good || !does_compile)  // missing files may come later
+      on_disk.Write(*house, is_good ? watched.of_good : watched.of_bad);
   }
+  if (!house->why_not.empty()) return *house;
   const std::lock_guard lock(mutex);
   return known[place] = *std::move(house);
 }

@@ -131,5 +131,23 @@ TEST(PreparedHouse, ChangedIncludesMakeANewCopy) {
   EXPECT_THAT(house.Left({"a", "b", "c"}), ElementsAre("d", "f"));
 }
 
+// Each process of a run would compile it again for every question.
+TEST(PreparedHouse, OneThatDoesNotCompileIsRememberedUntilAFileChanges) {
+  FiveObjects house;
+  house.WriteLast("a");  // a name twice
+  const HouseFolder folder = HouseFolder::Find({.root = house.folder.path().string()}, "");
+  const auto why_not = [&] { return PrepareHouse(folder.houses().at(0), folder).why_not; };
+  const std::string reason = why_not();
+  EXPECT_THAT(reason, HasSubstr("repeated name 'a'"));
+  const fs::path verdict = fs::directory_iterator(house.cache / "houses/prepared")->path();
+  std::string text = ReadFile(verdict);
+  const size_t at = text.find("repeated name");
+  ASSERT_NE(at, std::string::npos) << text;
+  AtomicWrite(verdict, text.insert(at, "from the disk: "));
+  EXPECT_THAT(why_not(), HasSubstr("from the disk: "));
+  house.WriteLast("e");
+  EXPECT_EQ(why_not(), "");
+}
+
 }  // namespace
 }  // namespace robocell::internal
