@@ -23,7 +23,7 @@
 namespace robocell::internal {
 namespace {
 
-constexpr double kFreeSpeed = 1.2, kCarrySpeed = 0.8;  // of the fastest joint, rad/s (m/s)
+constexpr double kFreeSpeed = 1.2, kLoadedSpeed = 0.8;  // of the fastest joint, rad/s (m/s)
 constexpr double kLeastSeconds = 0.15, kLeastCarrySeconds = 0.3, kMostCarrySeconds = 6;
 constexpr double kClearances[] = {0.01, 0.003, 0.001};  // m, of moves
 constexpr int kIterations = 4000;
@@ -307,7 +307,7 @@ bool AugmentExpert::PlanMove(const Scene& scene, const std::vector<JointPath>& r
       const double least =
           carries ? arm_->GentleSeconds({from, to}, kLeastCarrySeconds, kMostCarrySeconds)
                   : kLeastSeconds;
-      arm_->AddLeg({to}, carries ? kCarrySpeed : kFreeSpeed, least);
+      arm_->AddLeg({to}, carries ? kLoadedSpeed : kFreeSpeed, least);
     }
     return true;
   }

@@ -15,8 +15,8 @@ namespace robocell::internal {
 namespace {
 
 constexpr int kMostPicks = 3;
-constexpr int kMostTransfers = 6;                      // paths to whose start a way is searched
-constexpr double kCarrySpeed = 0.8, kLineSpeed = 0.6;  // of the fastest joint, rad/s (m/s)
+constexpr int kMostTransfers = 6;  // paths to whose start a way is searched
+constexpr double kCarriedSpeed = 0.8, kCarriedLineSpeed = 0.6;  // of the fastest joint, rad/s (m/s)
 constexpr double kLeastCarry = 0.3, kMostCarry = 6, kLeastRetreat = 0.5;  // seconds
 constexpr double kRetreat = 0.1;                                          // m
 constexpr double kOpenSpeed = 0.15;                    // m/s of the distance between the fingers
@@ -159,7 +159,7 @@ void HeldObjectSkill::Enter(Phase phase) {
     case Phase::kTransfer:
       for (size_t i = 1; i < transfer_.size(); ++i) {
         arm_->AddLeg(
-            {transfer_[i]}, kCarrySpeed,
+            {transfer_[i]}, kCarriedSpeed,
             arm_->GentleSeconds({transfer_[i - 1], transfer_[i]}, kLeastCarry, kMostCarry));
       }
       break;
@@ -170,7 +170,7 @@ void HeldObjectSkill::Enter(Phase phase) {
       retreat_ =
           LineAbove(robot_->chain(), TaskSpaceOf(*robot_), robot_->chain().Fk(q), q, up, kRetreat);
       if (retreat_.size() > 1)
-        arm_->AddLeg({retreat_.begin() + 1, retreat_.end()}, kLineSpeed, kLeastRetreat);
+        arm_->AddLeg({retreat_.begin() + 1, retreat_.end()}, kCarriedLineSpeed, kLeastRetreat);
       break;
     }
     case Phase::kPick:

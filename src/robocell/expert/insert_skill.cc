@@ -19,7 +19,7 @@ namespace {
 constexpr double kAligned = 3e-4, kUpright = 0.012;  // m and rad over the hole
 constexpr double kLeastAlign = 0.4, kMostAlign = 2;  // seconds
 constexpr double kNear = 0.002;                      // m over the rim, where it is aligned again
-constexpr double kFreeSpeed = 0.04, kSlowSpeed = 0.015;    // m/s to there, and from there
+constexpr double kToHoleSpeed = 0.04, kSlowSpeed = 0.015;  // m/s to there, and from there
 constexpr double kPress = 0.003;                           // m that the target is below the object
 constexpr double kStuckSeconds = 0.4;                      // without progress: the spiral begins
 constexpr double kDeeper = 5e-4;                           // m that count as progress
@@ -61,7 +61,7 @@ class InsertSkill final : public internal::HeldObjectSkill {
     seconds_ += tick;
     if (stage_ != Stage::kDown) {
       const double wanted = stage_ == Stage::kOver ? top : near;
-      height_ = stage_ == Stage::kOver ? top : std::max(near, height_ - kFreeSpeed * tick);
+      height_ = stage_ == Stage::kOver ? top : std::max(near, height_ - kToHoleSpeed * tick);
       const bool is_aligned = (off - height * out).norm() < kAligned &&
                               AngleBetween(now.quaternion(), bottom.quaternion()) < kUpright &&
                               height < wanted + kNear / 2;
