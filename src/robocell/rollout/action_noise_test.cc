@@ -176,8 +176,9 @@ TEST_F(ActionNoiseTest, AnExpertThatRaisesLeavesItsLastTargetsInTheRecord) {
     const Episode episode = RollOut(expert, true);
     ASSERT_EQ(episode.rows(), raising + 1);
     const auto intended = episode.Read<double>("robots/rc7/intended/arm");
-    for (size_t joint = 0; joint < home.size(); ++joint) {
-      EXPECT_NEAR(intended[home.size() * static_cast<size_t>(raising) + joint],
+    const auto joints = static_cast<size_t>(home.size());
+    for (size_t joint = 0; joint < joints; ++joint) {
+      EXPECT_NEAR(intended[joints * static_cast<size_t>(raising) + joint],
                   intended[joint] + 1e-3 * std::max(0, raising - 1), 1e-9);
     }
     EXPECT_THAT(episode.end_reason(), HasSubstr("a part is missing"));
