@@ -11,9 +11,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import robocell as rc
 from command_line import RC7, write_run
+from robocell._cli import load
 from robocell._cli.robot_scene import load_robot
 from robocell._teleop.device import COMMANDS
 from robocell._teleop.follower import ArmFollower
@@ -612,3 +614,13 @@ def test_the_operator_waits_in_real_time(tmp_path: Path):
     options = OperatorOptions(countdown_s=0.05, asks=False)
     record(run, Says([Motion()] * 10), options)  # some of them during the countdown
     assert time.monotonic() - began > 0.05 + 5 * 0.04
+
+
+@pytest.mark.parametrize("option", ["--max-seconds", "--countdown"])
+@pytest.mark.parametrize("value", ["nan", "inf", "1e300"])
+def test_a_time_without_an_end_is_refused(option: str, value: str, tmp_path: Path):
+    run = str(write_run(tmp_path, cameras={"streams": []}))
+    words = ["teleop", run, option, value]
+    result = CliRunner().invoke(load(words), words)
+    assert result.exit_code == 2
+    assert option in result.output

@@ -40,7 +40,7 @@ RC.LivePage = class {
 
   // True if the picture is older than the time between frames allows.
   isStale() {
-    return performance.now() - this.shownAt > Math.max(500, 2 * this.between);
+    return performance.now() - this.shownAt > Math.max(1000, 2 * this.between);
   }
 
   // Builds the panel for the scene's joints and cameras.
