@@ -83,7 +83,12 @@ std::string WhyNotFiles(const HouseFiles& files, const HouseFolder& folder, Watc
   if (!found.no_files.empty())
     return fmt::format("its model names '{}', which is no file", found.no_files.front().name);
   std::vector<std::string> missing, outside;
-  for (const MissingFile& file : found.missing) missing.push_back(file.name);
+  for (const MissingFile& file : found.missing) {
+    if (file.name.empty())
+      return fmt::format("'{}' is no XML that can be read: {}", file.document.string(),
+                         file.reason);
+    missing.push_back(file.name);
+  }
   if (!missing.empty())
     return fmt::format("{} of its assets {} missing: {}", missing.size(),
                        missing.size() == 1 ? "is" : "are", Shortened(missing));
