@@ -191,17 +191,17 @@ def test_layers_that_know_tasks_by_the_registry_name_none(tmp_path):
     layers = tmp_path / "src" / "robocell"
     for layer in ("task", "spec", "env"):
         (layers / layer).mkdir(parents=True)
-    (layers / "task" / "pour_config.h").write_text(
-        "namespace robocell::internal {\nstruct PourConfig {\n  double angle = 1;\n"
-        '  static constexpr const char* kKind = "pour";\n};\n}\n'
+    (layers / "task" / "fold_config.h").write_text(
+        "namespace robocell::internal {\nstruct FoldConfig {\n  double angle = 1;\n"
+        '  static constexpr const char* kKind = "fold";\n};\n}\n'
     )
     spec = layers / "spec" / "run.cc"
-    spec.write_text('// A run of "pour".\nauto* fields = task.If<PourConfig>();\n')
-    (layers / "env" / "a.cc").write_text('if (kind == "pour") return;\n')
-    (layers / "env" / "a_test.cc").write_text('auto kind = "pour";\n')
+    spec.write_text('// A run of "fold".\nauto* fields = task.If<FoldConfig>();\n')
+    (layers / "env" / "a.cc").write_text('if (kind == "fold") return;\n')
+    (layers / "env" / "a_test.cc").write_text('auto kind = "fold";\n')
     assert sorted(str(finding) for finding in check_includes.check(tmp_path)) == [
-        'src/robocell/env/a.cc:1: "pour" is the name of a task: env/ knows tasks by registry only',
-        "src/robocell/spec/run.cc:2: PourConfig is the fields of task 'pour': "
+        'src/robocell/env/a.cc:1: "fold" is the name of a task: env/ knows tasks by registry only',
+        "src/robocell/spec/run.cc:2: FoldConfig is the fields of task 'fold': "
         "spec/ knows tasks by registry only",
     ]
 
