@@ -138,7 +138,8 @@ class EnvOfEpisodeTest : public ::testing::Test {
 // Neither the images of looks that were drawn nor those of pinned ones are in a dataset.
 TEST_F(EnvOfEpisodeTest, WithoutImagesNoTextureIsRead) {
   EnvConfig config = Rc7WithCube();
-  const std::filesystem::path oak = folder / "oak.png", elm = folder / "elm.png";
+  const TempDir images;
+  const std::filesystem::path oak = images / "oak.png", elm = images / "elm.png";
   for (const std::filesystem::path& file : {oak, elm})
     WritePng(file, RgbImage{1, 1, std::vector<uint8_t>{9, 9, 9}});
   RandomizeConfig& randomize = config.randomize.emplace();

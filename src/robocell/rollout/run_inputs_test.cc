@@ -82,7 +82,7 @@ TEST(RunInputs, ImagesThatLooksAreDrawnFromCount) {
   run.randomize->pinned["rc7/texture"].word = (temp / "pin.png").string();
   AtomicWrite(temp / "pin.png", "pin");
   const RunInputs before = InputsOf(run);
-  EXPECT_EQ(before.files.size(), without.files.size() + 2);
+  EXPECT_EQ(before.files.size(), without.files.size() + 3) << "with the model of the studio";
   EXPECT_THAT(before.files, Contains(Key("texture/planks/oak.png")));
   const RunFilesWatch watch(before);
   EXPECT_NO_THROW(watch.RequireUnchanged(run));
