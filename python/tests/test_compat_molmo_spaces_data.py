@@ -190,11 +190,12 @@ def test_a_users_place_and_sensors_are_in_the_episodes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     from robocell._generation.run_source import RunSource
+    from robocell._own_code import modules_of_one_run
     from robocell.compat.molmo_spaces.data_generation.main import prepare
 
     monkeypatch.chdir(tmp_path)
     Path("facing_pick.py").write_text(MODULE)
-    try:
+    with modules_of_one_run():
         run = RunSource(str(prepare("facing_pick:FacingPick"))).load(
             [
                 "scenes={source: tabletop}",
@@ -208,8 +209,7 @@ def test_a_users_place_and_sensors_are_in_the_episodes(
         result = rc.generate.Runner(run).run(item)
         assert result.success
         episode = rc.data.Dataset(run.output)[0]
-    finally:
-        sys.modules.pop("facing_pick", None)
+    sys.modules.pop("facing_pick", None)
     tcp = np.asarray(episode["features/tcp_pose"])
     base, world = (np.asarray(episode[f"robots/rc7/{name}"]) for name in ("base_pose", "tcp_pose"))
     assert tcp.shape == (len(base), 7)
