@@ -175,8 +175,8 @@ std::vector<int> ArticulatedBodies(const Scene& scene) {
 }
 
 // Throws Error if the played scene is not where the record has the hand and the objects in a row.
-void RequireAsRecorded(const Episode& episode, const Demonstration& demo, const Scene& scene,
-                       const Robot& robot, int64_t row) {
+void RequireAsRecorded(const Demonstration& demo, const Scene& scene, const Robot& robot,
+                       int64_t row) {
   const auto require = [&](const std::string& column, const Pose& recorded, const Pose& played) {
     if (played.is_close(recorded, kReplayRadians, kReplayMetres)) return;
     throw Error(fmt::format("row {} of column {} is {:.3g} m and {:.3g} rad away from the record",
@@ -206,7 +206,7 @@ std::map<std::string, std::vector<Pose>> PlayArticulatedBodies(const Episode& ep
     if (row == 0) bodies = ArticulatedBodies(scene);
     if (row == 0 && !bodies.empty()) arm = Robot::Of(scene, robot);
     if (bodies.empty()) return false;
-    RequireAsRecorded(episode, demo, scene, *arm, row);
+    RequireAsRecorded(demo, scene, *arm, row);
     for (const int body : bodies) {
       const std::string name = ElementName(scene.model(), mjOBJ_BODY, body);
       moving[name].push_back(scene.body_pose(name));
