@@ -163,7 +163,9 @@ TEST_F(Resolving, EquipmentIsFoundByNameAndIsNotPickable) {
               ::testing::ElementsAre("button_panel", "cabinet", "cupboard", "d405", "drawer_unit",
                                      "faucet", "fr3_duo_mount", "ft_sensor", "green_cube", "laptop",
                                      "lid_box", "microwave", "open_bottle", "parallel_hand",
-                                     "receiver", "region", "robotiq_d405_mount", "table", "tray"));
+                                     "plug", "receiver", "region", "robotiq_d405_mount",
+                                     "round_hole", "socket", "square_hole", "studio", "table",
+                                     "tray", "wiping_area"));
   EXPECT_EQ(Resolve("cabinet"), ModelsRoot() + "/equipment/cabinet/cabinet.xml");
   EXPECT_THAT(BuiltinObjects(), ::testing::Not(Contains("cabinet")));
   EXPECT_THAT(BuiltinModels(), ::testing::IsSupersetOf({"rc7", "mug", "cabinet", "tabletop"}));

@@ -32,7 +32,7 @@ const std::map<std::string, Expected> kEquipment = {
     {"socket", {0.021, 2.5}},         {"square_hole", {0.021, 2.5}},
     {"table", {0.7, 28.74}},          {"tray", {0.009, 0.3}}};
 // Marks that touch nothing and stay where they are put.
-constexpr const char* kMarks[] = {"region", "wiping_area"};
+constexpr const char* kMarks[] = {"region", "studio", "wiping_area"};
 
 Scene BuildCabinet() {
   SceneSpec spec = EmptyScene();

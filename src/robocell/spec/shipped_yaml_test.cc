@@ -50,6 +50,10 @@ void CollectKeys(const YAML::Node& node, int names, std::vector<Key>& out) {
                                                       {"root_frame_objects", 1},
                                                       {"robot_frame_objects", 2},
                                                       {"camera_adds", 1}};
+    if (name == "appearance" || name == "dynamics") {  // by patterns, which only a scene knows
+      for (const auto& target : entry.second) CollectKeys(target.second, 0, out);
+      continue;
+    }
     const auto named = kNamed.find(name);
     CollectKeys(entry.second, named == kNamed.end() ? std::max(names - 1, 0) : named->second, out);
   }
