@@ -159,13 +159,13 @@ TEST_F(Resolving, AVariableOverridesAModelFile) {
 }
 
 TEST_F(Resolving, EquipmentIsFoundByNameAndIsNotPickable) {
-  EXPECT_THAT(BuiltinEquipment(),
-              ::testing::ElementsAre("button_panel", "cabinet", "cupboard", "d405", "drawer_unit",
-                                     "faucet", "fr3_duo_mount", "ft_sensor", "green_cube", "laptop",
-                                     "lid_box", "microwave", "open_bottle", "parallel_hand",
-                                     "plug", "receiver", "region", "robotiq_d405_mount",
-                                     "round_hole", "socket", "square_hole", "studio", "table",
-                                     "tray", "wiping_area"));
+  EXPECT_THAT(
+      BuiltinEquipment(),
+      ::testing::ElementsAre("button_panel", "cabinet", "cupboard", "d405", "drawer_unit", "faucet",
+                             "fr3_duo_mount", "ft_sensor", "green_cube", "laptop", "lid_box",
+                             "microwave", "open_bottle", "parallel_hand", "plug", "receiver",
+                             "region", "robotiq_d405_mount", "round_hole", "socket", "square_hole",
+                             "studio", "table", "tray", "wiping_area"));
   EXPECT_EQ(Resolve("cabinet"), ModelsRoot() + "/equipment/cabinet/cabinet.xml");
   EXPECT_THAT(BuiltinObjects(), ::testing::Not(Contains("cabinet")));
   EXPECT_THAT(BuiltinModels(), ::testing::IsSupersetOf({"rc7", "mug", "cabinet", "tabletop"}));
