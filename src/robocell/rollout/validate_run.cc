@@ -27,6 +27,7 @@
 #include "robocell/rollout/run_renderer.h"
 #include "robocell/rollout/source_demos.h"
 #include "robocell/scene/scene.h"
+#include "robocell/scenes/randomization.h"
 #include "robocell/scenes/scene_annotations.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/spec/problems.h"
