@@ -93,7 +93,8 @@ std::vector<Eigen::Vector3d> GrainPlaces(const Vessel& vessel, int count, double
   if (static_cast<double>(layer.size()) * layers < count) return places;
   for (size_t i = 0; i < static_cast<size_t>(count); ++i) {
     const Eigen::Vector2d& at = layer[i % layer.size()];
-    const double up = spacing * (static_cast<double>(i / layer.size()) + 0.5);
+    const size_t layers_below = i / layer.size();
+    const double up = spacing * (static_cast<double>(layers_below) + 0.5);
     places.push_back(bottom + Eigen::Vector3d(at.x(), at.y(), up));
   }
   return places;
