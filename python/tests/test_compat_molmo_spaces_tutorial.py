@@ -245,7 +245,7 @@ def test_the_tutorials_command_makes_its_dataset(project: Path):
     exported = project / "exported"
     subprocess.run(
         [
-            *(sys.executable, "-m", "robocell", "export", str(dataset.path), str(exported)),
+            *(sys.executable, "-m", "robocell", "export", str(dataset.folder), str(exported)),
             *("--format", "molmospaces"),
         ],
         check=True,
