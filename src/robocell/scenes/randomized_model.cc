@@ -217,8 +217,9 @@ void RandomizedModel::Apply(const RandomizedValues& values, Part part) {
       look.seed = static_cast<uint32_t>(std::clamp(NumberOf(*value, name), 0.0, 4294967295.0));
     } else if (kind == "colour") {
       const std::vector<double>& rgb = NumbersOf(*value, 3, name);
-      look.colour.emplace();
-      for (size_t k = 0; k < 3; ++k) (*look.colour)[k] = {rgb[k], is_scale};
+      look.colour = {RandomizedLook::Number{rgb[0], is_scale},
+                     RandomizedLook::Number{rgb[1], is_scale},
+                     RandomizedLook::Number{rgb[2], is_scale}};
     } else {
       const RandomizedLook::Number number{NumberOf(*value, name), is_scale};
       (kind == "specular"    ? look.specular
