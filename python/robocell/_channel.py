@@ -55,6 +55,10 @@ class Deadline:
             raise self.error()
         return left
 
+    def is_before(self, other: Deadline) -> bool:
+        """Whether this moment comes before that of another deadline."""
+        return self._end < other._end
+
     def error(self) -> TimeoutError:
         """Returns the error of a missed deadline."""
         return TimeoutError(f"no {self.what} within {self.seconds:g} s")
@@ -193,8 +197,8 @@ class Channel:
         self._waiting += events
         self._ended = self._end()
         if self._ended is None:
-            left = deadline.left() if deadline else None
-            self.flush(Deadline(min(left or ANSWER_S, ANSWER_S), "reader"))
+            patience = Deadline(ANSWER_S, "reader")
+            self.flush(deadline if deadline and deadline.is_before(patience) else patience)
         else:  # what came before the end is still read
             with contextlib.suppress(DroppedError, TimeoutError):
                 self.flush(Deadline(0.5, "reader"))

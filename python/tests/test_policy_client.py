@@ -279,7 +279,7 @@ def late(connection: socket.socket, number: int) -> None:
         (answer_with(b"\xff\xff\xff\xff"), "does not speak WebSocket"),
         (answer_with(frame(2, 1000) + b"x" * 500, pause_s=0.02), "no answer within 0.3 s"),
         (answer_with(b""), "no answer within 0.3 s"),
-        (floods_with_pings, "no answer within|closed|broke"),
+        (floods_with_pings, "no answer within 0.3 s|closed|broke"),
         (floods_with_empty_fragments, "no answer within 0.3 s"),
         (endless_fragments, "a message is too large|no answer within 0.3 s"),
         (never_reads, "no answer within 0.3 s"),

@@ -92,7 +92,7 @@ struct BodyMotion {
 
 BodyMotion MotionOf(const Demonstration& demo, const std::vector<Pose>& body, const Span& rows) {
   BodyMotion motion;
-  const Pose start = body[static_cast<size_t>(rows.first)];
+  const Pose& start = body[static_cast<size_t>(rows.first)];
   std::optional<Eigen::Vector3d> grip;
   const int last = std::min(rows.end, demo.rows() - 1);
   for (int row = rows.first; row <= last; ++row) {
