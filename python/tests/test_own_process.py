@@ -11,7 +11,7 @@ import pytest
 
 import robocell
 from robocell._generation import own_process as processes
-from robocell._generation.own_process import ask_process, own_process
+from robocell._generation.own_process import ask_process, own_environment, own_process
 
 
 def test_files_in_the_working_folder_do_not_shadow_modules(tmp_path: Path):
@@ -24,6 +24,15 @@ def test_files_in_the_working_folder_do_not_shadow_modules(tmp_path: Path):
         )
         assert (done.returncode, done.stderr) == (0, "")
         assert done.stdout.startswith("usage: robocell._generation.work ")
+
+
+def test_threads_share_a_heap_unless_the_environment_says_otherwise(
+    monkeypatch: pytest.MonkeyPatch,
+):
+    monkeypatch.delenv("MALLOC_ARENA_MAX", raising=False)
+    assert own_environment() == {**os.environ, "MALLOC_ARENA_MAX": "1"}
+    monkeypatch.setenv("MALLOC_ARENA_MAX", "4")
+    assert own_environment() == dict(os.environ)
 
 
 def test_arguments_are_passed_unchanged():

@@ -196,14 +196,13 @@ def test_a_pick_is_recorded_in_the_browser(tab: Tab, tmp_path: Path):
         tab.wait_for("document.documentElement.dataset.phase === 'waiting'")
         tab.key("Enter")
         tab.wait_for("document.documentElement.dataset.phase === 'recording'")
-        before = tab.value(AWAY)
+        before = tab.value(AWAY)[2]
         pad = tab.value(
             "(() => { const box = document.querySelector('[data-pad=lift]')"
             ".getBoundingClientRect(); return [box.x + 60, box.y + 90]; })()"
         )
         tab.drag(*pad, 0, -50)
-        time.sleep(0.5)
-        assert tab.value(AWAY)[2] < before[2] - 0.015, "the pad lifts the TCP"
+        tab.wait_for(f"({AWAY})[2] < {before} - 0.015")  # the pad lifts the TCP
         tab.wait_for("RC.page.cameras.wrist.width === 64")
         pick(tab)
         tab.screenshot(tmp_path / "picked.png")

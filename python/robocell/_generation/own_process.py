@@ -33,6 +33,15 @@ def own_process(module: str) -> list[str]:
     return [sys.executable, "-P", "-c", RUN, str(Path(robocell.__file__).parents[1]), module]
 
 
+def own_environment() -> dict[str, str]:
+    """Returns the environment variables of such a process.
+
+    Its threads share one heap, unless the caller's environment says otherwise. glibc would give
+    each thread one, and a worker whose threads draw would hold 30 % more memory.
+    """
+    return {"MALLOC_ARENA_MAX": "1", **os.environ}
+
+
 def ask_process(
     module: str, arguments: Sequence[str], longest_s: float
 ) -> subprocess.CompletedProcess[str]:
@@ -47,6 +56,7 @@ def ask_process(
         try:
             process = subprocess.Popen(
                 [*own_process(module), *arguments],
+                env=own_environment(),
                 stdin=held_by_it,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE,

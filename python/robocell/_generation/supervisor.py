@@ -28,6 +28,7 @@ from robocell._generation.canaries import Canaries
 from robocell._generation.disk import with_trouble
 from robocell._generation.items import Item, ItemRecord
 from robocell._generation.observer import CANNOT_GO_ON, Observer, Unfailing
+from robocell._generation.own_process import own_environment
 from robocell._generation.protocol import Failure, FailureKind, ProtocolError
 from robocell._generation.totals import Again, Death, Totals, Unmade
 from robocell._generation.worker_process import WorkerProcess
@@ -136,7 +137,7 @@ class Supervisor:
         self._disk_trouble = disk_trouble
         self._limits = limits or Limits()
         self._tried_once = frozenset(tried_once)
-        self._environment = {**os.environ, **(environment or {})}
+        self._environment = {**own_environment(), **(environment or {})}
         self._totals = Totals(planned=len(items) + already, already=already, workers=self._count)
         self._workers: dict[int, WorkerProcess] = {}
         self._tries: Counter[str] = Counter()
