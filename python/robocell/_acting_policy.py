@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from robocell._action_chunks import Chunks
 from robocell._core import ArgumentError, NotFoundError
 from robocell._policy_calls import present
+from robocell._policy_latency import CallDelays
 from robocell._row import Row
 from robocell._suggestions import counted, did_you_mean
 
@@ -30,10 +31,14 @@ class ActingPolicy:
     Args:
         policy: The policy.
         chunks: Decides how many actions of a chunk are taken before the policy is called again.
+        delays: Latencies of calls, if each has its own.
     """
 
-    def __init__(self, policy: Policy, chunks: Chunks | None = None) -> None:
+    def __init__(
+        self, policy: Policy, chunks: Chunks | None = None, delays: CallDelays | None = None
+    ) -> None:
         self.policy = policy
+        self._delays = delays if delays is not None and delays.are_of_calls else None
         self._chunks = chunks or Chunks()
         self._sizes: dict[str, int] = {}
 
@@ -43,6 +48,8 @@ class ActingPolicy:
         self._sizes = {feature.name: (feature.shape or (1,))[0] for feature in actions}
         self._chunks.clear()
         present.begin()
+        if self._delays is not None:
+            self._delays.begin(present.rollout)
         self.policy.reset(context)
 
     def name_in(self, row: Observation, has_streams: bool, draws: bool) -> Observation:
@@ -68,7 +75,12 @@ class ActingPolicy:
             actions = self._actions(action)
             timing = getattr(self.policy, "timing", {})
             present.add(self._chunks.step, len(actions), elapsed_ms, timing)
-            self._chunks.add(actions)
+            if self._delays is None:
+                self._chunks.add(actions)
+            else:
+                delay = self._delays.of_last(present)
+                present.note_delay(delay)
+                self._chunks.add(actions, delay)
         return dict(self._chunks.next())
 
     def _actions(self, action: Action) -> list[dict[str, NDArray[np.float64]]]:

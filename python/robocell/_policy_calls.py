@@ -29,7 +29,8 @@ class PolicyCalls:
         seed: Seed of the run.
         calls: For each call the number of actions taken before, the number of actions that it
             returned, and its time `ms` with the drawing of images that the policy read; of a
-            policy behind a socket also `round_trip_ms` and `server_ms`.
+            policy behind a socket also `round_trip_ms` and `server_ms`; and `delay`, the actions
+            that were taken meanwhile, if each call has a latency of its own.
         error: Error of the policy that ended the rollout; "" without one.
     """
 
@@ -46,6 +47,10 @@ class PolicyCalls:
         """Adds a call."""
         finite = {name: round(value, 4) for name, value in timing.items() if math.isfinite(value)}
         self.calls.append({"step": step, "actions": actions, "ms": round(ms, 4), **finite})
+
+    def note_delay(self, delay: int) -> None:
+        """Adds the latency of the last call, in actions."""
+        self.calls[-1]["delay"] = delay
 
     def save(self, dataset: Path) -> None:
         """Writes the calls of a rollout. Raises IoError."""
@@ -81,6 +86,17 @@ def latency(dataset: Path, rollouts: Iterable[str]) -> dict[str, float]:
         "p99_ms": round(float(high), 4),
         "max_ms": max(times),
     }
+
+
+def recorded_calls(dataset: Path, rollout: str) -> list[dict[str, float]]:
+    """Returns the calls in a rollout; [] without a record, or if it is damaged."""
+    calls: list[dict[str, float]] = _read(dataset, rollout).get("calls", [])
+    return calls
+
+
+def ms_of_call(call: Mapping[str, float]) -> float:
+    """Returns the time from an observation to its actions: without drawing, where that is known."""
+    return float(call.get("round_trip_ms", call["ms"]))
 
 
 def error_of(dataset: Path, rollout: str) -> str:

@@ -108,14 +108,14 @@ def evaluate(
         ),
     ] = None,
     latency: Annotated[
-        float,
+        str,
         typer.Option(
-            metavar="MS",
-            min=0.0,
+            metavar="MS|measured|recorded:PATH",
             help="Simulated time from an observation to its actions; actions of the last chunk are "
-            "taken meanwhile. Default: 0, the simulation waits.",
+            "taken meanwhile: milliseconds, those of each call, or those recorded in another "
+            "evaluation. Default: 0, the simulation waits.",
         ),
-    ] = 0.0,
+    ] = "0",
     max_steps: Annotated[
         int | None,
         typer.Option(
@@ -166,7 +166,7 @@ def evaluate(
         horizon=horizon,
         ensemble=ensemble,
         policy_timeout_s=policy_timeout,
-        latency_ms=latency,
+        latency=latency,
         max_steps=max_steps,
     )
     atomic_write(Path(result.dataset) / "evaluation.json", (result.to_json() + "\n").encode())
