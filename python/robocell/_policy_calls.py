@@ -52,14 +52,18 @@ class PolicyCalls:
         """Adds the latency of the last call, in actions."""
         self.calls[-1]["delay"] = delay
 
-    def save(self, dataset: Path) -> None:
-        """Writes the calls of a rollout. Raises IoError."""
+    def save(self, dataset: Path, result: Mapping[str, Any] | None = None) -> None:
+        """Writes the calls of a rollout, and its result if nothing else stores it.
+
+        Raises IoError.
+        """
         folder = dataset / FOLDER
         try:
             folder.mkdir(exist_ok=True)
         except OSError as error:
             raise IoError(f"cannot make '{folder}': {error.strerror}") from error
-        text = json.dumps({"rollout": self.rollout, "calls": self.calls, "error": self.error})
+        record = {"rollout": self.rollout, "calls": self.calls, "error": self.error}
+        text = json.dumps(record if result is None else record | {"result": result})
         atomic_write(folder / f"{self.rollout}.json", f"{text}\n".encode())
 
 
@@ -102,6 +106,12 @@ def ms_of_call(call: Mapping[str, float]) -> float:
 def error_of(dataset: Path, rollout: str) -> str:
     """Returns the error of the policy that ended a rollout; "" without one."""
     return str(_read(dataset, rollout).get("error", ""))
+
+
+def result_of_rollout(dataset: Path, rollout: str) -> dict[str, Any] | None:
+    """Returns the result of a rollout that was not kept; None for others."""
+    result = _read(dataset, rollout).get("result")
+    return result if isinstance(result, dict) else None
 
 
 def _read(dataset: Path, rollout: str) -> dict[str, Any]:

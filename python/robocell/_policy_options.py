@@ -32,6 +32,7 @@ class PolicyOptions:
         ensemble: Average the predictions of several chunks for the same moment.
         timeout_s: Longest time of a call of a policy server; None for the default.
         latency: Simulated time from an observation to the actions that follow from it.
+        stores: Keep the rollouts, not only their results. Does not distinguish evaluations.
     """
 
     preset: str = ""
@@ -39,6 +40,7 @@ class PolicyOptions:
     ensemble: bool = False
     timeout_s: float | None = None
     latency: Latency = field(default_factory=Latency)
+    stores: bool = True
 
     def __post_init__(self) -> None:
         """Raises ArgumentError for numbers out of range."""
@@ -66,6 +68,7 @@ class PolicyOptions:
             *(["--ensemble"] if self.ensemble else []),
             *([f"--policy-timeout={self.timeout_s}"] if self.timeout_s is not None else []),
             *([f"--latency={self.latency}"] if self.latency else []),
+            *([] if self.stores else ["--no-rollouts"]),
         ]
 
     @staticmethod
@@ -76,6 +79,7 @@ class PolicyOptions:
         parser.add_argument("--ensemble", action="store_true")
         parser.add_argument("--policy-timeout", type=float)
         parser.add_argument("--latency", default="0")
+        parser.add_argument("--no-rollouts", action="store_true")
 
     @classmethod
     def of(cls, arguments: argparse.Namespace) -> PolicyOptions:
@@ -86,6 +90,7 @@ class PolicyOptions:
             arguments.ensemble,
             arguments.policy_timeout,
             Latency.parse(arguments.latency),
+            not arguments.no_rollouts,
         )
 
     def load_preset(self) -> Preset | None:

@@ -313,6 +313,7 @@ def evaluate(
     ensemble: bool = False,
     policy_timeout_s: float | None = None,
     latency: float | str = 0.0,
+    rollouts: bool = True,
     max_steps: int | None = None,
 ) -> Evaluation:
     """Evaluates a policy with one rollout from each of `episodes` starts.
@@ -344,6 +345,8 @@ def evaluate(
             run: actions of the last chunk are taken meanwhile. 0 lets the simulation wait,
             "measured" counts the time of each call, and "recorded:FOLDER" repeats the times of the
             calls of another evaluation.
+        rollouts: False keeps the results, and no episodes: neither rows nor videos. For runs and
+            generated datasets.
         max_steps: Actions after which a rollout fails. Default: those of the run; in a recorded
             environment the number of rows of the longest episode.
 
@@ -366,6 +369,11 @@ def evaluate(
             "a latency is for the cells of runs and generated datasets: there a robot waits "
             "without an action, and recorded environments take whole actions only"
         )
+    if not rollouts and recorded:
+        raise ArgumentError(
+            "--no-rollouts is for runs and generated datasets: rollouts in a recorded environment "
+            "are always kept"
+        )
     if episodes is not None and episodes < 1:
         raise ArgumentError(f"episodes must be at least 1, got {episodes}")
     if workers < 1:
@@ -386,7 +394,8 @@ def evaluate(
     ]
     modules = (imports,) if isinstance(imports, str) else tuple(imports)
     # Workers may run in another folder, and the name is part of the evaluation's identity.
-    acting = PolicyOptions(str(preset), horizon, ensemble, policy_timeout_s, late).absolute()
+    acting = PolicyOptions(str(preset), horizon, ensemble, policy_timeout_s, late, rollouts)
+    acting = acting.absolute()
     chosen = RunSource(str(source), modules, policy, acting)
     with modules_of_one_run():
         job: Job | EnvJob

@@ -65,6 +65,12 @@ def evaluate(
     no_cameras: Annotated[
         bool, typer.Option("--no-cameras", help="Draw no images, and keep no videos.")
     ] = False,
+    no_rollouts: Annotated[
+        bool,
+        typer.Option(
+            "--no-rollouts", help="Keep results, seeds and failures, and no episodes: faster."
+        ),
+    ] = False,
     imports: Annotated[
         list[str] | None,
         typer.Option("--import", metavar="MODULE", help="A module that registers tasks."),
@@ -167,6 +173,7 @@ def evaluate(
         ensemble=ensemble,
         policy_timeout_s=policy_timeout,
         latency=latency,
+        rollouts=not no_rollouts,
         max_steps=max_steps,
     )
     atomic_write(Path(result.dataset) / "evaluation.json", (result.to_json() + "\n").encode())
