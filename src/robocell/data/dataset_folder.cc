@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kShown = 5;  // names in a message
+constexpr size_t kShown = 5;                             // names in a message
 constexpr std::string_view kPackedFile = "packed.json";  // of `robocell pack`
 
 bool Is(const fs::path& path, std::initializer_list<fs::file_type> types) {
