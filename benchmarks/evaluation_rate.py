@@ -2,7 +2,8 @@
 
 Both sides step the same cell from the same starts with the same actions: the arm holds its targets
 until the steps are used up. One side does it as `robocell evaluate` does, which reads the whole row
-for the policy, checks its action and keeps the episode's rows; the other calls `RunEnv.act` alone.
+for the policy, checks its action and keeps the episode's rows, or with `--no-rollouts` only the
+result; the other calls `RunEnv.act` alone.
 """
 
 from __future__ import annotations
@@ -45,19 +46,26 @@ class Holds(Policy):
 
 
 def rows(folder: Path, repetitions: int = REPETITIONS, rollouts: int = ROLLOUTS) -> list[Row]:
-    """Actions per second of both sides."""
+    """Actions per second of all sides."""
     register_policy(KIND, Holds)
-    ours, peer = [], []
+    kept: list[float] = []
+    ours: list[float] = []
+    peer: list[float] = []
+    out = folder / "evaluation_rate"
     for number in range(repetitions):
         sides = [
-            lambda: ours.append(evaluated_per_s(folder / "evaluation_rate", rollouts)),
+            lambda: kept.append(evaluated_per_s(out, rollouts, stores=True)),
+            lambda: ours.append(evaluated_per_s(out, rollouts, stores=False)),
             lambda: peer.append(alone_per_s(rollouts)),
         ]
         for side in sides if number % 2 == 0 else reversed(sides):
             side()
     note = "peer: the environment alone; one worker, 66 ms an action, no images"
-    name = "actions of a policy that costs nothing, rc7"
-    return [Row(name, "1/s", ours, peer, better="higher", note=note)]
+    name = "actions of a policy that costs nothing"
+    return [
+        Row(f"{name}, {what}, rc7", "1/s", values, peer, better="higher", note=note)
+        for what, values in (("no rollouts kept", ours), ("rollouts kept", kept))
+    ]
 
 
 def cell(output: Path | str, rollouts: int) -> rc.RunConfig:
@@ -70,20 +78,18 @@ def cell(output: Path | str, rollouts: int) -> rc.RunConfig:
     return run
 
 
-def evaluated_per_s(folder: Path, rollouts: int) -> float:
+def evaluated_per_s(folder: Path, rollouts: int, stores: bool) -> float:
     """Actions per second of rollouts, starts and files included."""
     shutil.rmtree(folder, ignore_errors=True)
     run = cell(folder, rollouts)
     run.expert, run.keep = KIND, "first"
     rc.generate.prepare_dataset(run)
-    runner = rc.generate.Runner(run)
+    runner = rc.generate.Runner(run, stores=stores)
     plan = rc.generate.make_plan(run)[:rollouts]
     runner.run(plan[0])  # compiles
     began = time.perf_counter()
-    for item in plan[1:]:
-        runner.run(item)
+    steps = sum(runner.run(item).rows for item in plan[1:])
     elapsed = time.perf_counter() - began
-    steps = sum(len(episode) for episode in rc.Dataset(folder)) - run.rates.max_steps
     if steps != (rollouts - 1) * run.rates.max_steps:
         raise RuntimeError(f"{steps} actions, expected {(rollouts - 1) * run.rates.max_steps}")
     return steps / elapsed

@@ -323,16 +323,18 @@ AUGMENTATION = (
         for name in ("stack", "open")
     ),
 )
-EVALUATIONS = (
+EVALUATIONS = tuple(
     Floor(
         "P18",
-        "actions of a policy that costs nothing, beside the environment alone",
+        f"actions of a policy that costs nothing, {what}, beside the environment alone",
         "evaluation_rate",
-        "actions of a policy that costs nothing, {robot}",
+        f"actions of a policy that costs nothing, {what}, {{robot}}",
         "the environment alone",
-        floor=0.9,
-        aim=0.97,
-    ),
+        floor=floor,
+        aim=aim,
+    )
+    # The environment alone keeps nothing either.
+    for what, floor, aim in (("no rollouts kept", 0.9, 0.97), ("rollouts kept", None, 0.9))
 )
 # The same rows with the kernels of processors without AVX-512.
 NARROWED = tuple(

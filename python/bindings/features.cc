@@ -273,8 +273,7 @@ nb::object RowLoan::Lend(const CellRow& row) {
     if (!image.bodies.empty()) names.append(nb::str((image.name + ".segmentation").c_str()));
   }
   if (!IsLaidOut(row.observed)) LayOut(row.observed);
-  const auto make = nb::module_::import_("robocell._row").attr("Row").attr("of");
-  if (names.empty()) return make(NumberCopy(row.numbers), layout_, names, nb::none());
+  if (names.empty()) return make_(NumberCopy(row.numbers), layout_, names, nb::none());
   lent_ = std::make_shared<Lent>();
   lent_->row.emplace(row);
   const auto read = [lent = lent_] {
@@ -289,7 +288,7 @@ nb::object RowLoan::Lend(const CellRow& row) {
     for (const CellImage& image : *images) PutImage(arrays, image);
     return nb::object(arrays);
   };
-  return make(NumberCopy(row.numbers), layout_, names, nb::cpp_function(read));
+  return make_(NumberCopy(row.numbers), layout_, names, nb::cpp_function(read));
 }
 
 bool RowLoan::IsLaidOut(const FeatureSchema& schema) const {
@@ -302,6 +301,7 @@ bool RowLoan::IsLaidOut(const FeatureSchema& schema) const {
 
 void RowLoan::LayOut(const FeatureSchema& schema) {
   laid_out_.clear();
+  make_ = nb::module_::import_("robocell._row").attr("Row").attr("of");
   nb::dict places;
   size_t start = 0;
   for (const Feature& feature : schema.features()) {

@@ -67,12 +67,14 @@ void BindItemResult(nb::module_& m) {
               "Reason -> count, of places for objects and robot that were rejected within the "
               "attempts; the sampler tried attempts + these.")
       .def_ro("failures", &ItemResult::failures, "Reason -> count, of failed rollouts.")
+      .def_ro("failure", &ItemResult::failure, "Why the last rollout failed; '' if it succeeded.")
       .def_ro("robot", &ItemResult::robot, "Name of the robot.")
       .def_ro("object_kind", &ItemResult::object_kind,
               "Kind of the last attempt's target; '' if the sampler does not report it.")
       .def_ro("kinds", &ItemResult::kinds, "Object kind -> attempts.")
       .def_ro("rollouts", &ItemResult::rollouts, "Object kind -> rollouts.")
-      .def_ro("rows", &ItemResult::rows, "Number of rows of the episode that was written.")
+      .def_ro("rows", &ItemResult::rows,
+              "Number of rows of the episode; without storing, of the last rollout.")
       .def_ro("seconds_sampling", &ItemResult::seconds_sampling, "Time for starts, seconds.")
       .def_ro("seconds_acting", &ItemResult::seconds_acting,
               "Time of expert, simulation and task, seconds.")
@@ -169,11 +171,12 @@ std::string PlaceOfRunner(const Runner& runner) { return "runner of '" + runner.
 // and nanobind reports it as leaked.
 class PythonRunner : public Runner {
  public:
-  PythonRunner(const RunConfig& run, SharedKeeper expert, SharedKeeper sampler,
+  PythonRunner(const RunConfig& run, SharedKeeper expert, SharedKeeper sampler, bool stores,
                SharedKeeper made = ShareKeeper(nb::none()))
       : Runner(run, {.sampler = MakeSamplerFactory(sampler, made),
                      .expert = MakeExpertFactory(expert),
-                     .scene_data = DataForHooks(*expert || *sampler || HasPythonHooks(run))}),
+                     .scene_data = DataForHooks(*expert || *sampler || HasPythonHooks(run)),
+                     .stores = stores}),
         kept_{std::move(expert), std::move(sampler), std::move(made)} {}
 
   static int Traverse(PyObject* self, visitproc visit, void* arg) {
@@ -273,15 +276,17 @@ void BindRollout(nb::module_& m) {
                            nb::type_slots(runner_slots))
       .def(
           "__init__",
-          [](PythonRunner* self, const RunConfig& run, nb::object expert, nb::object sampler) {
+          [](PythonRunner* self, const RunConfig& run, nb::object expert, nb::object sampler,
+             bool stores) {
             RequireCallable(expert, "expert", "a function (run, start) -> Expert");
             RequireCallable(sampler, "sampler", "a function (run) -> TaskSampler");
-            new (self)
-                PythonRunner(run, ShareKeeper(std::move(expert)), ShareKeeper(std::move(sampler)));
+            new (self) PythonRunner(run, ShareKeeper(std::move(expert)),
+                                    ShareKeeper(std::move(sampler)), stores);
           },
-          "run"_a, "expert"_a = nb::none(), "sampler"_a = nb::none(),
+          "run"_a, "expert"_a = nb::none(), "sampler"_a = nb::none(), "stores"_a = true,
           "`expert`: a function (run, start) -> Expert that replaces the scripted expert; "
-          "`sampler`: a function (run) -> TaskSampler.")
+          "`sampler`: a function (run) -> TaskSampler. With `stores=False`, `run` returns results "
+          "and writes nothing.")
       .def(
           "run",
           [](PythonRunner& runner, const PlanItem& item, const StopFlag* flag) {

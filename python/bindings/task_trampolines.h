@@ -299,6 +299,7 @@ class RowLoan {
   std::shared_ptr<Lent> lent_;
   std::vector<NamedShape> laid_out_;
   nb::object layout_;  // where each number of these features is
+  nb::object make_;    // Row.of: importing it in every row takes long
 };
 
 template <class Base>

@@ -5,6 +5,7 @@ Runs reach it through `PolicyExpert`, recorded environments directly.
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
@@ -15,11 +16,14 @@ from numpy.typing import ArrayLike, NDArray
 from robocell._action_chunks import Chunks
 from robocell._core import ArgumentError, NotFoundError
 from robocell._policy_calls import present
+from robocell._policy_latency import CallDelays
 from robocell._row import Row
 from robocell._suggestions import counted, did_you_mean
 
 if TYPE_CHECKING:
     from robocell.policy import Action, Context, Observation, Policy
+
+FLOAT64 = np.dtype(np.float64)
 
 
 class ActingPolicy:
@@ -30,19 +34,27 @@ class ActingPolicy:
     Args:
         policy: The policy.
         chunks: Decides how many actions of a chunk are taken before the policy is called again.
+        delays: Latencies of calls, if each has its own.
     """
 
-    def __init__(self, policy: Policy, chunks: Chunks | None = None) -> None:
+    def __init__(
+        self, policy: Policy, chunks: Chunks | None = None, delays: CallDelays | None = None
+    ) -> None:
         self.policy = policy
+        self._delays = delays if delays is not None and delays.are_of_calls else None
         self._chunks = chunks or Chunks()
         self._sizes: dict[str, int] = {}
+        self._shapes: dict[str, tuple[int, ...]] = {}
 
     def begin(self, context: Context) -> None:
         """Begins a rollout: resets the policy."""
         actions = [feature for feature in context.features if feature.role == "action"]
         self._sizes = {feature.name: (feature.shape or (1,))[0] for feature in actions}
+        self._shapes = {name: (size,) for name, size in self._sizes.items()}
         self._chunks.clear()
         present.begin()
+        if self._delays is not None:
+            self._delays.begin(present.rollout)
         self.policy.reset(context)
 
     def name_in(self, row: Observation, has_streams: bool, draws: bool) -> Observation:
@@ -68,11 +80,29 @@ class ActingPolicy:
             actions = self._actions(action)
             timing = getattr(self.policy, "timing", {})
             present.add(self._chunks.step, len(actions), elapsed_ms, timing)
-            self._chunks.add(actions)
+            if self._delays is None:
+                self._chunks.add(actions)
+            else:
+                delay = self._delays.of_last(present)
+                present.note_delay(delay)
+                self._chunks.add(actions, delay)
         return dict(self._chunks.next())
+
+    def _single(self, action: Action) -> dict[str, NDArray[np.float64]] | None:
+        """Returns a copy of a valid single action of plain arrays; None for all others."""
+        copies: dict[str, NDArray[np.float64]] = {}
+        for name, values in action.items():
+            if type(values) is not np.ndarray or values.dtype is not FLOAT64:
+                return None
+            if values.shape != self._shapes.get(name) or not math.isfinite(sum(values.tolist())):
+                return None  # also for finite numbers whose sum is not
+            copies[name] = values.copy()
+        return copies or None
 
     def _actions(self, action: Action) -> list[dict[str, NDArray[np.float64]]]:
         """Splits a chunk into single actions."""
+        if type(action) is dict and (single := self._single(action)) is not None:
+            return [single]
         who = f"{type(self.policy).__name__}.act()"
         if not isinstance(action, Mapping) or not action:
             raise TypeError(

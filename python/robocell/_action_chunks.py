@@ -54,7 +54,7 @@ class Chunks:
             raise ArgumentError(f"horizon must be at least 1, got {horizon}")
         if delay < 0:
             raise ArgumentError(f"delay must be at least 0, got {delay}")
-        self._delay = delay
+        self._first_delay = delay
         self._horizon = 1 if ensemble and horizon is None else horizon
         self._ensemble = ensemble
         self.clear()
@@ -62,6 +62,7 @@ class Chunks:
     def clear(self) -> None:
         """Forgets all actions, at the beginning of a rollout."""
         self._step = 0
+        self._delay = self._first_delay
         self._chunks: list[_Chunk] = []
 
     @property
@@ -79,8 +80,14 @@ class Chunks:
         used = self._step + self._delay - newest.begin
         return used >= len(newest.actions) or (self._horizon is not None and used >= self._horizon)
 
-    def add(self, actions: Sequence[Actions]) -> None:
-        """Adds the chunk for the observation of the present step."""
+    def add(self, actions: Sequence[Actions], delay: int | None = None) -> None:
+        """Adds the chunk for the observation of the present step.
+
+        `delay` is the one of this call, if calls have their own; the next call begins as early as
+        the same delay needs.
+        """
+        if delay is not None:
+            self._delay = delay
         kept = self._ensemble or self._delay > 0
         in_use = [chunk for chunk in self._chunks if kept and chunk.end > self._step]
         skipped = min(self._delay, len(actions) - 1)

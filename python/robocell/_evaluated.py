@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +12,7 @@ from robocell._core import Episode
 from robocell._dataset_run import manifest_of_dataset
 from robocell._env_job import EnvJob
 from robocell._generation.job import Job
+from robocell._generation.unstored import UnstoredRollout
 from robocell._policy_calls import error_of
 from robocell._spec_fields import fields_of, file_hashes
 from robocell._suggestions import shortened
@@ -19,6 +20,7 @@ from robocell.policy import POLICY_ERROR
 
 if TYPE_CHECKING:
     from robocell._report.facts import EpisodeFacts
+    from robocell._report.rollouts import Rate
 
 # Fields of a run that belong to the policy, to the number of rollouts or to where they are kept.
 OF_THE_POLICY = (
@@ -56,6 +58,10 @@ def rollout_end(dataset: Path, rollout: str) -> RolloutEnd | None:
     """Returns how a rollout ended; None for one that was not made. Raises IoError if damaged."""
     error = error_of(dataset, rollout)
     if not (dataset / rollout / "episode.json").is_file():
+        if (unstored := UnstoredRollout.find(dataset, rollout)) is not None:
+            record, reason = unstored.record, unstored.failure or "success"
+            is_error = reason.startswith(POLICY_ERROR)
+            return RolloutEnd(record.success, reason, record.rows, is_error)
         return RolloutEnd(False, f"{POLICY_ERROR}{error}", 0, True) if error else None
     episode = Episode(dataset / rollout)
     results: Mapping[str, Any] = episode.results
@@ -66,20 +72,33 @@ def rollout_end(dataset: Path, rollout: str) -> RolloutEnd | None:
 def breakdown_of(dataset: Path, rollouts: Iterable[str]) -> dict[str, dict[str, list[int]]]:
     """Returns the successes and the number of rollouts by each value that differs between starts.
 
-    Rollouts that ended before their first action have no start on the disk, and do not count.
+    Rollouts that ended before their first action have no start on the disk, and do not count. Those
+    that were not kept count by object and robot only.
     """
     from robocell._report import variation
     from robocell._report.facts import EpisodeFacts
     from robocell._report.rollouts import rates
 
-    there = [dataset / name for name in rollouts if (dataset / name / "episode.json").is_file()]
+    planned = list(rollouts)
+    there = [dataset / name for name in planned if (dataset / name / "episode.json").is_file()]
     facts = [EpisodeFacts.of(Episode(folder)) for folder in there]
+    if not facts:
+        found = [each for name in planned if (each := UnstoredRollout.find(dataset, name))]
+        values = {
+            "object": [(each.record.object_kind, each.record.success) for each in found],
+            "robot": [(each.record.robot, each.record.success) for each in found],
+        }
+        return _differing({part: rates(pairs) for part, pairs in values.items()})
     groups = {
         part: rates((value_of(each), each.success) for each in facts)
         for part, value_of in BREAKDOWN.items()
     }
     with contextlib.suppress(ModuleNotFoundError):  # without PyYAML scenes are not read
         groups |= {each.name: list(each.groups) for each in variation.find(facts, {})}
+    return _differing(groups)
+
+
+def _differing(groups: Mapping[str, Sequence[Rate]]) -> dict[str, dict[str, list[int]]]:
     return {
         part: {rate.name: [rate.successes, rate.rollouts] for rate in found}
         for part, found in groups.items()

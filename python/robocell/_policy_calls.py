@@ -29,7 +29,8 @@ class PolicyCalls:
         seed: Seed of the run.
         calls: For each call the number of actions taken before, the number of actions that it
             returned, and its time `ms` with the drawing of images that the policy read; of a
-            policy behind a socket also `round_trip_ms` and `server_ms`.
+            policy behind a socket also `round_trip_ms` and `server_ms`; and `delay`, the actions
+            that were taken meanwhile, if each call has a latency of its own.
         error: Error of the policy that ended the rollout; "" without one.
     """
 
@@ -47,14 +48,22 @@ class PolicyCalls:
         finite = {name: round(value, 4) for name, value in timing.items() if math.isfinite(value)}
         self.calls.append({"step": step, "actions": actions, "ms": round(ms, 4), **finite})
 
-    def save(self, dataset: Path) -> None:
-        """Writes the calls of a rollout. Raises IoError."""
+    def note_delay(self, delay: int) -> None:
+        """Adds the latency of the last call, in actions."""
+        self.calls[-1]["delay"] = delay
+
+    def save(self, dataset: Path, result: Mapping[str, Any] | None = None) -> None:
+        """Writes the calls of a rollout, and its result if nothing else stores it.
+
+        Raises IoError.
+        """
         folder = dataset / FOLDER
         try:
             folder.mkdir(exist_ok=True)
         except OSError as error:
             raise IoError(f"cannot make '{folder}': {error.strerror}") from error
-        text = json.dumps({"rollout": self.rollout, "calls": self.calls, "error": self.error})
+        record = {"rollout": self.rollout, "calls": self.calls, "error": self.error}
+        text = json.dumps(record if result is None else record | {"result": result})
         atomic_write(folder / f"{self.rollout}.json", f"{text}\n".encode())
 
 
@@ -83,9 +92,26 @@ def latency(dataset: Path, rollouts: Iterable[str]) -> dict[str, float]:
     }
 
 
+def recorded_calls(dataset: Path, rollout: str) -> list[dict[str, float]]:
+    """Returns the calls in a rollout; [] without a record, or if it is damaged."""
+    calls: list[dict[str, float]] = _read(dataset, rollout).get("calls", [])
+    return calls
+
+
+def ms_of_call(call: Mapping[str, float]) -> float:
+    """Returns the time from an observation to its actions: without drawing, where that is known."""
+    return float(call.get("round_trip_ms", call["ms"]))
+
+
 def error_of(dataset: Path, rollout: str) -> str:
     """Returns the error of the policy that ended a rollout; "" without one."""
     return str(_read(dataset, rollout).get("error", ""))
+
+
+def result_of_rollout(dataset: Path, rollout: str) -> dict[str, Any] | None:
+    """Returns the result of a rollout that was not kept; None for others."""
+    result = _read(dataset, rollout).get("result")
+    return result if isinstance(result, dict) else None
 
 
 def _read(dataset: Path, rollout: str) -> dict[str, Any]:

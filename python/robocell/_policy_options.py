@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from robocell._core import ArgumentError
+from robocell._policy_latency import Latency
 
 if TYPE_CHECKING:
     from robocell._policy_presets import Preset
@@ -31,15 +31,16 @@ class PolicyOptions:
             the preset.
         ensemble: Average the predictions of several chunks for the same moment.
         timeout_s: Longest time of a call of a policy server; None for the default.
-        latency_ms: Simulated time from an observation to the actions that follow from it; 0 lets
-            the simulation wait for the policy.
+        latency: Simulated time from an observation to the actions that follow from it.
+        stores: Keep the rollouts, not only their results. Does not distinguish evaluations.
     """
 
     preset: str = ""
     horizon: int | None = None
     ensemble: bool = False
     timeout_s: float | None = None
-    latency_ms: float = 0.0
+    latency: Latency = field(default_factory=Latency)
+    stores: bool = True
 
     def __post_init__(self) -> None:
         """Raises ArgumentError for numbers out of range."""
@@ -47,8 +48,6 @@ class PolicyOptions:
             raise ArgumentError(f"horizon must be at least 1, got {self.horizon}")
         if self.timeout_s is not None and not 0 < self.timeout_s < float("inf"):
             raise ArgumentError(f"the policy's timeout must be above 0 s, got {self.timeout_s}")
-        if not 0 <= self.latency_ms < float("inf"):
-            raise ArgumentError(f"the policy's latency is at least 0 ms, got {self.latency_ms}")
 
     @property
     def suffix(self) -> str:
@@ -57,7 +56,7 @@ class PolicyOptions:
             f" preset={self.preset}" if self.preset else "",
             f" horizon={self.horizon}" if self.horizon is not None else "",
             " ensemble" if self.ensemble else "",
-            f" latency={_plain(self.latency_ms)}" if self.latency_ms else "",
+            f" latency={self.latency}" if self.latency else "",
         ]
         return "".join(parts)
 
@@ -68,7 +67,8 @@ class PolicyOptions:
             *([f"--horizon={self.horizon}"] if self.horizon is not None else []),
             *(["--ensemble"] if self.ensemble else []),
             *([f"--policy-timeout={self.timeout_s}"] if self.timeout_s is not None else []),
-            *([f"--latency={_plain(self.latency_ms)}"] if self.latency_ms else []),
+            *([f"--latency={self.latency}"] if self.latency else []),
+            *([] if self.stores else ["--no-rollouts"]),
         ]
 
     @staticmethod
@@ -78,7 +78,8 @@ class PolicyOptions:
         parser.add_argument("--horizon", type=int)
         parser.add_argument("--ensemble", action="store_true")
         parser.add_argument("--policy-timeout", type=float)
-        parser.add_argument("--latency", type=float, default=0.0)
+        parser.add_argument("--latency", default="0")
+        parser.add_argument("--no-rollouts", action="store_true")
 
     @classmethod
     def of(cls, arguments: argparse.Namespace) -> PolicyOptions:
@@ -88,7 +89,8 @@ class PolicyOptions:
             arguments.horizon,
             arguments.ensemble,
             arguments.policy_timeout,
-            arguments.latency,
+            Latency.parse(arguments.latency),
+            not arguments.no_rollouts,
         )
 
     def load_preset(self) -> Preset | None:
@@ -100,24 +102,8 @@ class PolicyOptions:
         return Preset.load(self.preset)
 
     def absolute(self) -> PolicyOptions:
-        """Returns them with an absolute path of a preset's file."""
+        """Returns them with absolute paths of a preset's file and of a recorded evaluation."""
+        latency = self.latency.absolute()
         if Path(self.preset).suffix not in (".yaml", ".yml"):
-            return self
-        return replace(self, preset=str(Path(self.preset).absolute()))
-
-
-def delay_of(latency_ms: float, policy_ms: float | None) -> int:
-    """Returns a latency in actions, rounded up. Raises ArgumentError if they have no time."""
-    if not latency_ms:
-        return 0
-    if not policy_ms:
-        raise ArgumentError(
-            "a latency counts in actions of a fixed time, and those of this cell end on arrival: "
-            "set rates.policy_ms"
-        )
-    return math.ceil(latency_ms / policy_ms - 1e-9)
-
-
-def _plain(number: float) -> str:
-    """Returns "80" for 80.0, all digits for others."""
-    return repr(float(number)).removesuffix(".0")
+            return replace(self, latency=latency)
+        return replace(self, latency=latency, preset=str(Path(self.preset).absolute()))

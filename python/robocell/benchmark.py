@@ -251,6 +251,10 @@ def evaluate(
         raise NotFoundError(
             f"benchmark '{own.path}' is of '{own.source}', and there is no '{own.place}'"
         )
+    if not options.get("rollouts", True):
+        raise ArgumentError(
+            "--no-rollouts: a benchmark compares the starts of its rollouts, so it keeps them"
+        )
     if policy == "replay":
         raise ArgumentError("a benchmark has new starts, and no recorded actions to replay")
     named = [imports] if isinstance(imports, str) else list(imports)

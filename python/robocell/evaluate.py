@@ -49,8 +49,9 @@ from robocell._generation.run_source import RunSource
 from robocell._generation.supervisor import Limits
 from robocell._generation.totals import Totals, Unmade
 from robocell._own_code import modules_of_one_run
-from robocell._policy_calls import latency
-from robocell._policy_options import PolicyOptions, delay_of, is_url
+from robocell._policy_calls import latency as latency_of
+from robocell._policy_latency import CallDelays, Latency
+from robocell._policy_options import PolicyOptions, is_url
 from robocell._raised import without_names
 from robocell._suggestions import did_you_mean
 from robocell.policy import EXPERT, RANDOM, REPLAY, replayed_seed
@@ -311,7 +312,8 @@ def evaluate(
     horizon: int | None = None,
     ensemble: bool = False,
     policy_timeout_s: float | None = None,
-    latency_ms: float = 0.0,
+    latency: float | str = 0.0,
+    rollouts: bool = True,
     max_steps: int | None = None,
 ) -> Evaluation:
     """Evaluates a policy with one rollout from each of `episodes` starts.
@@ -339,8 +341,12 @@ def evaluate(
         ensemble: Take the mean of what all chunks say about a moment (temporal ensembling); the
             policy is then called before every action, or after `horizon` ones.
         policy_timeout_s: Longest time of a call of a policy server. Default: 120.
-        latency_ms: Simulated time from an observation to the actions that follow from it, in a run:
-            actions of the last chunk are taken meanwhile. 0 lets the simulation wait.
+        latency: Simulated milliseconds from an observation to the actions that follow from it, in a
+            run: actions of the last chunk are taken meanwhile. 0 lets the simulation wait,
+            "measured" counts the time of each call, and "recorded:FOLDER" repeats the times of the
+            calls of another evaluation.
+        rollouts: False keeps the results, and no episodes: neither rows nor videos. For runs and
+            generated datasets.
         max_steps: Actions after which a rollout fails. Default: those of the run; in a recorded
             environment the number of rows of the longest episode.
 
@@ -357,10 +363,16 @@ def evaluate(
         own_seed = 0 if recorded else replayed_seed(source)
         seed = own_seed if seed is None else seed
     seed = SEED if seed is None else seed
-    if latency_ms and recorded:
+    late = Latency.parse(latency)
+    if late and recorded:
         raise ArgumentError(
             "a latency is for the cells of runs and generated datasets: there a robot waits "
             "without an action, and recorded environments take whole actions only"
+        )
+    if not rollouts and recorded:
+        raise ArgumentError(
+            "--no-rollouts is for runs and generated datasets: rollouts in a recorded environment "
+            "are always kept"
         )
     if episodes is not None and episodes < 1:
         raise ArgumentError(f"episodes must be at least 1, got {episodes}")
@@ -382,7 +394,8 @@ def evaluate(
     ]
     modules = (imports,) if isinstance(imports, str) else tuple(imports)
     # Workers may run in another folder, and the name is part of the evaluation's identity.
-    acting = PolicyOptions(str(preset), horizon, ensemble, policy_timeout_s, latency_ms).absolute()
+    acting = PolicyOptions(str(preset), horizon, ensemble, policy_timeout_s, late, rollouts)
+    acting = acting.absolute()
     chosen = RunSource(str(source), modules, policy, acting)
     with modules_of_one_run():
         job: Job | EnvJob
@@ -400,7 +413,8 @@ def evaluate(
             with _naming_options(overrides), _naming_files_of_environments(source):
                 job = Job(chosen, overrides, choose=starts.choose)
         if isinstance(job, Job):
-            delay_of(latency_ms, job.run.rates.policy_ms)
+            CallDelays(late, job.run.rates.policy_ms)
+            late.require_recorded(item.id for item in job.items)
         server = _greeting(policy) if is_url(policy) else {}
         _warn_of_rate(acting, _rate_of(job))
         with _naming_options(overrides), _one_connection(policy, server, workers, acting):
@@ -563,7 +577,7 @@ def _evaluation_of(job: Job | EnvJob, policy: str, seed: int, totals: Totals) ->
         dataset=str(job.dataset),
         seed=seed,
         errors={unmade.id: unmade.reason for unmade in totals.unmade},
-        latency=latency(job.dataset, list(ends)),
+        latency=latency_of(job.dataset, list(ends)),
         cell=cell_of(job),
         breakdown=breakdown_of(job.dataset, ends),
     )

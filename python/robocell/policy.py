@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import ModuleType
 from typing import Any, ClassVar
@@ -48,7 +48,8 @@ from robocell._dataset_run import (
     seed_of_dataset,
 )
 from robocell._own_code import RAISED, calling_module, paths_of, raise_interrupt
-from robocell._policy_options import PolicyOptions, delay_of, is_url
+from robocell._policy_latency import CallDelays, Latency
+from robocell._policy_options import PolicyOptions, is_url
 from robocell._raised import LostPolicyError, UnmadePolicyError, text_of_hook
 from robocell._registering import (
     arguments_of,
@@ -156,7 +157,7 @@ class PolicyExpert(Expert):
     """Lets a policy act in rollouts. The policy gets what a dataset records, not the simulation.
 
     Errors of the policy, and errors about its return values, are raised. `chunks` decides how many
-    actions of a chunk are taken before the policy is called again.
+    actions of a chunk are taken before the policy is called again, and `delays` how late they come.
     """
 
     def __init__(
@@ -165,12 +166,13 @@ class PolicyExpert(Expert):
         start: EpisodeStart,
         policy: Policy,
         chunks: Chunks | None = None,
+        delays: CallDelays | None = None,
     ) -> None:
         super().__init__()
         self.policy = policy
         self._run, self._task = run, start.task
         self._code_of = policy  # messages about act() say where the policy's is written
-        self._acting = ActingPolicy(policy, chunks)
+        self._acting = ActingPolicy(policy, chunks, delays)
         self._row: Observation = {}
 
     def begin(self, scene: Scene, rng: Rng) -> None:
@@ -224,7 +226,7 @@ def register_policy(
     *,
     horizon: int | None = None,
     ensemble: bool = False,
-    latency_ms: float = 0.0,
+    latency: float | str | Latency = 0.0,
 ) -> None:
     """Registers a policy as a kind of expert, for the `expert` of a run.
 
@@ -239,13 +241,16 @@ def register_policy(
         horizon: Actions of a chunk that are taken before the policy is called again. Default: all.
         ensemble: Call the policy after every `horizon` actions, by default after each one, and take
             the mean of what all chunks say about the moment (temporal ensembling).
-        latency_ms: Simulated time from an observation to the actions that follow from it; actions
-            of the last chunk are taken meanwhile. 0 lets the simulation wait for the policy.
+        latency: Simulated milliseconds from an observation to the actions that follow from it;
+            actions of the last chunk are taken meanwhile. 0 lets the simulation wait for the
+            policy, "measured" counts the time of each call, and "recorded:FOLDER" repeats the times
+            of an evaluation's calls.
     """
     registering = calling_module()
     require_name("register_policy", name, "name")
     call = f"register_policy({name!r})"
     Chunks(horizon, ensemble)
+    late = Latency.parse(latency)
     if not callable(make):
         raise TypeError(f"{call}: expected a function (run) -> Policy, got {make!r}")
     require_takes(call, make, ["run"])
@@ -268,8 +273,9 @@ def register_policy(
         if errors:
             text = f"policy '{name}' cannot be made: {text_of_hook(errors[0])}"
             raise UnmadePolicyError(text) from errors[0]
-        delay = delay_of(latency_ms, run.rates.policy_ms)
-        return PolicyExpert(run, start, made[0], Chunks(horizon, ensemble, delay))
+        delays = CallDelays(late, run.rates.policy_ms)
+        chunks = Chunks(horizon, ensemble, delays.fixed)
+        return PolicyExpert(run, start, made[0], chunks, delays)
 
     module = getattr(make, "__module__", None)
     expert.__module__ = module or __name__
@@ -286,7 +292,7 @@ class NamedPolicy:
         files: Files that it uses beside its code.
         horizon: Actions of a chunk that are taken before the policy is called again.
         ensemble: Average the predictions of several chunks for the same moment.
-        latency_ms: Simulated time from an observation to its actions.
+        latency: Simulated time from an observation to its actions.
     """
 
     kind: str
@@ -294,7 +300,7 @@ class NamedPolicy:
     files: Sequence[Path] = ()
     horizon: int | None = None
     ensemble: bool = False
-    latency_ms: float = 0.0
+    latency: Latency = field(default_factory=Latency)
 
     def register(self) -> str:
         """Registers it as a kind of expert, and returns the kind."""
@@ -304,7 +310,7 @@ class NamedPolicy:
             self.files,
             horizon=self.horizon,
             ensemble=self.ensemble,
-            latency_ms=self.latency_ms,
+            latency=self.latency,
         )
         return self.kind
 
@@ -322,7 +328,7 @@ def _policy_of_module(name: str, folder: Path, acting: PolicyOptions) -> NamedPo
         files,
         acting.horizon,
         acting.ensemble,
-        acting.latency_ms,
+        acting.latency,
     )
 
 
@@ -445,7 +451,7 @@ def named_policy(policy: str, source: str | Path, acting: PolicyOptions = _AS_IT
     chunks: dict[str, Any] = {
         "horizon": acting.horizon,
         "ensemble": acting.ensemble,
-        "latency_ms": acting.latency_ms,
+        "latency": acting.latency,
     }
     if policy == RANDOM:
         return NamedPolicy(RANDOM + acting.suffix, RandomPolicy, **chunks)
@@ -489,7 +495,7 @@ def _remote_policy(url: str, acting: PolicyOptions) -> NamedPolicy:
         preset.files if preset else (),
         horizon,
         acting.ensemble,
-        acting.latency_ms,
+        acting.latency,
     )
 
 

@@ -51,6 +51,21 @@ def test_late_answers_skip_the_actions_whose_time_is_over(
     assert taken(Chunks(horizon, delay=delay), length, len(values)) == (values, calls)
 
 
+def test_calls_with_their_own_latencies_come_as_late_as_the_last_one_was():
+    chunks = Chunks()
+    values, calls = [], []
+    for step in range(12):
+        if chunks.need_call():
+            calls.append(step)
+            actions = [{"x": np.array([100.0 * len(calls) + i])} for i in range(5)]
+            chunks.add(actions, [1, 3, 0][len(calls) - 1])
+        values.append(float(chunks.next().get("x", [-1.0])[0]))
+    # The first answer is one step late, so the second call begins one step before the chunk ends.
+    # Its answer is three late; the third call begins with it, as its two actions are fewer.
+    assert calls == [0, 4, 7]
+    assert values == [-1, 101, 102, 103, 104, -1, -1, 300, 301, 302, 303, 304]
+
+
 def test_a_late_ensemble_is_the_mean_of_the_answers_that_have_arrived():
     values, calls = taken(Chunks(ensemble=True, delay=1), 3, 4)
     assert calls == [0, 1, 2, 3]

@@ -27,6 +27,8 @@ def test_help_lists_and_describes_every_command():
         "merge",
         "split",
         "filter",
+        "pack",
+        "unpack",
         "export",
         "import",
         "benchmark",

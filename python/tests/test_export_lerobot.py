@@ -510,7 +510,7 @@ def test_a_killed_export_leaves_nothing_under_its_name_and_continues(
 def test_another_export_of_the_same_name_begins_anew(
     dataset: robocell.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    monkeypatch.setattr(lerobot_v3, "_write_tasks", lambda *_: 1 / 0)
+    monkeypatch.setattr(lerobot_v3, "_write_names", lambda *_: 1 / 0)
     out = tmp_path / "lerobot"
     with pytest.raises(ZeroDivisionError):
         export_dataset(dataset, out)

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pyarrow.parquet as pq
 import pytest
 import zarr
 from numpy.typing import NDArray
@@ -84,3 +85,32 @@ def test_commands_of_no_known_group_are_refused(
     mapping.write_text(f"features:\n  action: [{', '.join(named)}, {ROBOT}/action/arm]\n")
     arrays = exported(dataset, tmp_path / "out", mapping=mapping)
     assert arrays["action"].shape[1] == 6 + sum(int(np.prod(c.shape)) for c in columns.values())
+
+
+def test_named_values_have_one_number_in_all_episodes(tmp_path: Path):
+    phases = {"a": ("reach", "lift"), "b": ("reach", "open", "lift"), "c": ("open",)}
+    codes = {"a": [0, 0, 1], "b": [0, 1, 2], "c": [0, 0, 0]}
+    for name, values in phases.items():
+        columns = {
+            "time": ColumnSpec(units="s"),
+            **ARM,
+            "phase": ColumnSpec(dtype="int32", values=values),
+        }
+        with EpisodeWriter(
+            tmp_path / "real", name, columns, metadata={"instruction": "x"}
+        ) as episode:
+            for i, code in enumerate(codes[name]):
+                numbers = {n: np.full(c.shape, i / 10) for n, c in columns.items() if n != "phase"}
+                episode.add_row({**numbers, "phase": code})
+            episode.commit(success=True)
+    mapping = tmp_path / "mapping.yaml"
+    mapping.write_text('features: {subtask_index: ["subtask|phase?"]}\n')
+    out = tmp_path / "out"
+    export_dataset(rc.Dataset(tmp_path / "real"), out, "lerobot-v3", mapping=mapping)
+    table = pq.read_table(out / "meta/subtasks.parquet").to_pydict()
+    assert table == {"subtask_index": [0, 1, 2], "subtask": ["reach", "lift", "open"]}
+    (file,) = (out / "data").rglob("*.parquet")
+    rows = pq.read_table(file, columns=["subtask_index"]).to_pydict()["subtask_index"]
+    told = [table["subtask"][row] for row in rows]
+    assert told == [phases[name][code] for name in phases for code in codes[name]]
+    assert "0 reach, 1 lift, 2 open" in (out / "README.md").read_text()

@@ -18,7 +18,7 @@ from reader_venvs import reader_python, run_reader
 EXPORT = """
 import sys
 from robocell.export import export_dataset
-result = export_dataset(sys.argv[1], sys.argv[2], "rerun")
+result = export_dataset(sys.argv[1], sys.argv[2], "rerun", depth=True)
 assert result.encoded == {}, result.encoded
 """
 READ = """
@@ -37,6 +37,8 @@ for chunk in reader.store().stream().to_chunks():
             found[chunk.entity_path] = np.concatenate(
                 [np.asarray(row, float) for row in column.to_pylist()]
             ).tolist()
+        elif key in ("buffer", "meter", "format") and chunk.entity_path.endswith("/depth"):
+            found.setdefault(chunk.entity_path + " " + key, []).extend(column.to_pylist())
         elif key in ("sample", "text", "translation"):
             rows = column.to_pylist()
             found.setdefault(chunk.entity_path + " " + key, []).extend(
@@ -67,4 +69,9 @@ def test_rerun_reads_columns_frames_events_and_videos(
     assert np.allclose(poses, episode["robots/rc7/tcp_pose"][:, :3], atol=1e-6)
     for camera in ("wrist", "exo"):
         assert len(found[f"/cameras/{camera} sample"]) == len(episode)
+    # Depth is stored as it was recorded: uint16, thousandths of a metre.
+    depth = [np.array(row[0], np.uint8).view("<u2") for row in found["/cameras/wrist/depth buffer"]]
+    assert np.array_equal(np.reshape(depth, (len(episode), 48, 64)), episode.frames("wrist.depth"))
+    assert {float(row[0]) for row in found["/cameras/wrist/depth meter"]} == {1000.0}
+    assert "/cameras/exo/depth buffer" not in found
     assert episode.metadata["instruction"] in str(found["/events text"])

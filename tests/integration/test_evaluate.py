@@ -15,6 +15,10 @@ from commands import ROOT, generate, refusal, robocell_command
 import robocell as rc
 from made_once import made_once
 from robocell._dataset_run import run_of_dataset
+from robocell._evaluated import RolloutEnd, breakdown_of, rollout_end
+from robocell._generation.items import ItemRecord
+from robocell._generation.unstored import UnstoredRollout
+from robocell._policy_calls import PolicyCalls, latency
 from robocell.envs import from_dataset
 from robocell.evaluate import (
     Evaluation,
@@ -111,6 +115,46 @@ def test_policies_see_the_same_starts_and_failures_are_kept(dataset: Path, tmp_p
         assert np.array_equal(a["objects/target/pose"][0], b["objects/target/pose"][0])
         still = b["robots/rc7/action/arm"]
         assert np.abs(still - still[0]).max() < 0.05
+
+
+def test_the_results_of_rollouts_that_are_not_kept_are_read_back(tmp_path: Path):
+    good = ItemRecord("a", success=True, complete=True, rows=7, robot="rc7", object_kind="cup")
+    bad = replace(good, id="b", success=False, rows=9, object_kind="box")
+    for record, failure in ((good, ""), (bad, "policy error: in act: no")):
+        calls = PolicyCalls(record.id)
+        calls.add(0, 1, 2.5, {})
+        UnstoredRollout(record, failure).save(calls, tmp_path)
+    (tmp_path / "policy_calls/c.json").write_text('{"calls": [], "result": {"record": {}}}')
+    ends = [rollout_end(tmp_path, name) for name in "abcd"]
+    assert ends == [
+        RolloutEnd(True, "success", 7, False),
+        RolloutEnd(False, "policy error: in act: no", 9, True),
+        None,
+        None,
+    ]
+    assert UnstoredRollout.find(tmp_path, "a") == UnstoredRollout(good, "")
+    assert breakdown_of(tmp_path, "abcd") == {"object": {"cup": [1, 1], "box": [0, 1]}}
+    assert latency(tmp_path, "ab")["calls"] == 2
+
+
+@pytest.mark.proof
+def test_an_evaluation_without_rollouts_has_the_same_results(dataset: Path, tmp_path: Path):
+    (tmp_path / "mine.py").write_text(REPLAYER)
+    policy = f"{tmp_path / 'mine.py'}:Stay"
+    kept = evaluate(dataset, policy, episodes=2, output=tmp_path / "kept")
+    short = evaluate(dataset, policy, episodes=1, output=tmp_path / "out", rollouts=False)
+    assert short.outcomes.items() < kept.outcomes.items()
+    result = evaluate(dataset, policy, episodes=2, output=tmp_path / "out", rollouts=False)
+    for name in ("outcomes", "failures", "mean_length", "seed", "cell", "policy_errors"):
+        assert getattr(result, name) == getattr(kept, name), name
+    assert not rc.Dataset(tmp_path / "out").ids
+    assert evaluate(dataset, policy, episodes=2, output=tmp_path / "out", rollouts=False) == result
+    evaluate(dataset, policy, episodes=2, output=tmp_path / "out")
+    rows = [
+        (tmp_path / folder / rc.Dataset(tmp_path / "kept").ids[0] / "steps.h5").read_bytes()
+        for folder in ("kept", "out")
+    ]
+    assert rows[0] == rows[1], "kept later"
 
 
 def evaluation(outcomes: dict[str, bool], seed: int = 1) -> Evaluation:

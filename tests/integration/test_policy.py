@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import time
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +13,8 @@ from test_evaluate import DEMO, REPLAYER, dataset, policy_file
 
 import robocell as rc
 from robocell._dataset_run import run_of_dataset
+from robocell._policy_calls import present
+from robocell._policy_latency import Latency
 from robocell.evaluate import evaluate
 from robocell.policy import Policy, PolicyExpert
 
@@ -80,7 +84,7 @@ class Ramp(Policy):
 def test_late_actions_repeat_exactly_and_the_robot_waits_for_the_first(
     dataset: Path, tmp_path: Path
 ):
-    rc.policy.register_policy("late ramp", Ramp, latency_ms=100)
+    rc.policy.register_policy("late ramp", Ramp, latency=100)
     played = []
     for name in ("one", "other"):
         run = run_of_dataset(dataset)
@@ -97,6 +101,71 @@ def test_late_actions_repeat_exactly_and_the_robot_waits_for_the_first(
     # 100 ms are two actions of 66 ms: the first two of each chunk come too late.
     chunk = [0.12, 0.13, 0.14, 0.15]
     assert np.allclose(taken, [held, held, *chunk, *chunk, *chunk[:2]])
+
+
+class Slow(Ramp):
+    """Ramps whose calls take 0, 1, 2 and 3 actions in turn, in the first evaluation only."""
+
+    sleeps = True
+
+    def __init__(self, run: rc.RunConfig) -> None:
+        super().__init__(run)
+        self.calls = 0
+
+    def act(self, observation):
+        if self.sleeps:
+            time.sleep(0.066 * (self.calls % 4))
+        self.calls += 1
+        action = super().act(observation)
+        action["robots/rc7/action/arm"][:, 0] += 0.001 * self.calls
+        return action
+
+
+def test_measured_latencies_of_calls_are_repeated_exactly(
+    dataset: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def play(latency: str, name: str, steps: int = 20) -> tuple[rc.Episode, list[dict[str, float]]]:
+        rc.policy.register_policy(f"slow {name}", Slow, latency=latency)
+        run = run_of_dataset(dataset)
+        run.output, run.expert, run.keep = str(tmp_path / name), f"slow {name}", "first"
+        run.cameras.draw = False
+        run.rates.policy_ms, run.rates.max_steps, run.episodes = 66, steps, 1
+        rc.generate.prepare_dataset(run)
+        (item,) = rc.generate.make_plan(run)
+        present.rollout = item.id
+        rc.generate.Runner(run).run(item)
+        present.save(Path(run.output))
+        return rc.Dataset(run.output)[0], list(present.calls)
+
+    measured, calls = play("measured", "measured")
+    delays = [call["delay"] for call in calls]
+    assert delays == [math.ceil(call["ms"] / 66) for call in calls]
+    assert delays[0] <= 1
+    assert all(delay > number % 4 for number, delay in enumerate(delays) if number % 4)
+    monkeypatch.setattr(Slow, "sleeps", False)
+    recorded = f"recorded:{tmp_path / 'measured'}"
+    again, repeated = play(recorded, "again")
+    assert [call["delay"] for call in repeated] == delays
+    steps = [episode.folder / "steps.h5" for episode in (measured, again)]
+    assert steps[0].read_bytes() == steps[1].read_bytes()
+    *_, (_, more) = [play(recorded, "longer", 30)]
+    assert [call["delay"] for call in more[: len(delays)]] == delays
+    assert {call["delay"] for call in more[len(delays) :]} == {delays[-1]}, "the last one stays"
+    late = Latency.parse(recorded)
+    late.require_recorded([present.rollout])
+    with pytest.raises(rc.ArgumentError, match="the folder lacks the calls of s9_e9"):
+        late.require_recorded([present.rollout, "s9_e9"])
+    with pytest.raises(rc.ArgumentError, match="evaluation that `robocell evaluate` completed"):
+        Latency.parse(f"recorded:{tmp_path}").require_recorded([present.rollout])
+
+
+def test_latencies_are_read_from_text():
+    for text in ("0", "80", "62.5", "measured", "recorded:out/eval"):
+        assert str(Latency.parse(text)) == text
+    assert [bool(Latency.parse(text)) for text in ("0", "1", "measured")] == [False, True, True]
+    for wrong in ("recorded:", "fast", "-1", "nan", "inf"):
+        with pytest.raises(rc.ArgumentError, match="latency"):
+            Latency.parse(wrong)
 
 
 def test_errors_explain_an_invalid_policy(dataset: Path, tmp_path: Path):

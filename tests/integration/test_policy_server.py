@@ -22,6 +22,7 @@ from commands import ROOT, refusal
 import robocell as rc
 from openpi_peer import OpenpiClient, openpi_server
 from robocell._generation.supervisor import Limits
+from robocell._policy_latency import Latency
 from robocell._policy_options import PolicyOptions
 from robocell.evaluate import Evaluation, default_output, evaluate
 from robocell.policy import expert_of_policy
@@ -246,7 +247,7 @@ def test_options_of_policies_that_do_not_fit_are_explained(run: Path, tmp_path: 
 def test_options_are_part_of_what_an_evaluation_is():
     acting = PolicyOptions(horizon=3, ensemble=True)
     assert expert_of_policy("random", "", acting) == "random horizon=3 ensemble"
-    late = PolicyOptions(latency_ms=80)
+    late = PolicyOptions(latency=Latency(80))
     assert expert_of_policy("random", "", late) == "random latency=80"
     assert late.arguments() == ["--latency=80"]
     url = "ws://127.0.0.1:9"

@@ -24,6 +24,8 @@ COMMANDS = (
     "merge",
     "split",
     "filter",
+    "pack",
+    "unpack",
     "export",
     "import",
     "evaluate",

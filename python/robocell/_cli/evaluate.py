@@ -65,6 +65,12 @@ def evaluate(
     no_cameras: Annotated[
         bool, typer.Option("--no-cameras", help="Draw no images, and keep no videos.")
     ] = False,
+    no_rollouts: Annotated[
+        bool,
+        typer.Option(
+            "--no-rollouts", help="Keep results, seeds and failures, and no episodes: faster."
+        ),
+    ] = False,
     imports: Annotated[
         list[str] | None,
         typer.Option("--import", metavar="MODULE", help="A module that registers tasks."),
@@ -108,14 +114,14 @@ def evaluate(
         ),
     ] = None,
     latency: Annotated[
-        float,
+        str,
         typer.Option(
-            metavar="MS",
-            min=0.0,
+            metavar="MS|measured|recorded:PATH",
             help="Simulated time from an observation to its actions; actions of the last chunk are "
-            "taken meanwhile. Default: 0, the simulation waits.",
+            "taken meanwhile: milliseconds, those of each call, or those recorded in another "
+            "evaluation. Default: 0, the simulation waits.",
         ),
-    ] = 0.0,
+    ] = "0",
     max_steps: Annotated[
         int | None,
         typer.Option(
@@ -166,7 +172,8 @@ def evaluate(
         horizon=horizon,
         ensemble=ensemble,
         policy_timeout_s=policy_timeout,
-        latency_ms=latency,
+        latency=latency,
+        rollouts=not no_rollouts,
         max_steps=max_steps,
     )
     atomic_write(Path(result.dataset) / "evaluation.json", (result.to_json() + "\n").encode())

@@ -10,6 +10,7 @@ import typer
 
 import robocell
 from robocell._cli.common import ExitCode, require_folder
+from robocell.data.pack import damage_of_packed, is_packed
 
 
 def verify(
@@ -30,6 +31,9 @@ def verify(
     3  the only problems: files that this machine or version cannot read
     """
     require_folder(dataset, "dataset")
+    if not repair and is_packed(dataset):
+        _verify_packed(dataset)
+        return
     if repair:
         repaired = robocell.data.repair(dataset, decode_videos=decode_videos)
         print(str(repaired.found).rstrip())
@@ -50,3 +54,12 @@ def verify(
         )
     if not result.ok:
         raise typer.Exit(ExitCode.OUTPUT if result.only_unreadable else ExitCode.INCOMPLETE)
+
+
+def _verify_packed(folder: Path) -> None:
+    """Compares the files of a packed dataset with their hashes."""
+    if damaged := damage_of_packed(folder):
+        print("\n".join(damaged))
+        print("Copy the damaged shards again, or pack the dataset again")
+        raise typer.Exit(ExitCode.INCOMPLETE)
+    print(f"packed dataset, intact: {folder}")

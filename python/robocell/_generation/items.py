@@ -71,11 +71,11 @@ class ItemRecord:
     advice: str = ""
 
     @classmethod
-    def from_core(cls, result: Any) -> ItemRecord:
-        """Converts the `ItemResult` of the runner."""
+    def from_core(cls, result: Any, *, stores: bool = True) -> ItemRecord:
+        """Converts the `ItemResult` of a runner; `stores`: whether it writes episodes."""
         return cls(
             id=result.item.id,
-            success=result.committed and result.success,
+            success=result.success and (result.committed or not stores),
             complete=result.complete,
             stopped=result.stopped,
             resumed=result.resumed,

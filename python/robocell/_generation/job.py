@@ -31,6 +31,7 @@ from robocell._generation.resume import DamagedEpisodesError, made_items, result
 from robocell._generation.run_source import RunSource, require_utf8
 from robocell._generation.supervised_job import Result, SupervisedJob
 from robocell._generation.supervisor import Limits, Outcome
+from robocell._generation.unstored import UnstoredRollout
 from robocell.generate import (
     PlanItem,
     make_plan,
@@ -99,7 +100,12 @@ class Job(SupervisedJob):
         """Returns the items on the disk. Raises DamagedEpisodesError for unreadable ones."""
         if not self.dataset.is_dir():
             return set()
-        return made_items(self.run, self._chosen)
+        made = made_items(self.run, self._chosen)
+        return made if self.source.acting.stores else made | self._unstored()
+
+    def _unstored(self) -> set[str]:
+        """Returns the items of an evaluation whose results are there without their rollouts."""
+        return {item.id for item in self.items if UnstoredRollout.find(self.dataset, item.id)}
 
     def check(self, longest_s: float = Limits.item_timeout_s) -> list[str]:
         """Checks the run and its dataset, and returns the warnings.
@@ -162,7 +168,11 @@ class Job(SupervisedJob):
 
     def result_of(self, item_id: str) -> ItemRecord | None:
         """Returns the result of an item on the disk; None for one that is not made."""
-        return result_of(self.run, self._by_id[item_id])
+        found = result_of(self.run, self._by_id[item_id])
+        if found is None and not self.source.acting.stores:
+            unstored = UnstoredRollout.find(self.dataset, item_id)
+            return unstored.record if unstored else None
+        return found
 
     def worker_command(self) -> list[str]:
         """Returns the command that starts a worker."""

@@ -31,10 +31,12 @@ def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
     if run.augment:
         run.augment.dataset = str(Path(run.augment.dataset).absolute())
     require_same_run(run)
-    runner = Runner(run)
+    stores = source.acting.stores
+    runner = Runner(run, stores=stores)
     plan = {item.id: item for item in make_plan(run)}
     if not source.policy:
         return lambda item: ItemRecord.from_core(runner.run(plan[item.id], stop=stop))
+    from robocell._generation.unstored import UnstoredRollout
     from robocell._policy_calls import present
     from robocell.policy import REPLAY
 
@@ -44,9 +46,12 @@ def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
     def evaluate(item: Item) -> ItemRecord:
         present.rollout, present.seed, present.calls = item.id, run.seed, []
         result = runner.run(plan[item.id], stop=stop)
-        if present.calls:
+        record = ItemRecord.from_core(result, stores=stores)
+        if not stores and record.complete:
+            UnstoredRollout(record, result.failure).save(present, Path(run.output))
+        elif present.calls:
             present.save(Path(run.output))
-        return ItemRecord.from_core(result)
+        return record
 
     return evaluate
 

@@ -7,7 +7,7 @@ frame of every component. All episodes of an export must have the same features.
 from __future__ import annotations
 
 from collections.abc import Collection, Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -96,11 +96,25 @@ class Feature:
     def _read(self, episode: Episode, term: Term) -> NDArray[Any]:
         column = _column(episode, term.column)
         values = column.reshape(len(column), -1)
+        if self.values:
+            values = self._numbered(episode, term.column, values)
         if term.column in self.openings:
             values = self.gripper.of(values, is_difference(term.column))
         if term.part:
             values = _part(episode, term, values)
         return values if term.times == 1 else values * term.times
+
+    def _numbered(self, episode: Episode, name: str, values: NDArray[Any]) -> NDArray[Any]:
+        """Returns the numbers of named values in all episodes, for those of one episode."""
+        own = tuple(episode.column(name).values)
+        if own == self.values[: len(own)]:
+            return values
+        if values.size and not (values.min() >= 0 and values.max() < len(own)):
+            raise ArgumentError(
+                f"episode '{episode.folder}': column '{name}' has values without a name: it names "
+                f"0 to {len(own) - 1}, and has {values.min()} to {values.max()}"
+            )
+        return np.array([self.values.index(each) for each in own])[values]
 
 
 @dataclass(frozen=True)
@@ -111,6 +125,15 @@ class Resolved:
     images: dict[str, str]
     task: str
     robots: tuple[str, ...]
+
+    def with_values_of(self, other: Resolved) -> Resolved:
+        """Returns it with the named values of another episode too, after its own."""
+        theirs = {feature.name: feature.values for feature in other.features}
+        features = tuple(
+            replace(each, values=tuple(dict.fromkeys((*each.values, *theirs[each.name]))))
+            for each in self.features
+        )
+        return replace(self, features=features)
 
     def require_same(self, other: Resolved, episode: Episode, first: Episode) -> None:
         """Raises ArgumentError unless another episode has the same features."""

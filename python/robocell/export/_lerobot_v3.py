@@ -32,6 +32,7 @@ with needed_by("robocell.export", "export"):
 
 VERSION = "v3.0"
 CHUNK = 1000  # files in a folder
+SUBTASK = "subtask_index"  # the feature whose names LeRobot reads
 DATA_MB, VIDEO_MB = 100, 200  # a file does not grow beyond, unless one episode is larger
 ROW_BYTES = 4  # of a number in a data file, at most nearly
 DATA_PATH = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"
@@ -61,7 +62,10 @@ def write(
     else:
         count, resumed = write_parts(staging, shards(source), write_part, on_episode)
     written = collect(source, staging, _tables(staging, count), count, resumed)
-    _write_tasks(staging.path("meta/tasks.parquet"), source.tasks)
+    _write_names(staging.path("meta/tasks.parquet"), "task", source.tasks)
+    for feature in source.resolved.features:
+        if feature.name == SUBTASK and feature.values:
+            _write_names(staging.path("meta/subtasks.parquet"), "subtask", feature.values)
     _write_episodes(staging, count)
     write_json(staging.path("meta/stats.json"), written.statistics)
     write_json(staging.path("meta/info.json"), info(source, written.codecs))
@@ -193,8 +197,8 @@ def _episode_row(row: dict[str, Any], place: dict[str, int]) -> dict[str, Any]:
     return row | flat | own
 
 
-def _write_tasks(path: Path, tasks: Sequence[str]) -> None:
-    """Writes the tasks as a table that pandas reads with the index `task`, as LeRobot expects."""
+def _write_names(path: Path, what: str, names: Sequence[str]) -> None:
+    """Writes names as a table that pandas reads with them as its index, as LeRobot expects."""
 
     def column(name: str, kind: str, numpy_kind: str) -> dict[str, Any]:
         return {
@@ -206,7 +210,7 @@ def _write_tasks(path: Path, tasks: Sequence[str]) -> None:
         }
 
     described = {
-        "index_columns": ["task"],
+        "index_columns": [what],
         "column_indexes": [
             {
                 "name": None,
@@ -216,10 +220,14 @@ def _write_tasks(path: Path, tasks: Sequence[str]) -> None:
                 "metadata": {"encoding": "UTF-8"},
             }
         ],
-        "columns": [column("task_index", "int64", "int64"), column("task", "unicode", "object")],
+        "columns": [
+            column(f"{what}_index", "int64", "int64"),
+            column(what, "unicode", "object"),
+        ],
         "attributes": {},
         "creator": {"library": "pyarrow", "version": pa.__version__},
         "pandas_version": "2.0.0",
     }
-    table = pa.table({"task_index": pa.array(range(len(tasks)), pa.int64()), "task": list(tasks)})
+    numbers = pa.array(range(len(names)), pa.int64())
+    table = pa.table({f"{what}_index": numbers, what: list(names)})
     pq.write_table(table.replace_schema_metadata({"pandas": json.dumps(described)}), path)

@@ -260,6 +260,7 @@ def gather(
         episode = dataset[name]
         own = mapping.resolve(episode)
         resolved.require_same(own, episode, first)
+        resolved = resolved.with_values_of(own)
         rows = None
         if rate is not None:
             rates.append(rate)

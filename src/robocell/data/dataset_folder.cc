@@ -4,12 +4,14 @@
 
 #include <algorithm>
 #include <string>
+#include <string_view>
 #include <system_error>
 #include <vector>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
+#include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/data/episode_files.h"
@@ -22,7 +24,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kShown = 5;  // names in a message
+constexpr size_t kShown = 5;                             // names in a message
+constexpr std::string_view kPackedFile = "packed.json";  // of `robocell pack`
 
 bool Is(const fs::path& path, std::initializer_list<fs::file_type> types) {
   std::error_code ignored;
@@ -92,6 +95,11 @@ void RequireDataset(const fs::path& folder) {
   if (std::any_of(names.begin(), names.end(),
                   [&](const std::string& name) { return IsOfDataset(folder, name); }))
     return;
+  if (fs::exists(folder / kPackedFile)) {
+    throw ArgumentError(fmt::format(
+        "'{}' is a packed dataset. `robocell unpack {} OUT` makes the dataset again in OUT",
+        folder.string(), internal::ShellWord(folder.string())));
+  }
   const std::string holds =
       names.empty() ? "it is empty" : fmt::format("it holds {}", ListNames(names, kShown));
   throw ArgumentError(

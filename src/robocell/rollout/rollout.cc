@@ -116,7 +116,8 @@ RolloutResult Stopped(RolloutResult result) {
 RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expert, Rng& rng,
                          const RolloutOptions& options) {
   const SceneUse::Claim claim(start.scene.use(), "RunRollout");
-  const PortableScene portable = MakePortable(start.scene.spec());
+  const PortableScene portable =
+      options.stores ? MakePortable(start.scene.spec()) : PortableScene();
   RunCell in(run, start, options.renderer);
   ExpertCalls calls(expert, options.expert_errors_fail);
   calls.Do("begin", [&] { expert.Begin(start.scene, rng); });
@@ -206,6 +207,7 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
     recording.RequireWritten();
     return result;
   }
+  if (!options.stores) return result;
   if (!recording.Finish()) return Stopped(result);
   if (options.before_commit) options.before_commit();
   result.committed = recording.Commit(

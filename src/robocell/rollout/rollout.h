@@ -60,14 +60,16 @@ struct RolloutOptions {
   bool expert_errors_fail = false;
   // A success counts only if its controls alone lead to success again (exact_replay.h).
   bool judge_replay = false;
+  // False: nothing is written, whatever the result. Images are drawn only for an expert that looks.
+  bool stores = true;
   // The randomness of the run's noise; required if it has `noise`.
   std::optional<Rng> noise = {};
   // Whether the noise displaced the start, for the record; unset if the run displaces none.
   std::optional<bool> start_displaced = {};
 };
 
-// Commits the episode if it succeeded, or failed and failures are kept; else nothing stays on the
-// disk.
+// Commits the episode if it succeeded, or failed and failures are kept; else, and without `stores`,
+// nothing stays on the disk.
 RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expert, Rng& rng,
                          const RolloutOptions& options);
 

@@ -66,7 +66,9 @@ RolloutRecording::RolloutRecording(const RunConfig& run, const EpisodeStart& sta
                              .phases = phases,
                              .subtasks = in.cell.subtasks()}),
       has_images_(!in.images.drawn().empty()),
-      draws_later_(has_images_ && options.render == RenderWhen::kKept && !options.keep_failures),
+      stores_(options.stores),
+      draws_later_(has_images_ && stores_ && options.render == RenderWhen::kKept &&
+                   !options.keep_failures),
       check_(start.scene, in.features.observed()) {
   drawers_.push_back(std::make_unique<Drawer>(start.scene, nullptr, in.images));
   for (Renderer* renderer : options.more_renderers) {
@@ -74,13 +76,14 @@ RolloutRecording::RolloutRecording(const RunConfig& run, const EpisodeStart& sta
     CellImages& images = *own;
     drawers_.push_back(std::make_unique<Drawer>(start.scene, std::move(own), images));
   }
+  in.cell.set_on_control_tick([this](const mjModel* m, const mjData* d) { PutControl(m, d); });
+  if (has_images_) in.images.set_draw_at_look([this] { DrawForPolicy(); });
+  if (!stores_) return;
   episode_.AddCameras(in.images.drawn(), run.rates.policy_rate());
   episode_.Describe(options.dataset, options.episode_id, Metadata(run, start, portable, options),
                     portable);
   if (!draws_later_) episode_.Open();
-  in.cell.set_on_control_tick([this](const mjModel* m, const mjData* d) { PutControl(m, d); });
   if (!has_images_) return;
-  in.images.set_draw_at_look([this] { DrawForPolicy(); });
   StartQueue(draws_later_ ? RowQueue::Begin::kAtFinish : RowQueue::Begin::kAtOnce);
 }
 
@@ -133,6 +136,7 @@ bool RolloutRecording::LetLook(const std::function<void()>& call) const {
 }
 
 bool RolloutRecording::PutOutcome(const RowOutcome& outcome) {
+  if (!stores_) return true;
   const StageClock::Stage stage(clock_, has_images_ ? times_.rendering : times_.writing);
   const std::span<const double> actions = in_.features.ReadActions();
   row_.commanded.assign(actions.begin(), actions.end());
@@ -166,8 +170,10 @@ bool RolloutRecording::Commit(const EpisodeSummary& summary) {
 
 void RolloutRecording::PutControl(const mjModel* model, const mjData* data) {
   const StageClock::Stage stage(clock_, times_.writing);
-  row_.tick_times.push_back(data->time);
-  row_.ctrl.insert(row_.ctrl.end(), data->ctrl, data->ctrl + model->nu);
+  if (stores_) {
+    row_.tick_times.push_back(data->time);
+    row_.ctrl.insert(row_.ctrl.end(), data->ctrl, data->ctrl + model->nu);
+  }
   if (parts_.replay) parts_.replay->Put({data->ctrl, static_cast<size_t>(model->nu)});
 }
 
@@ -234,7 +240,7 @@ void RolloutRecording::DrawForPolicy() {
 void RolloutRecording::DrawNow() {
   if (row_.is_drawn) return;
   const StageClock::Stage stage(clock_, times_.rendering);
-  if (!FinishRows()) {  // the cameras keep one set of images
+  if (stores_ && !FinishRows()) {  // the cameras keep one set of images
     is_stopped_ = true;
     return queue_.reset();  // so that nobody draws while the policy looks
   }

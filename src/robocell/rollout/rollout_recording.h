@@ -106,6 +106,7 @@ class RolloutRecording {
   StageClock clock_;
   EpisodeRecording episode_;
   const bool has_images_;
+  const bool stores_;  // without it, images are drawn for the policy only
   const bool draws_later_;
   std::vector<std::unique_ptr<Drawer>> drawers_;  // of each thread
   DrawnCheck check_;

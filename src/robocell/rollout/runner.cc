@@ -215,7 +215,8 @@ internal::RolloutOptions Runner::State::Options(const PlanItem& item, int attemp
           .stop = stop,
           .before_commit = [this] { RequireUnchangedModels(); },
           .expert_errors_fail = do_expert_errors_fail(),
-          .judge_replay = run.augment.has_value()};
+          .judge_replay = run.augment.has_value(),
+          .stores = parts.stores};
 }
 
 Runner::Runner(RunConfig run, RunnerParts parts) : state_(std::make_unique<State>()) {
@@ -275,15 +276,16 @@ void AddKept(ItemResult& result, const Episode& episode, EarlierAttempts& earlie
 }
 
 // Adds a rollout to the sums.
-void AddTo(ItemResult& result, const internal::RolloutResult& rollout) {
+void AddTo(ItemResult& result, const internal::RolloutResult& rollout, bool stores) {
   if (rollout.stopped) return Drop(result);
   ++result.attempts;
   ++result.accepted;
   if (!rollout.success) ++result.failures[rollout.failure];
+  result.failure = rollout.failure;
   result.committed |= rollout.committed;
   result.kept += rollout.committed;
   result.success = rollout.success;
-  if (rollout.committed) result.rows = rollout.rows;
+  if (rollout.committed || !stores) result.rows = rollout.rows;
   result.seconds_acting += rollout.times.acting;
   result.seconds_rendering += rollout.times.rendering;
   result.seconds_writing += rollout.times.writing;
@@ -333,7 +335,7 @@ void Runner::State::Attempt(const PlanItem& item, int attempt, const StopRequest
   options.start_displaced = displaced;
   const internal::RolloutResult rollout =
       internal::RunRollout(run, *sample.start, *expert, expert_rng, options);
-  AddTo(result, rollout);
+  AddTo(result, rollout, parts.stores);
   if (result.stopped) return;
   if (!rollout.committed) RequireUnchangedModels();  // failures count too
   if (!rollout.success)
@@ -392,7 +394,7 @@ ItemResult Runner::Run(const PlanItem& item, const StopRequest& stop) {
   if (!state_->sampler) throw Error(fmt::format("run '{}': its runner is gone", run.run));
   ItemResult result{.item = item, .robot = run.robot.config.name};
   const DatasetLock lock = state_->Enter();
-  if (IsComplete(run, item)) {
+  if (state_->parts.stores && IsComplete(run, item)) {
     result.committed = result.resumed = true;
     result.success = LookForItem(run, item).success;
     result.complete = result.success || run.keep == Keep::kFirst;
@@ -408,7 +410,7 @@ ItemResult Runner::Run(const PlanItem& item, const StopRequest& stop) {
   for (int attempt = item.first_attempt; attempt < attempts && !is_made(); ++attempt) {
     if (ShouldStop(stop)) result.stopped = true;
     if (result.stopped) return result;
-    const bool keeps_all = run.keep == Keep::kAll;
+    const bool keeps_all = run.keep == Keep::kAll && state_->parts.stores;
     if (const auto kept = keeps_all ? KeptAttempt(run, item, attempt) : std::nullopt)
       AddKept(result, *kept, earlier);
     else

@@ -54,11 +54,12 @@ struct ItemResult {
   std::string advice;
   std::map<std::string, int> redrawn;   // reason -> count, of places tried within the attempts
   std::map<std::string, int> failures;  // reason -> count, of rollouts
+  std::string failure;                  // why the last rollout failed; "" if it succeeded
   std::string robot;                    // its name
   std::string object_kind;              // object kind of the last attempt's target; "" if unknown
   std::map<std::string, int> kinds;     // object kind -> attempts
   std::map<std::string, int> rollouts;  // object kind -> rollouts
-  int rows = 0;                         // rows of the committed episode
+  int rows = 0;  // of the committed episode, or of the last rollout of a runner that stores none
   double seconds_sampling = 0, seconds_acting = 0, seconds_rendering = 0, seconds_writing = 0;
 };
 
@@ -70,6 +71,9 @@ struct RunnerParts {
   std::function<std::shared_ptr<Expert>(const RunConfig&, const EpisodeStart&)> expert = {};
   // Makes the data of the starts' scenes (SampleRequest::scene_data).
   DataFactory scene_data = {};
+  // False: results are returned and nothing is written. Every item is made, also one whose episode
+  // is there.
+  bool stores = true;
 };
 
 class Runner {

@@ -220,7 +220,16 @@ TEST(Runner, DoesNotReplaceTheFirstStart) {
                                      std::pair(false, "policy error: action: no robot 'nobody'")}) {
     int left = 1;
     const PlanItem item = MakePlan(run)[throws ? 0 : 1];
+    RunnerParts parts = FailingParts(left, throws);
+    parts.stores = false;
+    const ItemResult unstored = Runner(run, std::move(parts)).Run(item);
+    EXPECT_TRUE(unstored.complete && !unstored.committed && !unstored.success);
+    EXPECT_FALSE(std::filesystem::exists(folder / "out" / item.id));
+    left = 1;
     const ItemResult result = Runner(run, FailingParts(left, throws)).Run(item);
+    EXPECT_EQ(unstored.failures, result.failures);
+    EXPECT_EQ(unstored.failure, result.failures.begin()->first);
+    EXPECT_EQ(unstored.rows, result.rows);
     EXPECT_TRUE(result.complete && result.committed && !result.success);
     ASSERT_EQ(result.failures.size(), 1u);
     EXPECT_THAT(result.failures.begin()->first, ::testing::StartsWith(text));
