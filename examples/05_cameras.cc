@@ -58,7 +58,7 @@ int main(int argc, char** argv) try {
   const fs::path folder = argc > 1 ? argv[1] : fs::temp_directory_path() / "robocell_example_05";
   fs::create_directories(folder);
   const rc::Scene scene = Build();
-  const auto renderer = rc::MakeRenderer();
+  const auto renderer = rc::MakeRenderer({.quality = rc::NamedQuality("standard")});
   renderer->SetModel(scene.model());
   std::vector<uint8_t> rgb(kWidth * kHeight * 3);
   std::vector<float> depth(kWidth * kHeight);

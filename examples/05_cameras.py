@@ -42,7 +42,7 @@ def build() -> rc.Scene:
 def main(folder: Path) -> None:
     """Renders, measures, and films into `folder`."""
     scene = build()
-    renderer = rc.render.Renderer(scene)
+    renderer = rc.render.Renderer(scene, quality="standard")
     image = renderer.render("front", WIDTH, HEIGHT, depth=True, segmentation=True)
     rgb, depth, bodies = image["rgb"], image["depth"], image["segmentation"]
     names = [scene.model.body(i).name for i in range(scene.model.nbody)]

@@ -80,7 +80,7 @@ int main(int argc, char** argv) try {
   fs::create_directories(folder);
   rc::Scene scene = Build();
   rc::Robot robot = rc::Robot::Of(scene, "rc7");
-  rc::SceneRenderer renderer(scene);
+  rc::SceneRenderer renderer(scene, {.quality = rc::NamedQuality("standard")});
   rc::RgbImage panels{3 * kWidth, kHeight, std::vector<uint8_t>(9 * kWidth * kHeight)};
 
   // Added by compiling, in the middle of a motion. The handles stay valid.

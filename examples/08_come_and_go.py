@@ -39,7 +39,7 @@ def build() -> rc.Scene:
 def main(folder: Path) -> None:
     """Adds, removes, resets; the picture in `folder` shows three moments."""
     scene = build()
-    robot, renderer = scene.robot("rc7"), rc.render.Renderer(scene)
+    robot, renderer = scene.robot("rc7"), rc.render.Renderer(scene, quality="standard")
     pictures = []
 
     def run(steps: int) -> None:

@@ -137,10 +137,11 @@ void BindRender(nb::module_& m) {
                                  .multisamples = multisamples,
                                  .shadow_size = shadow_size};
             if (quality) {
-              if (shadows || reflections || multisamples != 0) {
+              if (shadows || reflections || multisamples != 0 ||
+                  shadow_size != RenderQuality{}.shadow_size) {
                 throw ArgumentError(
                     "Renderer(): give `quality` or single effects (`shadows`, `multisamples`, "
-                    "`reflections`), not both");
+                    "`reflections`, `shadow_size`), not both");
               }
               chosen = NamedQuality(*quality);
             }

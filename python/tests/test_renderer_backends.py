@@ -50,6 +50,8 @@ def test_a_quality_has_a_name_and_excludes_single_effects(scene: rc.Scene):
         rc.render.Renderer(scene, quality="best")
     with pytest.raises(ValueError, match="not both"):
         rc.render.Renderer(scene, quality="high", shadows=True)
+    with pytest.raises(ValueError, match="not both"):
+        rc.render.Renderer(scene, quality="standard", shadow_size=512)
 
 
 def description(**variables: str) -> str:

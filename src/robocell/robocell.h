@@ -80,6 +80,7 @@
 #include "robocell/scenes/relations.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/scenes/spatial_relation.h"
+#include "robocell/spec/render_quality.h"
 #include "robocell/spec/run_config.h"
 #include "robocell/spec/scene_spec.h"
 #include "robocell/spec/yaml.h"

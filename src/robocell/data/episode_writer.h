@@ -44,7 +44,7 @@ struct EpisodeOptions {
   // The features of the columns; empty for other recordings.
   FeatureSchema features = {};
   // Options of the videos, as in VideoOptions.
-  std::string video_preset = "superfast";
+  std::string video_preset = "rendered";
   int video_crf = 18;
   int video_keyframe_interval = 30;
 };

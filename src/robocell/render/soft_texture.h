@@ -8,10 +8,15 @@
 
 namespace robocell::internal {
 
-// Texels are red, green, blue from the lowest byte on. The highest byte is 1 if the texels that are
-// mixed with this one, those to the right and below, have its colour, else 0. A cube has six square
-// faces in each level: +x, -x, +y, -y, +z, -z. After each row comes the texel that follows its last
-// one: the first again, or in a cube the last, so that neighbours lie together.
+inline constexpr uint32_t kSoftPlain = 1u << 24, kSoftWide = 1u << 25, kSoftWider = 1u << 26;
+inline constexpr int kSoftWideSide = 9, kSoftWiderSide = 13;
+
+// Texels are red, green, blue from the lowest byte on. The highest byte has marks, else 0: kSoftPlain
+// if the texels that are mixed with this one, those to the right and below, have its colour;
+// kSoftWide and kSoftWider if all in a square of so many texels to the right and below have it (not
+// in cubes). A cube has six square faces in each level: +x, -x, +y, -y, +z, -z. After each row comes
+// the texel that follows its last one: the first again, or in a cube the last, so that neighbours lie
+// together.
 struct SoftTexture {
   bool cube = false;
   bool sky = false;
@@ -28,6 +33,7 @@ struct SoftTexture {
   void AddSmallerLevels(int faces);
   void EndRow();
   void MarkPlain(int faces);
+  void MarkWide();
 };
 
 }  // namespace robocell::internal

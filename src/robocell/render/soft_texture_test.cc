@@ -19,7 +19,7 @@ SoftTexture TextureOf(const std::string& attributes) {
   return {model.get(), 0};
 }
 
-constexpr uint32_t kColour = 0xffffff, kPlain = 1 << 24;
+constexpr uint32_t kColour = 0xffffff, kPlain = kSoftPlain;
 
 uint32_t At(const SoftTexture& texture, size_t level, int x, int y, int face = 0) {
   const int width = texture.level_width[level] + 1, height = texture.level_height[level];
@@ -42,6 +42,38 @@ TEST(SoftTexture, AFlatTextureIsPlainEverywhereInEveryLevel) {
   EXPECT_NEAR(At(texture, 0, 0, 0) >> 8 & 255, 127, 1) << "green";
   EXPECT_EQ(At(texture, 0, 0, 0) >> 16 & 255, 0) << "blue";
   EXPECT_TRUE(At(texture, 0, 0, 0) & kPlain);
+}
+
+// The marks of squares of one colour, against a look at each texel. Tiles repeat.
+TEST(SoftTexture, MarksSquaresOfOneColour) {
+  for (const char* marks : {"mark='none'", "mark='random' random='0.004' markrgb='1 0 0'"}) {
+    const SoftTexture texture =
+        TextureOf("type='2d' builtin='checker' rgb1='0 0 0' rgb2='1 1 1' width='64' height='48' " +
+                  std::string(marks));
+    int count[2] = {};
+    for (size_t level = 0; level < texture.level_width.size(); ++level) {
+      const int w = texture.level_width[level], h = texture.level_height[level];
+      const auto is_one = [&](int x, int y, int side) {
+        for (int k = 0; k < side * side; ++k) {
+          const uint32_t other = At(texture, level, (x + k % side) % w, (y + k / side) % h);
+          if (((other ^ At(texture, level, x, y)) & kColour) != 0) return false;
+        }
+        return true;
+      };
+      for (int y = 0; y < h; ++y) {
+        for (int x = 0; x < w; ++x) {
+          const bool wide = (At(texture, level, x, y) & kSoftWide) != 0,
+                     wider = (At(texture, level, x, y) & kSoftWider) != 0;
+          ASSERT_EQ(wide, is_one(x, y, kSoftWideSide)) << level << ": " << x << " " << y;
+          ASSERT_EQ(wider, is_one(x, y, kSoftWiderSide)) << level << ": " << x << " " << y;
+          count[0] += wide;
+          count[1] += wider;
+        }
+      }
+    }
+    EXPECT_GT(count[1], 100);
+    EXPECT_GT(count[0], count[1]);
+  }
 }
 
 TEST(SoftTexture, LevelsHalveDownToOneTexel) {
