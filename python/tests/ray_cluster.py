@@ -2,8 +2,8 @@
 
     python ray_cluster.py generate run.yaml --output out
 
-Runs `robocell ... --engine ray --address ADDRESS --progress jsonl` and prints its events. After the
-second episode it kills one machine, and another one joins.
+Runs `robocell ... --engine ray --address ADDRESS --progress jsonl` and prints its events. When both
+machines are at work, it kills one, and another one joins.
 """
 
 from __future__ import annotations
@@ -16,26 +16,26 @@ import sys
 # Ray's workers are nice; beside other work they would hardly run.
 os.environ |= {"RAY_USAGE_STATS_ENABLED": "0", "RAY_worker_niceness": "0"}
 
-KILLED_AFTER = 2  # episodes
-
 
 def main() -> int:
     """Returns the exit code of the command."""
+    import ray
     from ray.cluster_utils import Cluster
 
     head = {"num_cpus": 1, "include_dashboard": False}
     cluster = Cluster(initialize_head=True, head_node_args=head)
     try:
-        other = cluster.add_node(num_cpus=1)
+        # Commands connect to a machine of their own address: to the head.
+        other = cluster.add_node(num_cpus=1, node_ip_address="127.0.0.2")
+        ray.init(address=cluster.address, log_to_driver=False)
         options = ["--engine", "ray", "--address", cluster.address, "--progress", "jsonl"]
         command = [sys.executable, "-m", "robocell", *sys.argv[1:], *options]
-        episodes = 0
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
             assert process.stdout is not None
             for line in process.stdout:
                 print(line, end="", flush=True)
-                episodes += json.loads(line)["event"] == "episode"
-                if other is not None and episodes == KILLED_AFTER:
+                made = json.loads(line)["event"] == "episode"
+                if made and other is not None and not ray.available_resources().get("CPU"):
                     cluster.remove_node(other, allow_graceful=False)
                     cluster.add_node(num_cpus=1)
                     other = None

@@ -19,6 +19,7 @@ from robocell._cli.common import ExitCode, fail, print_warning, print_wide, requ
 from robocell._generation.disk import free_bytes
 from robocell._generation.estimate import ProbeError, estimate
 from robocell._generation.job import Job, Result
+from robocell._generation.mixture import MixtureJob, is_mixture, load_mixture
 from robocell._generation.procfs import age_s
 from robocell._generation.progress import make_progress
 from robocell._generation.ray_engine import RayEngine
@@ -149,6 +150,26 @@ def generate(
         fail("--cores is of the estimate: add --dry-run, or choose --workers")
     if engine is not EngineChoice.RAY and (address is not None or fetch):
         fail("--address and --fetch are of a Ray cluster: add --engine ray")
+    if not source.in_python and is_mixture(run):
+        if engine is EngineChoice.RAY:
+            fail("--engine ray makes the episodes of one run: give it each run of the mixture")
+        if shard is not None or episodes is not None:
+            fail(
+                "--shard and --episodes are of one run: write `episodes` beside a run in "
+                f"'{run}', or generate its runs one by one"
+            )
+        make_mixture(
+            source,
+            [*(set_ or []), *render, *overrides({"seed": seed})],
+            output=output,
+            workers=workers,
+            progress=progress,
+            item_timeout=item_timeout,
+            dry_run=dry_run,
+            cores=cores,
+            no_report=no_report,
+        )
+        return
     make_episodes(
         source,
         [*(set_ or []), *render],
@@ -209,11 +230,69 @@ def make_episodes(
         fail(str(error))
     except DamagedEpisodesError as error:
         fail(text_of_damage(str(error), job.dataset), ExitCode.OUTPUT)
+    show_end(job.run.run, job.dataset, result, progress, no_report=no_report)
+
+
+def show_end(
+    name: str, dataset: Path, result: Result, progress: ProgressChoice, *, no_report: bool
+) -> None:
+    """Prints the table at the end of a run, and exits with its code."""
     nothing_tried = result.outcome.fatal and not result.outcome.totals.attempts
     if progress is not ProgressChoice.JSONL and not no_report and not nothing_tried:
-        summary = Summary(job.run.run, job.dataset, result.on_disk, result.outcome.totals)
-        print_wide(summary.table())
+        print_wide(Summary(name, dataset, result.on_disk, result.outcome.totals).table())
     _end(result, has_seen_items=progress is not ProgressChoice.JSONL)
+
+
+def make_mixture(
+    source: RunSource,
+    replaced: list[str],
+    *,
+    output: str | None,
+    workers: int | None,
+    progress: ProgressChoice,
+    item_timeout: float,
+    dry_run: bool,
+    cores: int | None,
+    no_report: bool,
+) -> None:
+    """Makes the episodes of all runs of a mixture and ends the command.
+
+    Args:
+        source: The mixture file.
+        replaced: Fields replaced in all runs, `--set` texts.
+        output: `--output`.
+        workers: `--workers`.
+        progress: How progress is shown.
+        item_timeout: Time limit of an episode, seconds.
+        dry_run: Print the plans and estimates only.
+        cores: `--cores`.
+        no_report: Print no table at the end.
+    """
+    try:
+        with interrupted_by_signals():
+            mixture = load_mixture(
+                source.run,
+                imports=source.imports,
+                overrides=replaced,
+                output=output,
+                workers=workers,
+            )
+            job = MixtureJob(mixture, replaced, most_workers())
+            if dry_run:
+                for warning in job.check():
+                    print_warning(warning)
+                as_json = progress is ProgressChoice.JSONL
+                for part in job.parts.values():
+                    _say_plan(part.in_turn(), cores, as_json=as_json)
+                return
+            result = job.do(make_progress(progress.value), Limits(item_timeout_s=item_timeout))
+    except KeyboardInterrupt:
+        end_early()
+    except ModuleNotFoundError as error:
+        fail(str(error))
+    except DamagedEpisodesError as error:
+        fail(text_of_damage(str(error), mixture.output), ExitCode.OUTPUT)
+    show_end(mixture.name, job.dataset, result, progress, no_report=no_report)
 
 
 def _open_job(

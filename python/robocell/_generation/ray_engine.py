@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import os
 import resource
+import sys
+import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
@@ -46,6 +48,7 @@ class RayEngine:
         """
         ray = _ray()
         if not ray.is_initialized():
+            sys.stdout = _WithoutRay(sys.stdout)
             try:
                 ray.init(
                     address=self.address,
@@ -87,6 +90,25 @@ class RayEngine:
             )
         finally:
             remote.close()
+
+
+class _WithoutRay:
+    """Standard output without what Ray's threads print, such as logs of lost machines.
+
+    Events and tables are read by programs; the report names lost machines.
+    """
+
+    def __init__(self, file: Any) -> None:
+        self._file = file
+
+    def write(self, text: str) -> int:
+        """Writes like the stream."""
+        if threading.current_thread().name.startswith("ray_"):
+            return len(text)
+        return int(self._file.write(text))
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._file, name)
 
 
 class _RayLink:
