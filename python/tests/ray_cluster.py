@@ -12,22 +12,34 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
+from typing import Any
+
+from robocell._generation.procfs import children
 
 # Ray's workers are nice; beside other work they would hardly run.
 os.environ |= {"RAY_USAGE_STATS_ENABLED": "0", "RAY_worker_niceness": "0"}
 
 
+def raylet_of(node: Any) -> int:
+    """The process that stands for a machine."""
+    return int(node.all_processes["raylet"][0].process.pid)
+
+
+def works(pid: int) -> bool:
+    """Whether a worker process of robocell runs below a process."""
+    command = Path(f"/proc/{pid}/cmdline").read_bytes()
+    return b"robocell._generation.work" in command or any(map(works, children(pid)))
+
+
 def main() -> int:
     """Returns the exit code of the command."""
-    import ray
     from ray.cluster_utils import Cluster
 
     head = {"num_cpus": 1, "include_dashboard": False}
     cluster = Cluster(initialize_head=True, head_node_args=head)
     try:
-        # Commands connect to a machine of their own address: to the head.
-        other = cluster.add_node(num_cpus=1, node_ip_address="127.0.0.2")
-        ray.init(address=cluster.address, log_to_driver=False)
+        other = cluster.add_node(num_cpus=1)
         options = ["--engine", "ray", "--address", cluster.address, "--progress", "jsonl"]
         command = [sys.executable, "-m", "robocell", *sys.argv[1:], *options]
         with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
@@ -35,7 +47,7 @@ def main() -> int:
             for line in process.stdout:
                 print(line, end="", flush=True)
                 made = json.loads(line)["event"] == "episode"
-                if made and other is not None and not ray.available_resources().get("CPU"):
+                if made and other is not None and works(raylet_of(other)):
                     cluster.remove_node(other, allow_graceful=False)
                     cluster.add_node(num_cpus=1)
                     other = None

@@ -47,7 +47,7 @@ class Estimate:
         memory_bytes: Peak memory of this command, its workers and their encoders, on all machines.
         tried, seen: Items made without and with cameras for the estimate.
         files: Number of files of the episodes.
-        per_core_hour: Episodes that one core makes in an hour.
+        per_core_hour: Episodes per hour of processor time, with images and encoders.
         cores: Cores that share the work.
         reasons: Reason -> rejected starts and failed rollouts of these items.
         advice: Reason and remedy of rejected starts, for an item without an accepted one.
@@ -169,7 +169,7 @@ def scaled(
         tried=len(blind),
         seen=len(seeing),
         files=round(_sum(blind, "files") * factor + files_each * kept),
-        per_core_hour=round(3600 * kept / max(elapsed, of_cores, 1e-9), 1),
+        per_core_hour=round(3600 * kept / max(of_cores, 1e-9), 1),
         cores=cores,
         reasons=sum((Counter(sample.reasons) for sample in blind), Counter()),
         advice=next((sample.advice for sample in blind if sample.advice), ""),

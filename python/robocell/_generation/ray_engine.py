@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 import resource
 import sys
-import threading
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
 from contextlib import contextmanager
@@ -93,7 +92,7 @@ class RayEngine:
 
 
 class _WithoutRay:
-    """Standard output without what Ray's threads print, such as logs of lost machines.
+    """Standard output without what Ray prints, such as logs of lost machines.
 
     Events and tables are read by programs; the report names lost machines.
     """
@@ -103,7 +102,7 @@ class _WithoutRay:
 
     def write(self, text: str) -> int:
         """Writes like the stream."""
-        if threading.current_thread().name.startswith("ray_"):
+        if str(sys._getframe(1).f_globals.get("__name__", "")).startswith("ray."):
             return len(text)
         return int(self._file.write(text))
 
