@@ -36,7 +36,7 @@ def main() -> None:
         (folder / "house_picks.yaml").write_text(run[1])
         robocell(folder, "generate", "house_picks.yaml")
         dataset = rc.Dataset(folder / "out" / "house_picks")
-        rows = [spread(each.frames(camera), 3) for each in dataset for camera in ("exo", "wrist")]
+        rows = [spread(each.frames(camera), 3) for each in dataset for camera in ("side", "wrist")]
     save(sheet(rows), "tutorials/arm_in_houses_episodes.png", 3 * WIDTH)
 
 

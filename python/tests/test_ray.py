@@ -55,5 +55,5 @@ def test_a_killed_machine_loses_nothing(tmp_path: Path, fetch: bool):
     assert totals["deaths"] >= 1, "a machine was killed at work"
     assert contents(output) == contents(tmp_path / "local")
     assert robocell.data.verify(output).ok
-    report = robocell_command("report", output)
-    assert "1 lost: its node has died, on " in report.stdout
+    # Whichever call found the machine gone.
+    assert "was lost: " in (output / "report.json").read_text()

@@ -8,10 +8,9 @@ from __future__ import annotations
 
 import os
 import resource
-import sys
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
-from contextlib import contextmanager
+from contextlib import contextmanager, redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -47,7 +46,6 @@ class RayEngine:
         """
         ray = _ray()
         if not ray.is_initialized():
-            sys.stdout = _WithoutRay(sys.stdout)
             try:
                 ray.init(
                     address=self.address,
@@ -83,31 +81,15 @@ class RayEngine:
         remote = RemoteWorkers(
             source, overrides, dataset, logs, turn_variable=TURN_VARIABLE, fetch=self.fetch
         )
-        try:
-            yield lambda number, log: RemoteWorker(
-                number, log, _RayLink(ray, host.remote()), remote
-            )
-        finally:
-            remote.close()
-
-
-class _WithoutRay:
-    """Standard output without what Ray prints, such as logs of lost machines.
-
-    Events and tables are read by programs; the report names lost machines.
-    """
-
-    def __init__(self, file: Any) -> None:
-        self._file = file
-
-    def write(self, text: str) -> int:
-        """Writes like the stream."""
-        if str(sys._getframe(1).f_globals.get("__name__", "")).startswith("ray."):
-            return len(text)
-        return int(self._file.write(text))
-
-    def __getattr__(self, name: str) -> Any:
-        return getattr(self._file, name)
+        # Ray prints the logs of lost machines, and once more when it ends; the report names them.
+        with open(os.devnull, "w") as nowhere, redirect_stdout(nowhere):
+            try:
+                yield lambda number, log: RemoteWorker(
+                    number, log, _RayLink(ray, host.remote()), remote
+                )
+            finally:
+                remote.close()
+                ray.shutdown()
 
 
 class _RayLink:
@@ -133,6 +115,8 @@ class _RayLink:
         lost = (exceptions.RayActorError, exceptions.ObjectLostError, exceptions.NodeDiedError)
         if not isinstance(error, lost) or getattr(error, "actor_init_failed", False):
             return ""
+        if isinstance(error, exceptions.ActorUnavailableError):
+            return "its machine does not answer"
         return _reason(str(error))
 
     def close(self) -> None:
