@@ -1,4 +1,4 @@
-"""Draws the pictures of docs/tutorials/arm_in_houses.md with the files and commands of that page."""
+"""Draws the pictures of docs/tutorials/arm_in_houses.md with its files and commands."""
 
 from __future__ import annotations
 
