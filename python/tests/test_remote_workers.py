@@ -230,6 +230,35 @@ def test_deadlines_and_crashes_are_those_of_local_workers(
     assert "about to crash" in (cluster.dataset / ".logs" / "worker-0.log").read_text()
 
 
+class Silent:
+    """Calls a machine that answers once."""
+
+    def call(self, method: str, *arguments: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        if method == "start":
+            future.set_result({"pid": 7, "node": "far", "fetches": False})
+        return future
+
+    def loss(self, error: BaseException) -> str:
+        return ""
+
+    def close(self) -> None:
+        pass
+
+
+def test_a_machine_that_no_longer_answers_is_given_up(tmp_path: Path, monkeypatch):
+    clock = Clock()
+    monkeypatch.setattr(remote_worker, "time", clock)
+    cluster = Cluster(tmp_path, {}, 1, fetch=False)
+    worker = RemoteWorker(0, tmp_path / "log", Silent(), cluster.workers)
+    worker.kill("e0 took more than 3 s")
+    assert list(worker.messages() or "none") == []
+    clock.now += remote_worker.BURIAL_S + 1
+    assert worker.messages() is None
+    assert worker.bury() == "was killed: e0 took more than 3 s, on 'far'"
+    cluster.workers.close()
+
+
 def test_a_machine_without_the_working_folder_is_named(tmp_path: Path):
     cluster = Cluster(tmp_path, {}, 1, fetch=False)
     cluster.workers.job = replace(cluster.workers.job, folder=str(tmp_path / "nowhere"))

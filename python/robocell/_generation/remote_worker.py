@@ -141,6 +141,8 @@ class RemoteWorker:
     def bury(self) -> str:
         """Waits for its end; how it ended, as a sentence's end."""
         self.finish()
+        if not (self._how or self._over):  # its machine did not answer to the kill
+            self._how = f"was killed: {self._killed_for}"
         if not self._how:
             try:
                 self._how, log, self._tail = self._link.call("bury").result(BURIAL_S)
