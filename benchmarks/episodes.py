@@ -49,9 +49,14 @@ def environment(byte_code: Path) -> dict[str, str]:
 
 
 def episodes_per_hour(output: Path, seed: int, options: list[str]) -> float:
-    """Successful episodes on the disk per hour of the whole command."""
+    """Successful episodes of the demo on the disk per hour of the whole command."""
+    return episodes_of(RUN, output, seed, options)
+
+
+def episodes_of(run_file: Path, output: Path, seed: int, options: list[str]) -> float:
+    """Successful episodes of a run on the disk per hour of the whole command."""
     shutil.rmtree(output, ignore_errors=True)
-    command = [sys.executable, "-m", "robocell", "generate", str(RUN), "--workers", "1"]
+    command = [sys.executable, "-m", "robocell", "generate", str(run_file), "--workers", "1"]
     command += ["--output", str(output), "--seed", str(seed), "--progress", "jsonl", *options]
     run = subprocess.run(
         ["taskset", "--cpu-list", "0", *command],

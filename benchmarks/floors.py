@@ -323,6 +323,40 @@ AUGMENTATION = (
         for name in ("stack", "open")
     ),
 )
+DAY = 270  # picks that a user of MolmoSpaces reports, with four workers
+HOUSES = (
+    *(
+        Floor(
+            "P16",
+            what,
+            "houses",
+            f"{name}, {{robot}}",
+            measure=MILLISECONDS,
+            floor=floor,
+            aim=aim,
+        )
+        for what, name, floor, aim in (
+            ("a house with a robot, compiled", "house compiled", 2000, 500),
+            ("the same in a later process", "house in a later process", 200, 50),
+            ("reset of a house", "house reset", 10, 1),
+        )
+    ),
+    *(
+        Floor(
+            "P16",
+            f"pick episodes in houses an hour, {what}",
+            "houses",
+            f"pick episodes in houses, {{robot}}, {what}",
+            measure=RATE,
+            floor=floor,
+            aim=aim,
+        )
+        for what, floor, aim in (
+            ("without cameras", 30 * DAY / 24, 3000),
+            ("with two cameras 320x240", 10 * DAY / 24, 1000),
+        )
+    ),
+)
 EVALUATIONS = tuple(
     Floor(
         "P18",

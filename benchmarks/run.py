@@ -25,6 +25,7 @@ import episodes
 import evaluation_rate
 import export_lerobot
 import graphics_card
+import houses
 import ik
 import motion
 import overlap
@@ -56,6 +57,7 @@ BENCHMARKS: dict[str, Callable[[Path], list[Row]]] = {
     "overlap": overlap.rows,
     "episodes": episodes.rows,
     "augment": augment.rows,
+    "houses": houses.rows,
     "graphics_card": graphics_card.rows,
     "policy_round_trip": policy_round_trip.rows,
     "motion": motion.rows,

@@ -44,6 +44,7 @@ EXTRAS = {
     },
     "sb3": {"gymnasium": "gymnasium", "stable_baselines3": "stable-baselines3"},
     "torch": {"torch": "torch"},
+    "ray": {"ray": "ray"},
     "molmo-spaces": {"pydantic": "pydantic"},
     "objects": {"coacd": "coacd", "trimesh": "trimesh"},
 }

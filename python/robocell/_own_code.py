@@ -41,6 +41,11 @@ def set_modules_of_run(modules: Sequence[str]) -> None:
     _modules_of_run = tuple(modules)
 
 
+def modules_now() -> tuple[str, ...]:
+    """Returns the modules that `set_modules_of_run` has set."""
+    return _modules_of_run
+
+
 @contextmanager
 def modules_of_one_run() -> Iterator[None]:
     """Context manager for one run in a longer process: restores the module list afterwards."""

@@ -58,12 +58,13 @@ class Staging:
         """Returns the path of a file that the result will not have."""
         return self.folder / STATE / name
 
+    def flush(self, partial: Path) -> None:
+        """Does nothing: `commit` flushes all folders."""
+
     def commit(self) -> None:
         """Gives the folder its final name, when every byte is on the disk."""
         shutil.rmtree(self.folder / STATE)
-        for place, _, files in os.walk(self.folder):
-            for name in (*files, "."):
-                _flush(Path(place) / name)
+        flush_folder(self.folder)
         _require_absent(self.out)
         self.folder.rename(self.out)
         _flush(self.out.parent)
@@ -122,6 +123,13 @@ def _require_absent(out: Path) -> None:
     raise ArgumentError(
         f"'{out}' exists already, {what}. Choose another name, or remove it; nothing is replaced"
     )
+
+
+def flush_folder(folder: Path) -> None:
+    """Brings every byte below a folder to the disk."""
+    for place, _, files in os.walk(folder):
+        for name in (*files, "."):
+            _flush(Path(place) / name)
 
 
 def _flush(path: Path) -> None:

@@ -25,6 +25,7 @@ def sample(rows: int, *, frames: int = 0, extra: int = 0, **times: float) -> Sam
         frames=frames,
         bytes=1_000_000 + 1000 * rows + video + extra,
         video_bytes=video,
+        files=4 if frames else 2,
         **{"seconds": 1.0, "cpu_seconds": 1.0, **times},
     )
 
@@ -56,7 +57,13 @@ def test_the_cost_of_cameras_scales_with_rows_and_episodes():
         memory_bytes=50 + 3 * (100 + 20),
         tried=4,
         seen=1,
+        files=400 * (2 + 2),
+        per_core_hour=3600.0,
+        cores=2,
     )
+    assert found.rows_of_text()["size"].endswith(" in 1600 files, 1.12 MB per episode")
+    assert found.rows_of_text()["rate"] == "3600 episodes/h per core"
+    assert found.rows_of_text()["time"].endswith("on 3 workers and 2 cores")
     assert "reasons" not in found.rows_of_text()
 
 
@@ -104,6 +111,7 @@ def test_an_estimate_is_close_to_the_cost_of_two_episodes(tmp_path: Path):
     assert expected["rows"] == expected["frames"] == sum(len(episode) for episode in dataset)
     stored = sum(file.stat().st_size for file in (tmp_path / "out").glob("s*/*"))
     assert expected["bytes"] == pytest.approx(stored, rel=0.02)
+    assert expected["files"] == len(list((tmp_path / "out").glob("s*/*")))
     again = robocell_command("generate", run, "--dry-run").stdout
     assert "episodes: 2 planned, 2 on the disk, 0 to make" in again
     assert "estimate (from" not in again

@@ -19,8 +19,10 @@ from robocell._cli.common import ExitCode, fail, print_warning, print_wide, requ
 from robocell._generation.disk import free_bytes
 from robocell._generation.estimate import ProbeError, estimate
 from robocell._generation.job import Job, Result
+from robocell._generation.mixture import MixtureJob, is_mixture, load_mixture
 from robocell._generation.procfs import age_s
 from robocell._generation.progress import make_progress
+from robocell._generation.ray_engine import RayEngine
 from robocell._generation.resume import DamagedEpisodesError
 from robocell._generation.run_source import RunSource
 from robocell._generation.signals import interrupted_by_signals
@@ -42,6 +44,13 @@ class ProgressChoice(StrEnum):
     BAR = "bar"
     PLAIN = "plain"
     JSONL = "jsonl"
+
+
+class EngineChoice(StrEnum):
+    """`--engine`."""
+
+    LOCAL = "local"
+    RAY = "ray"
 
 
 WORKERS_PER_CORE = 8
@@ -89,6 +98,21 @@ def generate(
         list[str] | None,
         typer.Option("--set", metavar="FIELD=VALUE", help="Replace a field: task.lift_height=0.05"),
     ] = None,
+    engine: Annotated[
+        EngineChoice,
+        typer.Option(help="ray: make the episodes on the machines of a Ray cluster."),
+    ] = EngineChoice.LOCAL,
+    address: Annotated[
+        str | None,
+        typer.Option(metavar="HOST:PORT", help="Address of the Ray cluster."),
+    ] = None,
+    fetch: Annotated[
+        bool,
+        typer.Option(
+            "--fetch",
+            help="Fetch episodes from the machines' own disks, even if they see the dataset.",
+        ),
+    ] = False,
     progress: Annotated[
         ProgressChoice, typer.Option(help="auto: a bar on a terminal, else plain lines.")
     ] = ProgressChoice.AUTO,
@@ -98,6 +122,12 @@ def generate(
     dry_run: Annotated[
         bool, typer.Option("--dry-run", help="Print the plan and an estimate; make nothing.")
     ] = False,
+    cores: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="With --dry-run: estimate the time on so many cores like this machine's."
+        ),
+    ] = None,
     no_report: Annotated[
         bool, typer.Option("--no-report", help="Print no table at the end.")
     ] = False,
@@ -116,15 +146,41 @@ def generate(
         require_spec_file(Path(run), RunConfig)
     named = {"workers": workers, "output": output, "episodes": episodes, "seed": seed}
     render = ["render=kept"] if render_kept else []
+    if cores is not None and not dry_run:
+        fail("--cores is of the estimate: add --dry-run, or choose --workers")
+    if engine is not EngineChoice.RAY and (address is not None or fetch):
+        fail("--address and --fetch are of a Ray cluster: add --engine ray")
+    if not source.in_python and is_mixture(run):
+        if engine is EngineChoice.RAY:
+            fail("--engine ray makes the episodes of one run: give it each run of the mixture")
+        if shard is not None or episodes is not None:
+            fail(
+                "--shard and --episodes are of one run: write `episodes` beside a run in "
+                f"'{run}', or generate its runs one by one"
+            )
+        make_mixture(
+            source,
+            [*(set_ or []), *render, *overrides({"seed": seed})],
+            output=output,
+            workers=workers,
+            progress=progress,
+            item_timeout=item_timeout,
+            dry_run=dry_run,
+            cores=cores,
+            no_report=no_report,
+        )
+        return
     make_episodes(
         source,
         [*(set_ or []), *render],
         named,
+        engine=RayEngine(address, fetch) if engine is EngineChoice.RAY else None,
         shard=shard,
         progress=progress,
         item_timeout=item_timeout,
         dry_run=dry_run,
         no_report=no_report,
+        cores=cores,
     )
 
 
@@ -138,6 +194,8 @@ def make_episodes(
     item_timeout: float,
     dry_run: bool,
     no_report: bool,
+    engine: RayEngine | None = None,
+    cores: int | None = None,
 ) -> None:
     """Makes the episodes of a run and ends the command.
 
@@ -150,29 +208,105 @@ def make_episodes(
         item_timeout: Time limit of an episode, seconds.
         dry_run: Print the plan and an estimate only.
         no_report: Print no table at the end.
+        engine: Makes the episodes on other machines; None makes them on this one.
+        cores: Cores of the estimate, each with a worker; None: those of this machine or the engine.
     """
     try:
         with interrupted_by_signals(), naming_typed_options(named):
-            job = _open_job(source, [*replaced, *overrides(named)], shard)
+            job = _open_job(source, [*replaced, *overrides(named)], shard, named, engine)
             if dry_run:
                 for warning in job.check():
                     print_warning(warning)
-                _say_plan(job, as_json=progress is ProgressChoice.JSONL)
+                if cores is None and engine is not None:
+                    cores = job.workers
+                _say_plan(job, cores, as_json=progress is ProgressChoice.JSONL)
                 return
             result = job.do(make_progress(progress.value), Limits(item_timeout_s=item_timeout))
     except KeyboardInterrupt:
         end_early()
+    except ModuleNotFoundError as error:
+        if engine is None or error.name != "ray":
+            raise
+        fail(str(error))
     except DamagedEpisodesError as error:
         fail(text_of_damage(str(error), job.dataset), ExitCode.OUTPUT)
+    show_end(job.run.run, job.dataset, result, progress, no_report=no_report)
+
+
+def show_end(
+    name: str, dataset: Path, result: Result, progress: ProgressChoice, *, no_report: bool
+) -> None:
+    """Prints the table at the end of a run, and exits with its code."""
     nothing_tried = result.outcome.fatal and not result.outcome.totals.attempts
     if progress is not ProgressChoice.JSONL and not no_report and not nothing_tried:
-        summary = Summary(job.run.run, job.dataset, result.on_disk, result.outcome.totals)
-        print_wide(summary.table())
+        print_wide(Summary(name, dataset, result.on_disk, result.outcome.totals).table())
     _end(result, has_seen_items=progress is not ProgressChoice.JSONL)
 
 
-def _open_job(source: RunSource, replaced: list[str], shard: str | None) -> Job:
-    """Opens the job with at most `most_workers()` workers."""
+def make_mixture(
+    source: RunSource,
+    replaced: list[str],
+    *,
+    output: str | None,
+    workers: int | None,
+    progress: ProgressChoice,
+    item_timeout: float,
+    dry_run: bool,
+    cores: int | None,
+    no_report: bool,
+) -> None:
+    """Makes the episodes of all runs of a mixture and ends the command.
+
+    Args:
+        source: The mixture file.
+        replaced: Fields replaced in all runs, `--set` texts.
+        output: `--output`.
+        workers: `--workers`.
+        progress: How progress is shown.
+        item_timeout: Time limit of an episode, seconds.
+        dry_run: Print the plans and estimates only.
+        cores: `--cores`.
+        no_report: Print no table at the end.
+    """
+    try:
+        with interrupted_by_signals():
+            mixture = load_mixture(
+                source.run,
+                imports=source.imports,
+                overrides=replaced,
+                output=output,
+                workers=workers,
+            )
+            job = MixtureJob(mixture, replaced, most_workers())
+            if dry_run:
+                for warning in job.check():
+                    print_warning(warning)
+                as_json = progress is ProgressChoice.JSONL
+                for part in job.parts.values():
+                    _say_plan(part.in_turn(), cores, as_json=as_json)
+                return
+            result = job.do(make_progress(progress.value), Limits(item_timeout_s=item_timeout))
+    except KeyboardInterrupt:
+        end_early()
+    except ModuleNotFoundError as error:
+        fail(str(error))
+    except DamagedEpisodesError as error:
+        fail(text_of_damage(str(error), mixture.output), ExitCode.OUTPUT)
+    show_end(mixture.name, job.dataset, result, progress, no_report=no_report)
+
+
+def _open_job(
+    source: RunSource,
+    replaced: list[str],
+    shard: str | None,
+    named: Options,
+    engine: RayEngine | None,
+) -> Job:
+    """Opens the job: at most `most_workers()` workers here, or one for each core of a cluster."""
+    if engine is not None:
+        asked = named.get("workers")
+        cores = engine.connect()
+        return Job(source, replaced, shard, engine=engine, workers=int(asked or max(1, cores)))
     job = Job(source, replaced, shard)
     if too_many := many_workers(job.run.workers):
         print_warning(too_many)
@@ -243,8 +377,9 @@ def naming_typed_options(named: Options) -> Iterator[None]:
         raise type(error)(text) from None
 
 
-def _say_plan(job: Job, *, as_json: bool) -> None:
+def _say_plan(job: Job, cores: int | None, *, as_json: bool) -> None:
     """Prints the remaining work and an estimate, for which it makes a few episodes aside."""
+    workers = cores or job.workers
     made = job.made()
     to_do = [item.index for item in job.items if item.id not in made]
     if not as_json:
@@ -255,12 +390,12 @@ def _say_plan(job: Job, *, as_json: bool) -> None:
             print("randomize:")
             for line in job.run.randomize.describe():
                 print(f"  {line}")
-        print(f"workers:  {job.run.workers}", flush=True)
+        print(f"workers:  {workers}", flush=True)
     if not to_do:
         return
     try:
         # Up to here it did what it does before it starts workers.
-        found = estimate(job.source, job.overrides, to_do, job.run.workers, before_s=age_s())
+        found = estimate(job.source, job.overrides, to_do, workers, before_s=age_s(), cores=cores)
     except ProbeError as error:
         fail(f"no episode can be made: {error}", EXIT_CODES[error.failure.kind])
     if too_small := too_little_room(found.bytes, job.dataset):

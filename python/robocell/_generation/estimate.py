@@ -42,10 +42,13 @@ class Estimate:
         successes: Items expected to succeed.
         rows, frames: Rows and frames of these episodes.
         bytes: Size on the disk.
-        seconds: Time on this machine, with `workers` processes.
+        seconds: Time with `workers` processes on these cores.
         workers: Configured worker processes.
-        memory_bytes: Peak memory of this command, its workers and their encoders.
+        memory_bytes: Peak memory of this command, its workers and their encoders, on all machines.
         tried, seen: Items made without and with cameras for the estimate.
+        files: Number of files of the episodes.
+        per_core_hour: Episodes per hour of processor time, with images and encoders.
+        cores: Cores that share the work.
         reasons: Reason -> rejected starts and failed rollouts of these items.
         advice: Reason and remedy of rejected starts, for an item without an accepted one.
     """
@@ -61,6 +64,9 @@ class Estimate:
     memory_bytes: int
     tried: int
     seen: int
+    files: int = 0
+    per_core_hour: float = 0.0
+    cores: int = 0
     reasons: Mapping[str, int] = field(default_factory=dict)
     advice: str = ""
 
@@ -79,10 +85,19 @@ class Estimate:
             **({"reasons": counts_text(self.reasons, 6)} if failing and self.reasons else {}),
             **({"hint": hint} if hint else {}),
             "frames": f"{self.frames} ({counted(self.rows, 'row')})",
-            "size": size(self.bytes),
-            "time": f"{duration(self.seconds)} on {counted(self.workers, 'worker')}",
+            "size": f"{size(self.bytes)}{self._each()}",
+            "rate": f"{self.per_core_hour:.0f} episodes/h per core",
+            "time": f"{duration(self.seconds)} on {counted(self.workers, 'worker')}"
+            f" and {counted(self.cores, 'core')}",
             "memory": size(self.memory_bytes),
         }
+
+    def _each(self) -> str:
+        """Returns ' in 60 files, 0.8 MB per episode'."""
+        if not self.episodes:
+            return ""
+        each = size(self.bytes / self.episodes)
+        return f" in {counted(self.files, 'file')}, {each} per episode"
 
 
 def estimate(
@@ -92,16 +107,20 @@ def estimate(
     workers: int,
     *,
     before_s: float = 0.0,
+    cores: int | None = None,
 ) -> Estimate:
     """Makes a few of the plan's items (by index) in a temporary folder and scales up.
 
-    `before_s` is the time before the command starts its workers. Raises ProbeError if the episodes
-    cannot be made.
+    `before_s` is the time before the command starts its workers; `cores` is the number of cores
+    like those of this machine that share the work, None for its own. Raises ProbeError if the
+    episodes cannot be made.
     """
     tried = [indices[place] for place in spread(len(indices), MOST_BLIND)]
     with probe_folder() as folder:
         probe = _probe(source, overrides, tried, folder)
-    return scaled(probe, len(indices), workers, before_s=before_s, own_bytes=peak_bytes())
+    return scaled(
+        probe, len(indices), workers, cores=cores, before_s=before_s, own_bytes=peak_bytes()
+    )
 
 
 def scaled(
@@ -129,11 +148,13 @@ def scaled(
     video_bytes = _sum(seeing, "video_bytes") / seen_rows * rows
     more_bytes = _sum(seeing, "bytes") - _sum(seeing, "video_bytes") - _sum(same, "bytes")
     more_per_episode = more_bytes / max(1, _sum(seeing, "kept"))
+    more_files = _sum(seeing, "files") - _sum(same, "files")
+    files_each = more_files / max(1, _sum(seeing, "kept"))
     cores = cores or len(os.sched_getaffinity(0))
     at_once = max(1, min(workers, items, cores))
-    work = _with_cameras(probe, "seconds") * factor / at_once
+    elapsed = _with_cameras(probe, "seconds") * factor
     # An item with cameras draws and encodes at the same time: workers share what cores there are.
-    cpu_work = _with_cameras(probe, "cpu_seconds") * factor / cores
+    of_cores = _with_cameras(probe, "cpu_seconds") * factor
     streams = _sum(seeing, "frames") / seen_rows
     return Estimate(
         items=items,
@@ -142,11 +163,14 @@ def scaled(
         rows=round(rows),
         frames=round(streams * rows),
         bytes=round(_sum(blind, "bytes") * factor + more_per_episode * kept + video_bytes),
-        seconds=before_s + probe.start_s + max(work, cpu_work),
+        seconds=before_s + probe.start_s + max(elapsed / at_once, of_cores / cores),
         workers=workers,
         memory_bytes=own_bytes + min(workers, items) * (probe.worker_bytes + probe.encoder_bytes),
         tried=len(blind),
         seen=len(seeing),
+        files=round(_sum(blind, "files") * factor + files_each * kept),
+        per_core_hour=round(3600 * kept / max(of_cores, 1e-9), 1),
+        cores=cores,
         reasons=sum((Counter(sample.reasons) for sample in blind), Counter()),
         advice=next((sample.advice for sample in blind if sample.advice), ""),
     )

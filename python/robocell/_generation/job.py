@@ -5,8 +5,10 @@ from __future__ import annotations
 import json
 import platform
 import shlex
-from collections.abc import Callable, Mapping, Sequence, Set
+from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from robocell import IoError
 from robocell._dataset_run import manifest_of_dataset
@@ -30,7 +32,7 @@ from robocell._generation.report import (
 from robocell._generation.resume import DamagedEpisodesError, made_items, result_of
 from robocell._generation.run_source import RunSource, require_utf8
 from robocell._generation.supervised_job import Result, SupervisedJob
-from robocell._generation.supervisor import Limits, Outcome
+from robocell._generation.supervisor import Limits, Outcome, StartWorker
 from robocell._generation.unstored import UnstoredRollout
 from robocell.generate import (
     PlanItem,
@@ -42,6 +44,9 @@ from robocell.generate import (
     shard_plan,
     validate_dataset,
 )
+
+if TYPE_CHECKING:
+    from robocell._generation.ray_engine import RayEngine
 
 TRIES = Limits().tries
 
@@ -70,6 +75,8 @@ class Job(SupervisedJob):
         overrides: Replaced fields, as in 'task.lift_height=0.05'.
         shard: 'i/N': every N-th item, beginning with the i-th. None: all.
         choose: Chooses the items of the plan that are made. None: all.
+        engine: Makes the episodes on other machines. None: on this one.
+        workers: Number of workers of the engine.
 
     Raises SpecError for errors in the files, ArgumentError for the shard.
     """
@@ -80,7 +87,11 @@ class Job(SupervisedJob):
         overrides: Sequence[str],
         shard: str | None = None,
         choose: Callable[[list[PlanItem]], list[PlanItem]] | None = None,
+        engine: RayEngine | None = None,
+        workers: int = 0,
     ) -> None:
+        self.engine = engine
+        self._workers = workers
         self.source = source if isinstance(source, RunSource) else RunSource(str(source))
         self.overrides = tuple(overrides)
         for override in self.overrides:
@@ -152,7 +163,19 @@ class Job(SupervisedJob):
     @property
     def workers(self) -> int:
         """Number of processes."""
-        return self.run.workers
+        return self._workers or self.run.workers
+
+    @contextmanager
+    def elsewhere(self) -> Iterator[StartWorker | None]:
+        """Context manager: starts workers on the machines of the engine."""
+        if self.engine is None:
+            yield None
+            return
+        overrides = tuple(each for each in self.overrides if not each.startswith("output="))
+        with self.engine.workers(
+            self.source, overrides, self.dataset, self.logs(), self.workers
+        ) as start:
+            yield start
 
     def prepare(self, observer: Observer, limits: Limits) -> Mapping[str, str]:
         """Raises SpecError like `check`, before anything is written."""

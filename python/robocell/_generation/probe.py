@@ -47,6 +47,7 @@ class Sample:
         video_bytes: Size of their videos.
         seconds: Elapsed time.
         cpu_seconds: Time of all cores, with the encoders.
+        files: Number of the files.
         reasons: Reason -> rejected starts and failed rollouts.
         advice: Reason and remedy of rejected starts, if none was accepted.
     """
@@ -60,6 +61,7 @@ class Sample:
     video_bytes: int
     seconds: float
     cpu_seconds: float
+    files: int = 0
     reasons: Mapping[str, int] = field(default_factory=dict)
     advice: str = ""
 
@@ -156,6 +158,7 @@ def _make_one(runner: Runner, item: PlanItem, folder: Path) -> Sample:
         video_bytes=sum(file.stat().st_size for file in videos),
         seconds=seconds,
         cpu_seconds=cpu_seconds,
+        files=len(files),
         reasons={**result.refusals, **result.failures},
         advice=result.advice,
     )

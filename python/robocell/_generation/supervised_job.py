@@ -6,7 +6,8 @@ A run and an evaluation are both such jobs.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,7 +18,7 @@ from robocell._generation.observer import Observer, Unfailing
 from robocell._generation.report import utc_now
 from robocell._generation.run_source import RunSource
 from robocell._generation.signals import stop_on_signals
-from robocell._generation.supervisor import Limits, Outcome, Supervisor
+from robocell._generation.supervisor import Limits, Outcome, StartWorker, Supervisor
 from robocell.data import DatasetLock, remove_leftovers
 
 
@@ -87,6 +88,14 @@ class SupervisedJob(ABC):
     def reproduce(self, item: Item) -> str:
         """Returns the command that makes an item alone, in a folder beside the dataset."""
 
+    @contextmanager
+    def elsewhere(self) -> Iterator[StartWorker | None]:
+        """Context manager: starts workers on other machines; None starts them here.
+
+        The dataset is locked and claimed.
+        """
+        yield None
+
     def logs(self) -> Path:
         """Returns the folder of the workers' logs."""
         return self.dataset / ".logs"
@@ -114,25 +123,27 @@ class SupervisedJob(ABC):
             remove_leftovers(self.dataset, folders_only=self.shares_folder)
             made = self.made()
             started = utc_now()
-            supervisor = Supervisor(
-                [item for item in self.items if item.id not in made],
-                self.worker_command(),
-                workers=self.workers,
-                logs=self.logs(),
-                on_disk=self.result_of,
-                flush=lambda: flush(self.dataset),
-                observer=observer,
-                already=len(made),
-                reproduce=self.reproduce,
-                clean_up=lambda item_id, pid: self.clean_up(item_id, pid, observer),
-                disk_trouble=lambda: disk_trouble(self.dataset),
-                limits=limits,
-                tried_once=self.tried_once(made, observer),
-                environment=environment,
-            )
-            # A signal that comes after the last worker must not take the report.
-            with stop_on_signals(supervisor.request_stop):
-                return self.finish(supervisor.run(), started, observer)
+            with self.elsewhere() as start_worker:
+                supervisor = Supervisor(
+                    [item for item in self.items if item.id not in made],
+                    self.worker_command(),
+                    workers=self.workers,
+                    logs=self.logs(),
+                    on_disk=self.result_of,
+                    flush=lambda: flush(self.dataset),
+                    observer=observer,
+                    already=len(made),
+                    reproduce=self.reproduce,
+                    clean_up=lambda item_id, pid: self.clean_up(item_id, pid, observer),
+                    disk_trouble=lambda: disk_trouble(self.dataset),
+                    limits=limits,
+                    tried_once=self.tried_once(made, observer),
+                    environment=environment,
+                    start_worker=start_worker,
+                )
+                # A signal that comes after the last worker must not take the report.
+                with stop_on_signals(supervisor.request_stop):
+                    return self.finish(supervisor.run(), started, observer)
 
     def clean_up(self, item_id: str, pid: int, observer: Observer) -> None:
         """Removes the remains of a worker that died, and reports those that it cannot remove."""

@@ -7,6 +7,7 @@ A new worker retries an item that a worker could not finish because it died, rai
 long. After three tries, the item is listed with the command that makes it alone. The disk decides
 which items are made (`on_disk`), so a worker that dies between commit and result loses and doubles
 nothing. A wrong spec is not retried. If none of the first items works, the run ends (`canaries`).
+Workers on other machines wait for a free core there; see `Limits.losses` for lost machines.
 
 `request_stop` may be called from any thread or signal handler. The content of items and of the disk
 belongs to `robocell._cli.generate`.
@@ -31,11 +32,14 @@ from robocell._generation.observer import CANNOT_GO_ON, Observer, Unfailing
 from robocell._generation.own_process import own_environment
 from robocell._generation.protocol import Failure, FailureKind, ProtocolError
 from robocell._generation.totals import Again, Death, Totals, Unmade
-from robocell._generation.worker_process import WorkerProcess
+from robocell._generation.worker_process import Worker, WorkerProcess
 
 TICK_S = 0.2
 STARTS_WITHOUT_SUCCESS = 3
+PATIENCE_S = 60.0  # before a warning that no machine has a free core
 TURN_VARIABLE = "ROBOCELL_EGL_TURN"  # workers take the graphics cards in turn
+
+StartWorker = Callable[[int, Path], Worker]  # by its number and its log
 
 
 @dataclass(frozen=True)
@@ -44,11 +48,13 @@ class Limits:
 
     Attributes:
         tries: Attempts per item that workers do not finish.
+        losses: Attempts per item that end because a machine is lost; it may be the item's fault.
         item_timeout_s: Time limit for one item, and for starting a worker.
         stop_grace_s: Time for workers to end after a stop request; then they are killed.
     """
 
     tries: int = 3
+    losses: int = 10
     item_timeout_s: float = 1800.0
     stop_grace_s: float = 10.0
 
@@ -104,6 +110,7 @@ class Supervisor:
         limits: Retries and time limits.
         tried_once: Items without retries.
         environment: Additional environment variables for workers.
+        start_worker: Starts a worker elsewhere; None starts `command` on this machine.
     """
 
     def __init__(
@@ -123,6 +130,7 @@ class Supervisor:
         limits: Limits | None = None,
         tried_once: Collection[str] = (),
         environment: Mapping[str, str] | None = None,
+        start_worker: StartWorker | None = None,
     ) -> None:
         self._canaries = Canaries(items, any_made=already > 0)
         self._pending = deque(self._canaries.first(items))
@@ -138,9 +146,13 @@ class Supervisor:
         self._limits = limits or Limits()
         self._tried_once = frozenset(tried_once)
         self._environment = {**own_environment(), **(environment or {})}
+        self._start_worker = start_worker or self._start_process
         self._totals = Totals(planned=len(items) + already, already=already, workers=self._count)
-        self._workers: dict[int, WorkerProcess] = {}
+        self._workers: dict[int, Worker] = {}
         self._tries: Counter[str] = Counter()
+        self._losses: Counter[str] = Counter()
+        self._lost_starts = 0
+        self._warned_of_waiting = False
         self._printed_logs: set[str] = set()
         self._results: list[ItemRecord] = []
         self._bad_starts = 0
@@ -194,14 +206,17 @@ class Supervisor:
             try:
                 self._logs.mkdir(parents=True, exist_ok=True)  # somebody may have tidied up
                 log = self._logs / f"worker-{number}.log"
-                environment = {**self._environment, TURN_VARIABLE: str(number)}
-                worker = WorkerProcess(number, self._command, log, environment)
+                worker = self._start_worker(number, log)
             except OSError as error:
                 self._give_up_run("io", f"worker {number} cannot be started: {error}")
                 return
             self._workers[number] = worker
             self._selector.register(worker, selectors.EVENT_READ, worker)
             free += 1
+
+    def _start_process(self, number: int, log: Path) -> Worker:
+        environment = {**self._environment, TURN_VARIABLE: str(number)}
+        return WorkerProcess(number, self._command, log, environment)
 
     def _listen(self) -> None:
         for key, _ in self._selector.select(TICK_S):
@@ -216,7 +231,7 @@ class Supervisor:
             if worker.ended:
                 self._hear(worker)
 
-    def _hear(self, worker: WorkerProcess) -> None:
+    def _hear(self, worker: Worker) -> None:
         try:
             messages = worker.messages()
             if messages is None:
@@ -227,12 +242,14 @@ class Supervisor:
         except ProtocolError as error:
             worker.kill(str(error))
 
-    def _bury(self, worker: WorkerProcess) -> None:
+    def _bury(self, worker: Worker) -> None:
         """Handles the end of a worker: decides or retries its item."""
         self._selector.unregister(worker)
         del self._workers[worker.number]
         how = worker.bury()
         end = f"worker {worker.number} (pid {worker.pid}) {how}"
+        if worker.waiting and worker.leaving:  # it never was anywhere
+            return
         if worker.item is not None or not (worker.ready or self._stopping):
             self._count_death(worker, how)
         if not worker.ready and not self._stopping:
@@ -241,17 +258,23 @@ class Supervisor:
             self._clean_up(worker.item.id, worker.pid)
             self._drop_item(worker, end)
 
-    def _count_death(self, worker: WorkerProcess, how: str) -> None:
+    def _count_death(self, worker: Worker, how: str) -> None:
         item = worker.item.id if worker.item else None
         after = round(time.monotonic() - self._totals.started, 3)
         self._totals.deaths.append(Death(worker.number, worker.pid, item, how, after))
 
-    def _count_bad_start(self, worker: WorkerProcess, end: str) -> None:
-        self._bad_starts += 1
-        if self._bad_starts >= STARTS_WITHOUT_SUCCESS:
+    def _count_bad_start(self, worker: Worker, end: str) -> None:
+        if worker.lost:
+            self._lost_starts += 1
+            bad = self._lost_starts >= self._limits.losses * self._count
+        else:
+            self._bad_starts += 1
+            bad = self._bad_starts >= STARTS_WITHOUT_SUCCESS
+        if bad:
             tail = worker.log_tail()
             quoted = f" It said:\n{tail}" if tail else ""
-            text = f"{end} before it could take an item, as did {self._bad_starts - 1} before it."
+            others = self._bad_starts + self._lost_starts - 1
+            text = f"{end} before it could take an item, as did {others} before it."
             self._give_up_run("other", f"{text}{quoted}\nIts log: {worker.log}")
 
     def _close(self) -> None:
@@ -275,11 +298,11 @@ class Supervisor:
 
     # Messages of workers.
 
-    def _obey(self, worker: WorkerProcess, message: dict[str, Any]) -> None:
+    def _obey(self, worker: Worker, message: dict[str, Any]) -> None:
         match message:
             case {"ready": True}:
                 worker.ready = True
-                self._bad_starts = 0
+                self._bad_starts = self._lost_starts = 0
                 self._hand_next(worker)
             case {"done": values}:
                 self._take_result(worker, ItemRecord.from_json(values))
@@ -293,14 +316,14 @@ class Supervisor:
             case _:
                 raise ProtocolError(f"unknown message: {message}")
 
-    def _hand_next(self, worker: WorkerProcess) -> None:
+    def _hand_next(self, worker: Worker) -> None:
         worker.item = None
         if self._stopping or not self._pending:
             worker.finish()
         else:
             worker.hand(self._pending.popleft())
 
-    def _take_result(self, worker: WorkerProcess, result: ItemRecord) -> None:
+    def _take_result(self, worker: Worker, result: ItemRecord) -> None:
         item = worker.item
         if item is None or result.id != item.id:
             raise ProtocolError(f"a result of {result.id}, which it was not given")
@@ -317,7 +340,7 @@ class Supervisor:
         self._results.append(result)
         self._observer.episode(result, self._totals)
 
-    def _take_failure(self, worker: WorkerProcess, failure: Failure) -> None:
+    def _take_failure(self, worker: Worker, failure: Failure) -> None:
         worker.finish()
         item = worker.item
         if failure.kind == "io" and (trouble := self._disk_trouble()):
@@ -330,7 +353,7 @@ class Supervisor:
 
     def _drop_item(
         self,
-        worker: WorkerProcess,
+        worker: Worker,
         reason: str,
         kind: FailureKind = "other",
         trace: str | None = None,
@@ -353,7 +376,11 @@ class Supervisor:
         else:
             once = kind == "other" and item.id in self._tried_once
             log = worker.log_tail() if trace is None else trace
-            self._try_again(item, reason, log, 1 if once else self._limits.tries)
+            most = 1 if once else self._limits.tries
+            if worker.lost:
+                self._try_again(item, reason, log, self._limits.losses, self._losses)
+            else:
+                self._try_again(item, reason, log, most, self._tries)
 
     def _is_safe(self, item: Item, reason: str, kind: FailureKind) -> bool:
         """Returns True if an existing episode is flushed to the disk.
@@ -370,9 +397,9 @@ class Supervisor:
         self._observer.warning(f"{item.id} is there, and was brought to the disk again: {reason}")
         return True
 
-    def _try_again(self, item: Item, reason: str, log: str, most: int) -> None:
-        self._tries[item.id] += 1
-        if self._tries[item.id] < most:
+    def _try_again(self, item: Item, reason: str, log: str, most: int, tries: Counter[str]) -> None:
+        tries[item.id] += 1
+        if tries[item.id] < most:
             self._totals.again.append(Again(item.id, reason))
             self._pending.appendleft(item)
             self._observer.retry(item.id, reason, self._totals)
@@ -408,14 +435,31 @@ class Supervisor:
         if self._stopping:
             self._enforce_stop(now)
             return
+        self._dismiss_waiting(now)
         for worker in self._workers.values():
             waited = now - worker.since
+            if worker.waiting:
+                continue
             if worker.leaving:
                 if waited > self._limits.stop_grace_s:
                     worker.kill("did not end")
             elif (worker.item or not worker.ready) and waited > self._limits.item_timeout_s:
                 what = worker.item.id if worker.item else "its start"
                 worker.kill_hanging(f"{what} took more than {self._limits.item_timeout_s:g} s")
+
+    def _dismiss_waiting(self, now: float) -> None:
+        """Ends workers without a machine when nothing is left for them; warns if all wait long."""
+        workers = self._workers.values()
+        waiting = [worker for worker in workers if worker.waiting]
+        if not self._pending and not any(worker.item for worker in workers):
+            for worker in waiting:
+                worker.finish()
+        elif len(waiting) < len(workers):
+            self._warned_of_waiting = False
+        elif waiting and now - max(worker.since for worker in waiting) > PATIENCE_S:
+            if not self._warned_of_waiting:
+                self._observer.warning("no machine has a free core; waiting for one")
+            self._warned_of_waiting = True
 
     def _enforce_stop(self, now: float) -> None:
         if self._stop_deadline is None:

@@ -10,6 +10,7 @@ import argparse
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from robocell import RunConfig
 from robocell._dataset_run import recorded_attempts, seed_of_dataset
 from robocell._generation.items import Item, ItemRecord
 from robocell._generation.run_source import RunSource
@@ -24,16 +25,21 @@ def command(source: RunSource, overrides: Sequence[str]) -> list[str]:
     return worker_command("robocell._generation.work", source, sets)
 
 
-def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
-    source = RunSource.of(arguments).absolute()
-    run = source.load(arguments.set)
+def open_run(
+    source: RunSource, overrides: Sequence[str]
+) -> tuple[RunConfig, Runner, dict[str, PlanItem]]:
+    """Loads a run, compares it with its dataset, and returns it with its runner and plan."""
+    run = source.load(overrides)
     run.output = str(Path(run.output).absolute())  # a task may change the working folder
     if run.augment:
         run.augment.dataset = str(Path(run.augment.dataset).absolute())
     require_same_run(run)
-    stores = source.acting.stores
-    runner = Runner(run, stores=stores)
-    plan = {item.id: item for item in make_plan(run)}
+    return run, Runner(run, stores=source.acting.stores), {item.id: item for item in make_plan(run)}
+
+
+def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
+    source = RunSource.of(arguments).absolute()
+    run, runner, plan = open_run(source, arguments.set)
     if not source.policy:
         return lambda item: ItemRecord.from_core(runner.run(plan[item.id], stop=stop))
     from robocell._generation.unstored import UnstoredRollout
@@ -42,6 +48,7 @@ def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:
 
     if source.policy == REPLAY:
         _begin_as_recorded(plan.values(), source.run, run.seed)
+    stores = source.acting.stores
 
     def evaluate(item: Item) -> ItemRecord:
         present.rollout, present.seed, present.calls = item.id, run.seed, []

@@ -8,7 +8,7 @@ import subprocess
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from robocell._generation.items import Item
 from robocell._generation.protocol import LineReader, encode
@@ -20,6 +20,65 @@ LOG_LINES_SHOWN = 12
 LOG_BYTES_READ = 65536
 
 
+class Worker(Protocol):
+    """A worker as the supervisor sees it: `WorkerProcess`, or one on another machine.
+
+    Attributes:
+        number: Number in messages.
+        log: File of what it writes to standard error.
+        item: The item that it is making, or None.
+        ready: True if it has loaded the run.
+        leaving: True if the supervisor asked it to exit.
+        waiting: True until a machine has a free core for it.
+        lost: True if it ended because its machine was lost.
+        since: Start of the latest of these states, `time.monotonic()`.
+    """
+
+    number: int
+    log: Path
+    item: Item | None
+    ready: bool
+    leaving: bool
+    waiting: bool
+    lost: bool
+    since: float
+
+    @property
+    def pid(self) -> int:
+        """Id of the process."""
+
+    @property
+    def ended(self) -> bool:
+        """True if the process has ended."""
+
+    def fileno(self) -> int:
+        """Returns what selectors wait for."""
+
+    def hand(self, item: Item) -> None:
+        """Gives it an item."""
+
+    def stop(self) -> None:
+        """Asks it to end its item quickly and exit."""
+
+    def finish(self) -> None:
+        """Ends its work."""
+
+    def kill(self, reason: str) -> None:
+        """Kills it."""
+
+    def kill_hanging(self, reason: str) -> None:
+        """Kills it after it has written its stacks to its log."""
+
+    def messages(self) -> Iterator[dict[str, Any]] | None:
+        """Returns new messages since the last call; None after the last one."""
+
+    def bury(self) -> str:
+        """Waits for its end; how it ended, as a sentence's end."""
+
+    def log_tail(self) -> str:
+        """Returns the last lines of its log."""
+
+
 class WorkerProcess:
     """A child process in a separate process group, which Ctrl-C in the terminal does not reach.
 
@@ -28,6 +87,7 @@ class WorkerProcess:
         item: The item that it is making, or None.
         ready: True if it has loaded the run.
         leaving: True if the supervisor asked it to exit.
+        waiting, lost: False: it is on this machine.
         since: Start of the latest of these states, `time.monotonic()`.
     """
 
@@ -39,6 +99,8 @@ class WorkerProcess:
         self.item: Item | None = None
         self.ready = False
         self.leaving = False
+        self.waiting = False
+        self.lost = False
         self.since = time.monotonic()
         self._killed_for = ""
         self._hangs = False

@@ -20,10 +20,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from robocell import __version__
+from robocell import __version__, _core
 from robocell._core import ArgumentError, Dataset, Episode, IoError, json_damage, self_hashed_json
 from robocell._dataset_run import manifest_of_dataset
-from robocell._staging import Staging, staging
+from robocell._staging import Staging, flush_folder, staging
 from robocell._suggestions import counted
 from robocell.data._where import Condition, Value, fields
 
@@ -198,6 +198,36 @@ def keep(
     return Derived(Path(out), len(ids), len(opened), copied=copied)
 
 
+def extend(folder: Path, parts: Sequence[tuple[Dataset, str]], made: dict[str, Any]) -> int:
+    """Adds what datasets have to a dataset that nobody else writes; returns its episodes.
+
+    Args:
+        folder: The dataset, or a folder that becomes one.
+        parts: Datasets, and what the ids of their episodes begin with.
+        made: How, for dataset.json.
+    """
+    items = [_Item(each, id, f"{prefix}_{id}") for each, prefix in parts for id in each.ids]
+    for item in items:
+        _add(_Durable(folder), folder, item, copy=False)
+    _core.atomic_write(folder / MANIFEST, _manifest(items, made).encode())
+    return len(items)
+
+
+class _Durable(Staging):
+    """A dataset that is extended: its folders are on the disk before they have their names."""
+
+    def __init__(self, folder: Path) -> None:
+        super().__init__(folder, folder)
+
+    def scratch(self, name: str) -> Path:
+        """Returns a path that no reader sees."""
+        return self.folder / f".{name}.partial"
+
+    def flush(self, partial: Path) -> None:
+        """Flushes a folder."""
+        flush_folder(partial)
+
+
 def _open(dataset: Dataset | str | os.PathLike[str]) -> Dataset:
     opened = dataset if isinstance(dataset, Dataset) else Dataset(os.fspath(dataset))
     if not len(opened):
@@ -367,6 +397,7 @@ def _add_folder(
             else:
                 copied += _add_file(Path(at) / name, inner / name, copy)
     to.parent.mkdir(parents=True, exist_ok=True)
+    place.flush(partial)
     partial.rename(to)
     return copied
 

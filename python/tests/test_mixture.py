@@ -1,0 +1,111 @@
+"""Several runs that make one dataset: `runs:` of a file for `robocell generate`."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+import yaml
+from robocell._core import SpecError
+
+import robocell
+from command_line import RUN, refused, robocell_command
+from contents import contents
+from robocell._generation.mixture import is_mixture, load_mixture
+
+BLIND = {**RUN, "cameras": {"draw": False}}
+
+
+def write(folder: Path, **fields: object) -> Path:
+    """Two runs, and the mixture of them."""
+    runs = {
+        "pick": {**BLIND, "run": "pick", "episodes_per_scene": 2},
+        "far": {
+            **BLIND,
+            "run": "far",
+            "seed": 3,
+            "start": {**RUN["start"], "base_distance": [0.5, 0.52]},
+        },
+    }
+    for name, run in runs.items():
+        (folder / f"{name}.yaml").write_text(yaml.safe_dump({**run, "output": "unused"}))
+    mixture = {
+        "run": "both",
+        "runs": ["pick.yaml", {"run": "far.yaml", "episodes": 1}],
+        "output": str(folder / "out"),
+        "workers": 1,
+    }
+    file = folder / "mixture.yaml"
+    file.write_text(yaml.safe_dump({**mixture, **fields}))
+    return file
+
+
+def test_a_mixture_is_one_dataset_with_the_bytes_of_its_runs(tmp_path: Path):
+    file = write(tmp_path)
+    done = robocell_command("generate", file)
+    assert done.returncode == 0, done.stderr
+    out = tmp_path / "out"
+    ids = ["far_s0000_e0000", "pick_s0000_e0000", "pick_s0000_e0001"]
+    assert sorted(robocell.Dataset(out).ids) == ids
+    assert robocell.data.verify(out).ok
+    alone = robocell_command("generate", tmp_path / "pick.yaml", "--output", tmp_path / "alone")
+    assert alone.returncode == 0, alone.stderr
+    assert contents(out / ".parts" / "pick") == contents(tmp_path / "alone")
+    steps = (out / ids[1] / "steps.h5").read_bytes()
+    assert steps == (tmp_path / "alone" / "s0000_e0000" / "steps.h5").read_bytes()
+
+    report = robocell_command("report", out, "--episodes").stdout
+    assert "3 of 3" in report
+    assert all(name in report for name in ids)
+
+    # Lost episodes of a run are made again, and more are added, by the same command.
+    before = contents(out)
+    shutil.rmtree(out / ids[0])
+    shutil.rmtree(out / ".parts" / "far" / "s0000_e0000")
+    write(tmp_path, runs=["pick.yaml", {"run": "far.yaml", "episodes": 2}])
+    more = robocell_command("generate", file)
+    assert more.returncode == 0, more.stderr
+    assert "4 of 4 (2 made before)" in more.stdout
+    after = contents(out)
+    assert {name: after[name] for name in before if name != "dataset.json"} == {
+        name: content for name, content in before.items() if name != "dataset.json"
+    }
+    assert set(robocell.Dataset(out).ids) == {*ids, "far_s0000_e0001"}
+
+    write(tmp_path, runs=["pick.yaml"])
+    assert "begun with the run 'far', which the file no longer has" in refused("generate", file)
+    for option in (["--shard", "0/2"], ["--episodes", "3"]):
+        assert "are of one run" in refused("generate", file, *option)
+
+
+@pytest.mark.parametrize(
+    ("fields", "message"),
+    [
+        ({"runs": []}, "runs is not a list of run files"),
+        ({"runs": ["pick.yaml", "pick.yaml"]}, "another run is called 'pick'"),
+        ({"runs": ["nowhere.yaml"]}, "there is no run file"),
+        ({"runs": ["mixture.yaml"]}, "has `runs`, too. List its runs here"),
+        ({"runs": [{"run": "pick.yaml", "episode": 2}]}, "Did you mean 'episodes'?"),
+        ({"runs": [{"run": "pick.yaml", "episodes": 0}]}, "is not a number of episodes: 0"),
+        ({"runs": [{"run": "pick.yaml", "name": "../x"}]}, "the name '../x' begins ids"),
+        ({"runs": [3]}, "is neither a run file nor"),
+        ({"worker": 2}, "Did you mean 'workers'?"),
+        ({"workers": "all"}, "is not a number of processes: 'all'"),
+    ],
+)
+def test_mistakes_are_named_with_their_line(tmp_path: Path, fields: dict, message: str):
+    file = write(tmp_path, **fields)
+    assert is_mixture(str(file))
+    with pytest.raises(SpecError, match=r"mixture.yaml:\d+:\d+") as error:
+        load_mixture(str(file))
+    assert message in str(error.value)
+
+
+def test_what_belongs_to_all_runs_is_not_replaced_in_each(tmp_path: Path):
+    with pytest.raises(robocell.ArgumentError, match="write `episodes` beside a run"):
+        load_mixture(str(write(tmp_path)), overrides=["episodes=3"])
+    assert not is_mixture(str(tmp_path / "pick.yaml"))
+    assert not is_mixture(str(tmp_path / "nowhere.yaml"))
+    mixture = load_mixture(str(write(tmp_path)), output="elsewhere", workers=3)
+    assert (mixture.output, mixture.workers) == (Path("elsewhere"), 3)
