@@ -66,12 +66,11 @@ function(robocell_test name)
   add_executable(${name} ${ARGN})
   robocell_unity(${name} ${ROBOCELL_UNITY_TESTS} ${ARGN})
   # Tests wait for the library, which is optimised; optimising them costs more than it brings, but for
-  # those that compute much themselves.
-  if(name MATCHES "^(math|kinematics|control|render|threads)_test$")
+  # those of kinematics, which compute much themselves.
+  if(ROBOCELL_SANITIZE AND name MATCHES "^(math|kinematics|control|render|threads)_test$")
+    set(level -O1)  # what is instrumented runs slowly enough
+  elseif(name STREQUAL "kinematics_test")
     set(level -Og)
-    if(ROBOCELL_SANITIZE)  # what is instrumented runs slowly enough
-      set(level -O1)
-    endif()
   else()
     set(level -O0 ${ROBOCELL_FOLD_CASTS})
     if(ROBOCELL_TEST_COMPILER)
