@@ -33,20 +33,32 @@ set(ROBOCELL_UNITY_TESTS 24)  # not optimised: headers are most of their time
 set(ROBOCELL_UNITY_BINDINGS 8)  # nanobind's templates are many
 
 # robocell_unity(TARGET MOST SOURCES...): groups of at most that many sources and of about the same size, never across
-# folders.
+# folders. Sources with options of their own, or with SKIP_UNITY_BUILD_INCLUSION, stay alone.
 function(robocell_unity target most)
   if(NOT ROBOCELL_UNITY)
     return()
   endif()
+  # It takes the files compiled together for headers, whose anonymous namespaces would be a mistake.
+  target_compile_options(${target} PRIVATE "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>")
+  # At the end of the configuration, when sources have the properties that are set after this call.
+  cmake_language(EVAL CODE "cmake_language(DEFER CALL robocell_units [[${target}]] [[${most}]] [[${ARGN}]])")
+endfunction()
+
+# CMake's own units name their sources by whole paths, so that ccache would see other texts in another checkout: these
+# name them from the include folder, or from where the unit lies.
+function(robocell_units target most every)
+  set(place "${PROJECT_BINARY_DIR}/Unity/${target}")
+  set(includes "${PROJECT_SOURCE_DIR}/src")
+  set(units "")
   set(folders "")
-  foreach(source ${ARGN})
+  foreach(source ${every})
     cmake_path(GET source PARENT_PATH folder)
     list(APPEND folders "${folder}")
   endforeach()
   list(REMOVE_DUPLICATES folders)
   foreach(folder ${folders})
     set(sources "")
-    foreach(source ${ARGN})
+    foreach(source ${every})
       cmake_path(GET source PARENT_PATH of)
       if(of STREQUAL folder)
         list(APPEND sources "${source}")
@@ -59,13 +71,32 @@ function(robocell_unity target most)
     set(number 0)
     foreach(source ${sources})
       math(EXPR group "${number} * ${groups} / ${count}")
-      set_source_files_properties("${source}" PROPERTIES UNITY_GROUP "${layer}_${group}")
       math(EXPR number "${number} + 1")
+      set(alone OFF)
+      foreach(property SKIP_UNITY_BUILD_INCLUSION COMPILE_OPTIONS COMPILE_DEFINITIONS INCLUDE_DIRECTORIES)
+        get_source_file_property(value "${source}" ${property})
+        if(value)
+          set(alone ON)
+        endif()
+      endforeach()
+      if(NOT alone)
+        cmake_path(IS_PREFIX includes "${source}" included)
+        if(included)
+          cmake_path(RELATIVE_PATH source BASE_DIRECTORY "${includes}" OUTPUT_VARIABLE path)
+        else()
+          cmake_path(RELATIVE_PATH source BASE_DIRECTORY "${place}" OUTPUT_VARIABLE path)
+        endif()
+        string(APPEND unit_${layer}_${group} "#include \"${path}\"\n")
+        set_source_files_properties("${source}" PROPERTIES HEADER_FILE_ONLY ON)
+        list(APPEND units "${layer}_${group}")
+      endif()
     endforeach()
   endforeach()
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  # It takes the files compiled together for headers, whose anonymous namespaces would be a mistake.
-  target_compile_options(${target} PRIVATE "$<$<COMPILE_LANG_AND_ID:CXX,GNU>:-Wno-subobject-linkage>")
+  list(REMOVE_DUPLICATES units)
+  foreach(unit ${units})
+    file(CONFIGURE OUTPUT "${place}/${unit}.cxx" CONTENT "${unit_${unit}}" @ONLY)
+    target_sources(${target} PRIVATE "${place}/${unit}.cxx")
+  endforeach()
 endfunction()
 
 # robocell_launcher(PATH COMMAND): a program that starts the compiler it is given through ccache, or another one in its place.
@@ -73,6 +104,8 @@ function(robocell_launcher path command)
   file(CONFIGURE OUTPUT "${path}.in" @ONLY CONTENT [[#!/bin/sh
 # ccache takes precompiled headers when it is told that macros defined before them do not matter.
 export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:-pch_defines,time_macros}"
+# The compiler says which headers it read, so nothing is preprocessed for that alone: a twentieth of a build.
+[ -n "${CCACHE_NODEPEND:-}" ] || export CCACHE_DEPEND=1
 @command@
 ]])
   file(COPY_FILE "${path}.in" "${path}" ONLY_IF_DIFFERENT)

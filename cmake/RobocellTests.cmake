@@ -29,37 +29,57 @@ if(PROJECT_IS_TOP_LEVEL AND CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_BUILD
 endif()
 set(ROBOCELL_TEST_COMPILER "${ROBOCELL_TEST_COMPILER}" CACHE FILEPATH "Compiler of tests that are not optimised; empty: as the library")
 mark_as_advanced(ROBOCELL_TEST_COMPILER)
+
+# robocell_test_options(TARGET OPTIONS...): what tests are compiled with; the options where the build is not a debug build.
+function(robocell_test_options target)
+  target_include_directories(${target} SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS})
+  target_link_libraries(${target} PRIVATE robocell_testing robocell_flags spdlog::spdlog yaml-cpp
+    nlohmann_json::nlohmann_json orocos-kdl ${HDF5_C_LIBRARIES} GTest::gmock GTest::gtest_main Threads::Threads)
+  if(CMAKE_BUILD_TYPE STREQUAL "Release" OR ROBOCELL_SANITIZE)
+    target_compile_options(${target} PRIVATE ${ARGN})
+  endif()
+endfunction()
+
 if(ROBOCELL_TEST_COMPILER)
   set(test_launcher "${PROJECT_BINARY_DIR}/test_compiler")
   robocell_launcher("${test_launcher}"
-    "shift  # g++, whose options clang does not know are ignored\nexec ${CCACHE_PROGRAM} \"${ROBOCELL_TEST_COMPILER}\" \"$@\" \\
+    "shift  # g++, whose options clang does not know are ignored
+# It would read the precompiled headers that it is to write anew.
+for word; do case \"$word\" in *.gch) rm -f \"$word\" ;; esac; done
+exec ${CCACHE_PROGRAM} \"${ROBOCELL_TEST_COMPILER}\" \"$@\" \\
+  -Xclang -fno-pch-timestamp -fpch-instantiate-templates \\
   -Wno-unknown-warning-option -Wno-ignored-optimization-argument -Wno-unused-command-line-argument")
+  # Headers of others that most tests include: read once, which clang++ is quick at. (The include of a test is still
+  # needed: the preset debug precompiles nothing.) This program exists for that alone.
+  set(test_headers "${PROJECT_BINARY_DIR}/test_headers.cc")
+  file(CONFIGURE OUTPUT "${test_headers}" CONTENT "int main() {}\n")
+  add_executable(test_headers EXCLUDE_FROM_ALL "${test_headers}")
+  robocell_test_options(test_headers -O0)
+  set_target_properties(test_headers PROPERTIES CXX_COMPILER_LAUNCHER "${test_launcher}")
+  target_precompile_headers(test_headers PRIVATE <algorithm> <cmath> <filesystem> <fstream> <functional> <memory>
+    <optional> <set> <string> <thread> <vector> <fmt/format.h> <gmock/gmock.h> <gtest/gtest.h> <mujoco/mujoco.h>
+    <Eigen/Core> <Eigen/Geometry> <nlohmann/json.hpp>)
 endif()
 
 # robocell_test(NAME SOURCES...): a test program and its tests.
 function(robocell_test name)
   add_executable(${name} ${ARGN})
   robocell_unity(${name} ${ROBOCELL_UNITY_TESTS} ${ARGN})
-  target_include_directories(${name} SYSTEM PRIVATE ${HDF5_C_INCLUDE_DIRS} ${orocos_kdl_INCLUDE_DIRS})
-  target_link_libraries(${name} PRIVATE robocell_testing robocell_flags spdlog::spdlog yaml-cpp
-    nlohmann_json::nlohmann_json orocos-kdl ${HDF5_C_LIBRARIES} GTest::gmock GTest::gtest_main Threads::Threads)
   # Tests wait for the library, which is optimised; optimising them costs more than it brings, but for
-  # those that compute much themselves.
-  set(level -O0 ${ROBOCELL_FOLD_CASTS})
-  if(ROBOCELL_TEST_COMPILER)
-    set(level -O0)
-    set_target_properties(${name} PROPERTIES CXX_COMPILER_LAUNCHER "${test_launcher}")
-  endif()
-  if(name MATCHES "^(math|kinematics|control|render|threads)_test$")
+  # those of kinematics, which compute much themselves.
+  if(ROBOCELL_SANITIZE AND name MATCHES "^(math|kinematics|control|render|threads)_test$")
+    set(level -O1)  # what is instrumented runs slowly enough
+  elseif(name STREQUAL "kinematics_test")
     set(level -Og)
-    set_target_properties(${name} PROPERTIES CXX_COMPILER_LAUNCHER "${CMAKE_CXX_COMPILER_LAUNCHER}")
-    if(ROBOCELL_SANITIZE)  # what is instrumented runs slowly enough
-      set(level -O1)
+  else()
+    set(level -O0 ${ROBOCELL_FOLD_CASTS})
+    if(ROBOCELL_TEST_COMPILER)
+      set(level -O0)
+      set_target_properties(${name} PROPERTIES CXX_COMPILER_LAUNCHER "${test_launcher}")
+      target_precompile_headers(${name} REUSE_FROM test_headers)
     endif()
   endif()
-  if(CMAKE_BUILD_TYPE STREQUAL "Release" OR ROBOCELL_SANITIZE)
-    target_compile_options(${name} PRIVATE ${level})
-  endif()
+  robocell_test_options(${name} ${level})
   set_target_properties(${name} PROPERTIES BUILD_RPATH "${MUJOCO_DIR}")
   string(REPLACE "_test" "" label ${name})
   # Two processes a layer: starting one for every test costs more than most tests. Those that take longest come first,

@@ -88,8 +88,9 @@ class Group:
 def sources_of(file: Path) -> tuple[str, ...]:
     """The sources that a file of the compilation database stands for."""
     files = [str(file)]
-    if file.parent.name == "Unity":
-        files = re.findall(r'^#include "(.*)"', file.read_text(), re.MULTILINE)
+    if file.parent.parent.name == "Unity":
+        named = re.findall(r'^#include "(.*)"', file.read_text(), re.MULTILINE)
+        files = [str((ROOT / "src" if "../" not in name else file.parent) / name) for name in named]
     return tuple(os.path.relpath(name, ROOT) for name in files)
 
 

@@ -18,7 +18,7 @@ namespace {
 
 using ::testing::ElementsAre;
 
-constexpr VideoRecorderOptions kLittle{.width = 64, .height = 48, .fps_num = 30};
+const VideoRecorderOptions kLittle{.width = 64, .height = 48, .fps_num = 30};
 constexpr double kMiddle = 23.5;  // row of an image of 48
 
 // A red ball a metre above the floor, and a camera beside it.

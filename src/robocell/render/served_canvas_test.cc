@@ -59,7 +59,7 @@ TEST_F(ServedCanvases, DrawTheBytesOfAContextOfTheirOwn) {
     EXPECT_EQ(served.description(), own.description());
     own.SetModel(scene_.model());
     served.SetModel(scene_.model());
-    for (const auto [width, height] : {std::pair{64, 48}, {201, 133}, {33, 17}, {64, 48}}) {
+    for (const auto& [width, height] : {std::pair{64, 48}, {201, 133}, {33, 17}, {64, 48}}) {
       RawImages a, b;
       own.Paint(scene_.Picture(width, width, height, a));
       served.Paint(scene_.Picture(width, width, height, b));

@@ -23,7 +23,7 @@ constexpr char kFalling[] = R"(<mujoco><statistic extent="2"/><worldbody>
   <body name="ball" pos="0 0 1"><freejoint/><geom size=".2" rgba="1 0 0 1"/></body>
   <camera name="side" pos="0 -3 .7" xyaxes="1 0 0 0 0 1"/></worldbody></mujoco>)";
 
-constexpr VideoRecorderOptions kSmall{.width = 64, .height = 48, .fps_num = 500, .fps_den = 33};
+const VideoRecorderOptions kSmall{.width = 64, .height = 48, .fps_num = 500, .fps_den = 33};
 
 class Recording : public testing::Test {
  protected:

@@ -12,7 +12,7 @@ namespace robocell::internal {
 namespace {
 
 constexpr double kSeconds = 0.4;      // time between checks of the objects ...
-constexpr int kLooks = 6;             // ... and the number of checks
+constexpr int kChecks = 6;            // ... and the number of checks
 constexpr double kRestSpeed = 0.005;  // m/s below which an object rests ...
 constexpr double kRestTurn = 0.1;     // ... and rad/s
 
@@ -39,7 +39,7 @@ std::string Settle(Scene& scene, std::span<Robot> robots, const std::string& tar
   const ControlTicks between{.ticks = std::max(1, static_cast<int>(std::lround(kSeconds / tick))),
                              .sim_steps = options.sim_steps};
   std::string moving = "something";
-  for (int look = 0; look < kLooks && !moving.empty() && !ShouldStop(options.stop); ++look) {
+  for (int look = 0; look < kChecks && !moving.empty() && !ShouldStop(options.stop); ++look) {
     const StepResult result = RunControlTicks(scene, robots, between);
     if (!result.ok()) return result.message;
     moving = MovingObject(scene, options.resting.value_or(scene.object_names()));
