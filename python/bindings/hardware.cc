@@ -17,6 +17,7 @@
 #include "python_owner.h"
 #include "raised.h"
 #include "returned.h"
+#include "scene_cycles.h"
 #include "signals.h"
 #include "robocell/hardware/arm_link.h"
 #include "robocell/hardware/arm_port.h"
@@ -100,6 +101,20 @@ class PyArmPort final : public ArmPort {
     return Returned<R>(self(), attribute, nb::object(self().attr(attribute)));
   }
 };
+
+// A link and a server keep the Python object of their port (python_owner.h), which may refer to
+// them. A cycle ends when the collector clears that object.
+int VisitPort(const ArmPort& port, visitproc visit, void* arg) {
+  const nb::object object = nb::find(port);
+  Py_VISIT(object.ptr());
+  return 0;
+}
+int VisitLink(const ArmLink& link, visitproc visit, void* arg) {
+  return VisitPort(link.port(), visit, arg);
+}
+int VisitServer(const UdpArmServer& server, visitproc visit, void* arg) {
+  return VisitPort(server.arm(), visit, arg);
+}
 
 // A property that is a list of numbers, one per joint.
 template <class T>
@@ -342,7 +357,8 @@ void BindPorts(nb::module_& m) {
       "    watchdog: Time without a command after which the arm holds, s.\n"
       "    remote: Whether other computers may reach it. Give a secret then.\n"
       "    secret: Signs the packets; the same as the arm's.\n"
-      "    faults: Makes the network as bad as wanted.")
+      "    faults: Makes the network as bad as wanted.",
+      nb::type_slots(kHandleSlots<UdpArmServer, &VisitServer>))
       .def(
           "__init__",
           [](UdpArmServer* self, nb::handle_t<ArmPort> arm, const std::string& address, double rate,
@@ -380,7 +396,8 @@ void BindLink(nb::module_& m) {
       "    group: The arm, for robots with several; \"\" for the first.\n\n"
       "Raises:\n"
       "    ArgumentError: The arm has other joints, or the robot is linked already.\n"
-      "    IoError: Nothing is measured in time.");
+      "    IoError: Nothing is measured in time.",
+      nb::type_slots(kHandleSlots<ArmLink, &VisitLink>));
   GuardHandle<ArmLink>(
       link, [](const ArmLink& l, SceneClaims& claims) { claims.Add(l.robot().scene()); },
       [](const ArmLink& l) { l.robot().RequireOpen(); },

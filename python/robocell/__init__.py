@@ -14,6 +14,7 @@ the errors. All names are in modules by topic:
     models      built-in robots, objects and scenes           evaluate    success rates
     menagerie   MuJoCo Menagerie's robots                     diagnose    checks, trials, advice
     log         messages                                      motion      collision-free motions
+    hardware    real arms and their twins
 
 They are there after `import robocell`. Modules that need packages of an extra are imported by
 name: `robocell.gym`, `robocell.sb3`, `robocell.lerobot`, `robocell.export`,
@@ -40,6 +41,7 @@ from robocell import (
     envs,
     features,
     generate,
+    hardware,
     kinematics,
     log,
     menagerie,
@@ -111,6 +113,7 @@ __all__ = [
     "envs",
     "features",
     "generate",
+    "hardware",
     "kinematics",
     "log",
     "menagerie",

@@ -17,6 +17,7 @@ TOPICS = (
     "kinematics",
     "control",
     "motion",
+    "hardware",
     "render",
     "viewer",
     "envs",

@@ -210,6 +210,7 @@ UdpArmServer::~UdpArmServer() = default;
 std::string UdpArmServer::address() const { return internal::ToString(impl_->socket.address()); }
 bool UdpArmServer::is_driven() const { return impl_->driven; }
 int64_t UdpArmServer::dropped() const { return impl_->dropped; }
+ArmPort& UdpArmServer::arm() const { return *impl_->arm; }
 
 void UdpArmServer::Poll() {
   Impl& s = *impl_;

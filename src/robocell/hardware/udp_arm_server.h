@@ -54,6 +54,7 @@ class UdpArmServer {
   // Returns true while a program drives the arm.
   bool is_driven() const;
   int64_t dropped() const;  // packets
+  ArmPort& arm() const;
 
  private:
   struct Impl;
