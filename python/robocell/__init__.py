@@ -18,7 +18,8 @@ the errors. All names are in modules by topic:
 
 They are there after `import robocell`. Modules that need packages of an extra are imported by
 name: `robocell.gym`, `robocell.sb3`, `robocell.lerobot`, `robocell.export`,
-`robocell.policy_server`, `robocell.teleop`, `robocell.compat`.
+`robocell.policy_server`, `robocell.teleop`, `robocell.identify`,
+`robocell.compat`.
 
 Importing it does no work: no file is read, nothing is drawn, the package mujoco is imported by the
 first scene.

@@ -35,6 +35,7 @@ def test_help_lists_and_describes_every_command():
         "ik-test",
         "reach",
         "fetch",
+        "identify",
         "doctor",
     ):
         assert command in text

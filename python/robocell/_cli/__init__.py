@@ -40,6 +40,7 @@ COMMANDS = (
     "teleop",
     "add-object",
     "fetch",
+    "identify",
     "doctor",
 )
 
