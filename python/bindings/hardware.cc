@@ -144,11 +144,11 @@ void BindValues(nb::module_& m) {
       },
       nb::kw_only(), "lower"_a = nb::none(), "upper"_a = nb::none(), "velocity"_a = nb::none(),
       "acceleration"_a = nb::none(), "force"_a = nb::none());
-  DefRow(limits, "lower", &ArmLimits::lower, "Lowest positions.");
-  DefRow(limits, "upper", &ArmLimits::upper, "Highest positions.");
-  DefRow(limits, "velocity", &ArmLimits::velocity, "Largest velocities.");
-  DefRow(limits, "acceleration", &ArmLimits::acceleration, "Largest accelerations.");
-  DefRow(limits, "force", &ArmLimits::force, "Largest measured forces; beyond them the arm stops.");
+  DefRow(limits, "lower", &ArmLimits::lower, "Lowest positions (n,).");
+  DefRow(limits, "upper", &ArmLimits::upper, "Highest positions (n,).");
+  DefRow(limits, "velocity", &ArmLimits::velocity, "Largest velocities (n,).");
+  DefRow(limits, "acceleration", &ArmLimits::acceleration, "Largest accelerations (n,).");
+  DefRow(limits, "force", &ArmLimits::force, "Largest measured forces (n,); beyond them the arm stops.");
 
   nb::class_<ArmMeasurement> measurement(
       m, "ArmMeasurement",
@@ -173,9 +173,9 @@ void BindValues(nb::module_& m) {
       .def_prop_ro(
           "opening", [](const ArmMeasurement& a) { return OpeningOf(a.opening); },
           "Opening of the gripper, 0 (closed) to 1; None without one.");
-  DefRow(measurement, "pos", &ArmMeasurement::pos, "Joint positions, rad or m.");
-  DefRow(measurement, "vel", &ArmMeasurement::vel, "Joint velocities, rad/s or m/s.");
-  DefRow(measurement, "force", &ArmMeasurement::force, "Joint torques or forces, N m or N.");
+  DefRow(measurement, "pos", &ArmMeasurement::pos, "Joint positions (n,), rad or m.");
+  DefRow(measurement, "vel", &ArmMeasurement::vel, "Joint velocities (n,), rad/s or m/s.");
+  DefRow(measurement, "force", &ArmMeasurement::force, "Joint torques or forces (n,), N m or N.");
 
   nb::class_<ArmCommand> command(
       m, "ArmCommand",
@@ -183,8 +183,8 @@ void BindValues(nb::module_& m) {
   command.def_prop_ro(
       "opening", [](const ArmCommand& c) { return OpeningOf(c.opening); },
       "Opening of the gripper, 0 (closed) to 1; None to leave it as it is.");
-  DefRow(command, "pos", &ArmCommand::pos, "Joint positions, rad or m.");
-  DefRow(command, "vel", &ArmCommand::vel, "Joint velocities, rad/s or m/s.");
+  DefRow(command, "pos", &ArmCommand::pos, "Joint positions (n,), rad or m.");
+  DefRow(command, "vel", &ArmCommand::vel, "Joint velocities (n,), rad/s or m/s.");
 }
 
 void BindOptions(nb::module_& m) {

@@ -33,11 +33,11 @@ def write_page(found: Identified, path: Path) -> None:
     shown = [each for each in found.parameters if each.is_shown]
     shares.add_scatter(
         x=[escape(f"{each.name} {each.joint}".strip()) for each in shown],
-        y=[1.0] * len(shown),
-        error_y={"array": [each.error / max(abs(each.value), 1e-12) for each in shown]},
+        y=[0.0] * len(shown),
+        error_y={"array": [100 * each.error / max(abs(each.value), 1e-12) for each in shown]},
         mode="markers",
     )
-    shares.update_layout(title="95 % intervals, as shares of the values", yaxis_tickformat=".0%")
+    shares.update_layout(title="95 % intervals, in percent of the values", yaxis_ticksuffix=" %")
     rows = "".join(
         f"<tr><td>{each.name}<td>{escape(each.joint)}<td>{each.before:.4g}<td>{each.value:.4g}"
         f"<td>{f'± {each.error:.2g}' if each.is_shown else 'not shown by the motion'}"
