@@ -148,7 +148,8 @@ void BindValues(nb::module_& m) {
   DefRow(limits, "upper", &ArmLimits::upper, "Highest positions (n,).");
   DefRow(limits, "velocity", &ArmLimits::velocity, "Largest velocities (n,).");
   DefRow(limits, "acceleration", &ArmLimits::acceleration, "Largest accelerations (n,).");
-  DefRow(limits, "force", &ArmLimits::force, "Largest measured forces (n,); beyond them the arm stops.");
+  DefRow(limits, "force", &ArmLimits::force,
+         "Largest measured forces (n,); beyond them the arm stops.");
 
   nb::class_<ArmMeasurement> measurement(
       m, "ArmMeasurement",
