@@ -43,7 +43,7 @@ TABLE: dict[str, str] = {
     "env": "+task",
     "data": "base math media",
     "rollout": "+env +expert +data",
-    "hardware": "base math robot",
+    "hardware": "+robot",
     "diagnose": "+rollout",
     "viewer": "+rollout",
 }

@@ -53,5 +53,6 @@ void BindRollout(nb::module_& m);       // plans and the runner
 void BindEnvRecorder(nb::module_& m);   // episodes from environments and back
 void BindDiagnose(nb::module_& m);      // checks of robots and runs
 void BindViewer(nb::module_& m);        // the window
+void BindHardware(nb::module_& m);      // real arms
 
 }  // namespace robocell::python

@@ -48,5 +48,6 @@ NB_MODULE(_core, m) {
   BindDiagnose(m);
   BindEnvRecorder(m);
   BindViewer(m);
+  BindHardware(m);
   ExplainArgumentErrors(m);
 }

@@ -14,10 +14,12 @@ the errors. All names are in modules by topic:
     models      built-in robots, objects and scenes           evaluate    success rates
     menagerie   MuJoCo Menagerie's robots                     diagnose    checks, trials, advice
     log         messages                                      motion      collision-free motions
+    hardware    real arms and their twins
 
 They are there after `import robocell`. Modules that need packages of an extra are imported by
 name: `robocell.gym`, `robocell.sb3`, `robocell.lerobot`, `robocell.export`,
-`robocell.policy_server`, `robocell.teleop`, `robocell.compat`.
+`robocell.policy_server`, `robocell.teleop`, `robocell.identify`,
+`robocell.compat`.
 
 Importing it does no work: no file is read, nothing is drawn, the package mujoco is imported by the
 first scene.
@@ -40,6 +42,7 @@ from robocell import (
     envs,
     features,
     generate,
+    hardware,
     kinematics,
     log,
     menagerie,
@@ -111,6 +114,7 @@ __all__ = [
     "envs",
     "features",
     "generate",
+    "hardware",
     "kinematics",
     "log",
     "menagerie",

@@ -17,6 +17,7 @@ TOPICS = (
     "kinematics",
     "control",
     "motion",
+    "hardware",
     "render",
     "viewer",
     "envs",
@@ -41,7 +42,17 @@ OF_EXTRAS = {
     "VecEnv": "robocell.sb3",
 }
 # Modules beside the topics: programs import them by name.
-BESIDE = {"benchmark", "compat", "export", "gym", "importer", "lerobot", "sb3", "teleop"}
+BESIDE = {
+    "benchmark",
+    "compat",
+    "export",
+    "gym",
+    "identify",
+    "importer",
+    "lerobot",
+    "sb3",
+    "teleop",
+}
 
 
 def not_at_the_top(name: str) -> str:

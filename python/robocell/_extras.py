@@ -32,6 +32,7 @@ EXTRAS = {
         "yaml": "PyYAML",
     },
     "rerun": {"rerun": "rerun-sdk", "yaml": "PyYAML"},
+    "identify": {"scipy": "scipy", "plotly": "plotly"},
     "plots": {"matplotlib": "matplotlib", "plotly": "plotly"},
     "report": {"PIL": "pillow", "jinja2": "Jinja2", "plotly": "plotly", "yaml": "PyYAML"},
     "policy": {"msgpack": "msgpack", "websockets": "websockets", "yaml": "PyYAML"},

@@ -37,6 +37,7 @@ def test_help_lists_and_describes_every_command():
         "ik-test",
         "reach",
         "fetch",
+        "identify",
         "doctor",
     ):
         assert command in text

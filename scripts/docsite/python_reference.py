@@ -39,6 +39,8 @@ TOPICS = {
     "policy": "policies and what they are asked",
     "policy_server": "policies over a socket",
     "teleop": "devices that a person moves, and recording what they do",
+    "hardware": "real arms: drivers, what guards them, `connect`",
+    "identify": "models of arms fitted to recorded motions",
     "diagnose": "checks of robots and runs, renderers of this machine",
     "models": "built-in robots, objects and scenes",
     "menagerie": "robots of the MuJoCo Menagerie",

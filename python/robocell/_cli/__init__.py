@@ -42,6 +42,7 @@ COMMANDS = (
     "teleop",
     "add-object",
     "fetch",
+    "identify",
     "doctor",
 )
 

@@ -12,24 +12,20 @@ The class has LeRobot's interface: `connect()`, `get_action()` -> {name: number}
 
 from __future__ import annotations
 
-import importlib
-import inspect
 import math
-import re
-import typing
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from robocell._core import SpecError
+from robocell._lerobot_classes import full_name, made_by_name
 from robocell._own_code import RAISED, raise_interrupt
 from robocell._raised import place_of
 from robocell._teleop.device import Device, DeviceLostError, Motion
 from robocell._teleop.devices import options_of
 
 LEROBOT = "lerobot.teleoperators"
-UNITS = "use_degrees"  # an option of LeRobot's arms; by default they report -100 to 100
 FIELDS = {"class", "options", "joints", "gripper"}
 
 
@@ -113,7 +109,7 @@ class Leader(Device):
             ) from error
         if gripper and gripper.open == gripper.closed:
             raise SpecError(f"{file}: `open` and `closed` of the gripper are the same")
-        made = _made(content["class"], content.get("options") or {}, in_degrees=not joints)
+        made = made_by_name(content["class"], content.get("options") or {}, in_degrees=not joints)
         return cls(made, joints, gripper)
 
     @classmethod
@@ -123,8 +119,8 @@ class Leader(Device):
         `name` is module:Class, or LeRobot's own name of a class or of its folder, such as
         SO101Leader or so101_leader.
         """
-        name = name if ":" in name else _of_lerobot(name)
-        return cls(_made(name, options_of(config), in_degrees=True))
+        name = full_name(name, LEROBOT, "get_action", "device")
+        return cls(made_by_name(name, options_of(config), in_degrees=True))
 
     def start(self) -> None:
         """Connects the leader."""
@@ -181,83 +177,3 @@ class Leader(Device):
             raise_interrupt(error)
             kind = type(self._leader).__name__
             raise DeviceLostError(f"{kind}.{method}(): {place_of(error)}") from error
-
-
-def _parameters(kind: Any) -> Mapping[str, Any]:
-    return inspect.signature(kind).parameters
-
-
-def _with_degrees(name: str, config: Any, options: Mapping[str, Any]) -> Mapping[str, Any]:
-    """Returns the options with which the joints of a LeRobot arm are degrees. Raises SpecError."""
-    if UNITS in _parameters(config):
-        if options.get(UNITS, True) is True:
-            return {**options, UNITS: True}
-        why = f"its option `{UNITS}` is {options[UNITS]!r}"
-    else:
-        why = f"it has no option `{UNITS}`"
-    raise SpecError(
-        f"'{name}' does not report degrees: {why}. Set `{UNITS}: true` if it has it, or map its "
-        "numbers with --device leader:FILE.yaml and `joints:`, whose scale and offset you choose"
-    )
-
-
-def _of_lerobot(name: str) -> str:
-    """Returns module:Class of a Teleoperator that comes with LeRobot. Raises SpecError."""
-    folder = re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()
-    module_name = f"{LEROBOT}.{folder}"
-    try:
-        module = importlib.import_module(module_name)
-    except ImportError as error:
-        raise SpecError(
-            f"device 'lerobot:{name}': cannot import '{module_name}': {error}. Give "
-            "lerobot:module:Class for a class elsewhere"
-        ) from error
-    found = [
-        key
-        for key, value in vars(module).items()
-        if inspect.isclass(value)
-        and hasattr(value, "get_action")
-        and hasattr(value, "config_class")
-    ]
-    chosen = [key for key in found if key in (name, module.__name__)] or found
-    if len(chosen) != 1:
-        raise SpecError(
-            f"device 'lerobot:{name}': '{module_name}' has the classes "
-            f"{', '.join(found) or 'none'}; give lerobot:{module_name}:CLASS"
-        )
-    return f"{module_name}:{chosen[0]}"
-
-
-def _made(name: str, options: Mapping[str, Any], in_degrees: bool) -> Any:
-    """Returns an object of a class by name; a LeRobot class is made from its configuration.
-
-    Args:
-        name: The class, as module:Class.
-        options: Its options.
-        in_degrees: Let a LeRobot arm report degrees, not -100 to 100 of each joint's range.
-    """
-    module_name, colon, attribute = name.rpartition(":")
-    if not colon:
-        raise SpecError(f"'{name}' names no class: give module:Class")
-    try:
-        module = importlib.import_module(module_name)
-    except ImportError as error:
-        raise SpecError(f"'{name}': cannot import '{module_name}': {error}") from error
-    kind: Any = getattr(module, attribute, None)
-    if not inspect.isclass(kind):
-        raise SpecError(f"'{name}': module '{module_name}' has no class '{attribute}'")
-    try:
-        config: Any = getattr(kind, "config_class", None)
-        if config is None:
-            config = typing.get_type_hints(kind.__init__).get("config")
-        make: Any = kind
-        if not inspect.isclass(config):
-            return make(**options)
-        if in_degrees and (hasattr(kind, "config_class") or UNITS in _parameters(config)):
-            options = _with_degrees(name, config, options)
-        return make(config(**options))
-    except SpecError:
-        raise
-    except RAISED as error:
-        raise_interrupt(error)
-        raise SpecError(f"'{name}' cannot be made: {place_of(error)}") from error

@@ -5,6 +5,11 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
@@ -24,16 +29,20 @@ DataHandle MakeOwnData(CompiledScene& compiled) {
   return {data.get(), data};
 }
 
-// Notifies a gate that the step it let go is over, also after an exception.
+// Notifies the gates that let a step go that it is over, also after an exception.
 class StepEnd {
  public:
-  explicit StepEnd(internal::StepGate& gate) : gate_(gate) {}
-  ~StepEnd() { gate_.EndStep(); }
+  explicit StepEnd(std::span<internal::StepGate* const> gates) : gates_(gates) {}
+  ~StepEnd() {
+    for (internal::StepGate* gate : gates_.first(let_go)) gate->EndStep();
+  }
   StepEnd(const StepEnd&) = delete;
   StepEnd& operator=(const StepEnd&) = delete;
 
+  size_t let_go = 0;
+
  private:
-  internal::StepGate& gate_;
+  std::span<internal::StepGate* const> gates_;
 };
 
 }  // namespace
@@ -99,29 +108,41 @@ StepResult Scene::StepN(int n) {
                         " times; time only goes forward, reset() starts again");
   }
   s.LookAtSolver();
-  if (const auto gate = s.gate.lock()) return s.StepThrough(*gate, n);
+  const auto gate = s.gate.lock();
+  if (gate || !s.links.empty()) return s.StepThrough(gate.get(), n);
   return robocell::Step(s.now.model, s.now.data, n, s.context);
 }
 
-StepResult Scene::State::StepThrough(internal::StepGate& gate_now, int n) {
+StepResult Scene::State::StepThrough(internal::StepGate* gate_now, int n) {
+  std::vector<std::shared_ptr<internal::StepGate>> linked;  // kept until all steps are made
+  for (const auto& link : links) {
+    if (auto here = link.lock()) linked.push_back(std::move(here));
+  }
+  if (linked.size() < links.size())
+    std::erase_if(links, [](const auto& link) { return link.expired(); });
+  std::vector<internal::StepGate*> asked;
+  if (gate_now) asked.push_back(gate_now);
+  for (const auto& link : linked) asked.push_back(link.get());
   StepResult result;
   result.time = now.data->time;
   int steps = 0;
-  while (steps < n && now.data) {  // the gate may close the scene
-    const internal::StepGate::Answer answer = gate_now.BeforeStep();
-    if (answer == internal::StepGate::kHold || !now.data) break;
-    if (answer == internal::StepGate::kStop) {
-      result.status = StepResult::kStopped;
-      result.message = gate_now.StopReason();
-      break;
-    }
+  while (steps < n && now.data) {  // a gate may close the scene
     {
-      const StepEnd end(gate_now);
+      StepEnd end(asked);
+      internal::StepGate::Answer answer = internal::StepGate::kGo;
+      for (internal::StepGate* each : asked) {
+        answer = each->BeforeStep();
+        if (answer == internal::StepGate::kStop) result.message = each->StopReason();
+        if (answer != internal::StepGate::kGo || !now.data) break;
+        ++end.let_go;
+      }
+      if (answer == internal::StepGate::kStop) result.status = StepResult::kStopped;
+      if (answer != internal::StepGate::kGo || !now.data) break;
       result = robocell::Step(now.model, now.data, 1, context);
     }
     ++steps;
     if (!result.ok()) break;
-    gate_now.AfterStep();
+    for (auto each = asked.rbegin(); each != asked.rend() && now.data; ++each) (*each)->AfterStep();
   }
   result.steps = steps;
   return result;
@@ -175,8 +196,13 @@ const std::shared_ptr<void>& Scene::data_keeper() const { return open().data.kee
 void Scene::AddObserver(std::weak_ptr<SceneObserver> observer, const std::string& key) {
   auto& observers = open().observers;
   std::erase_if(observers, [](const auto& watch) { return watch.observer.expired(); });
-  if (const auto gate = std::dynamic_pointer_cast<internal::StepGate>(observer.lock()))
+  std::erase_if(open().links, [](const auto& link) { return link.expired(); });
+  const std::shared_ptr<SceneObserver> added = observer.lock();
+  if (const auto link = std::dynamic_pointer_cast<internal::StepLink>(added)) {
+    open().links.push_back(link);
+  } else if (const auto gate = std::dynamic_pointer_cast<internal::StepGate>(added)) {
     open().gate = gate;
+  }
   observers.push_back({key, std::move(observer)});
 }
 

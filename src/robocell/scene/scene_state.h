@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -36,6 +37,7 @@ struct Scene::State {
   };
   std::vector<Watch> observers;
   std::weak_ptr<internal::StepGate> gate;
+  std::vector<std::weak_ptr<internal::StepLink>> links;
   std::weak_ptr<Kept> kept;     // shared by all handles but inner ones
   std::shared_ptr<void> claim;  // claim on the compiled scene
   int solver = 0;               // the model's, when it was last looked at
@@ -53,8 +55,8 @@ struct Scene::State {
     if (now.model->opt.solver != solver) WarnOfSolver();
   }
   void WarnOfSolver();
-  // Makes up to n steps, each with the gate's consent.
-  StepResult StepThrough(internal::StepGate& gate, int n);
+  // Makes up to n steps, each with the consent of the gate, if there is one, and of the links.
+  StepResult StepThrough(internal::StepGate* gate, int n);
   void BindPool();
   internal::PooledObject* FindPooled(const std::string& object);
   // Resets the pool to the spec.

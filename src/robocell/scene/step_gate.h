@@ -8,7 +8,7 @@
 // While it holds, StepN() makes no further step and returns the number of steps made. Once it
 // stops, every step returns StepResult::kStopped with the reason. Without a gate a step costs
 // nothing more. Threads: those of the scene.
-// Internal to scene/ and viewer/.
+// Internal to scene/, viewer/ and hardware/.
 #pragma once
 
 #include <string>
@@ -32,5 +32,9 @@ class StepGate : public SceneObserver {
   // Returns the reason of kStop, for the message of the result.
   virtual std::string StopReason() const = 0;
 };
+
+// A gate that ties the scene to a real arm (hardware/arm_link.h). All that were added count, beside
+// a viewer's: they are asked after it, and notified before it.
+class StepLink : public StepGate {};
 
 }  // namespace robocell::internal

@@ -1,0 +1,1 @@
+"""Arms that programs drive, by name; the public names are in robocell.hardware."""

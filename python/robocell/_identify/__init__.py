@@ -1,0 +1,1 @@
+"""System identification; the public names are in robocell.identify."""
