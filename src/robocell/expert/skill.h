@@ -35,10 +35,11 @@ const std::vector<std::string>& FreeSkillPhases();
 
 // What skills need of a run.
 struct SkillSettings {
-  std::string robot;  // its name
+  std::string robot;  // its name, or that of its arm that acts (Robot::Of)
   SimOptions sim;
-  double tick = 0.066;  // seconds between actions
-  int failures = 0;     // how often skills for this goal have failed
+  double tick = 0.066;                 // seconds between actions
+  int failures = 0;                    // how often skills for this goal have failed
+  std::vector<std::string> arms = {};  // all that may act, by names for Robot::Of; empty: `robot`
 };
 
 // The skills of one file each. `goal` outlives the skill.

@@ -1,5 +1,5 @@
 // SkillExpert: the scripted expert of all tasks whose goals are relations (task/relation_task.h),
-// for any robot with one arm and one gripper. For each relation that does not hold, in order, it
+// for any robot with arms and grippers. For each relation that does not hold, in order, it
 // uses a skill (skill.h); it repeats what failed or was undone, and gives up with a reason.
 #pragma once
 
@@ -30,6 +30,7 @@ class SkillExpert final : public Expert {
 
  private:
   void Next(const Scene& scene, Rng& rng);
+  void ChooseArm(const Scene& scene, const RelationTask::Goal& goal);
   void Finish();
   std::unique_ptr<Skill> SkillFor(const RelationTask::Goal& goal) const;
 

@@ -12,6 +12,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/robot/acting_arms.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/landmarks.h"
 #include "robocell/task/base_placement.h"
@@ -162,8 +163,14 @@ std::optional<Refusal> RelationTask::Arrange(Scene& scene, Rng& rng) {
     if (!is_run_ || !IsJoint(goal.stated) || robots_.empty()) continue;
     const JointOpening opening = JointOpening::Of(scene, goal.stated.subject);
     const double share = goal.stated.relation == "pressed" ? 1 : internal::ShareFor(goal.stated);
-    const auto check = [&] {
-      return internal::CheckJointGoal(scene, robots_.front(), goal.stated);
+    const auto check = [&] {  // one arm is enough
+      std::optional<Refusal> refused;
+      for (const Robot& robot : robots_) {
+        std::optional<Refusal> by_this = internal::CheckJointGoal(scene, robot, goal.stated);
+        if (!by_this) return by_this;
+        if (!refused) refused = std::move(by_this);
+      }
+      return refused;
     };
     refusal = internal::StandInFront(scene, robots_.front(), RootOfJoint(scene, opening), opening,
                                      share, check, rng);
@@ -264,7 +271,7 @@ std::optional<Refusal> RelationTask::CheckGoal(const Scene& scene, const Goal& g
         if (motions.Next()) return std::nullopt;
         return Refusal{kNoPlace, motions.Reasons()};
       };
-      refusal = grasps_[robot.name()].Check(
+      refusal = grasps_[internal::ActingName(robot)].Check(
           scene, robot, ElementName(scene.model(), mjOBJ_BODY, body), 0.05, refuse, is_moved);
     }
     if (!refusal) return std::nullopt;  // one robot is enough
@@ -275,11 +282,7 @@ std::optional<Refusal> RelationTask::CheckGoal(const Scene& scene, const Goal& g
 
 void RelationTask::Begin(const Scene& scene) {
   if (goals_.empty()) {
-    TaskSetting setting{.place = "scene '" + scene.name() + "'", .robots = {}};
-    for (const Robot& robot : RobotsOf(scene)) {
-      if (robot.has_arm()) setting.robots.push_back(robot.name());
-    }
-    Bind(scene, setting);
+    Bind(scene, {.place = "scene '" + scene.name() + "'", .robots = internal::ActingArms(scene)});
   }
   since_ = -1;
   for (Goal& goal : goals_) {
