@@ -1,5 +1,6 @@
 #include "robocell/task/run_arms.h"
 
+#include <algorithm>
 #include <optional>
 
 #include "robocell/robot/acting_arms.h"
@@ -34,7 +35,11 @@ std::vector<std::string> ArmsWithHands(const Scene& scene, const std::vector<std
 
 std::vector<std::string> ArmsOfRun(const RunConfig& run, const Scene& scene) {
   if (const std::string named = NamedArm(run); !named.empty()) return {named};
-  return ArmsWithHands(scene, {run.robot.config.name});
+  const std::string& own = run.robot.config.name;
+  const auto& robots = scene.compiled()->robots();
+  // A scene of another sampler may lack the run's robot; whoever looks it up reports that.
+  if (std::ranges::find(robots, own, &RobotRecord::name) == robots.end()) return {own};
+  return ArmsWithHands(scene, {own});
 }
 
 std::string FirstArmOfRun(const RunConfig& run) {
