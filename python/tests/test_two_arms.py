@@ -38,11 +38,10 @@ def test_an_unknown_arm_is_named_with_its_place(tmp_path: Path):
 
 
 def test_a_robot_with_one_arm_cannot_hand_over(tmp_path: Path):
-    file = tmp_path / "run.yaml"
-    file.write_text("run: a\nrobot: rc7\ntask: {kind: handover}\noutput: out\n")
-    run = rc.RunConfig.load(file)
+    run = rc.RunConfig.load(EXAMPLES / "demo.yaml")
+    run.task, run.output = {"kind": "handover"}, str(tmp_path / "out")
     with pytest.raises(rc.SpecError, match=r"has 1 arm with a gripper.*is for two"):
-        rc.generate.validate_run(run)
+        rc.generate.prepare_dataset(run)
 
 
 def pick_of(run: rc.RunConfig) -> rc.Episode:

@@ -45,12 +45,12 @@ class AnyArmTest : public ::testing::Test {
  protected:
   AnyArmTest() {
     SceneSpec spec = EmptyScene();
-    const RobotConfig config = ParseYaml<RobotConfig>(
-        "name: two\nmodel: " + folder_.Write("two", kTwoArms) +
-            "\nroot_body: beam\nmove_groups:\n"
-            "  left: {kind: arm, joints: [l], leaf: {site: l}}\n"
-            "  right: {kind: arm, joints: [r], leaf: {site: r}}\n",
-        "two.yaml");
+    const RobotConfig config =
+        ParseYaml<RobotConfig>("name: two\nmodel: " + folder_.Write("two", kTwoArms) +
+                                   "\nroot_body: beam\nmove_groups:\n"
+                                   "  left: {kind: arm, joints: [l], leaf: {site: l}}\n"
+                                   "  right: {kind: arm, joints: [r], leaf: {site: r}}\n",
+                               "two.yaml");
     spec.robots.push_back({.name = "two", .config = config});
     spec.objects.push_back(BoxObject("cube", {0.2, -0.3, 0.5}));
     scene_.emplace(Scene::Build(spec));

@@ -18,7 +18,8 @@ TEST(CarrySkill, CarriesACase) {
   for (uint64_t seed = 1; seed <= 4 && !outcome.success; ++seed)
     outcome = RollOutSkills(CarryTaskConfig{}, seed, {}, "tasks/carry.yaml");
   EXPECT_TRUE(outcome.success) << outcome.failure;
-  EXPECT_THAT(outcome.phases, IsSupersetOf({"reach", "approach", "close", "lift", "carry", "lower", "release"}));
+  EXPECT_THAT(outcome.phases,
+              IsSupersetOf({"reach", "approach", "close", "lift", "carry", "lower", "release"}));
 }
 
 }  // namespace

@@ -18,7 +18,8 @@ TEST(HandoverSkill, HandsABarOver) {
   for (uint64_t seed = 1; seed <= 5 && !outcome.success; ++seed)
     outcome = RollOutSkills(HandoverTaskConfig{}, seed, {}, "tasks/handover.yaml");
   EXPECT_TRUE(outcome.success) << outcome.failure;
-  EXPECT_THAT(outcome.phases, IsSupersetOf({"lift", "meet", "approach", "take", "give", "retreat"}));
+  EXPECT_THAT(outcome.phases,
+              IsSupersetOf({"lift", "meet", "approach", "take", "give", "retreat"}));
 }
 
 }  // namespace

@@ -19,9 +19,10 @@
 namespace robocell {
 
 inline constexpr double kHandHeight = 0.5;     // of the hands over the floor, m
-inline constexpr double kBarHalfWidth = 0.02;      // half width of the bar between the fingers
-inline constexpr double kBarSqueeze = 1e-4;   // m into the bar
-inline constexpr double kHandClosed = 0.03 - kBarHalfWidth + kBarSqueeze, kHandOpen = 0;  // of the finger slides
+inline constexpr double kBarHalfWidth = 0.02;  // half width of the bar between the fingers
+inline constexpr double kBarSqueeze = 1e-4;    // m into the bar
+inline constexpr double kHandClosed = 0.03 - kBarHalfWidth + kBarSqueeze,
+                        kHandOpen = 0;  // of the finger slides
 
 // Two hands on a beam, 0.12 m apart along y, whose fingers close along x. The arms are slides along z.
 inline std::string TwoHands(ModelFolder& folder) {
