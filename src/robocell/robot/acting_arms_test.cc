@@ -83,7 +83,7 @@ TEST(ActingArms, ShareTheRobotsControllers) {
   right.Apply({{"right", GroupCommand::Joints({0.3, 0.2})}});
   for (int i = 0; i < 1500; ++i) {
     robot.Update();
-    robot.Step();
+    ASSERT_TRUE(robot.Step().ok());
   }
   EXPECT_NEAR(right.arm().joint_pos()[0], 0.3, 0.01);
   EXPECT_NEAR(robot.group("right").joint_pos()[1], 0.2, 0.01);

@@ -27,7 +27,9 @@ inline constexpr double kHandClosed = 0.03 - kBarHalfWidth + kBarSqueeze,
 // Two hands on a beam, 0.12 m apart along y, whose fingers close along x. The arms are slides along z.
 inline std::string TwoHands(ModelFolder& folder) {
   std::string bodies, servos, joined;
-  for (const auto& [side, y] : {std::pair{"l", 0.06}, {"r", -0.06}}) {
+  for (const auto& hand : {std::pair{"l", 0.06}, {"r", -0.06}}) {
+    const std::string side = hand.first;
+    const double y = hand.second;
     const auto finger = [&](const char* name, int sign) {
       return fmt::format(
           R"(<body name="{0}{1}" pos="{2} 0 0"><joint name="{0}{1}" type="slide" axis="{3} 0 0" range="0 .03" damping="5"/>
