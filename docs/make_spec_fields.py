@@ -32,6 +32,8 @@ RUNS = (
     rc.tasks.SortTaskConfig,
     rc.tasks.WipeTaskConfig,
     rc.tasks.PourTaskConfig,
+    rc.tasks.HandoverTaskConfig,
+    rc.tasks.CarryTaskConfig,
     rc.tasks.StartConfig,
     rc.tasks.RandomizeConfig,
     rc.tasks.RandomLights,

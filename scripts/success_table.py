@@ -29,11 +29,14 @@ ROBOTS = {
     "panda": ROOT / "examples/panda.yaml",
     "fr3_2f85": ROOT / "examples/fr3_2f85.yaml",
     "gen3_2f85": ROOT / "examples/gen3_2f85.yaml",
+    "duo": ROOT / "examples/duo/duo.yaml",
+    "torso": ROOT / "examples/duo/torso.yaml",
 }
 KINDS = (
     *("pick", "pick_and_place", "stack", "place_next_to"),
     *("open", "close", "press", "push"),
     *("insert", "sort", "wipe", "pour"),
+    *("handover", "carry"),
 )
 # The least share of successes that the soak test asks of kinds beside the nine tenths of others.
 LEAST = {"insert": 0.75, "sort": 0.75, "wipe": 0.75, "pour": 0.75}

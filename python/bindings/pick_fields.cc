@@ -8,6 +8,7 @@
 #include "robocell/task/held_task_config.h"
 #include "robocell/task/pick_task_config.h"
 #include "robocell/task/relation_task_config.h"
+#include "robocell/task/two_arm_task_config.h"
 
 namespace robocell::python {
 
@@ -59,6 +60,8 @@ void BindPickSpecs(nb::module_& m) {
   BindFields<SortTaskConfig>(m, "The fields of a task of kind `sort`.");
   BindFields<WipeTaskConfig>(m, "The fields of a task of kind `wipe`.");
   BindFields<PourTaskConfig>(m, "The fields of a task of kind `pour`.");
+  BindFields<HandoverTaskConfig>(m, "The fields of a task of kind `handover`.");
+  BindFields<CarryTaskConfig>(m, "The fields of a task of kind `carry`.");
 }
 
 }  // namespace robocell::python

@@ -70,7 +70,12 @@ class LeRobotEnv(gymnasium.Env[Observation, NDArray[np.float32]]):
         self._steps = 0
         whole = self.env.observation_space
         assert isinstance(whole, spaces.Dict)
-        of_robots: dict[str, spaces.Space[Any]] = {robot: whole[robot] for robot in config.robots}
+        of_robots: dict[str, spaces.Space[Any]] = {
+            arm: whole[arm]  # "torso/left" for an arm of a robot with several
+            for robot in config.robots
+            for arm in whole.spaces
+            if arm == robot or arm.startswith(f"{robot}/")
+        }
         of_task: dict[str, spaces.Space[Any]] = {
             key: whole[key] for key in ("objects", "task") if key in whole.spaces
         }

@@ -1,5 +1,4 @@
-// The arm and gripper that are meant where one of each is used: the first arm of the robot's file,
-// and the gripper that this arm carries.
+// Which arms of a robot act, and with which gripper each.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -21,28 +20,31 @@ std::vector<std::string> GroupsOfKind(const Robot& robot, MoveGroupKind kind) {
   return names;
 }
 
-// Warns of a robot whose gripper is on another arm than the first.
-void WarnOfGripperElsewhere(const Robot& robot, const std::vector<std::string>& arms,
-                            Findings& findings) {
+// Notes which gripper goes with which of several arms.
+void NoteArms(const Robot& robot, const std::vector<std::string>& arms, Findings& findings) {
+  if (arms.size() < 2) return;
+  std::vector<std::string> with_hands;
   for (const std::string& arm : arms) {
     const std::string gripper = robot.gripper_of(arm);
-    if (gripper.empty()) continue;
-    if (arm == arms.front()) return;
-    return findings.WarnAbout(
-        "move_groups",
-        fmt::format("the first arm, '{}', which environments and pick tasks use, carries no "
-                    "gripper: '{}' is on '{}'. Put the arm with the gripper before other arms",
-                    arms.front(), gripper, arm));
+    with_hands.push_back(arm + (gripper.empty() ? " without a gripper" : " with " + gripper));
   }
+  findings.Note(fmt::format(
+      "move_groups has {} of kind arm: {}. Environments act with all of them. In a run the nearest "
+      "arm with a gripper that can do the task does it, or the one that `arm` of a pick names",
+      arms.size(), fmt::join(with_hands, ", ")));
 }
 
-void NoteWhichIsUsed(const char* kind, const std::vector<std::string>& groups, const char* which,
-                     const std::string& used, Findings& findings) {
-  if (groups.size() < 2 || used.empty()) return;
+// Notes grippers of no arm, or of an arm that has another one.
+void NoteOtherGrippers(const Robot& robot, const std::vector<std::string>& arms,
+                       Findings& findings) {
+  std::vector<std::string> others = GroupsOfKind(robot, MoveGroupKind::kGripper);
+  for (const std::string& arm : arms) std::erase(others, robot.gripper_of(arm));
+  if (others.empty()) return;
   findings.Note(
-      fmt::format("move_groups has {} of kind {}: {}. Environments and pick tasks use {}, '{}', "
-                  "and hold the others still; robot.group(name) has each of them",
-                  groups.size(), kind, fmt::join(groups, ", "), which, used));
+      fmt::format("move_groups has {} more of kind gripper than arms that carry them: {}. "
+                  "Environments and runs "
+                  "hold {} still; robot.group(name) has each of them",
+                  others.size(), fmt::join(others, ", "), others.size() == 1 ? "it" : "them"));
 }
 
 }  // namespace
@@ -51,10 +53,8 @@ void TryFirstArm(Robot& robot, const TrialOptions& options, Findings& findings) 
   if (options.for_run) return;
   const std::vector<std::string> arms = GroupsOfKind(robot, MoveGroupKind::kArm);
   if (arms.empty()) return;
-  WarnOfGripperElsewhere(robot, arms, findings);
-  NoteWhichIsUsed("arm", arms, "the first", arms.front(), findings);
-  NoteWhichIsUsed("gripper", GroupsOfKind(robot, MoveGroupKind::kGripper), "that of the first arm",
-                  robot.gripper_of(arms.front()), findings);
+  NoteArms(robot, arms, findings);
+  NoteOtherGrippers(robot, arms, findings);
 }
 
 }  // namespace robocell::internal

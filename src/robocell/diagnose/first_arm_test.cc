@@ -1,4 +1,4 @@
-// Tests which of several arms is meant where one is used.
+// Tests what `check` notes of robots with several arms.
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -49,25 +49,20 @@ class FirstArm : public ::testing::Test {
   const std::string file_ = (folder_.path() / "two.yaml").string();
 };
 
-TEST_F(FirstArm, WithTheGripperIsNoted) {
-  const std::vector<Finding> found = CheckRobot(Make("right", "left"));
-  ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found[0].severity, Severity::kNote);
-  EXPECT_EQ(found[0].text,
-            "move_groups has 2 of kind arm: right, left. Environments and pick tasks use the "
-            "first, 'right', and hold the others still; robot.group(name) has each of them");
-}
-
-TEST_F(FirstArm, WithoutTheGripperGivesAWarning) {
-  EXPECT_THAT(LinesOfRobot(Make("left", "right")),
-              Contains(HasSubstr("move_groups: the first arm, 'left', which environments and pick "
-                                 "tasks use, carries no gripper: 'grip' is on 'right'. Put the arm "
-                                 "with the gripper before other arms")));
+TEST_F(FirstArm, AndTheOthersAreNotedWithTheirGrippers) {
+  for (const bool right_first : {true, false}) {
+    const std::vector<Finding> found =
+        CheckRobot(right_first ? Make("right", "left") : Make("left", "right"));
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_EQ(found[0].severity, Severity::kNote);
+    EXPECT_THAT(found[0].text, HasSubstr(right_first ? "right with grip, left without a gripper"
+                                                     : "left without a gripper, right with grip"));
+  }
 }
 
 TEST_F(FirstArm, IsNotReportedBeforeARun) {
   EXPECT_THAT(LinesOfRobot(Make("left", "right"), {.for_run = true}),
-              Not(Contains(HasSubstr("first arm"))));
+              Not(Contains(HasSubstr("of kind arm"))));
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "robocell/base/error.h"
 #include "robocell/env/base_frame.h"
 #include "robocell/env/env_scene.h"
+#include "robocell/env/mounted_gripper.h"
 #include "robocell/kinematics/ik_step.h"
 #include "robocell/math/rotation.h"
 #include "robocell/robot/arm_group.h"
@@ -28,7 +29,7 @@ constexpr double kSmallShift = 0.1, kSmallTurn = 0.5;
 constexpr double kSameRotation = 1e-4;
 
 std::optional<Robot> RobotWithGripper(const EnvConfig& config, const Robot& robot) {
-  if (config.has_mounted_gripper(robot.name()))
+  if (CarriesMountedGripper(config, robot))
     return Robot::Of(robot.scene(), MountedGripperName(robot.name()));
   return robot.has_gripper() ? std::optional<Robot>(robot) : std::nullopt;
 }

@@ -12,6 +12,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/env/env_impl.h"
 #include "robocell/env/env_scene.h"
+#include "robocell/robot/acting_arms.h"
 #include "robocell/robot/task_space.h"
 #include "robocell/robot/unused_groups.h"
 #include "robocell/robot/validate_config.h"
@@ -30,7 +31,10 @@ constexpr const char* kSeedPurpose = "env reset";
 
 std::vector<Robot> ArmsOf(const EnvConfig& config, const Scene& scene) {
   std::vector<Robot> robots;
-  for (const std::string& name : config.robots.keys()) robots.push_back(Robot::Of(scene, name));
+  for (const auto& [name, robot] : config.robots.entries()) {
+    for (const std::string& arm : internal::ActingArms(*robot, name))
+      robots.push_back(Robot::Of(scene, arm));
+  }
   return robots;
 }
 
@@ -45,7 +49,12 @@ std::vector<internal::ArmDriver> DriversOf(const EnvConfig& config, const Scene&
 std::vector<Robot> RobotsOfDrivers(const std::vector<internal::ArmDriver>& drivers) {
   std::vector<Robot> robots;
   for (const internal::ArmDriver& driver : drivers) {
-    for (const Robot& robot : driver.robots()) robots.push_back(robot);
+    for (const Robot& robot : driver.robots()) {
+      // The arms of one robot are updated together.
+      const bool is_known = std::ranges::any_of(
+          robots, [&](const Robot& known) { return known.name() == robot.name(); });
+      if (!is_known) robots.push_back(Robot::Of(robot.scene(), robot.name()));
+    }
   }
   return robots;
 }
@@ -56,7 +65,13 @@ std::vector<internal::CollisionMonitor::Watched> WatchedOf(
   for (const internal::ArmDriver& driver : drivers) {
     std::vector<Robot> robots = driver.robots();
     robots.erase(robots.begin());
-    watched.push_back({driver.robot(), std::move(robots)});
+    // One robot with several arms is watched once, with what is mounted on any of them.
+    const auto known = std::ranges::find_if(
+        watched, [&](const auto& each) { return each.robot.name() == driver.robot().name(); });
+    if (known == watched.end())
+      watched.push_back({driver.robot(), std::move(robots)});
+    else
+      known->grippers.insert(known->grippers.end(), robots.begin(), robots.end());
   }
   return watched;
 }
@@ -228,13 +243,12 @@ void Env::State::WarnOfFewJoints(const Robot& robot) const {
 }
 
 void Env::State::WarnOfUndriven(const Robot& robot) const {
+  if (internal::ArmNames(robot.config()).size() > 1) return;  // each of them is driven
   const std::string unused = internal::DescribeUnusedGroups(robot);
   if (unused.empty()) return;
   LogWarn(fmt::format(
-      "{} / robot '{}': has several arms or grippers, and a robot of an environment acts with one "
-      "of each: {}, and no action or observation has them. Command them beside the steps with {}, "
-      "or make each arm a robot of the environment, from one model with "
-      "`alternative_combined_robot_mjcf`",
+      "{} / robot '{}': has several grippers, and an arm of an environment acts with one: {}, and "
+      "no action or observation has them. Command them beside the steps with {}",
       place(), robot.name(), unused, internal::CppAndPythonName("Robot::Apply")));
 }
 
@@ -522,10 +536,12 @@ void Env::State::ReadInto(FeatureSource& source, const VectorPart& part) {
 }
 
 void Env::State::SetOriginToCurrent(const std::string& robot) {
+  std::vector<std::string> names;
   for (internal::ArmDriver& arm : arms_) {
     if (arm.layout().robot == robot) return arm.SetOriginToCurrent();
+    names.push_back(arm.layout().robot);
   }
-  throw NotFoundError(NoSuchName(place(), "robot", robot, config_.robots.keys()));
+  throw NotFoundError(NoSuchName(place(), "robot", robot, names));
 }
 
 }  // namespace robocell

@@ -196,7 +196,8 @@ TEST(EnvArrival, ArmsSentToOnePoseAgreeWithinTheirJointTolerances) {
   EXPECT_GE(both, 5);
 }
 
-TEST(EnvArms, WarnsAboutArmsWithoutActions) {
+// Each arm of a robot has its own part of the vectors, and moves the same joints as by its name.
+TEST(EnvArms, OfOneRobotActTogether) {
   ModelFolder folder;
   std::vector<std::string> warnings;
   const ScopedLogSink sink([&](LogLevel level, std::string_view text) {
@@ -206,27 +207,29 @@ TEST(EnvArms, WarnsAboutArmsWithoutActions) {
   config.robots["t"] = Torso(folder, {"r", "l"});
   config.control_mode = ControlMode::kJoints;
   Env env(config);
-  ASSERT_EQ(warnings.size(), 1u);
-  EXPECT_THAT(warnings[0],
-              ::testing::HasSubstr(
-                  "/ robot 't': has several arms or grippers, and a robot of an environment acts "
-                  "with one of each: arm 'l_arm' and its gripper 'l_hand' are used; r_arm, r_hand "
-                  "hold still, and no action or observation has them. Command them beside the "
-                  "steps with Robot::Apply (in Python Robot.apply)"));
+  EXPECT_THAT(warnings, ::testing::IsEmpty());
+  std::vector<std::string> names;
+  for (const RobotLayout& arm : env.layout().robots) names.push_back(arm.robot);
+  EXPECT_THAT(names, ::testing::ElementsAre("t/l_arm", "t/r_arm"));
+  ASSERT_EQ(env.layout().action.size(), 6);
+  EXPECT_EQ(env.layout().commanded.features()[2].column.name, "action/t/r_arm/joints");
   env.Reset({.seed = 1});
-  env.Step(Numbers{0.1, 0.1, 0});
   const Robot robot = Robot::Of(env.scene(), "t");
-  const auto& left = dynamic_cast<const GripperGroup&>(robot.group("l_hand"));
-  const auto& right = dynamic_cast<const GripperGroup&>(robot.group("r_hand"));
-  const double held = right.opening();
-  for (int i = 0; i < 5; ++i) env.Step(Numbers{0, 0, 1});
-  EXPECT_GT(left.opening(), 0.9);
-  EXPECT_NEAR(right.opening(), held, 0.05);
-  // Follows the advice of the warning.
-  Robot(robot).Apply({{"r_arm", GroupCommand::Joints({0.3, -0.2})}});
-  for (int i = 0; i < 5; ++i) env.Step(Numbers{0.05, 0, 1});
-  EXPECT_LE(StateOf(env.scene(), "robott_r1", 0.3).error, kHinge);
-  EXPECT_LE(StateOf(env.scene(), "robott_r2", -0.2).error, kHinge);
+  const std::vector<double> left = robot.group("l_arm").joint_pos();
+  for (int i = 0; i < 5; ++i) env.Step(Numbers{0, 0, 0, 0.05, -0.05, 1});
+  EXPECT_LE(StateOf(env.scene(), "robott_r1", 0.25).error, kHinge);
+  EXPECT_LE(StateOf(env.scene(), "robott_r2", -0.25).error, kHinge);
+  for (size_t j = 0; j < left.size(); ++j)
+    EXPECT_NEAR(robot.group("l_arm").joint_pos()[j], left[j], 0.01);
+  const auto opening = [&](const char* hand) {
+    return dynamic_cast<const GripperGroup&>(robot.group(hand)).opening();
+  };
+  EXPECT_GT(opening("r_hand"), 0.9);
+  EXPECT_LT(opening("l_hand"), 0.1);
+  // The observation of an arm is its own.
+  const RobotLayout& right = env.layout().robots[1];
+  EXPECT_NEAR(env.observation()[right.joints.begin], robot.group("r_arm").joint_pos()[0], 1e-9);
+  EXPECT_NEAR(env.observation()[right.gripper], opening("r_hand"), 1e-9);
 }
 
 TEST(EnvArms, AcceptsARobotWithOneArm) {

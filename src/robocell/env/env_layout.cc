@@ -11,8 +11,10 @@
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
 #include "robocell/env/base_frame.h"
+#include "robocell/env/mounted_gripper.h"
 #include "robocell/features/chosen_features.h"
 #include "robocell/features/robot_features.h"
+#include "robocell/robot/acting_arms.h"
 #include "robocell/task/task_features.h"
 
 namespace robocell {
@@ -65,9 +67,10 @@ class Builder {
  public:
   explicit Builder(const EnvConfig& config) : config_(config) {}
 
-  void Add(const std::string& name, const Robot& robot) {
+  void Add(const Robot& robot) {
+    const std::string name = internal::ActingName(robot);
     RobotLayout layout{.robot = name, .command = CommandName(config_.control_mode)};
-    layout.has_gripper = robot.has_gripper() || config_.has_mounted_gripper(name);
+    layout.has_gripper = robot.has_gripper() || internal::CarriesMountedGripper(config_, robot);
     AddActions(robot, layout);
     AddPoses(robot, layout);
     Bounds joints;
@@ -268,8 +271,7 @@ std::vector<Interval> CommandLimits(const Robot& robot) {
 EnvLayout MakeEnvLayout(const EnvConfig& config, const std::vector<Robot>& robots, const Task* task,
                         const FeatureSource& signals, const internal::ChosenFeatures& chosen) {
   Builder builder(config);
-  const std::vector<std::string> names = config.robots.keys();
-  for (size_t i = 0; i < robots.size(); ++i) builder.Add(names[i], robots[i]);
+  for (const Robot& robot : robots) builder.Add(robot);
   if (task && !robots.empty()) {
     for (const std::string& object : ObjectsOf(*task, robots.front().scene()))
       builder.AddObject(object);

@@ -18,6 +18,7 @@
 #include "robocell/scenes/joint_opening.h"
 #include "robocell/scenes/relations.h"
 #include "robocell/task/relation_task.h"
+#include "robocell/task/run_arms.h"
 #include "robocell/task/task_calls.h"
 
 namespace robocell::internal {
@@ -68,7 +69,7 @@ AugmentExpert::AugmentExpert(const RunConfig& run, const EpisodeStart& start,
       tick_(run.rates.policy_period()) {}
 
 void AugmentExpert::Begin(const Scene& scene, Rng& rng) {
-  robot_ = Robot::Of(scene, run_.robot.config.name);
+  robot_ = Robot::Of(scene, internal::FirstArmOfRun(run_));
   arm_.emplace(*robot_, tick_);
   target_ = arm_->target();
   segment_ = 0;

@@ -13,6 +13,7 @@
 #include "robocell/task/pick_task_config.h"
 #include "robocell/task/relation_task_config.h"
 #include "robocell/task/task_kind.h"
+#include "robocell/task/two_arm_task_config.h"
 
 namespace robocell {
 namespace {
@@ -34,7 +35,9 @@ ExpertRegistry& RegisteredExperts() {
                  {InsertTaskConfig::kKind, skills},
                  {SortTaskConfig::kKind, skills},
                  {WipeTaskConfig::kKind, skills},
-                 {PourTaskConfig::kKind, skills}});
+                 {PourTaskConfig::kKind, skills},
+                 {HandoverTaskConfig::kKind, skills},
+                 {CarryTaskConfig::kKind, skills}});
   return registry;
 }
 

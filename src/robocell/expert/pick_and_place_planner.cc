@@ -7,6 +7,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/motion/gripper_shape.h"
+#include "robocell/task/run_arms.h"
 
 namespace robocell {
 namespace {
@@ -56,7 +57,7 @@ PickAndPlacePlanner::PickAndPlacePlanner(std::string robot, std::string target_o
       pick_(robot_name_, target_object_, std::move(sim), options) {}
 
 PickAndPlacePlanner::PickAndPlacePlanner(const RunConfig& run, const EpisodeStart& start)
-    : PickAndPlacePlanner(run.robot.config.name, start.target_object, TaskOf(run, start),
+    : PickAndPlacePlanner(internal::FirstArmOfRun(run), start.target_object, TaskOf(run, start),
                           run.options, PickPlannerOptionsOf(run)) {}
 
 PickAndPlacePlanner::~PickAndPlacePlanner() = default;

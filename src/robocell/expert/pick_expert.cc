@@ -7,10 +7,12 @@
 #include <cmath>
 
 #include "robocell/base/error.h"
+#include "robocell/expert/any_arm.h"
 #include "robocell/expert/pick_and_place_planner.h"
 #include "robocell/expert/pick_planner.h"
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/robot/acting_arms.h"
 #include "robocell/robot/unused_groups.h"
 #include "robocell/robot/validate_config.h"
 #include "robocell/scenes/catalogue.h"
@@ -19,6 +21,7 @@
 #include "robocell/task/grasp_candidates.h"
 #include "robocell/task/grasp_motion.h"
 #include "robocell/task/pick_task_config.h"
+#include "robocell/task/run_arms.h"
 
 namespace robocell::internal {
 namespace {
@@ -94,14 +97,13 @@ class PickRunValidator {
   }
 
  private:
-  // Warns of further groups: the expert acts with one arm.
+  // Warns of further grippers of an arm.
   void WarnOfUnusedGroups() {
+    if (ArmNames(robot_.config()).size() > 1) return;  // `arm` says which ones act
     const std::string unused = internal::DescribeUnusedGroups(robot_);
     if (unused.empty()) return;
     doubts_.AddAt("robot",
-                  fmt::format("has several arms or grippers, and pick tasks act with one of "
-                              "each, the first arm of `move_groups` and its gripper: {}",
-                              unused));
+                  fmt::format("has several grippers, and pick tasks act with one: {}", unused));
   }
 
   // Warns of kinds of objects that the gripper cannot grasp; drawn sizes may differ.
@@ -140,12 +142,22 @@ template <class Planner>
 class KindOfPicker final : public ExpertKind {
  public:
   std::shared_ptr<Expert> Make(const RunConfig& run, const EpisodeStart& start) const override {
-    return std::make_shared<Planner>(run, start);
+    const std::vector<std::string> arms = ArmsOfRun(run, start.scene);
+    if (arms.size() == 1) return std::make_shared<Planner>(WithArm(run, arms.front()), start);
+    std::vector<AnyArm::Candidate> candidates;
+    for (const std::string& arm : arms)
+      candidates.push_back({arm, std::make_shared<Planner>(WithArm(run, arm), start)});
+    return std::make_shared<AnyArm>(std::move(candidates), start.target_object);
   }
   bool is_built_in() const override { return true; }
-  void Validate(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
+  void Validate(const RunConfig& run, const Scene& scene, Robot& /*robot*/, Problems& problems,
                 Problems& doubts) const override {
-    PickRunValidator(run, scene, robot, problems, doubts).Run();
+    for (const std::string& arm : ArmsOfRun(run, scene)) {
+      Robot acting = Robot::Of(scene, arm);
+      const size_t before = problems.list().size() + doubts.list().size();
+      PickRunValidator(run, scene, acting, problems, doubts).Run();
+      if (problems.list().size() + doubts.list().size() > before) return;  // once is enough
+    }
   }
   void ValidateRobot(const Robot& robot, Problems& problems) const override {
     ValidatePickRobot(robot, robot.scene().compiled()->spec().options, robot.scene().timestep(),

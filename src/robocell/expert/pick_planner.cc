@@ -5,6 +5,7 @@
 
 #include "robocell/motion/geom_extent.h"
 #include "robocell/task/pick_task_config.h"
+#include "robocell/task/run_arms.h"
 
 namespace robocell {
 namespace {
@@ -45,7 +46,7 @@ PickPlanner::PickPlanner(std::string robot, std::string target_object, SimOption
       options_(options) {}
 
 PickPlanner::PickPlanner(const RunConfig& run, const EpisodeStart& start)
-    : PickPlanner(run.robot.config.name, start.target_object, run.options,
+    : PickPlanner(internal::FirstArmOfRun(run), start.target_object, run.options,
                   PickPlannerOptionsOf(run)) {}
 
 PickPlanner::~PickPlanner() = default;

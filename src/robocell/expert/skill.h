@@ -33,12 +33,16 @@ const std::vector<std::string>& SkillPhases();
 // is guided in them: a vessel that is carried upright ("carry") is.
 const std::vector<std::string>& FreeSkillPhases();
 
+// Returns the phases of skills for two arms: those of all skills, and some more.
+const std::vector<std::string>& TwoArmSkillPhases();
+
 // What skills need of a run.
 struct SkillSettings {
-  std::string robot;  // its name
+  std::string robot;  // its name, or that of its arm that acts (Robot::Of)
   SimOptions sim;
-  double tick = 0.066;  // seconds between actions
-  int failures = 0;     // how often skills for this goal have failed
+  double tick = 0.066;                 // seconds between actions
+  int failures = 0;                    // how often skills for this goal have failed
+  std::vector<std::string> arms = {};  // all that may act, by names for Robot::Of; empty: `robot`
 };
 
 // The skills of one file each. `goal` outlives the skill.
@@ -56,5 +60,11 @@ std::unique_ptr<Skill> MakeWipeSkill(const SkillSettings& settings,
                                      const RelationTask::Goal& goal);  // wipe_skill.cc
 std::unique_ptr<Skill> MakePourSkill(const SkillSettings& settings,
                                      const RelationTask::Goal& goal);  // pour_skill.cc
+
+// Of two arms of `settings.arms`.
+std::unique_ptr<Skill> MakeHandoverSkill(const SkillSettings& settings,
+                                         const RelationTask::Goal& goal);  // handover_skill.cc
+std::unique_ptr<Skill> MakeCarrySkill(const SkillSettings& settings,
+                                      const RelationTask::Goal& goal);  // carry_skill.cc
 
 }  // namespace robocell

@@ -4,14 +4,18 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 #include "robocell/base/error.h"
+#include "robocell/expert/any_arm.h"
 #include "robocell/expert/pick_expert.h"
 #include "robocell/expert/skill_expert_kind.h"
+#include "robocell/robot/acting_arms.h"
 #include "robocell/robot/robot.h"
 #include "robocell/robot/unused_groups.h"
 #include "robocell/scenes/relations.h"
+#include "robocell/task/run_arms.h"
 
 namespace robocell {
 namespace {
@@ -40,6 +44,16 @@ const std::vector<std::string>& SkillPhases() {
   return phases;
 }
 
+// Phases have their numbers in episodes: more of them come after the others.
+const std::vector<std::string>& TwoArmSkillPhases() {
+  static const std::vector<std::string> phases = [] {
+    std::vector<std::string> all = SkillPhases();
+    all.insert(all.end(), {"meet", "take", "give"});
+    return all;
+  }();
+  return phases;
+}
+
 const std::vector<std::string>& FreeSkillPhases() {
   static const std::vector<std::string> phases = {"open", "pregrasp", "transfer", "reach", "done"};
   return phases;
@@ -49,14 +63,16 @@ SkillExpert::SkillExpert(SkillSettings settings, std::shared_ptr<const RelationT
     : settings_(std::move(settings)), task_(std::move(task)) {}
 
 SkillExpert::SkillExpert(const RunConfig& run, const EpisodeStart& start)
-    : SkillExpert(
-          {.robot = run.robot.config.name, .sim = run.options, .tick = run.rates.policy_period()},
-          RelationTaskOf(run, start)) {}
+    : SkillExpert({.robot = internal::FirstArmOfRun(run),
+                   .sim = run.options,
+                   .tick = run.rates.policy_period(),
+                   .arms = internal::ArmsOfRun(run, start.scene)},
+                  RelationTaskOf(run, start)) {}
 
 int SkillExpert::phase() const {
   const std::string name = skill_ ? skill_->phase() : "done";
-  const auto at = std::ranges::find(SkillPhases(), name);
-  return static_cast<int>(at - SkillPhases().begin());
+  const auto at = std::ranges::find(*phases_, name);
+  return static_cast<int>(at - phases_->begin());
 }
 
 std::unique_ptr<Skill> SkillExpert::SkillFor(const RelationTask::Goal& goal) const {
@@ -66,12 +82,18 @@ std::unique_ptr<Skill> SkillExpert::SkillFor(const RelationTask::Goal& goal) con
   if (relation == "inserted") return MakeInsertSkill(settings_, goal);
   if (relation == "wiped") return MakeWipeSkill(settings_, goal);
   if (relation == "poured_into") return MakePourSkill(settings_, goal);
+  if (relation == "handed_over") return MakeHandoverSkill(settings_, goal);
+  if (relation == "carried") return MakeCarrySkill(settings_, goal);
   if (relation == "held") return MakeHoldSkill(settings_, goal);
   if (relation == "in_region" && task_->pushes()) return MakePushSkill(settings_, goal);
   return MakePlaceSkill(settings_, goal);
 }
 
 void SkillExpert::Begin(const Scene& scene, Rng& rng) {
+  const bool is_for_two = std::ranges::any_of(task_->goals(), [](const auto& goal) {
+    return goal.stated.relation == "handed_over" || goal.stated.relation == "carried";
+  });
+  phases_ = is_for_two ? &TwoArmSkillPhases() : &SkillPhases();
   tries_.assign(task_->goals().size(), 0);
   failures_.assign(task_->goals().size(), 0);
   waited_ = 0;
@@ -98,12 +120,22 @@ void SkillExpert::Next(const Scene& scene, Rng& rng) {
     }
     waited_ = 0;
     settings_.failures = failures_[goal_];
+    ChooseArm(scene, *open);
     progress_ = open->bound->Progress();
     skill_ = SkillFor(*open);
     skill_->Begin(scene, rng);
     if (!skill_->done()) return;
     Finish();
   }
+}
+
+// The nearest arm begins; after a failure the next one has its turn.
+void SkillExpert::ChooseArm(const Scene& scene, const RelationTask::Goal& goal) {
+  if (settings_.arms.size() < 2) return;
+  const bool is_joint = FindRelation(goal.stated.relation).subject == RelationSubject::kJoint;
+  const std::vector<std::string> arms =
+      is_joint ? settings_.arms : internal::NearestArms(scene, settings_.arms, goal.stated.subject);
+  settings_.robot = arms[static_cast<size_t>(settings_.failures) % arms.size()];
 }
 
 // A skill that did a part of its goal has not failed: what it did is worth doing again.
@@ -140,14 +172,15 @@ class KindOfSkillExpert final : public ExpertKind {
   bool is_built_in() const override { return true; }
   void Validate(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
                 Problems& doubts) const override {
-    if (const std::string unused = DescribeUnusedGroups(robot); !unused.empty()) {
-      doubts.AddAt("robot",
-                   "has several arms or grippers, and this expert acts with one of each, "
-                   "the first arm of `move_groups` and its gripper: " +
-                       unused);
-    }
+    const std::string unused =
+        ArmNames(robot.config()).size() > 1 ? "" : DescribeUnusedGroups(robot);
+    if (!unused.empty())
+      doubts.AddAt("robot", "has several grippers, and this expert acts with one: " + unused);
     const Problems::Scope scope(problems, "robot");
-    ValidatePickRobot(robot, run.options, scene.timestep(), problems);
+    for (const std::string& arm : ArmsOfRun(run, scene)) {
+      if (!ValidatePickRobot(Robot::Of(scene, arm), run.options, scene.timestep(), problems))
+        return;
+    }
   }
   void ValidateRobot(const Robot& robot, Problems& problems) const override {
     ValidatePickRobot(robot, robot.scene().compiled()->spec().options, robot.scene().timestep(),

@@ -1,5 +1,5 @@
 // SkillExpert: the scripted expert of all tasks whose goals are relations (task/relation_task.h),
-// for any robot with one arm and one gripper. For each relation that does not hold, in order, it
+// for any robot with arms and grippers. For each relation that does not hold, in order, it
 // uses a skill (skill.h); it repeats what failed or was undone, and gives up with a reason.
 #pragma once
 
@@ -26,15 +26,17 @@ class SkillExpert final : public Expert {
   bool done() const override { return finished_; }
   std::string failure() const override { return failure_; }
   int phase() const override;
-  std::vector<std::string> phase_names() const override { return SkillPhases(); }
+  std::vector<std::string> phase_names() const override { return *phases_; }
 
  private:
   void Next(const Scene& scene, Rng& rng);
+  void ChooseArm(const Scene& scene, const RelationTask::Goal& goal);
   void Finish();
   std::unique_ptr<Skill> SkillFor(const RelationTask::Goal& goal) const;
 
   SkillSettings settings_;
   std::shared_ptr<const RelationTask> task_;
+  const std::vector<std::string>* phases_ = &SkillPhases();
   std::unique_ptr<Skill> skill_;
   std::vector<int> tries_, failures_;  // of each goal
   size_t goal_ = 0;                    // of the skill

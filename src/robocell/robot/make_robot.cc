@@ -1,8 +1,16 @@
 // Makes robots: from their configuration in the scene, or ad hoc from two bodies.
+#include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "robocell/base/error.h"
+#include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/robot/acting_arms.h"
 #include "robocell/robot/group_factory.h"
 #include "robocell/robot/robot_state.h"
 #include "robocell/spec/validate.h"
@@ -43,8 +51,21 @@ ChainTip TipOf(const Scene& scene, const std::string& tip_body, const RobotOptio
 }  // namespace
 
 Robot Robot::Of(const Scene& scene, const std::string& name) {
-  const RobotRecord& record = scene.compiled()->robot(name);
-  const std::string key = "robot:" + record.name;
+  const size_t slash = name.rfind('/');
+  RobotRecord record = scene.compiled()->robot(name.substr(0, slash));
+  std::string key = "robot:" + record.name;
+  if (slash != std::string::npos) {
+    const std::string arm = name.substr(slash + 1);
+    const std::vector<std::string> arms = internal::ArmNames(record.config);
+    if (std::ranges::find(arms, arm) == arms.end()) {
+      throw NotFoundError(NoSuchName(
+          fmt::format("scene '{}' / robot '{}'", scene.name(), record.name), "arm", arm, arms));
+    }
+    if (arm != arms.front()) {
+      record.config = internal::WithArmFirst(record.config, arm);
+      key += "/" + arm;
+    }
+  }
   if (auto known = std::dynamic_pointer_cast<State>(scene.FindObserver(key))) {
     return Robot(scene, std::move(known));
   }

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "robocell/motion/gripper_shape.h"
+#include "robocell/robot/acting_arms.h"
 #include "robocell/task/grasp_candidates.h"
 
 namespace robocell {
@@ -18,9 +19,10 @@ std::optional<Refusal> GraspCheck::Check(const Scene& scene, const Robot& robot,
                                          const std::string& body, double lift_height,
                                          const GraspCondition& refuse, bool sides_too) {
   if (!robot.has_gripper() || !GripperShape::Supports(robot.gripper())) return std::nullopt;
-  if (!shape_ || robot_ != robot.name())
+  const std::string acting = internal::ActingName(robot);
+  if (!shape_ || robot_ != acting)
     shape_ = GripperShape::Of(robot.config(), scene.spec().options, scene.timestep());
-  robot_ = robot.name();
+  robot_ = acting;
   PlanningScene planning(scene, robot, body, shape_);
   const JointVector home(std::span<const double>(robot.arm().joint_pos()));
   // Returns why none of them can be used.

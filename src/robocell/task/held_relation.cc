@@ -10,6 +10,7 @@
 #include "robocell/scenes/relations.h"
 #include "robocell/task/held.h"
 #include "robocell/task/pouring.h"
+#include "robocell/task/two_arm_relations.h"
 #include "robocell/task/wiping.h"
 
 namespace robocell::internal {
@@ -36,6 +37,8 @@ void RegisterTaskRelations() {
                               .bind = [](const Scene& scene, const StatedRelation& stated) {
                                 return std::make_unique<Held>(scene, stated);
                               }});
+    RegisterRelation("handed_over", HandedOverRelation());
+    RegisterRelation("carried", CarriedRelation());
     RegisterRelation("wiped", WipedRelation());
     RegisterRelation("poured_into", PouredIntoRelation());
     return true;

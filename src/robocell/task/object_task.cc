@@ -14,11 +14,13 @@
 #include "robocell/base/units.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/robot/acting_arms.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/referral.h"
 #include "robocell/task/base_placement.h"
 #include "robocell/task/drawn_objects.h"
 #include "robocell/task/held.h"
+#include "robocell/task/run_arms.h"
 
 namespace robocell {
 
@@ -253,11 +255,11 @@ std::optional<Refusal> ObjectTask::CheckStart(const Scene& scene) {
   if (!checks_grasps()) return std::nullopt;
   std::optional<Refusal> refused;
   for (const Robot& robot : robots_) {  // one that has a grasp is enough
-    auto refusal =
-        grasps_[robot.name()].Check(scene, robot, object_->name(), fields_.lift_height,
-                                    [&](PlanningScene& planning, const GraspMotion& motion) {
-                                      return RefuseGrasp(scene, planning, motion);
-                                    });
+    auto refusal = grasps_[internal::ActingName(robot)].Check(
+        scene, robot, object_->name(), fields_.lift_height,
+        [&](PlanningScene& planning, const GraspMotion& motion) {
+          return RefuseGrasp(scene, planning, motion);
+        });
     if (!refusal) return std::nullopt;
     if (!refused) refused = std::move(refusal);
   }
@@ -266,11 +268,7 @@ std::optional<Refusal> ObjectTask::CheckStart(const Scene& scene) {
 
 void ObjectTask::Begin(const Scene& scene) {
   if (!object_) {  // by default all robots act
-    TaskSetting setting{.place = "scene '" + scene.name() + "'", .robots = {}};
-    for (const Robot& robot : RobotsOf(scene)) {
-      if (robot.has_arm()) setting.robots.push_back(robot.name());
-    }
-    Bind(scene, setting);
+    Bind(scene, {.place = "scene '" + scene.name() + "'", .robots = internal::ActingArms(scene)});
   }
   start_ = root_.inverse() * ObjectInWorld();
   referral_ = fields_.refer ? FindReferral(scene) : "";

@@ -13,6 +13,7 @@
 
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/robot/acting_arms.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/scene_source.h"
 #include "robocell/spec/validate.h"
@@ -184,7 +185,13 @@ class KindOfPick : public TaskKindOf<Config, T> {
 
   void ValidateRun(const RunConfig& run, Problems& problems) const override {
     const Problems::Scope scope(problems, "task");
-    ValidateTask(run.task.As<Config>(), problems);
+    const auto& task = run.task.As<Config>();
+    ValidateTask(task, problems);
+    std::vector<std::string> arms = ArmNames(run.robot.config);
+    arms.emplace_back(kAnyArm);
+    if (!task.arm.empty() && std::ranges::find(arms, task.arm) == arms.end())
+      problems.AddAt("arm",
+                     NoSuchName("robot '" + run.robot.config.name + "'", "arm", task.arm, arms));
   }
   void ValidateEnv(const EnvConfig& env, Problems& problems) const override {
     const auto& task = env.task->As<Config>();
@@ -192,6 +199,10 @@ class KindOfPick : public TaskKindOf<Config, T> {
       RequireFreeNames(env, kTarget, KindsToDraw(task.objects), "object", problems);
     const Problems::Scope scope(problems, "task");
     ValidateTask(task, problems);
+    if (!task.arm.empty())
+      problems.AddAt("arm",
+                     "is of runs, whose expert acts with it; actions move all arms of an "
+                     "environment: leave it out");
     if (!task.object.empty()) RequireRigObject(env, "object", task.object, problems);
   }
   void ValidateScene(const RunConfig& run, const Scene& scene, Robot& /*robot*/, Problems& problems,

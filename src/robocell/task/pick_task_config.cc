@@ -9,7 +9,10 @@ namespace robocell {
 
 std::optional<PickRun> PickRunOf(const TaskSpec& task) {
   const auto run_of = [](const auto& pick) {
-    return PickRun{.object = pick.object, .objects = pick.objects, .lift_height = pick.lift_height};
+    return PickRun{.object = pick.object,
+                   .objects = pick.objects,
+                   .lift_height = pick.lift_height,
+                   .arm = pick.arm};
   };
   if (const auto* pick = task.If<PickTaskConfig>()) return run_of(*pick);
   if (const auto* place = task.If<PickAndPlaceTaskConfig>()) return run_of(*place);

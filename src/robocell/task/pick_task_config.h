@@ -15,6 +15,9 @@ namespace robocell {
 // one or two centimetres, and scripted experts lift by ten.
 inline constexpr double kLiftHeight = 0.05;
 
+// What `arm` is where any arm may act.
+inline constexpr const char* kAnyArm = "any";
+
 // Visits the fields that every task has which picks an object up: a named object and the lift,
 // followed by drawn objects.
 template <class T, class V>
@@ -35,6 +38,10 @@ void PickedObjectFields(V&& v) {
   v("lift_height", &T::lift_height,
     "Success: the object is this far above its first height, metres, and only robots hold it.",
     Bound::kPositive);
+  v("arm", &T::arm,
+    "In a run, the arm that acts, of a robot with several: the name of a group of kind arm, or "
+    "any: in "
+    "each episode the nearest one that can. The others hold still. Unset: any.");
 }
 template <class T, class V>
 void DrawnObjectFields(V&& v) {
@@ -49,6 +56,7 @@ struct PickTaskConfig {
   bool rotate = true;
   bool refer = false;
   double lift_height = kLiftHeight;
+  std::string arm = {};
   NameList objects = {};
 
   static constexpr const char* kKind = "pick";
@@ -67,6 +75,7 @@ struct PickAndPlaceTaskConfig {
   bool rotate = true;
   bool refer = false;
   double lift_height = kLiftHeight;
+  std::string arm = {};
   std::optional<Vec3> goal = {};
   std::string goal_object = {};
   Vec2 goal_spread = {0, 0};
@@ -110,6 +119,7 @@ struct PickRun {
   std::string object = {};
   NameList objects;
   double lift_height;
+  std::string arm = {};
 };
 // Returns the fields of a task of either kind; unset for other tasks.
 std::optional<PickRun> PickRunOf(const TaskSpec& task);

@@ -15,6 +15,7 @@
 #include "robocell/task/base_placement.h"
 #include "robocell/task/grasp_motion.h"
 #include "robocell/task/pick_task_config.h"
+#include "robocell/task/run_arms.h"
 
 namespace robocell::internal {
 namespace {
@@ -44,7 +45,7 @@ Robot OnlyRobot(const RunConfig& run) {
       {.name = config.name, .config = config, .control_modes = config.used_modes()});
   Scene scene = Scene::Build(spec);
   scene.Reset();
-  return Robot::Of(scene, config.name);
+  return Robot::Of(scene, FirstArmOfRun(run));
 }
 
 class Search {

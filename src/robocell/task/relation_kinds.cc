@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "robocell/base/suggestions.h"
+#include "robocell/robot/robot.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/held_relation.h"
@@ -18,7 +19,10 @@
 #include "robocell/task/pick_and_place_task.h"
 #include "robocell/task/relation_task_config.h"
 #include "robocell/task/relation_tasks.h"
+#include "robocell/task/run_arms.h"
 #include "robocell/task/task_kind.h"
+#include "robocell/task/two_arm_task_config.h"
+#include "robocell/task/two_arm_tasks.h"
 
 namespace robocell::internal {
 namespace {
@@ -59,6 +63,12 @@ void CheckFields(const PlaceNextToTaskConfig& task, Problems& problems) {
 }
 void CheckFields(const PushTaskConfig& task, Problems& problems) {
   RequireKindsOfObjects("objects", task.objects, ObjectKinds(), problems);
+}
+void CheckFields(const HandoverTaskConfig& task, Problems& problems) {
+  RequireKindsOfObjects("objects", task.objects, ObjectKinds(), problems);
+}
+void CheckFields(const CarryTaskConfig& task, Problems& problems) {
+  RequireKindsOfObjects("objects", task.objects, PickAndPlaceTask::AllGoalKinds(), problems);
 }
 void CheckFields(const InsertTaskConfig& /*task*/, Problems& /*problems*/) {}
 void CheckFields(const SortTaskConfig& /*task*/, Problems& /*problems*/) {}
@@ -115,6 +125,19 @@ class RelationKindOf final : public TaskKindOf<Config, T> {
     const Problems::Scope scope(problems, "task");
     CheckFields(env.task->As<Config>(), problems);
   }
+  void ValidateScene(const RunConfig& run, const Scene& scene, Robot& robot, Problems& problems,
+                     Problems& /*doubts*/) const override {
+    if constexpr (requires { T::kArms; }) {
+      const std::vector<std::string> arms = ArmsWithHands(scene, {robot.name()});
+      const auto hands = std::ranges::count_if(
+          arms, [&](const std::string& arm) { return Robot::Of(scene, arm).has_gripper(); });
+      if (hands >= T::kArms) return;
+      problems.AddAt(
+          "robot", fmt::format("has {} with a gripper, and task '{}' is for two. Make one robot of "
+                               "two arms, as examples/duo/duo.yaml does",
+                               Counted(hands, "arm"), run.task.kind()));
+    }
+  }
 };
 
 template <class Config, class T>
@@ -138,6 +161,8 @@ void AddRelationKinds(KindRegistry::Kinds& kinds) {
   AddKind<SortTaskConfig, SortTask>(kinds);
   AddKind<WipeTaskConfig, WipeTask>(kinds);
   AddKind<PourTaskConfig, PourTask>(kinds);
+  AddKind<HandoverTaskConfig, HandoverTask>(kinds);
+  AddKind<CarryTaskConfig, CarryTask>(kinds);
 }
 
 }  // namespace robocell::internal

@@ -12,6 +12,7 @@
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
+#include "robocell/robot/acting_arms.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/landmarks.h"
 #include "robocell/task/base_placement.h"
@@ -33,6 +34,11 @@ constexpr const char* kNoPlace = "the object cannot be put down at the goal";
 constexpr const char* kNoStart = "no free place for the start";
 constexpr double kPressed = 2e-4;  // m into the support: relations about contacts hold then
 constexpr int kStartPoses = 16;    // poses of a start's relation that are tried
+
+// Returns true if the object is in a hand when the relation holds.
+bool IsOfHeldObject(const StatedRelation& stated) {
+  return stated.relation == "held" || stated.relation == "handed_over";
+}
 
 bool IsJoint(const StatedRelation& stated) {
   return FindRelation(stated.relation).subject == RelationSubject::kJoint;
@@ -129,7 +135,7 @@ void RelationTask::BindGoals(const Scene& scene) {
   std::set<int> held, others;
   for (const Goal& goal : goals_) {
     if (IsJoint(goal.stated)) continue;
-    const bool is_held = goal.stated.relation == "held";
+    const bool is_held = IsOfHeldObject(goal.stated);
     (is_held ? held : others).insert(FreeBodyOf(scene, goal.stated.subject));
     if (!goal.stated.reference.empty()) others.insert(FreeBodyOf(scene, goal.stated.reference));
   }
@@ -162,8 +168,14 @@ std::optional<Refusal> RelationTask::Arrange(Scene& scene, Rng& rng) {
     if (!is_run_ || !IsJoint(goal.stated) || robots_.empty()) continue;
     const JointOpening opening = JointOpening::Of(scene, goal.stated.subject);
     const double share = goal.stated.relation == "pressed" ? 1 : internal::ShareFor(goal.stated);
-    const auto check = [&] {
-      return internal::CheckJointGoal(scene, robots_.front(), goal.stated);
+    const auto check = [&] {  // one arm is enough
+      std::optional<Refusal> refused;
+      for (const Robot& robot : robots_) {
+        std::optional<Refusal> by_this = internal::CheckJointGoal(scene, robot, goal.stated);
+        if (!by_this) return by_this;
+        if (!refused) refused = std::move(by_this);
+      }
+      return refused;
     };
     refusal = internal::StandInFront(scene, robots_.front(), RootOfJoint(scene, opening), opening,
                                      share, check, rng);
@@ -184,7 +196,7 @@ std::optional<Refusal> RelationTask::ApplyStart(Scene& scene, Rng& rng) {
     const std::unique_ptr<BoundRelation> bound = BindRelation(scene, stated);
     if (bound->Holds() && !IsJoint(stated)) continue;
     const bool is_joint = IsJoint(stated);
-    if (stated.relation == "held") {
+    if (IsOfHeldObject(stated) || stated.relation == "carried") {
       throw ArgumentError(
           fmt::format("{}: start \"{}\": '{}' cannot be a start; write it as a goal", place_, text,
                       stated.relation));
@@ -244,12 +256,12 @@ std::optional<Refusal> RelationTask::CheckGoal(const Scene& scene, const Goal& g
       if (poses.empty()) return Refusal{kNoPlace, "no pose in the region is free"};
       refusal = internal::CheckPush(scene, robot, goal.stated.subject,
                                     poses.front().translation().head<2>());
-    } else if (goal.stated.relation != "upright") {
+    } else if (goal.stated.relation != "upright" && goal.stated.relation != "carried") {
       const int body = internal::RequireObjectOrBody(scene, goal.stated.subject);
       Rng rng = Rng::Stream(0, "places of a goal", goal.stated.subject);
       std::vector<Pose> poses = goal.bound->Sample(rng, kPlaces).poses;
       const bool is_moved = internal::HasHeldPaths(goal.stated);
-      const bool is_put_down = goal.stated.relation != "held";
+      const bool is_put_down = !IsOfHeldObject(goal.stated);
       if (is_put_down && !is_moved && poses.empty())
         return Refusal{kNoPlace, fmt::format("no pose with \"{}\" is free", TextOf(goal.stated))};
       for (Pose& pose : poses) pose = Pose(PlaceOver(pose.translation()), pose.quaternion());
@@ -264,7 +276,7 @@ std::optional<Refusal> RelationTask::CheckGoal(const Scene& scene, const Goal& g
         if (motions.Next()) return std::nullopt;
         return Refusal{kNoPlace, motions.Reasons()};
       };
-      refusal = grasps_[robot.name()].Check(
+      refusal = grasps_[internal::ActingName(robot)].Check(
           scene, robot, ElementName(scene.model(), mjOBJ_BODY, body), 0.05, refuse, is_moved);
     }
     if (!refusal) return std::nullopt;  // one robot is enough
@@ -275,11 +287,7 @@ std::optional<Refusal> RelationTask::CheckGoal(const Scene& scene, const Goal& g
 
 void RelationTask::Begin(const Scene& scene) {
   if (goals_.empty()) {
-    TaskSetting setting{.place = "scene '" + scene.name() + "'", .robots = {}};
-    for (const Robot& robot : RobotsOf(scene)) {
-      if (robot.has_arm()) setting.robots.push_back(robot.name());
-    }
-    Bind(scene, setting);
+    Bind(scene, {.place = "scene '" + scene.name() + "'", .robots = internal::ActingArms(scene)});
   }
   since_ = -1;
   for (Goal& goal : goals_) {

@@ -8,6 +8,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/registry.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/task/run_arms.h"
 #include "robocell/task/task_calls.h"
 #include "robocell/task/task_kind.h"
 
@@ -70,7 +71,9 @@ void BindStart(EpisodeStart& start, const RunConfig& run) {
     if (robot.has_arm()) setting.robots.push_back(robot.name());
   }
   const std::string& own = run.robot.config.name;
-  if (std::ranges::find(setting.robots, own) != setting.robots.end()) setting.robots = {own};
+  const bool has_own = std::ranges::find(setting.robots, own) != setting.robots.end();
+  setting.robots = has_own ? internal::ArmsOfRun(run, start.scene)
+                           : internal::ArmsWithHands(start.scene, setting.robots);
   internal::TaskCalls(*start.task).Bind(start.scene, setting);
   start.is_bound = true;
 }

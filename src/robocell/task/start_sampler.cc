@@ -26,6 +26,7 @@
 #include "robocell/spec/yaml.h"
 #include "robocell/task/door_swings.h"
 #include "robocell/task/relation_task.h"
+#include "robocell/task/run_arms.h"
 #include "robocell/task/start_cameras.h"
 #include "robocell/task/task_calls.h"
 #include "robocell/task/task_kind.h"
@@ -250,9 +251,21 @@ std::optional<Refusal> StartSampler::ValidateBasePose(Scene& scene, Robot& robot
                                                       const std::string& target_body) {
   const int body = FindId(scene.model(), mjOBJ_BODY, target_body);
   const bool is_fixed = body > 0 && scene.model()->body_weldid[body] == 0;
-  if (auto refusal = is_fixed ? ValidateBaseReachOfPart(robot, target_body)
-                              : ValidateBaseReach(robot, scene.body_pose(target_body)))
-    return refusal;
+  std::vector<Robot> arms;
+  if (robot.name() == run_.robot.config.name) {
+    for (const std::string& arm : internal::ArmsOfRun(run_, scene))
+      arms.push_back(Robot::Of(scene, arm));
+  }
+  if (arms.size() < 2) arms = {robot};
+  std::optional<Refusal> too_far;
+  for (const Robot& acting : arms) {  // one arm is enough
+    auto refusal = is_fixed ? ValidateBaseReachOfPart(acting, target_body)
+                            : ValidateBaseReach(acting, scene.body_pose(target_body));
+    const bool is_near = !refusal;
+    if (!too_far || is_near) too_far = std::move(refusal);
+    if (is_near) break;
+  }
+  if (too_far) return too_far;
   if (auto refusal = ValidateBaseClearance(scene, robot, run_.start.base_clearance)) return refusal;
   return internal::ValidateDoorSwings(scene, robot, DoorsLeftAlone(doors_, task_.get(), scene),
                                       run_.start.base_clearance);
@@ -516,9 +529,9 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   Scene scene = BuildPrepared(spec, before, *task_, request.scene_data);
   scene.Reset({.seed = rng.Fork("home").NextBits()});
   const std::shared_ptr<Task> task = task_;
-  internal::TaskCalls(*task).Bind(
-      scene,
-      {.place = "run '" + run_.run + "'", .robots = {run_.robot.config.name}, .is_run = true});
+  internal::TaskCalls(*task).Bind(scene, {.place = "run '" + run_.run + "'",
+                                          .robots = internal::ArmsOfRun(run_, scene),
+                                          .is_run = true});
   internal::TaskCalls(*task).RequireObjects(scene, contents.objects);
   const std::string target = TargetOf(*task, contents, kinds);
   Setup setup{task,
@@ -527,7 +540,7 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
               std::move(objects),
               related,
               scene,
-              Robot::Of(scene, run_.robot.config.name),
+              Robot::Of(scene, internal::FirstArmOfRun(run_)),
               target,
               target.empty() ? "" : scene.compiled()->object(target).root_body,
               support.frame_to_world,

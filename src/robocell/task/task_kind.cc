@@ -11,6 +11,7 @@
 #include "robocell/task/pick_kind.h"
 #include "robocell/task/pick_task_config.h"
 #include "robocell/task/relation_kinds.h"
+#include "robocell/task/run_arms.h"
 #include "robocell/task/start_sampler.h"
 #include "robocell/task/task_calls.h"
 
@@ -84,7 +85,8 @@ std::shared_ptr<const TaskKind> FindTaskKind(const std::string& kind) {
 std::shared_ptr<Task> MakeTask(const EnvConfig& config, const Scene& scene) {
   if (!config.task) return nullptr;
   std::shared_ptr<Task> task = FindTaskKind(config.task->kind())->Make(*config.task);
-  TaskSetting setting{.place = "environment '" + config.name + "'", .robots = config.robots.keys()};
+  TaskSetting setting{.place = "environment '" + config.name + "'",
+                      .robots = internal::ArmsWithHands(scene, config.robots.keys())};
   for (const auto& [id, object] : config.root_frame_objects.entries())
     setting.objects.emplace(id, object->offset);
   internal::TaskCalls(*task).Bind(scene, setting);

@@ -23,11 +23,12 @@ struct SkillOutcome {
   std::vector<std::string> phases;  // in order, without repetitions
 };
 
-// `disturb` is called with the row and the phase before each row is simulated.
+// With the robot of an example. `disturb` is called with the row and the phase before each row is simulated.
 using Disturbance = std::function<void(Scene&, int, const std::string&)>;
 inline SkillOutcome RollOutSkills(const TaskSpec& task, uint64_t seed = 1,
-                                  const Disturbance& disturb = {}) {
-  RunConfig run = ExampleRun("pick_and_place.yaml");
+                                  const Disturbance& disturb = {},
+                                  const std::string& example = "pick_and_place.yaml") {
+  RunConfig run = ExampleRun(example);
   run.start = {};
   run.task = task;
   StartSampler sampler(run);
