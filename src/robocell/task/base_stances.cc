@@ -61,6 +61,13 @@ std::vector<Pose> BasesAround(const Robot& robot, const Support& support, const 
   const double height = robot.config().base.kind == BaseKind::kPlanar
                             ? robot.base().pose().translation().z()
                             : target.translation().z() + placement.height;
+  const Pose mount = robot.base().pose().inverse() * robot.base_in_world();
+  // An object on a high shelf is out of reach of an arm whose base stays on the floor.
+  const auto reaches = [&](const Pose& base) {
+    const Eigen::Vector3d away = target.translation() - (base * mount).translation();
+    return robot.config().base.kind != BaseKind::kPlanar ||
+           away.norm() <= kReachShare * robot.reach();
+  };
   std::vector<Pose> bases;
   for (int i = 0; i < kBearings; ++i) {
     const double bearing = first + 2 * kPi * i / kBearings;
@@ -69,7 +76,8 @@ std::vector<Pose> BasesAround(const Robot& robot, const Support& support, const 
                              target.translation().y() + placement.distance * std::sin(bearing),
                              height);
     const Pose base = Pose::FromRpy(at, {0, 0, bearing + turn});
-    if (outline.IsClearOf(support.area(), base, start.base_clearance)) bases.push_back(base);
+    if (reaches(base) && outline.IsClearOf(support.area(), base, start.base_clearance))
+      bases.push_back(base);
   }
   return bases;
 }

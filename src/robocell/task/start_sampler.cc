@@ -106,6 +106,15 @@ std::vector<Articulation> DoorsLeftAlone(const std::vector<Articulation>& doors,
   return others;
 }
 
+bool IsPlanar(const Robot& robot) { return robot.config().base.kind == BaseKind::kPlanar; }
+
+// Puts the base there, where the servos of a planar one hold it.
+void PutBase(Robot& robot, const Pose& pose) {
+  BaseGroup& base = robot.base();
+  base.SetPose(pose);
+  if (IsPlanar(robot) && !base.actuator_names().empty()) robot.controller(base.name()).Reset();
+}
+
 // Returns the world poses of the objects that keep theirs.
 std::vector<std::optional<Pose>> OwnPosesOf(const std::vector<SceneObject>& objects,
                                             const Scene& scene) {
@@ -398,7 +407,7 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const BasePlaceme
                                free_floor_.empty() ? "" : ", or is beside the free floor,")}
         .MadeBy(Refusal::kBaseStage);
   }
-  setup.robot.base().SetPose(*base);
+  PutBase(setup.robot, *base);
   setup.scene.Forward();
   if (auto refusal = internal::TaskCalls(*setup.task).Arrange(setup.scene, rng))
     return std::move(*refusal).MadeBy(Refusal::kTaskStage);
@@ -419,10 +428,12 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const BasePlaceme
 std::optional<Refusal> StartSampler::ValidateWithoutRobot(Setup& setup) {
   if (!setup.cameras) return std::nullopt;
   const Pose base = setup.robot.base().pose();
-  setup.robot.base().SetPose(Pose(kParked));
+  PutBase(setup.robot,
+          Pose(Eigen::Vector3d(kParked.x(), kParked.y(),
+                               IsPlanar(setup.robot) ? base.translation().z() : kParked.z())));
   setup.scene.Forward();
   auto refusal = setup.cameras->CheckWithoutRobot(setup.scene, setup.robot, setup.object_of());
-  setup.robot.base().SetPose(base);
+  PutBase(setup.robot, base);
   setup.scene.Forward();
   return refusal;
 }
