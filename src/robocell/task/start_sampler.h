@@ -22,7 +22,6 @@
 
 #include "robocell/base/rng.h"
 #include "robocell/scenes/catalogue.h"
-#include "robocell/scenes/object_places.h"
 #include "robocell/scenes/scene_annotations.h"
 #include "robocell/scenes/support.h"
 #include "robocell/spec/randomize_config.h"
@@ -39,6 +38,7 @@ class Landmarks;
 class RelatedPlaces;
 class StartCameras;
 struct StatedPlaces;
+struct StillBox;
 }  // namespace internal
 class BodyImages;
 class SceneSource;
