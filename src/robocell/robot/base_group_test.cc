@@ -2,6 +2,7 @@
 #include "robocell/robot/base_group.h"
 
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
 #include "robocell/robot/testing/robots.h"
