@@ -2,11 +2,15 @@
 
 #include <mujoco/mujoco.h>
 
+#include <string>
 #include <vector>
+#include <Eigen/Core>
 
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/mujoco/tree.h"
+#include "robocell/spec/robot_config.h"
 
 namespace robocell::internal {
 namespace {
@@ -18,7 +22,31 @@ bool MayBeNear(const mjModel* m, const mjData* d, int a, int b, double horizon) 
          m->geom_rbound[a] + m->geom_rbound[b] + horizon;
 }
 
+constexpr double kThreshold = 0.02;  // metres; lower steps are part of the floor
+
 }  // namespace
+
+FloorContact::FloorContact(const Robot& robot)
+    : model_(robot.scene().model()),
+      data_(robot.scene().data()),
+      is_planar_(robot.config().base.kind == BaseKind::kPlanar),
+      plane_(robot.base().pose().translation().z()) {
+  if (is_planar_ && robot.has_arm())
+    arm_ = model_->jnt_bodyid[RequireId(model_, mjOBJ_JOINT, robot.joint_names().front(),
+                                        "robot '" + robot.name() + "'")];
+}
+
+bool FloorContact::StandsOnFloors(int robot_geom) const {
+  const int body = model_->geom_bodyid[robot_geom];
+  if (model_->body_mocapid[body] >= 0) return true;
+  return is_planar_ && (arm_ < 0 || !IsInSubtree(model_, body, arm_));
+}
+
+bool FloorContact::IsFloor(int geom) const {
+  if (model_->geom_type[geom] == mjGEOM_PLANE) return true;
+  return is_planar_ && model_->body_weldid[model_->geom_bodyid[geom]] == 0 &&
+         GeomExtent(model_, data_, geom, Eigen::Vector3d::UnitZ()).upper < plane_ + kThreshold;
+}
 
 Clearance RobotClearance(const Scene& scene, const Robot& robot, double horizon) {
   scene.SyncPoses();
@@ -26,14 +54,16 @@ Clearance RobotClearance(const Scene& scene, const Robot& robot, double horizon)
   mjData* d = scene.data();
   std::vector<char> own(m->ngeom, 0);
   for (const int g : robot.geom_ids()) own[g] = 1;
+  const FloorContact floors(robot);
   double nearest = horizon;
   int robot_geom = -1, other_geom = -1;
   for (const int a : robot.collision_geom_ids()) {
     const bool on_mocap = m->body_mocapid[m->geom_bodyid[a]] >= 0;
     if (!IsCollisionGeom(m, a) && !on_mocap) continue;
+    const bool may_touch_floor = floors.StandsOnFloors(a);
     for (int b = 0; b < m->ngeom; ++b) {
       if (own[b] || !IsCollisionGeom(m, b) || !MayBeNear(m, d, a, b, horizon)) continue;
-      if (on_mocap && m->geom_type[b] == mjGEOM_PLANE) continue;
+      if (may_touch_floor && floors.IsFloor(b)) continue;
       const double distance = Guarded("distance of a robot to its surroundings", d, [&] {
         return mj_geomDistance(m, d, a, b, nearest, nullptr);
       });

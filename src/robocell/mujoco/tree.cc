@@ -8,7 +8,7 @@ namespace robocell::internal {
 
 // A parent's id is smaller than those of its children.
 bool IsInSubtree(const mjModel* m, int body, int root) {
-  while (body > root) body = m->body_parentid[body];
+  while (body > root && body > 0) body = m->body_parentid[body];
   return body == root;
 }
 

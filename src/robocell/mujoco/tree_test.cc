@@ -33,6 +33,7 @@ TEST_F(Tree, SubtreesContainTheirRootAndDescendants) {
     EXPECT_EQ(IsInSubtree(m, Body(body), Body(root)), inside) << body << " in " << root;
     EXPECT_EQ(SubtreeMask(m, Body(root))[Body(body)], inside) << body << " in " << root;
   }
+  EXPECT_FALSE(IsInSubtree(m, Body("c"), -1)) << "a body that was not found";
 }
 
 TEST_F(Tree, TheCommonAncestorIsTheLowestSharedBody) {

@@ -2,10 +2,12 @@
 #include "robocell/robot/base_group.h"
 
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
 #include "robocell/robot/testing/robots.h"
 #include "robocell/testing/expect_throw.h"
+#include "robocell/testing/source_dir.h"
 
 namespace robocell::internal {
 namespace {
@@ -87,6 +89,34 @@ TEST(PlanarBase, MovesInItsPlaneOnly) {
       "group 'base': a planar base moves in its plane only; the pose is 0.2 m above it and tilted "
       "by 0.1 rad");
   EXPECT_EQ(base.pose(), before);
+}
+
+// A model with joints and actuators of its own for a planar base gets no others.
+TEST(PlanarBase, MovesByTheModelsOwnJointsAndTheirActuatorsHoldIt) {
+  const RobotConfig config =
+      RobotConfig::Load(SourceDir() + "/models/robots/rc7_mobile/rc7_mobile.yaml");
+  const Scene scene = Scene::Build(SceneWith({.name = "m",
+                                              .config = config,
+                                              .prefix = "r_",
+                                              .pos = Vec3{1, 2, 0.5},
+                                              .euler = {0, 0, 30}}));
+  Robot robot = Robot::Of(scene, "m");
+  BaseGroup& base = robot.base();
+  EXPECT_EQ(base.joint_names(), (std::vector<std::string>{"r_base_x", "r_base_y", "r_base_yaw"}));
+  EXPECT_EQ(base.actuator_names().size(), 3U);
+  EXPECT_EQ(scene.model()->nq, 3 + 7 + 2);
+  const Pose placed = Pose::FromRpy({-1, 0.7, 0.5}, {0, 0, 2.5});
+  base.SetPose(placed);
+  EXPECT_TRUE(base.pose().is_close(placed, 1e-9, 1e-9));
+  std::vector<double> q = base.joint_pos();
+  q[0] += 0.1;
+  for (int i = 0; i < 750; ++i) {
+    if (i % 33 == 0) robot.Apply({{"base", GroupCommand::Joints(q)}});
+    robot.Update();
+    ASSERT_TRUE(robot.Step().ok());
+  }
+  EXPECT_NEAR(base.joint_pos()[0], q[0], 2e-3);
+  EXPECT_NEAR((base.pose().translation() - placed.translation()).norm(), 0.1, 2e-3);
 }
 
 TEST(AnyMovableBase, IsAtRestAfterPlacement) {

@@ -37,6 +37,20 @@ void AddPlanarJoints(mjsBody* body, const std::string& prefix, const std::string
   }
 }
 
+// Returns true if a body moves in a plane by joints of its own: slides along x and y and a hinge about
+// z, in this order.
+bool HasPlanarJoints(mjsBody* body) {
+  int found = 0;
+  for (mjsElement* e = mjs_firstChild(body, mjOBJ_JOINT, 0); e; e = mjs_nextChild(body, e, 0)) {
+    const mjsJoint* joint = mjs_asJoint(e);
+    if (found == 3 || joint->type != (found < 2 ? mjJNT_SLIDE : mjJNT_HINGE)) return false;
+    for (int i = 0; i < 3; ++i)
+      if (std::abs(joint->axis[i] - (i == found ? 1 : 0)) > 1e-9) return false;
+    ++found;
+  }
+  return found == 3;
+}
+
 // The weld is so stiff that a base sags by less than 0.1 mm under a hand and its load: at rest the
 // engine lets it give way by (1 - d) / d of the load over the stiffness 1 / (d t)^2.
 constexpr double kWeldTime = 0.01;        // t, seconds
@@ -95,6 +109,10 @@ void SettleBase(RobotPart& robot, CompileLog& log) {
   const auto made = BaseBodyName(record.base, record.prefix);
   if (record.base.kind == BaseKind::kMocap) record.mocap_body = made;
   const std::string top = SpecName(robot.top->element);
+  if (record.base.kind == BaseKind::kPlanar && !record.base.size && HasPlanarJoints(robot.top)) {
+    record.top_body = record.base_body = record.prefix + SpecName(robot.top->element);
+    return;
+  }
   record.base_body = made ? *made : top.empty() ? record.root_body : record.prefix + top;
   if (!FreeJointOf(robot.top)) return;
   if (made) {
@@ -113,7 +131,9 @@ std::optional<Placement> AddBase(const RobotSpec& robot, const RobotPart& loaded
   const BaseConfig& base = loaded.record.base;
   const std::string& place = loaded.part.place;
   const bool free_root = FreeJointOf(loaded.top) != nullptr;
-  const auto name = free_root ? std::nullopt : BaseBodyName(base, robot.prefix);
+  const bool moves_itself =
+      free_root || (base.kind == BaseKind::kPlanar && !base.size && HasPlanarJoints(loaded.top));
+  const auto name = moves_itself ? std::nullopt : BaseBodyName(base, robot.prefix);
   std::optional<Placement> at = placement;
   if (base.kind != BaseKind::kFixed) {
     at = PlaceInWorld(placement, robot.attach_to, std::string("a ") + ToString(base.kind) + " base",

@@ -3,8 +3,10 @@
 
 #include <span>
 #include <vector>
+#include <Eigen/Geometry>
 
 #include "robocell/base/rng.h"
+#include "robocell/math/pose.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/support.h"
 #include "robocell/spec/scene_object.h"
@@ -25,10 +27,22 @@ inline void ForgetPose(SceneObject& object) {
   object.quat = kIdentityQuat;
 }
 
+// A box around something that stays where it is.
+struct StillBox {
+  Pose frame_to_world;  // of its middle
+  Eigen::Vector3d half;
+};
+inline constexpr double kRoomAbove = 0.2;  // metres that an object has above its support
+// Returns the rectangles of a support, in its frame, on which something stands, or above which
+// something hangs lower than kRoomAbove.
+std::vector<Eigen::AlignedBox2d> OccupiedOn(const Support& support,
+                                            std::span<const StillBox> boxes);
+
 // Sets the poses of objects; `sizes` are theirs, in the same order. Those with a pose
-// keep it, and the others keep clear of them. False when no place was found for one of them; the
-// objects before it have been moved.
+// keep it, and the others keep clear of them and of what is `occupied`. False when no place was found
+// for one of them; the objects before it have been moved.
 bool PlaceOn(const Support& support, std::span<const ObjectSize> sizes,
-             std::vector<SceneObject>& objects, Rng& rng);
+             std::vector<SceneObject>& objects, Rng& rng,
+             std::span<const Eigen::AlignedBox2d> occupied = {});
 
 }  // namespace robocell::internal

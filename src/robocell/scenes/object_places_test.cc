@@ -46,6 +46,41 @@ TEST(ObjectPlaces, AreOnTheSupportAndSeparated) {
   }
 }
 
+TEST(ObjectPlaces, KeepClearOfWhatStandsOrHangsLow) {
+  std::vector<SceneObject> objects = Spheres(2);
+  const std::vector<ObjectSize> sizes = SizesOf(objects);
+  int placed = 0;
+  for (int k = 0; k < 100; ++k) {
+    Rng rng = Rng::Stream(1, "occupied", k);
+    std::vector<StillBox> boxes;
+    for (int i = 0; i < 3; ++i) {
+      boxes.push_back(
+          {kTable.frame_to_world * Pose::FromRpy({rng.Uniform(-0.3, 0.3), rng.Uniform(-0.2, 0.2),
+                                                  rng.Uniform(-0.2, 0.5)},
+                                                 {rng.Uniform(-3, 3), rng.Uniform(-3, 3), 0}),
+           Eigen::Vector3d(0.05, 0.1, 0.02)});
+    }
+    for (SceneObject& object : objects) ForgetPose(object);
+    if (!PlaceOn(kTable, sizes, objects, rng, OccupiedOn(kTable, boxes))) continue;
+    ++placed;
+    for (size_t i = 0; i < objects.size(); ++i) {
+      // Points of the boxes over or beside the object, in the support's frame.
+      const Pose world_to_support = kTable.frame_to_world.inverse();
+      const Eigen::Vector3d at = world_to_support * objects[i].pose().translation();
+      for (const StillBox& box : boxes) {
+        for (int p = 0; p < 30; ++p) {
+          const Eigen::Vector3d inside(rng.Uniform(-1, 1), rng.Uniform(-1, 1), rng.Uniform(-1, 1));
+          const Eigen::Vector3d point =
+              world_to_support * (box.frame_to_world * box.half.cwiseProduct(inside));
+          if (point.z() < 0.006 || point.z() > kRoomAbove) continue;
+          EXPECT_GT((point - at).head<2>().norm(), sizes[i].radius) << k;
+        }
+      }
+    }
+  }
+  EXPECT_GT(placed, 50);
+}
+
 TEST(ObjectPlaces, KeepAGivenPoseAtTheOrigin) {
   std::vector<SceneObject> objects = Spheres(3);
   objects[1].pos = Vec3{0, 0, 0};

@@ -12,22 +12,21 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/hook_error.h"
-#include "robocell/base/units.h"
 #include "robocell/kinematics/chain.h"
 #include "robocell/kinematics/chain_model.h"
 #include "robocell/kinematics/low_discrepancy.h"
 #include "robocell/motion/clearance.h"
 #include "robocell/motion/geom_extent.h"
-#include "robocell/motion/robot_outline.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/render/stream_camera.h"
 #include "robocell/scenes/visibility.h"
+#include "robocell/spec/robot_config.h"
+#include "robocell/task/base_stances.h"
 
 namespace robocell {
 namespace {
 
 constexpr double kWidening = 0.15;        // share of the range that each further attempt spreads by
-constexpr int kBearings = 72;             // directions in which a base pose is searched
 constexpr double kRangeTolerance = 1e-6;  // metres
 constexpr double kHandLength = 0.15;      // m from a TCP to the farthest point of its gripper
 
@@ -104,6 +103,7 @@ void ValidateBaseRange(const BaseRange& base, const Robot& robot, Problems& prob
       "the robot reaches {} m from its base frame, of which "
       "{:.0f} % is used",
       AtMost(robot.reach()), 100 * kReachShare);
+  if (robot.config().base.kind == BaseKind::kPlanar) return;  // supports have many heights
   if (height > most) {
     add(owners.height,
         fmt::format("{:g} m puts the base frame {:.2f} ... {:.2f} m above the object "
@@ -148,20 +148,10 @@ BasePlacement SpreadBasePlacement(const BaseRange& range, uint64_t seed, uint64_
 std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support, const Pose& target,
                                     const BasePlacement& placement, const StartConfig& start,
                                     Rng& rng) {
-  const internal::RobotOutline outline(robot);
-  const double first = rng.Uniform(-internal::kPi, internal::kPi);
-  const double turn =
-      internal::kPi + rng.Uniform(-start.base_facing_noise, start.base_facing_noise);
-  std::vector<Pose> clear;
-  for (int i = 0; i < kBearings; ++i) {
-    const double bearing = first + 2 * internal::kPi * i / kBearings;
-    const Eigen::Vector3d offset(placement.distance * std::cos(bearing),
-                                 placement.distance * std::sin(bearing), placement.height);
-    const Pose base = Pose::FromRpy(target.translation() + offset, {0, 0, bearing + turn});
-    if (outline.IsClearOf(support.area(), base, start.base_clearance)) clear.push_back(base);
-  }
-  if (clear.empty()) return std::nullopt;
-  return clear[rng.UniformInt(clear.size())];
+  const std::vector<Pose> bases =
+      internal::BasesAround(robot, support, target, placement, start, rng);
+  if (bases.empty()) return std::nullopt;
+  return bases[rng.UniformInt(bases.size())];
 }
 
 std::optional<Refusal> ValidateBaseDistance(const Robot& robot, const Pose& target,

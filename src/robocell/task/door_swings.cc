@@ -51,10 +51,19 @@ void ForEachCorner(const mjModel* m, const mjData* d, const std::vector<int>& ge
   }
 }
 
-// Returns why a joint that takes some positions between two is too near to a robot's geoms; "" if it
-// is not. The state stays.
+// Returns positions from one to another, at most `step` apart.
+std::vector<double> Positions(double from, double to, double step) {
+  const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(to - from) / step)));
+  std::vector<double> positions;
+  for (int i = 0; i <= steps; ++i)
+    positions.push_back(std::lerp(from, to, static_cast<double>(i) / steps));
+  return positions;
+}
+
+// Returns why a joint that takes some positions is too near to a robot's geoms; "" if it is not. The
+// state stays.
 std::string WhyInTheWay(Scene& scene, const std::vector<int>& near, const std::vector<int>& leaf,
-                        int joint, double from, double to, double step, double clearance) {
+                        int joint, const std::vector<double>& positions, double clearance) {
   const mjModel* m = scene.model();
   mjData* d = scene.data();
   double& pos = d->qpos[m->jnt_qposadr[joint]];
@@ -63,9 +72,8 @@ std::string WhyInTheWay(Scene& scene, const std::vector<int>& near, const std::v
     pos = before;
     mj_kinematics(m, d);
   });
-  const int steps = std::max(1, static_cast<int>(std::ceil(std::abs(to - from) / step)));
-  for (int i = 0; i <= steps; ++i) {
-    pos = std::lerp(from, to, static_cast<double>(i) / steps);
+  for (const double position : positions) {
+    pos = position;
     mj_kinematics(m, d);
     for (const int a : near) {
       for (const int b : leaf) {
@@ -110,6 +118,11 @@ std::vector<Articulation> DoorsOf(const SceneAnnotations& annotations, const Sce
   return doors;
 }
 
+std::vector<double> SwingOf(const Articulation& door) {
+  const double last = door.range[0] + std::min(door.range[1] - door.range[0], kTurn);
+  return Positions(door.range[0], last, kSwingStep);
+}
+
 std::optional<Refusal> ValidateDoorSwings(Scene& scene, const Robot& robot,
                                           const std::vector<Articulation>& doors,
                                           double clearance) {
@@ -130,10 +143,7 @@ std::optional<Refusal> ValidateDoorSwings(Scene& scene, const Robot& robot,
         near.push_back(g);
     }
     if (near.empty()) continue;
-    // After a turn the postures of a hinge come again.
-    const double last = door.range[0] + std::min(door.range[1] - door.range[0], kTurn);
-    const std::string why =
-        WhyInTheWay(scene, near, leaf, joint, door.range[0], last, kSwingStep, clearance);
+    const std::string why = WhyInTheWay(scene, near, leaf, joint, SwingOf(door), clearance);
     if (!why.empty()) return Refusal{Refusal::kInDoorSwing, why};
   }
   return std::nullopt;
@@ -154,8 +164,8 @@ std::optional<Refusal> ValidateMovedJoint(Scene& scene, const Robot& robot,
     if (arm < 0 || !IsInSubtree(m, m->geom_bodyid[g], arm)) base.push_back(g);
   const double step = m->jnt_type[joint] == mjJNT_HINGE ? kSwingStep : kSlideStep;
   const std::string why =
-      WhyInTheWay(scene, base, GeomsOf(m, opening.body_id()), joint, opening.position(),
-                  opening.PositionAt(share), step, clearance);
+      WhyInTheWay(scene, base, GeomsOf(m, opening.body_id()), joint,
+                  Positions(opening.position(), opening.PositionAt(share), step), clearance);
   if (why.empty()) return std::nullopt;
   return Refusal{Refusal::kInDoorSwing, why};
 }

@@ -19,6 +19,10 @@ inline constexpr double kLeastDoorHeight = 1.5;  // metres; lower ones are doors
 // Returns the hinged doors among the articulations of a scene that are high enough for people.
 std::vector<Articulation> DoorsOf(const SceneAnnotations& annotations, const Scene& scene);
 
+// Returns the positions of a hinge at which its swing is checked, all over its range. After a turn they
+// come again.
+std::vector<double> SwingOf(const Articulation& door);
+
 // Refuses a robot whose base is nearer than `clearance` (metres) to a place that the joint's body takes
 // up on its way from the present position to a share of its range. The arm goes along with the body.
 std::optional<Refusal> ValidateMovedJoint(Scene& scene, const Robot& robot,

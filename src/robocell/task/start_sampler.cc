@@ -12,8 +12,10 @@
 
 #include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
+#include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/scene_cache.h"
+#include "robocell/scenes/free_floor.h"
 #include "robocell/scenes/joint_opening.h"
 #include "robocell/scenes/object_places.h"
 #include "robocell/scenes/object_view.h"
@@ -24,6 +26,7 @@
 #include "robocell/scenes/settle.h"
 #include "robocell/spec/problems.h"
 #include "robocell/spec/yaml.h"
+#include "robocell/task/base_stances.h"
 #include "robocell/task/door_swings.h"
 #include "robocell/task/relation_task.h"
 #include "robocell/task/run_arms.h"
@@ -37,7 +40,9 @@ namespace {
 // Tries of objects and base around each other. Where none of a few fits, hardly one of many does:
 // the next attempt moves on from there.
 constexpr int kArrangements = 8;
-constexpr int kPlaceTries = 60;           // for objects, until a base pose is clear of the support
+constexpr int kSupportDraws = 8;          // until one has room for the objects
+constexpr int kPlaceTries = 60;           // for objects, until a base pose is free
+constexpr int kSupportTries = 6;          // of these on one support, where the scene has several
 constexpr double kMoved = 1e-6;           // metres, of a target that a task moves
 constexpr double kSamePlace = 1e-9;       // rad and m, rounding of a pose
 const Eigen::Vector3d kParked(20, 0, 1);  // where the robot waits while the objects settle
@@ -48,11 +53,14 @@ uint64_t PlacementTurn(const SampleRequest& request) {
   return static_cast<uint64_t>(request.scene) * 7919 + static_cast<uint64_t>(request.episode);
 }
 
-void AddParkedRobot(SceneSpec& spec, const RobotConfig& robot) {
+// `floor`: its height, on which a planar base stays.
+void AddParkedRobot(SceneSpec& spec, const RobotConfig& robot, double floor) {
+  Eigen::Vector3d at = kParked;
+  if (robot.base.kind == BaseKind::kPlanar) at.z() = floor;
   spec.robots.push_back({.name = robot.name,
                          .config = robot,
                          .prefix = "robot_0/",
-                         .pos = ToVec3(kParked),
+                         .pos = ToVec3(at),
                          .control_modes = robot.used_modes()});
 }
 
@@ -73,8 +81,7 @@ std::string TargetOf(Task& task, const StartContents& contents, std::vector<std:
   return target;
 }
 
-constexpr double kStorey = 2;   // metres; a floor farther below or above is another one
-constexpr int kBaseDraws = 16;  // until one is on the free floor
+constexpr double kStorey = 2;  // metres; a floor farther below or above is another one
 
 bool IsOnFloor(const Eigen::Vector3d& at, const std::vector<FloorArea>& floor) {
   return std::ranges::any_of(floor, [&](const FloorArea& area) {
@@ -98,6 +105,15 @@ std::vector<Articulation> DoorsLeftAlone(const std::vector<Articulation>& doors,
   std::vector<Articulation> others = doors;
   std::erase_if(others, [&](const Articulation& door) { return moved.contains(door.joint); });
   return others;
+}
+
+bool IsPlanar(const Robot& robot) { return robot.config().base.kind == BaseKind::kPlanar; }
+
+// Puts the base there, where the servos of a planar one hold it.
+void PutBase(Robot& robot, const Pose& pose) {
+  BaseGroup& base = robot.base();
+  base.SetPose(pose);
+  if (IsPlanar(robot) && !base.actuator_names().empty()) robot.controller(base.name()).Reset();
 }
 
 // Returns the world poses of the objects that keep theirs.
@@ -179,7 +195,8 @@ bool StartSampler::PlaceObjects(const Support& support, std::vector<SceneObject>
                                 Rng& rng) {
   std::vector<ObjectSize> own_sizes;
   for (const SceneObject& object : objects) own_sizes.push_back(sizes_->Of(object));
-  return internal::PlaceOn(support, own_sizes, objects, rng);
+  return internal::PlaceOn(support, own_sizes, objects, rng,
+                           internal::OccupiedOn(support, still_boxes_));
 }
 
 std::shared_ptr<const SceneAnnotations> StartSampler::AnnotationsOf(int scene_index) {
@@ -199,7 +216,7 @@ std::shared_ptr<internal::StartCameras> StartSampler::CamerasOf(const SceneSpec&
   if (cameras_.size() >= kMostScenes) cameras_.clear();
   if (!images_) images_ = std::make_shared<BodyImages>();
   SceneSpec spec = base;
-  AddParkedRobot(spec, run_.robot.config);
+  AddParkedRobot(spec, run_.robot.config, 0);
   const Scene probe = Scene::Build(spec);
   return cameras_[key] = std::make_shared<internal::StartCameras>(
              run_, probe, Robot::Of(probe, run_.robot.config.name), images_);
@@ -233,18 +250,25 @@ std::optional<Refusal> StartSampler::PutObjects(
 std::optional<Pose> StartSampler::ProposeBasePose(const Robot& robot, const Support& support,
                                                   const Pose& target,
                                                   const BasePlacement& placement, Rng& rng) {
-  // Of the poses that keep their clearance, those on the free floor are as likely as each other.
-  for (int draw = 0; draw < kBaseDraws; ++draw) {
-    std::optional<Pose> base =
-        robocell::ProposeBasePose(robot, support, target, placement, run_.start, rng);
-    if (!base) return base;
-    const Eigen::Vector3d& at = base->translation();
+  std::vector<Pose> bases =
+      internal::BasesAround(robot, support, target, placement, run_.start, rng);
+  std::erase_if(bases, [&](const Pose& base) {
+    const Eigen::Vector3d& at = base.translation();
     const bool is_near_rejected = std::ranges::any_of(rejected_bases_, [&](const auto& rejected) {
       return (at.head<2>() - rejected).norm() < run_.start.base_separation;
     });
-    if (!is_near_rejected && (free_floor_.empty() || IsOnFloor(at, free_floor_))) return base;
-  }
-  return std::nullopt;
+    return is_near_rejected || (!free_floor_.empty() && !IsOnFloor(at, free_floor_));
+  });
+  if (bases.empty()) return std::nullopt;
+  robot.scene().SyncPoses();
+  internal::BaseStances stances(robot, run_.start.base_clearance,
+                                DoorsLeftAlone(doors_, task_.get(), robot.scene()));
+  const std::vector<bool> free = stances.AreFree(bases);
+  std::vector<Pose> stances_left;
+  for (size_t i = 0; i < bases.size(); ++i)
+    if (free[i]) stances_left.push_back(bases[i]);
+  if (stances_left.empty()) return std::nullopt;
+  return stances_left[rng.UniformInt(stances_left.size())];
 }
 
 std::optional<Refusal> StartSampler::ValidateBasePose(Scene& scene, Robot& robot,
@@ -285,11 +309,13 @@ struct StartSampler::Setup {
   Robot robot;
   std::string target;  // first of the task's objects; "" for a task without any
   std::string target_body;
-  Pose middle;  // middle of the support
+  Support support;  // that of this arrangement
   StopRequest stop;
   std::shared_ptr<internal::StartCameras> cameras;  // null without `start.cameras`
   RefusalCounts redrawn = {};
   int arrangements = 0;
+  SceneSpec base_scene = {};  // without the task's objects
+  int scene_index = 0;
 
   // Resolves names that the task gives to objects.
   std::string ObjectOf(const std::string& name) const {
@@ -324,40 +350,77 @@ struct StartSampler::Setup {
     return Target();
   }
   // Returns the pose beside which the robot stands.
-  Pose Target() const { return target_body.empty() ? middle : scene.body_pose(target_body); }
+  Pose Target() const {
+    return target_body.empty() ? support.frame_to_world : scene.body_pose(target_body);
+  }
 };
 
-std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& support,
-                                                 const BasePlacement& placement, Rng& rng) {
+// Finds what stands in the scene beside the start's objects and the robot.
+void StartSampler::FindStillBoxes(const Setup& setup) {
+  const mjModel* m = setup.scene.model();
+  const mjData* d = setup.scene.data();
+  std::vector<std::string> own;
+  for (const SceneObject& object : setup.contents)
+    own.push_back(setup.scene.compiled()->object(object.name).root_body);
+  const std::vector<bool> ignored = internal::MovedBodies(setup.scene, own);
+  still_boxes_.clear();
+  for (int g = 0; g < m->ngeom; ++g) {
+    if (m->geom_type[g] == mjGEOM_PLANE || !internal::IsCollisionGeom(m, g) ||
+        ignored[static_cast<size_t>(m->geom_bodyid[g])])
+      continue;
+    const mjtNum* box = m->geom_aabb + 6 * g;
+    const Pose geom = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
+    still_boxes_.push_back({geom * Pose(Eigen::Vector3d(box)), Eigen::Vector3d(box + 3)});
+  }
+}
+
+// Returns the height of the largest free floor of a scene.
+double StartSampler::FloorHeight(int scene_index) {
+  if (run_.robot.config.base.kind != BaseKind::kPlanar) return 0;
+  const std::shared_ptr<const SceneAnnotations> known = AnnotationsOf(scene_index);
+  return known->free_floor.empty() ? 0 : known->free_floor.front().frame_to_world.translation().z();
+}
+
+std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const BasePlacement& placement,
+                                                 Rng& rng) {
+  const auto put = [&](const BodyPoses& moved) {
+    for (size_t i = 0; i < setup.objects.size(); ++i) {
+      const ObjectRecord& record = setup.scene.compiled()->object(setup.objects[i].name);
+      if (setup.own_poses[i] && !record.free_joint) continue;
+      setup.scene.SetBodyPose(record.root_body,
+                              setup.own_poses[i].value_or(setup.objects[i].pose()));
+    }
+    internal::TaskCalls(*setup.task).Put(setup.scene, moved);
+  };
   std::optional<Pose> base;
   BodyPoses moved;
   Pose target;
   for (int t = 0; t < kPlaceTries && !base; ++t) {
+    // What one support has no room for, for objects or for a robot beside it, may fit on another.
+    if (t > 0 && t % kSupportTries == 0)
+      setup.support = FindSupportOf(setup.base_scene, setup.scene_index, rng);
     setup.objects = setup.contents;
-    if (auto refusal = PutObjects(support, setup.related, setup.objects, rng)) return refusal;
+    auto no_room = PutObjects(setup.support, setup.related, setup.objects, rng);
+    if (no_room && t + 1 == kPlaceTries) return no_room;
+    if (no_room) continue;
     moved = internal::TaskCalls(*setup.task).Starts(rng);
     std::erase_if(moved, [&](const auto& body) { return setup.IsRelated(body.first); });
     target = setup.PlacedTarget();
     for (const auto& [body, pose] : moved) {
       if (body == setup.target_body) target = pose;
     }
-    base = ProposeBasePose(setup.robot, support, target, placement, rng);
+    put(moved);
+    base = ProposeBasePose(setup.robot, setup.support, target, placement, rng);
   }
   if (!base) {
     return Refusal{Refusal::kBaseInCollision,
                    fmt::format("{:.2f} m from the target and {:.2f} m above it the robot overlaps "
-                               "the support{} wherever the target lies",
+                               "the support or something else{} wherever the target lies",
                                placement.distance, placement.height,
                                free_floor_.empty() ? "" : ", or is beside the free floor,")}
         .MadeBy(Refusal::kBaseStage);
   }
-  for (size_t i = 0; i < setup.objects.size(); ++i) {
-    const ObjectRecord& record = setup.scene.compiled()->object(setup.objects[i].name);
-    if (setup.own_poses[i] && !record.free_joint) continue;
-    setup.scene.SetBodyPose(record.root_body, setup.own_poses[i].value_or(setup.objects[i].pose()));
-  }
-  internal::TaskCalls(*setup.task).Put(setup.scene, moved);
-  setup.robot.base().SetPose(*base);
+  PutBase(setup.robot, *base);
   setup.scene.Forward();
   if (auto refusal = internal::TaskCalls(*setup.task).Arrange(setup.scene, rng))
     return std::move(*refusal).MadeBy(Refusal::kTaskStage);
@@ -378,10 +441,12 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const Support& su
 std::optional<Refusal> StartSampler::ValidateWithoutRobot(Setup& setup) {
   if (!setup.cameras) return std::nullopt;
   const Pose base = setup.robot.base().pose();
-  setup.robot.base().SetPose(Pose(kParked));
+  PutBase(setup.robot,
+          Pose(Eigen::Vector3d(kParked.x(), kParked.y(),
+                               IsPlanar(setup.robot) ? base.translation().z() : kParked.z())));
   setup.scene.Forward();
   auto refusal = setup.cameras->CheckWithoutRobot(setup.scene, setup.robot, setup.object_of());
-  setup.robot.base().SetPose(base);
+  PutBase(setup.robot, base);
   setup.scene.Forward();
   return refusal;
 }
@@ -437,13 +502,14 @@ std::optional<Refusal> StartSampler::ValidatePlaced(Setup& setup,
 
 // Draws places for the objects and the base until both fit, and counts the rejected ones. Nothing
 // is stepped, so many tries are cheap.
-std::optional<Refusal> StartSampler::Arrange(Setup& setup, const Support& support,
-                                             const BasePlacement& placement, Rng& rng) {
-  std::optional<Refusal> refusal = ArrangeOnce(setup, support, placement, rng);
+std::optional<Refusal> StartSampler::Arrange(Setup& setup, const BasePlacement& placement,
+                                             Rng& rng) {
+  std::optional<Refusal> refusal = ArrangeOnce(setup, placement, rng);
   for (int t = 1; t < kArrangements && refusal && !ShouldStop(setup.stop); ++t) {
     if (refusal->holds_everywhere) break;
     ++setup.redrawn[refusal->counted_as()];
-    refusal = ArrangeOnce(setup, support, placement, rng);
+    setup.support = FindSupportOf(setup.base_scene, setup.scene_index, rng);
+    refusal = ArrangeOnce(setup, placement, rng);
   }
   return refusal;
 }
@@ -463,9 +529,9 @@ std::vector<std::string> StartSampler::RestingObjects(const Setup& setup) {
 }
 
 // Turns the built scene into the start state.
-std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const Support& support,
-                                                  const BasePlacement& placement, Rng& rng) {
-  if (auto refusal = Arrange(setup, support, placement, rng)) return refusal;
+std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const BasePlacement& placement,
+                                                  Rng& rng) {
+  if (auto refusal = Arrange(setup, placement, rng)) return refusal;
   const std::vector<std::string> resting = RestingObjects(setup);
   const bool target_rests = std::ranges::find(resting, setup.target) != resting.end();
   const std::string unsettled = internal::Settle(
@@ -500,8 +566,8 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   const std::shared_ptr<void> forget(nullptr, [this](void*) { task_.reset(); });
   sizes_ = std::make_unique<ObjectSizes>();
   SceneSpec spec = MakeBaseScene(request.scene);
-  Rng support_rng = rng.Fork("support");
-  const Support support = FindSupportOf(spec, request.scene, support_rng);
+  const SceneSpec base_scene = spec;
+  still_boxes_.clear();
   const std::optional<SceneAnnotations> known = RequireSource().CheckedAnnotations(request.scene);
   free_floor_ = known ? known->free_floor : std::vector<FloorArea>();
   rejected_bases_.clear();
@@ -518,13 +584,21 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
   RequireFinite(placement);
   const std::optional<internal::RelatedPlaces> related =
       RelationsOf(spec, before, request.scene, contents);
-  std::vector<SceneObject> objects = contents.objects;
-  if (auto refusal = PutObjects(support, related, objects, rng)) {
-    refusal->object_kind = first;
-    return {.start = {}, .refusal = *std::move(refusal)};
+  std::vector<SceneObject> objects;
+  Support support;
+  std::optional<Refusal> no_room;
+  Rng support_rng = rng.Fork("support");
+  for (int draw = 0; draw < kSupportDraws && (draw == 0 || no_room); ++draw) {
+    support = FindSupportOf(base_scene, request.scene, support_rng);
+    objects = contents.objects;
+    no_room = PutObjects(support, related, objects, rng);
+  }
+  if (no_room) {
+    no_room->object_kind = first;
+    return {.start = {}, .refusal = *std::move(no_room)};
   }
   ReplaceObjects(spec, before, objects);
-  AddParkedRobot(spec, run_.robot.config);
+  AddParkedRobot(spec, run_.robot.config, FloorHeight(request.scene));
   if (cameras) cameras->AddTo(spec);
   Scene scene = BuildPrepared(spec, before, *task_, request.scene_data);
   scene.Reset({.seed = rng.Fork("home").NextBits()});
@@ -543,13 +617,17 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
               Robot::Of(scene, internal::FirstArmOfRun(run_)),
               target,
               target.empty() ? "" : scene.compiled()->object(target).root_body,
-              support.frame_to_world,
+              support,
               request.stop,
               cameras};
+  setup.base_scene = base_scene;
+  setup.scene_index = request.scene;
+  scene.SyncPoses();
+  FindStillBoxes(setup);
   doors_ = known && !run_.start.base_blocks_doors ? internal::DoorsOf(*known, scene)
                                                   : std::vector<Articulation>();
   if (cameras) cameras->RequireNames(scene, setup.robot, setup.object_of());
-  if (auto refusal = PrepareStart(setup, support, placement, rng)) {
+  if (auto refusal = PrepareStart(setup, placement, rng)) {
     refusal->redrawn = setup.redrawn;
     refusal->object_kind = kinds.empty() ? "" : kinds.front();
     return {.start = {}, .refusal = *refusal};

@@ -38,6 +38,7 @@ class Landmarks;
 class RelatedPlaces;
 class StartCameras;
 struct StatedPlaces;
+struct StillBox;
 }  // namespace internal
 class BodyImages;
 class SceneSource;
@@ -76,8 +77,9 @@ class StartSampler : public TaskSampler {
   // Returns distance and height, spread evenly over the ranges by the episode's number.
   virtual BasePlacement ChooseBasePlacement(const SampleRequest& request, Rng& rng);
   // Returns a pose for the robot's base (the bottom of its pedestal) around the target, facing it,
-  // in which the robot's present configuration keeps clear of the support; unset if there is none.
-  // Where the source annotates free floor, the base stands on it. The objects are then placed again.
+  // in which the robot's present configuration keeps clear of the scene, whose objects are in their
+  // places, and of the swing of doors; unset if there is none. Where the source annotates free floor,
+  // the base stands on it. The objects are then placed again.
   virtual std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support,
                                               const Pose& target_in_world,
                                               const BasePlacement& placement, Rng& rng);
@@ -101,8 +103,7 @@ class StartSampler : public TaskSampler {
   const std::set<std::string>& PossibleNames(int scene_index);
   // Requires that prepare() makes the same of one random stream each time.
   void ValidateRepeats(int scene, Problems& problems);
-  std::optional<Refusal> Arrange(Setup& setup, const Support& support,
-                                 const BasePlacement& placement, Rng& rng);
+  std::optional<Refusal> Arrange(Setup& setup, const BasePlacement& placement, Rng& rng);
   // Adds the objects that `randomize.clutter` draws, and returns their values.
   RandomizedValues AddClutter(const SampleRequest& request, StartContents& contents,
                               const Rng& rng) const;
@@ -126,11 +127,11 @@ class StartSampler : public TaskSampler {
   std::optional<Refusal> ValidateStartCameras(Setup& setup, const std::optional<Rng>& camera_draws);
   // Returns the cameras of `start.cameras` for scenes of this base; null if there are none.
   std::shared_ptr<internal::StartCameras> CamerasOf(const SceneSpec& base);
-  std::optional<Refusal> ArrangeOnce(Setup& setup, const Support& support,
-                                     const BasePlacement& placement, Rng& rng);
+  std::optional<Refusal> ArrangeOnce(Setup& setup, const BasePlacement& placement, Rng& rng);
+  void FindStillBoxes(const Setup& setup);
+  double FloorHeight(int scene_index);
   static std::vector<std::string> RestingObjects(const Setup& setup);
-  std::optional<Refusal> PrepareStart(Setup& setup, const Support& support,
-                                      const BasePlacement& placement, Rng& rng);
+  std::optional<Refusal> PrepareStart(Setup& setup, const BasePlacement& placement, Rng& rng);
 
   static constexpr size_t kMostScenes = 64;  // whose supports, landmarks and cameras are kept
 
@@ -148,6 +149,7 @@ class StartSampler : public TaskSampler {
   std::shared_ptr<BodyImages> images_;
   std::vector<Eigen::Vector2d> rejected_bases_;  // touching something, in this start
   std::vector<Articulation> doors_;              // of the base scene in use
+  std::vector<internal::StillBox> still_boxes_;  // of the base scene in use, once it is compiled
   std::vector<FloorArea>
       free_floor_;  // of the base scene in use, from the source; empty if unknown
   std::unique_ptr<ObjectSizes> sizes_;  // renewed in each Sample: models may change on the disk
