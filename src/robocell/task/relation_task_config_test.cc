@@ -21,22 +21,22 @@ TEST(RelationTaskConfig, SurvivesYaml) {
 }
 
 template <class T>
-size_t Mistakes(const T& fields) {
+size_t MistakesOf(const T& fields) {
   Problems problems;
   fields.Validate(problems);
   return problems.list().size();
 }
 
 TEST(RelationTaskConfig, RejectsGoalsThatCannotBe) {
-  EXPECT_EQ(Mistakes(RelationsTaskConfig{.goal = {"a on b"}}), 0u);
-  EXPECT_EQ(Mistakes(RelationsTaskConfig{}), 1u);
-  EXPECT_EQ(Mistakes(RelationsTaskConfig{.start = {"x"}, .goal = {"a on b", "a onn b"}}), 2u);
-  EXPECT_EQ(Mistakes(StackTaskConfig{.cubes = 1}), 1u);
-  EXPECT_EQ(Mistakes(StackTaskConfig{.cubes = 7}), 1u);
-  EXPECT_EQ(Mistakes(OpenTaskConfig{.opening = 0.3, .start_opening = {0, 0.3}}), 1u);
-  EXPECT_EQ(Mistakes(CloseTaskConfig{.opening = 0.3, .start_opening = {0.3, 0.5}}), 1u);
-  EXPECT_EQ(Mistakes(PushTaskConfig{.distance = {0.03, 0.1}}), 1u);
-  EXPECT_EQ(Mistakes(PushTaskConfig{}), 0u);
+  EXPECT_EQ(MistakesOf(RelationsTaskConfig{.goal = {"a on b"}}), 0u);
+  EXPECT_EQ(MistakesOf(RelationsTaskConfig{}), 1u);
+  EXPECT_EQ(MistakesOf(RelationsTaskConfig{.start = {"x"}, .goal = {"a on b", "a onn b"}}), 2u);
+  EXPECT_EQ(MistakesOf(StackTaskConfig{.cubes = 1}), 1u);
+  EXPECT_EQ(MistakesOf(StackTaskConfig{.cubes = 7}), 1u);
+  EXPECT_EQ(MistakesOf(OpenTaskConfig{.opening = 0.3, .start_opening = {0, 0.3}}), 1u);
+  EXPECT_EQ(MistakesOf(CloseTaskConfig{.opening = 0.3, .start_opening = {0.3, 0.5}}), 1u);
+  EXPECT_EQ(MistakesOf(PushTaskConfig{.distance = {0.03, 0.1}}), 1u);
+  EXPECT_EQ(MistakesOf(PushTaskConfig{}), 0u);
 }
 
 }  // namespace

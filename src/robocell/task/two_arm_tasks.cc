@@ -36,7 +36,7 @@ constexpr double kBarHalf = 0.1;
 constexpr std::array kBarHalfWidths = {0.012, 0.015, 0.018};
 constexpr std::array kCaseHalfLengths = {0.15, 0.17};
 constexpr std::array kCaseHalfWidths = {0.024, 0.03};
-const Vec3 kAside = {10, 0, 0};        // where the region waits until it is drawn
+const Vec3 kParked = {10, 0, 0};       // where the region waits until it is drawn
 constexpr double kMostYaw = 0.25;      // rad from facing the robot
 constexpr int kCarryRegionDraws = 16;  // places of the region that are tried
 constexpr int kMostPairs = 60;         // of grasps that are tried when a start is checked
@@ -119,7 +119,7 @@ void CarryTask::AddObjects(SceneSpec& spec, Rng& rng) {
   } else {
     Add(spec, kTarget, DrawKind(task_.objects, is_prepared_once(), turn(), rng), rng);
   }
-  spec.objects.push_back({.name = kCarryRegion, .mjcf_path = "region", .pos = kAside});
+  spec.objects.push_back({.name = kCarryRegion, .mjcf_path = "region", .pos = kParked});
   Name(kCarryRegion, kCarryRegion);
 }
 
