@@ -106,9 +106,8 @@ TEST_F(OverrideTest, IsValidatedLikeTheFile) {
       Error({"task.lift_hight=0.1"}),
       run() +
           " is not valid: --set task.lift_hight=0.1: task.lift_hight: a PickTaskConfig: no field "
-          "'lift_hight'. Its fields: kind, object, spread, rotate, refer, lift_height, objects. "
-          "Did "
-          "you mean 'lift_height'?");
+          "'lift_hight'. Its fields: kind, object, spread, rotate, refer, lift_height, arm, "
+          "objects. Did you mean 'lift_height'?");
   EXPECT_THAT(Error({"task.base_distance=[0.3, 0.5]"}),
               HasSubstr("It is a field of `start` of a run, for all tasks: start.base_distance"));
   EXPECT_THAT(Error({"start.base_distance=[0.3, far]"}),
