@@ -13,8 +13,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from robocell._core import IoError, atomic_write
 
 FOLDER = "policy_calls"
@@ -83,6 +81,8 @@ def latency(dataset: Path, rollouts: Iterable[str]) -> dict[str, float]:
     ]
     if not times:
         return {}
+    import numpy as np  # the command line loads this module, and does without
+
     median, high = np.percentile(times, [50, 99])
     return {
         "calls": len(times),

@@ -4,7 +4,7 @@
     found = robocell.identify.identify(robot, trajectory)
     found.value("damping", "joint1")
 
-It needs scipy (`pip install 'robocell[identify]'`). docs/identify.md describes it.
+It needs scipy, of the extra `identify`. docs/identify.md describes it.
 """
 
 from robocell._identify.fitting import PARAMETERS, Identified, Parameter, identify
