@@ -357,7 +357,7 @@ void BindPorts(nb::module_& m) {
       "    rate: Measurements sent per second.\n"
       "    watchdog: Time without a command after which the arm holds, s.\n"
       "    remote: Whether other computers may reach it. Give a secret then.\n"
-      "    secret: Signs the packets; the same as the arm's.\n"
+      "    secret: Key of the packets' checksums; the same as the arm's.\n"
       "    faults: Makes the network as bad as wanted.",
       nb::type_slots(kHandleSlots<UdpArmServer, &VisitServer>))
       .def(
@@ -420,7 +420,8 @@ void BindLink(nb::module_& m) {
           "robot"_a, "port"_a, nb::kw_only(), "safety"_a.none() = nb::none(), "period"_a = 0.004,
           "timeout"_a = 2.0, "group"_a = "")
       .def("close", &ArmLink::Close, Unlocked(),
-           "Holds the arm and unties the robot, which stays where it is. May be repeated.")
+           "Brakes and holds the arm, and unties the robot, which stays where it is. May be "
+           "repeated.")
       .def_prop_ro("closed", &ArmLink::closed, "True after close().")
       .def_prop_ro("ok", &ArmLink::ok, "True while steps of the scene drive the arm.")
       .def_prop_ro(
@@ -452,7 +453,9 @@ void BindLink(nb::module_& m) {
           },
           "q"_a, "timeout"_a = 30.0,
           "Commands the joints and steps the scene until they are measured there, within 0.01 rad "
-          "or m. Returns False if that takes longer than `timeout` seconds, or the arm stops.")
+          "or m. Returns False if that takes longer than `timeout` seconds, or the arm stops. "
+          "Raises "
+          "ArgumentError for a controller that takes no joint positions.")
       .def(
           "__enter__", [](nb::handle self) { return nb::borrow(self); },
           nb::sig("def __enter__(self) -> typing.Self"))
