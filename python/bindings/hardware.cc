@@ -102,6 +102,14 @@ class PyArmPort final : public ArmPort {
   }
 };
 
+// Returns the port of an object. Throws for a driver that lacks a method: without hold(), say, an
+// arm would stop nowhere.
+std::shared_ptr<ArmPort> CheckedPort(nb::handle port) {
+  for (const char* method : {"read", "send", "hold"})
+    if (!nb::hasattr(port, method)) ThrowMissing(port, method);
+  return Shared<ArmPort>(nb::borrow(port));
+}
+
 // A link and a server keep the Python object of their port (python_owner.h), which may refer to
 // them. A cycle ends when the collector clears that object.
 int VisitPort(const ArmPort& port, visitproc visit, void* arg) {
@@ -364,7 +372,7 @@ void BindPorts(nb::module_& m) {
           "__init__",
           [](UdpArmServer* self, nb::handle_t<ArmPort> arm, const std::string& address, double rate,
              double watchdog, bool remote, const std::string& secret, const LinkFaults* faults) {
-            const std::shared_ptr<ArmPort> port = Shared<ArmPort>(nb::borrow(arm));
+            const std::shared_ptr<ArmPort> port = CheckedPort(arm);
             const nb::gil_scoped_release unlocked;
             new (self) UdpArmServer(port, address,
                                     {.rate = rate,
@@ -409,7 +417,7 @@ void BindLink(nb::module_& m) {
           "__init__",
           [](ArmLink* self, const Robot& robot, nb::handle_t<ArmPort> port,
              const SafetyOptions* safety, double period, double timeout, const std::string& group) {
-            const std::shared_ptr<ArmPort> shared = Shared<ArmPort>(nb::borrow(port));
+            const std::shared_ptr<ArmPort> shared = CheckedPort(port);
             const nb::gil_scoped_release unlocked;
             new (self) ArmLink(robot, shared,
                                {.safety = safety ? *safety : SafetyOptions{},

@@ -205,6 +205,23 @@ def test_a_driver_that_is_wrong_is_refused_with_the_reason(wrong: dict[str, Any]
     assert words in str(raised.value)
 
 
+def test_a_driver_that_cannot_hold_is_refused_before_it_moves():
+    class Careless(hardware.ArmPort):
+        name, joint_names = "careless", ["elbow"]
+        limits = hardware.ArmLimits()
+
+        def read(self) -> None:
+            return None
+
+        def send(self, command: hardware.ArmCommand) -> None:
+            pass
+
+    robot = a_robot()
+    for use in (lambda port: hardware.ArmLink(robot, port), hardware.UdpArmServer):
+        with pytest.raises((rc.Error, TypeError, AttributeError), match=r"Careless.*hold"):
+            use(Careless())
+
+
 def test_the_dead_mans_switch_is_pressed_by_another_thread():
     robot = a_robot()
     safety = hardware.SafetyOptions(slow_start=0, dead_man=0.1)
