@@ -102,6 +102,14 @@ class PyArmPort final : public ArmPort {
   }
 };
 
+// Returns the port of an object. Throws for a driver that lacks a method: without hold(), say, an
+// arm would stop nowhere.
+std::shared_ptr<ArmPort> CheckedPort(nb::handle port) {
+  for (const char* method : {"read", "send", "hold"})
+    if (!nb::hasattr(port, method)) ThrowMissing(port, method);
+  return Shared<ArmPort>(nb::borrow(port));
+}
+
 // A link and a server keep the Python object of their port (python_owner.h), which may refer to
 // them. A cycle ends when the collector clears that object.
 int VisitPort(const ArmPort& port, visitproc visit, void* arg) {
@@ -357,14 +365,14 @@ void BindPorts(nb::module_& m) {
       "    rate: Measurements sent per second.\n"
       "    watchdog: Time without a command after which the arm holds, s.\n"
       "    remote: Whether other computers may reach it. Give a secret then.\n"
-      "    secret: Signs the packets; the same as the arm's.\n"
+      "    secret: Key of the packets' checksums; the same as the arm's.\n"
       "    faults: Makes the network as bad as wanted.",
       nb::type_slots(kHandleSlots<UdpArmServer, &VisitServer>))
       .def(
           "__init__",
           [](UdpArmServer* self, nb::handle_t<ArmPort> arm, const std::string& address, double rate,
              double watchdog, bool remote, const std::string& secret, const LinkFaults* faults) {
-            const std::shared_ptr<ArmPort> port = Shared<ArmPort>(nb::borrow(arm));
+            const std::shared_ptr<ArmPort> port = CheckedPort(arm);
             const nb::gil_scoped_release unlocked;
             new (self) UdpArmServer(port, address,
                                     {.rate = rate,
@@ -409,7 +417,7 @@ void BindLink(nb::module_& m) {
           "__init__",
           [](ArmLink* self, const Robot& robot, nb::handle_t<ArmPort> port,
              const SafetyOptions* safety, double period, double timeout, const std::string& group) {
-            const std::shared_ptr<ArmPort> shared = Shared<ArmPort>(nb::borrow(port));
+            const std::shared_ptr<ArmPort> shared = CheckedPort(port);
             const nb::gil_scoped_release unlocked;
             new (self) ArmLink(robot, shared,
                                {.safety = safety ? *safety : SafetyOptions{},
@@ -420,7 +428,8 @@ void BindLink(nb::module_& m) {
           "robot"_a, "port"_a, nb::kw_only(), "safety"_a.none() = nb::none(), "period"_a = 0.004,
           "timeout"_a = 2.0, "group"_a = "")
       .def("close", &ArmLink::Close, Unlocked(),
-           "Holds the arm and unties the robot, which stays where it is. May be repeated.")
+           "Brakes and holds the arm, and unties the robot, which stays where it is. May be "
+           "repeated.")
       .def_prop_ro("closed", &ArmLink::closed, "True after close().")
       .def_prop_ro("ok", &ArmLink::ok, "True while steps of the scene drive the arm.")
       .def_prop_ro(
@@ -452,7 +461,9 @@ void BindLink(nb::module_& m) {
           },
           "q"_a, "timeout"_a = 30.0,
           "Commands the joints and steps the scene until they are measured there, within 0.01 rad "
-          "or m. Returns False if that takes longer than `timeout` seconds, or the arm stops.")
+          "or m. Returns False if that takes longer than `timeout` seconds, or the arm stops. "
+          "Raises "
+          "ArgumentError for a controller that takes no joint positions.")
       .def(
           "__enter__", [](nb::handle self) { return nb::borrow(self); },
           nb::sig("def __enter__(self) -> typing.Self"))

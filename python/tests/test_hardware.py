@@ -11,7 +11,7 @@ import textwrap
 import threading
 import time
 from pathlib import Path
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,7 @@ from robocell.compat.rcs.envs.scenes import SimEnvCreator
 from robocell.gym import pick_cube_config
 
 RC7 = Path(__file__).resolve().parents[2] / "models" / "robots" / "rc7" / "rc7.yaml"
+SIDES = ("left", "right")
 FAST = hardware.SafetyOptions(slow_start=0, watchdog=5)  # computers that test are busy
 
 
@@ -54,6 +55,34 @@ def test_the_same_program_moves_a_simulated_and_a_real_arm():
             assert not arm.ok
         arrived[mode] = robot.arm.joint_pos
     np.testing.assert_allclose(arrived["sim"], arrived["real"], atol=0.01)
+
+
+def test_a_simulation_moves_the_arm_that_is_named(tmp_path: Path):
+    arms = "".join(
+        f"<body name='{side}' pos='{x} 0 0'><joint name='{side}' damping='1' range='-2 2'/>"
+        f"<geom size='0.05'/><site name='{side}' pos='0 0 0.1'/></body>"
+        for side, x in (("left", -0.3), ("right", 0.3))
+    )
+    servos = "".join(f"<position name='{side}' joint='{side}' kp='10'/>" for side in SIDES)
+    model = tmp_path / "two.xml"
+    model.write_text(
+        f"<mujoco><compiler angle='radian'/><worldbody><body name='base'>{arms}</body>"
+        f"</worldbody><actuator>{servos}</actuator></mujoco>"
+    )
+    groups = {
+        side: {"kind": "arm", "joints": [side], "actuators": [side], "leaf": {"site": side}}
+        for side in SIDES
+    }
+    config = rc.RobotConfig(
+        name="two", model=str(model), root_body="base", home={}, move_groups=groups
+    )
+    spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=False, add_skybox=False)
+    spec.robots.append(rc.RobotSpec(name="two", config=config))
+    robot = rc.Scene.build(spec).robot("two")
+    with hardware.connect(robot, "sim", group="right") as arm:
+        assert arm.move_to([0.3])
+    assert robot.group("left").joint_pos == pytest.approx([0], abs=1e-6)
+    assert robot.group("right").joint_pos == pytest.approx([0.3], abs=0.01)
 
 
 def test_an_environment_on_an_arm_records_episodes_of_the_same_schema(tmp_path: Path):
@@ -176,6 +205,23 @@ def test_a_driver_that_is_wrong_is_refused_with_the_reason(wrong: dict[str, Any]
     assert words in str(raised.value)
 
 
+def test_a_driver_that_cannot_hold_is_refused_before_it_moves():
+    class Careless(hardware.ArmPort):
+        name, joint_names = "careless", ["elbow"]
+        limits = hardware.ArmLimits()
+
+        def read(self) -> None:
+            return None
+
+        def send(self, command: hardware.ArmCommand) -> None:
+            pass
+
+    robot = a_robot()
+    for use in (lambda port: hardware.ArmLink(robot, port), hardware.UdpArmServer):
+        with pytest.raises((rc.Error, TypeError, AttributeError), match=r"Careless.*hold"):
+            use(Careless())
+
+
 def test_the_dead_mans_switch_is_pressed_by_another_thread():
     robot = a_robot()
     safety = hardware.SafetyOptions(slow_start=0, dead_man=0.1)
@@ -230,6 +276,7 @@ class FakeFollower:
     """A LeRobot Robot: degrees, a gripper from 0 to 100, an image."""
 
     def __init__(self) -> None:
+        self.config = SimpleNamespace(disable_torque_on_disconnect=True)
         self.at = {f"motor{i}.pos": 0.0 for i in range(7)} | {"gripper.pos": 100.0}
         self.connected, self.torn = False, False
 
@@ -274,6 +321,7 @@ def test_a_lerobot_arm_is_moved_by_name(follower: FakeFollower):
         assert isinstance(arm, hardware.ArmLink)
         assert arm.measured.opening is not None
     assert not follower.connected
+    assert not follower.config.disable_torque_on_disconnect, "it holds"
     motors = [math.radians(follower.at[f"motor{i}.pos"]) for i in range(7)]
     np.testing.assert_allclose(motors, goal, atol=0.03)
     assert follower.at["gripper.pos"] == pytest.approx(50, abs=1)
@@ -285,6 +333,13 @@ def test_a_lerobot_arm_that_is_unplugged_stops(follower: FakeFollower):
         follower.torn = True
         assert robot.scene.step_n(2000).stopped
         assert "no status packet" in arm.reason
+
+
+def test_a_lerobot_arm_that_does_not_answer_is_left_disconnected(follower: FakeFollower):
+    follower.torn = True
+    with pytest.raises(rc.IoError, match="no status packet"):
+        hardware.make_arm("lerobot:fake_lerobot:Follower", a_robot())
+    assert not follower.connected
 
 
 def test_a_file_maps_the_motors_of_a_lerobot_arm(follower: FakeFollower, tmp_path: Path):
@@ -314,6 +369,9 @@ def test_a_file_maps_the_motors_of_a_lerobot_arm(follower: FakeFollower, tmp_pat
         (text.replace(lines[6] + "\n", ""), f"no motor is joint '{names[6]}'"),
         (text.replace("joints:", "joint:"), "no field 'joint'"),
         (text.replace(f"scale: {math.radians(1)}", "scale: 0"), "0 moves no motor"),
+        (text.replace(f"scale: {math.radians(1)}", "scale: wide"), "a joint is {joint: NAME"),
+        (text.replace(names[1], names[0]), f"are both joint '{names[0]}'"),
+        (text + "gripper: {from: gripper.pos, closed: 0, open: 0}\n", "are the same"),
     ):
         file.write_text(wrong)
         with pytest.raises(rc.Error, match=re.escape(words)):
@@ -332,5 +390,15 @@ def test_unknown_arms_and_modes_show_those_that_there_are():
         pass
     with pytest.raises(rc.ArgumentError, match="needs an arm"), hardware.connect(robot, "real"):
         pass
+    for name, options in (
+        ("udp:127.0.0.1:9", {"config": "arm.yaml"}),
+        ("file:arm.yaml", {"config": "more.yaml"}),
+        (arm_of(a_robot()), {"secret": "sesame"}),
+    ):
+        with (
+            pytest.raises(rc.ArgumentError, match=r"leave out config|'secret' is an option"),
+            hardware.connect(robot, "real", name, **options),
+        ):
+            pass
     with pytest.raises(rc.ArgumentError, match="remote=true"):
         hardware.UdpArmServer(arm_of(a_robot()), "0.0.0.0:0")

@@ -12,7 +12,8 @@ import pytest
 
 import robocell as rc
 from command_line import robocell_command
-from robocell.identify import ArmTrajectory, excitation, identify
+from robocell.data import ColumnSpec, EpisodeWriter
+from robocell.identify import ArmTrajectory, Identified, Parameter, excitation, identify
 
 
 def random_arm(rng: np.random.Generator, joints: int, folder: Path) -> rc.Robot:
@@ -128,6 +129,67 @@ def test_known_values_of_random_arms_are_found_within_five_percent(seed: int, tm
     recovers(seed, 2 + seed % 4, tmp_path, seconds=5.0)
 
 
+def episode_of(robot: rc.Robot, delay: int, folder: Path) -> Path:
+    """Records an episode whose commands hold for 20 steps and arrive `delay` steps late."""
+    time, command = excitation(robot, 2, 25, seed=1)
+    robot.scene.reset()
+    place = "robots/arm"
+    columns = {
+        name: ColumnSpec(shape=robot.n_joints, units="rad")
+        for name in (f"{place}/arm/qpos", f"{place}/arm/target", f"{place}/action/arm")
+    }
+    with EpisodeWriter(folder, "wave", {"time": ColumnSpec(units="s"), **columns}) as episode:
+        for i, action in enumerate(command):
+            before = command[max(0, i - 1)]
+            rows = (robot.arm.joint_pos, before, action)
+            episode.add_row({"time": time[i]} | dict(zip(columns, rows, strict=True)))
+            for step in range(20 * i, 20 * i + 20):
+                robot.jnt_pos_cmd[:] = command[max(0, (step - delay) // 20)]
+                robot.update()
+                robot.step()
+        episode.commit(success=True)
+    return folder / "wave"
+
+
+def test_an_episode_whose_commands_hold_is_fitted(tmp_path: Path):
+    robot = random_arm(np.random.default_rng(4), 1, tmp_path)
+    model = robot.scene.model
+    model.dof_damping.reshape(model.nv, -1)[:, 0] *= 1.5
+    damping = float(model.dof_damping.flat[0])
+    trajectory = ArmTrajectory.load(episode_of(robot, 4, tmp_path / "data"), robot)
+    assert trajectory.holds
+    trajectory.save(tmp_path / "wave.npz")
+    assert ArmTrajectory.load(tmp_path / "wave.npz").holds
+    unchanged = random_arm(np.random.default_rng(4), 1, tmp_path)
+    found = identify(unchanged, trajectory, ["damping", "delay"])
+    assert found.rms < 1e-4 < found.rms_before
+    assert found.value("delay") == pytest.approx(4 * 0.002, rel=0.05)
+    assert found.value("damping", "joint0") == pytest.approx(damping, rel=0.05)
+
+
+def test_edits_give_the_model_what_is_known(tmp_path: Path):
+    robot = random_arm(np.random.default_rng(2), 1, tmp_path)
+    values = (("damping", 1.5, 0.1), ("frictionloss", 0.0, 1e-3), ("gain", 222.0, 1.0))
+    parameters = [Parameter(name, "joint0", "", 3.0, value, error) for name, value, error in values]
+    parameters.append(Parameter("armature", "joint0", "", 0.1, 0.7, np.inf))
+    rows = np.zeros((1, 1))
+    found = Identified(parameters, 1, 1, rows[0], rows, rows, ["joint0"])
+    file = tmp_path / "arm.yaml"
+    file.write_text(robot.scene.copy_spec().robots[0].config.to_yaml() + found.edits())
+    spec = rc.SceneSpec(name="alone", timestep=0.002, add_floor=False, add_skybox=False)
+    spec.robots.append(rc.RobotSpec(name="arm", config=rc.RobotConfig.load(file)))
+    model, before = rc.Scene.build(spec).model, robot.scene.model
+    assert model.dof_damping.flat[0] == 1.5
+    assert model.dof_frictionloss[0] == 0
+    assert model.actuator_gainprm[0, 0] == 222
+    assert model.dof_armature[0] == before.dof_armature[0], "the motion does not show it"
+    found.save(tmp_path / "fit.json")
+    saved = json.loads((tmp_path / "fit.json").read_text(), parse_constant=pytest.fail)
+    assert saved["parameters"][-1]["error"] is None
+    unknown = Identified(parameters[-1:], 1, 1, rows[0], rows, rows, ["joint0"])
+    assert not unknown.edits()
+
+
 def test_a_value_that_the_motion_does_not_show_has_no_confidence(tmp_path: Path):
     rng = np.random.default_rng(5)
     robot = random_arm(rng, 2, tmp_path)
@@ -149,7 +211,7 @@ def test_the_command_prints_values_and_edits_and_writes_a_page(tmp_path: Path):
     )  # fmt: skip
     assert result.returncode == 0, result.stderr
     assert "delay" in result.stdout
-    assert "- {joint: joint0, damping: " in result.stdout
+    assert '- {joint: "joint0", damping: ' in result.stdout
     assert json.loads((tmp_path / "fit.json").read_text())["rms"] < 2e-5
     page = (tmp_path / "fit.html").read_text()
     assert "Residuals" in page
@@ -164,6 +226,7 @@ def test_trajectories_that_do_not_fit_are_refused_with_the_reason(tmp_path: Path
         ((time[::-1], rows, rows), "`time` must increase"),
         ((time[:5], rows[:5], rows[:5]), "at least 20"),
         ((time, rows[:, :1], rows), "`command` has the shape"),
+        ((time, rows, 5.0), "`command` has the shape"),
         ((time, rows * np.nan, rows), "`command` has values that are not finite"),
     ):
         with pytest.raises(rc.ArgumentError, match=words):
@@ -178,8 +241,13 @@ def test_trajectories_that_do_not_fit_are_refused_with_the_reason(tmp_path: Path
     np.savez(file, time=time)
     with pytest.raises(rc.ArgumentError, match="no array `command`; it has time"):
         ArmTrajectory.load(file)
-    file.write_bytes(b"no archive")
-    with pytest.raises(rc.ArgumentError, match="is no"):
-        ArmTrajectory.load(file)
+    array = tmp_path / "wave.npy"
+    np.save(array, time)
+    for content in (b"no archive", b"", b"PK\x03\x04 cut off", array.read_bytes()):
+        file.write_bytes(content)
+        with pytest.raises(rc.ArgumentError, match=r"no \.npz file"):
+            ArmTrajectory.load(file)
+    with pytest.raises(rc.ArgumentError, match="fewer than 20 commands"):
+        excitation(robot, 0)
     with pytest.raises(rc.IoError, match="nowhere"):
         ArmTrajectory.load(tmp_path / "nowhere.npz")

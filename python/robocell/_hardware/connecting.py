@@ -9,6 +9,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
+import numpy as np
+
 from robocell._core import (
     ArgumentError,
     ArmLink,
@@ -63,8 +65,9 @@ class Connected(Protocol):
 class Simulation:
     """Stands in for an `ArmLink` where the scene itself is the arm."""
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, group: str = "") -> None:
         self._robot, self._reason = robot, ""
+        self._arm = robot.group(group) if group else robot.arm
 
     @property
     def ok(self) -> bool:
@@ -90,15 +93,17 @@ class Simulation:
 
     def move_to(self, q: ArrayLike, timeout: float = 30.0) -> bool:
         """Commands the joints and steps the scene until they are there, or `timeout` is over."""
-        robot, scene = self._robot, self._robot.scene
-        robot.jnt_pos_cmd[:] = q
+        robot, scene, arm = self._robot, self._robot.scene, self._arm
+        if arm.name == robot.arm.name:
+            robot.jnt_pos_cmd[:] = q
+        else:
+            robot.controller(arm.name).target = q
         end = scene.time() + timeout
         while self.ok and scene.time() < end:
             robot.update()
             if not robot.step().ok:
                 return False
-            goals = robot.jnt_pos_cmd
-            if abs(robot.arm.joint_pos - goals).max() <= ARRIVED:
+            if abs(arm.joint_pos - np.asarray(q, dtype=float)).max() <= ARRIVED:
                 return True
         return False
 
@@ -120,9 +125,13 @@ def make_arm(name: str, robot: Robot, config: str | Path | None = None, **option
     kind, _, rest = name.partition(":")
     file = None if config is None else Path(config)
     if kind == "udp" and rest:
+        if file is not None:
+            raise ArgumentError(f"arm '{name}' has no options in a file; leave out config='{file}'")
         return UdpArm(rest, **options)
     if options:
         raise ArgumentError(f"arm '{name}' has no option '{next(iter(options))}'")
+    if kind == "file" and file is not None:
+        raise ArgumentError(f"arm '{name}' has its options in its file; leave out config='{file}'")
     if kind in ("lerobot", "file") and rest:
         from robocell._hardware.lerobot_arm import LeRobotArm
 
@@ -193,10 +202,13 @@ def connect(
     if mode not in MODES:
         raise ArgumentError(f"no mode '{mode}'; there are {' and '.join(MODES)}")
     if mode == "sim":
-        yield Simulation(robot)
+        yield Simulation(robot, group)
         return
     if isinstance(arm, str) and not arm:
         raise ArgumentError('mode "real" needs an arm, such as "udp:127.0.0.1:7071"')
+    if not isinstance(arm, str) and (options or config is not None):
+        given = next(iter(options), "config")
+        raise ArgumentError(f"'{given}' is an option of an arm by name; this arm is made already")
     port = make_arm(arm, robot, config, **options) if isinstance(arm, str) else arm
     try:
         with ArmLink(robot, port, safety=safety, period=period, group=group) as link:

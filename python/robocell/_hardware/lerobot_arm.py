@@ -34,7 +34,7 @@ from robocell._core import (
     SpecError,
 )
 from robocell._lerobot_classes import full_name, made_by_name
-from robocell._own_code import RAISED
+from robocell._own_code import RAISED, raise_interrupt
 from robocell._raised import place_of
 from robocell._suggestions import did_you_mean
 from robocell._teleop.devices import options_of
@@ -44,6 +44,7 @@ LEROBOT = "lerobot.robots"
 VELOCITY, ACCELERATION = 1.0, 4.0  # rad/s and rad/s^2 (or m) of an arm that names no limits
 SMOOTH_S = 0.05  # time constant of the measured velocities
 JOIN_S = 2.0
+LETS_GO = "disable_torque_on_disconnect"  # an option of LeRobot's arms, on by default
 
 
 def limits_of(robot: Robot) -> ArmLimits:
@@ -96,11 +97,13 @@ class LeRobotArm(ArmPort):
             arm.connect()
             first = self._observe()
         except RAISED as error:
+            self._disconnect()
+            raise_interrupt(error)
             raise IoError(f"{self.name} cannot be connected: {place_of(error)}") from error
         try:
             self._motors = self._motors_of(first, dict(joints or {}))
         except ArgumentError:
-            arm.disconnect()
+            self._disconnect()
             raise
         self._thread = threading.Thread(target=self._serve, name=self.name, daemon=True)
         self._thread.start()
@@ -118,20 +121,27 @@ class LeRobotArm(ArmPort):
             raise SpecError(f"{file}: `class` names the arm's class, as module:Class")
         try:
             joints = {
-                name: JointMap(**{**fields, "joint": str(fields["joint"])})
+                name: JointMap(str(fields["joint"]), **_numbers(fields, {"joint"}))
                 for name, fields in content.get("joints", {}).items()
             }
             given = content.get("gripper")
-            gripper = given and GripperMap(given["from"], given["closed"], given["open"])
-        except (TypeError, KeyError, AttributeError) as error:
+            gripper = given and GripperMap(given["from"], **_numbers(given, {"from"}))
+        except (TypeError, ValueError, KeyError, AttributeError) as error:
             raise SpecError(
                 f"{file}: a joint is {{joint: NAME, scale: NUMBER, offset: NUMBER}}, the gripper "
                 f"{{from: NAME, closed: NUMBER, open: NUMBER}}: {error}"
             ) from error
+        motors: dict[str, str] = {}
         for name, each in joints.items():
-            if not each.scale or not math.isfinite(each.scale):
+            if not each.scale:
                 raise SpecError(f"{file}: the scale of '{name}' is {each.scale}; 0 moves no motor")
-        made = made_by_name(content["class"], content.get("options") or {}, in_degrees=not joints)
+            if (other := motors.setdefault(each.joint, name)) != name:
+                raise SpecError(f"{file}: '{other}' and '{name}' are both joint '{each.joint}'")
+        if gripper and gripper.open == gripper.closed:
+            raise SpecError(f"{file}: `open` and `closed` of the gripper are the same")
+        options = content.get("options") or {}
+        made = made_by_name(content["class"], options, in_degrees=not joints)
+        _keep_torque(made, options)
         return cls(made, joint_names_of(robot), limits_of(robot), joints, gripper)
 
     @classmethod
@@ -140,9 +150,11 @@ class LeRobotArm(ArmPort):
 
         Raises SpecError.
         """
+        options = options_of(config)
         made = made_by_name(
-            full_name(name, LEROBOT, "send_action", "arm"), options_of(config), in_degrees=True
+            full_name(name, LEROBOT, "send_action", "arm"), options, in_degrees=True
         )
+        _keep_torque(made, options)
         return cls(made, joint_names_of(robot), limits_of(robot))
 
     def read(self) -> ArmMeasurement | None:
@@ -182,10 +194,13 @@ class LeRobotArm(ArmPort):
         time.sleep(2 * SMOOTH_S)  # a hold that was sent last still reaches the motors
         self._ends.set()
         self._thread.join(JOIN_S)
+        self._disconnect()
+
+    def _disconnect(self) -> None:
         try:
             self._arm.disconnect()
-        except RAISED:
-            return  # it may be unplugged
+        except RAISED as error:
+            raise_interrupt(error)  # others: it may be unplugged
 
     def _raise_error(self) -> None:
         if self._error is not None:
@@ -260,6 +275,21 @@ class LeRobotArm(ArmPort):
                 f"{', '.join(self.joint_names)}"
             )
         return dict(by_joint[joint] for joint in self.joint_names)
+
+
+def _numbers(fields: Mapping[str, Any], others: set[str]) -> dict[str, float]:
+    """Returns the numbers of a map. Raises ValueError for others, and those not finite."""
+    numbers = {name: float(value) for name, value in fields.items() if name not in others}
+    if wrong := [name for name, value in numbers.items() if not math.isfinite(value)]:
+        raise ValueError(f"`{wrong[0]}` is {numbers[wrong[0]]}")
+    return numbers
+
+
+def _keep_torque(made: Any, options: Mapping[str, Any]) -> None:
+    """Lets a LeRobot arm hold where it is after the program, unless its options say otherwise."""
+    config = getattr(made, "config", None)
+    if LETS_GO not in options and hasattr(config, LETS_GO):
+        setattr(config, LETS_GO, False)
 
 
 def joint_names_of(robot: Robot) -> list[str]:

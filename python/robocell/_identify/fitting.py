@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import math
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -20,6 +22,7 @@ with needed_by("robocell.identify", "identify"):
 
 PARAMETERS = (*KINDS, "delay")
 STEP = 1e-4  # of a finite difference, in units of the usual values
+MOST_ITERATIONS = 100
 LONGEST_DELAY_S = 0.2
 USUAL_DELAY_S = 0.01
 USUAL_OFFSET, USUAL_SPEED = 1e-3, 0.1  # of the start: rad or m, and their rates
@@ -50,6 +53,11 @@ class Parameter:
     def is_shown(self) -> bool:
         """False if the motion says too little about it: its error is larger than the value."""
         return self.error <= max(abs(self.value), 1e-12)
+
+    @property
+    def is_known(self) -> bool:
+        """True if its error is small beside the value or the model's: also for one that is 0."""
+        return self.error <= max(abs(self.value), abs(self.before), 1e-12)
 
 
 @dataclass(frozen=True)
@@ -84,25 +92,33 @@ class Identified:
         raise ArgumentError(f"no {name} of joint '{joint}' was fitted")
 
     def edits(self) -> str:
-        """Returns the YAML of `edits` for the robot file, with the fitted values of its joints."""
-        lines = ["edits:"]
+        """Returns the YAML of `edits` for the robot file, with the fitted values of its joints.
+
+        Values that the motion does not show are left out; "" if there are no others.
+        """
+        lines = []
         for joint in self.joints:
-            values = {
-                each.name: each.value
-                for each in self.parameters
-                if each.joint == joint and each.name != "gain"
-            }
+            name = json.dumps(joint)  # YAML of any name
+            known = [each for each in self.parameters if each.joint == joint and each.is_known]
+            values = [f"{each.name}: {each.value:.6g}" for each in known if each.name != "gain"]
+            gains = [each.value for each in known if each.name == "gain"]
             if values:
-                shown = ", ".join(f"{name}: {value:.6g}" for name, value in values.items())
-                lines.append(f"  - {{joint: {joint}, {shown}}}")
-        return "\n".join(lines) + "\n"
+                lines.append(f"  - {{joint: {name}, {', '.join(values)}}}")
+            lines += [f"  - {{actuator: {{joint: {name}}}, kp: {gain:.6g}}}" for gain in gains]
+        return "\n".join(["edits:", *lines, ""]) if lines else ""
 
     def save(self, path: str | Path) -> None:
-        """Writes the values as JSON. Raises IoError."""
+        """Writes the values as JSON; the error of one that the motion does not show is null.
+
+        Raises IoError.
+        """
         content = {
             "rms_before": self.rms_before,
             "rms": self.rms,
-            "parameters": [vars(each) for each in self.parameters],
+            "parameters": [
+                vars(each) | {"error": each.error if math.isfinite(each.error) else None}
+                for each in self.parameters
+            ],
         }
         atomic_write(Path(path), f"{json.dumps(content, indent=1)}\n".encode())
 
@@ -206,8 +222,14 @@ class _Fit:
             xtol=1e-7,
             ftol=1e-9,
             gtol=1e-12,
-            max_nfev=100,
+            max_nfev=MOST_ITERATIONS,
         )
+        if best.status == 0:
+            warnings.warn(
+                f"the fit has not settled after {MOST_ITERATIONS} iterations, so its values may "
+                "still change; fit less, or record a motion of all joints",
+                stacklevel=3,
+            )
         values, delay, start = self._values(best.x)
         simulated = self._arm.positions([values], [delay], [start])[0]
         own = self._arm.positions([self._own], [0.0], [0 * start])[0]

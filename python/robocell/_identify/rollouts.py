@@ -14,6 +14,7 @@ from robocell._core import ArgumentError, Robot
 from robocell._identify.trajectory import ArmTrajectory, Numbers
 
 KINDS = ("damping", "frictionloss", "armature", "gain")
+FAR_S = 1.0  # beyond the times of a motion: longer than delays and steps
 UNITS = {
     "damping": "N m s/rad or N s/m",
     "frictionloss": "N m or N",
@@ -48,6 +49,7 @@ class ArmRollouts:
         is_servo = [
             model.actuator_trntype[a] == mujoco.mjtTrn.mjTRN_JOINT
             and model.actuator_biastype[a] == mujoco.mjtBias.mjBIAS_AFFINE
+            and model.actuator_gainprm[a, 0] > 0
             and np.isclose(model.actuator_biasprm[a, 1], -model.actuator_gainprm[a, 0])
             for a in self._actuators
         ]
@@ -152,6 +154,18 @@ class ArmRollouts:
         time, command = self._trajectory.time, self._trajectory.command
         ctrl = np.tile(self._ctrl, (self._steps, 1))
         for joint, actuator in enumerate(self._actuators):
-            late = np.interp(self._times - delay, time, command[:, joint])
+            if self._trajectory.holds:
+                late = self._held(command[:, joint], delay)
+            else:
+                late = np.interp(self._times - delay, time, command[:, joint])
             ctrl[:, actuator] = late * self._gears[joint]
         return ctrl
+
+    def _held(self, command: Numbers, delay: float) -> Numbers:
+        """Returns the mean of held commands over each step, which is smooth in the delay."""
+        time, timestep = self._trajectory.time, self._model.opt.timestep
+        knots = np.concatenate([[-FAR_S], time, [time[-1] + FAR_S]])
+        integral = np.zeros(len(knots))
+        integral[1:] = np.cumsum(np.concatenate([command[:1], command]) * np.diff(knots))
+        edges = np.arange(self._steps + 1) * timestep - delay
+        return np.asarray(np.diff(np.interp(edges, knots, integral)) / timestep)

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from robocell._core import ArgumentError, Dataset, IoError, Robot
+from robocell._core import ArgumentError, Dataset, Episode, IoError, Robot
 
 Numbers = NDArray[np.float64]
 ARRAYS = ("time", "command", "measured")
 LEAST_ROWS = 20
+SAME = 1e-6  # rad, m or s
 
 
 @dataclass(frozen=True)
@@ -21,16 +25,20 @@ class ArmTrajectory:
 
     Attributes:
         time: (n,), s, increasing.
-        command: (n, joints) commanded positions, rad or m; each holds until the next.
+        command: (n, joints) commanded positions, rad or m.
         measured: (n, joints) positions, rad or m.
+        holds: True if each command holds until the next; otherwise commands are interpolated.
     """
 
     time: Numbers
     command: Numbers
     measured: Numbers
+    holds: bool = False
 
     @classmethod
-    def of(cls, time: ArrayLike, command: ArrayLike, measured: ArrayLike) -> ArmTrajectory:
+    def of(
+        cls, time: ArrayLike, command: ArrayLike, measured: ArrayLike, holds: bool = False
+    ) -> ArmTrajectory:
         """Returns a trajectory of arrays. Raises ArgumentError if they do not fit together."""
         arrays = [np.array(each, dtype=float) for each in (time, command, measured)]
         rows = arrays[0].shape[0] if arrays[0].ndim == 1 else -1
@@ -42,18 +50,18 @@ class ArmTrajectory:
                 f"`time` has the shape {arrays[0].shape}; expected (n,) with at least {LEAST_ROWS}"
             )
         for name, each in zip(ARRAYS[1:], arrays[1:], strict=True):
-            if each.ndim != 2 or each.shape != (rows, arrays[2].shape[-1]):
+            if each.ndim != 2 or each.shape != (rows, *arrays[2].shape[1:]):
                 raise ArgumentError(
                     f"`{name}` has the shape {each.shape}; expected a row of joints for each of "
                     f"{rows} times"
                 )
         if not (np.diff(arrays[0]) > 0).all():
             raise ArgumentError("`time` must increase from row to row")
-        return cls(arrays[0] - arrays[0][0], arrays[1], arrays[2])
+        return cls(arrays[0] - arrays[0][0], arrays[1], arrays[2], holds)
 
     @classmethod
     def load(cls, path: str | Path, robot: Robot | None = None) -> ArmTrajectory:
-        """Reads a .npz with `time`, `command` and `measured`, or an episode's folder.
+        """Reads a .npz with `time`, `command`, `measured` and perhaps `holds`, or an episode.
 
         Args:
             path: The file, or DATASET/EPISODE.
@@ -67,17 +75,21 @@ class ArmTrajectory:
         if path.is_dir():
             return cls._of_episode(path, robot)
         try:
-            with np.load(path, allow_pickle=False) as file:
+            loaded: Any = np.load(path, allow_pickle=False)
+            if not isinstance(loaded, np.lib.npyio.NpzFile):
+                raise ArgumentError("it is one array, and no .npz file of arrays")
+            with loaded as file:
                 if missing := [name for name in ARRAYS if name not in file]:
                     raise ArgumentError(
-                        f"'{path}' has no array `{missing[0]}`; it has {', '.join(file) or 'none'}"
+                        f"no array `{missing[0]}`; it has {', '.join(file) or 'none'}"
                     )
-                return cls.of(*(file[name] for name in ARRAYS))
+                holds = bool(file["holds"]) if "holds" in file else False
+                return cls.of(file["time"], file["command"], file["measured"], holds)
         except OSError as error:
             raise IoError(f"cannot read '{path}': {error.strerror or error}") from error
-        except ValueError as error:
-            if isinstance(error, ArgumentError):
-                raise ArgumentError(f"'{path}': {error}") from error
+        except ArgumentError as error:
+            raise ArgumentError(f"'{path}': {error}") from error
+        except (ValueError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
             raise ArgumentError(f"'{path}' is no .npz file of arrays: {error}") from error
 
     @classmethod
@@ -86,18 +98,37 @@ class ArmTrajectory:
             raise ArgumentError(f"'{folder}' is an episode; give the robot whose columns are meant")
         episode = Dataset(folder.parent)[folder.name]
         place = f"robots/{robot.name}"
-        names = ("time", f"{place}/{robot.arm.name}/target", f"{place}/{robot.arm.name}/qpos")
+        own = robot.arm.name
+        names = ("time", f"{place}/{own}/target", f"{place}/{own}/qpos")
         if missing := [name for name in names if name not in episode.columns]:
             parts = [name.split("/") for name in episode.columns]
             robots = sorted({part[1] for part in parts if part[0] == "robots"})
             raise ArgumentError(
                 f"episode '{folder}' has no column '{missing[0]}'. Its robots: {', '.join(robots)}"
             )
-        return cls.of(*(episode[name] for name in names))
+        time, before, measured = (episode[name] for name in names)
+        # Targets are those before the action of their row. A command that holds is the action; one
+        # that moves on within the rows is known at their times.
+        after = f"{place}/action/{own}"
+        if after in episode.columns and not _moves_within_rows(episode, robot):
+            return cls.of(time, episode[after], measured, holds=True)
+        return cls.of(time, before, measured)
 
     def save(self, path: str | Path) -> None:
         """Writes a .npz that `load` reads."""
-        np.savez(path, time=self.time, command=self.command, measured=self.measured)
+        arrays = {name: getattr(self, name) for name in ARRAYS}
+        np.savez(path, holds=np.array(self.holds), **arrays)
+
+
+def _moves_within_rows(episode: Episode, robot: Robot) -> bool:
+    """Returns True if the recorded controls of the arm change between the rows of an episode."""
+    if "control/ctrl" not in episode.columns:
+        return False
+    own = tuple(name.removeprefix(robot.prefix) for name in robot.arm.actuator_names)
+    arms = [name.endswith(own) for name in episode.column("control/ctrl").names]
+    changes = (np.abs(np.diff(episode["control/ctrl"], axis=0)) > SAME)[:, arms].any(axis=1)
+    rows = np.searchsorted(episode["time"], episode["control/time"] + SAME, side="right")
+    return bool((changes & (rows[1:] == rows[:-1])).any())
 
 
 def excitation(
@@ -114,7 +145,14 @@ def excitation(
 
     Returns:
         times (n,) and commands (n, joints): sums of four sines, from rest.
+
+    Raises:
+        ArgumentError: These are too few commands.
     """
+    if not (seconds * rate >= LEAST_ROWS and np.isfinite(seconds * rate)):
+        raise ArgumentError(
+            f"{seconds} s with {rate} commands per second are fewer than {LEAST_ROWS} commands"
+        )
     rng = np.random.default_rng(seed)
     time = np.arange(round(seconds * rate)) / rate
     start = np.array(robot.jnt_pos_msr)

@@ -34,7 +34,7 @@ namespace robocell {
 namespace {
 
 constexpr double kArrived = 0.01;        // rad or m
-constexpr double kLongestBrake = 1;      // s
+constexpr double kLongestYield = 1;      // s, beyond braking
 constexpr double kBetweenReads = 0.002;  // s
 
 std::string ArmName(const Robot& robot, const std::string& group) {
@@ -68,8 +68,10 @@ class ArmLink::Impl final : public internal::StepLink {
         group(ArmName(robot, options.group)),
         gripper(robot.gripper_of(group)),
         steps(StepsOf(scene, options.period)),
+        period(steps * scene.timestep()),
         place(fmt::format("arm '{}' of robot '{}' ({})", group, robot.name(), port->name())),
-        gate(CheckedJoints(), port->limits(), options.safety, steps * scene.timestep(), place),
+        gate(CheckedJoints(), port->limits(), options.safety, period, place),
+        timeout_(options.timeout),
         dry_run_(options.safety.dry_run) {
     if (!gripper.empty()) {
       saved_.resize(static_cast<size_t>(Gripper().nu()));
@@ -77,7 +79,7 @@ class ArmLink::Impl final : public internal::StepLink {
       Gripper().CtrlForOpening(1, follow_);  // measures the gripper, which takes a while
     }
     (void)robot.controller(group);  // throws with the reason for an arm that nothing drives
-    WaitForArm(options.timeout);
+    WaitForArm();
     WriteMeasured();
     scene.Forward();
     robot.controller(group).Reset();
@@ -85,7 +87,15 @@ class ArmLink::Impl final : public internal::StepLink {
   }
   // False once the link was closed: then it does nothing.
   bool is_tied() const { return tied_; }
+  // Brakes an arm that moves, and holds it.
   void Untie() {
+    if (tied_) {
+      HearStop();
+      if (!stopped_ && !dry_run_ && !gate.is_at_rest()) {
+        gate.Stop("its link was closed");
+        ComeToRest();
+      }
+    }
     Hold();
     tied_ = false;
   }
@@ -150,6 +160,9 @@ class ArmLink::Impl final : public internal::StepLink {
   std::shared_ptr<ArmPort> port;
   std::string group, gripper;
   int steps;  // of the scene, in a period
+  // Seconds between two commands, by which the gate computes: it stays when the scene's timestep
+  // changes.
+  double period;
   std::string place;
   SafetyGate gate;
   int hook = -1;
@@ -167,12 +180,13 @@ class ArmLink::Impl final : public internal::StepLink {
                                     port->name(), ListNames(theirs), ListNames(own)));
   }
 
-  void WaitForArm(double timeout) {
+  void WaitForArm() {
     const double begin = port->now();
+    (void)port->Read(read_);  // what a port has kept until now may be old
     while (!(port->Read(read_) && gate.Accept(read_, port->now()))) {
-      if (port->now() - begin > timeout) {
+      if (!(port->now() - begin <= timeout_)) {
         throw IoError(fmt::format("{}: nothing good was measured within {} s ({} damaged)", place,
-                                  timeout, gate.counts().damaged));
+                                  timeout_, gate.counts().damaged));
       }
       port->WaitUntil(port->now() + kBetweenReads);
     }
@@ -181,6 +195,9 @@ class ArmLink::Impl final : public internal::StepLink {
 
   void HearOthers() {
     if (renewed_.exchange(false)) gate.Renew(port->now());
+    HearStop();
+  }
+  void HearStop() {
     if (!asked_to_stop_) return;
     const std::lock_guard lock(mutex_);
     gate.Stop(why_);
@@ -190,7 +207,8 @@ class ArmLink::Impl final : public internal::StepLink {
   // the port or of a user's controller stops the arm.
   void Exchange() {
     try {
-      const double period = steps * scene.timestep();
+      // The program may have done other work since the link was made.
+      if (!std::exchange(began_, true)) WaitForArm();
       due_ += period;
       if (port->now() > due_) due_ = port->now();  // a delay is not caught up
       port->WaitUntil(due_);
@@ -241,14 +259,21 @@ class ArmLink::Impl final : public internal::StepLink {
     follows_ = true;
   }
 
+  // Returns how many ticks braking may take, and going back from a force.
+  int TicksToRest() const {
+    double longest = 0;
+    for (size_t i = 0; i < gate.command().vel.size(); ++i) {
+      longest = std::max(longest, std::abs(gate.command().vel[i]) / gate.limits().acceleration[i]);
+    }
+    return static_cast<int>(std::ceil((longest + kLongestYield) / period));
+  }
+
   // Brakes within the limits, then holds.
   void ComeToRest() {
     stopped_ = true;
     try {
-      const double end = port->now() + kLongestBrake;
-      while (port->now() < end) {
-        due_ = port->now() + steps * scene.timestep();
-        port->WaitUntil(due_);
+      for (int tick = TicksToRest(); tick > 0; --tick) {
+        port->WaitUntil(port->now() + period);
         Read();
         const ArmCommand* command = gate.Next({}, kNoOpening, port->now());
         if (!command) break;
@@ -266,9 +291,10 @@ class ArmLink::Impl final : public internal::StepLink {
   std::atomic<bool> renewed_ = false, asked_to_stop_ = false;
   std::mutex mutex_;
   std::string why_;
-  double due_ = 0;
+  double due_ = 0, timeout_ = 0;
   int at_step_ = 0;
-  bool tied_ = true, stopped_ = false, held_ = false, follows_ = false, dry_run_ = false;
+  bool tied_ = true, began_ = false, stopped_ = false, held_ = false, follows_ = false,
+       dry_run_ = false;
 };
 
 ArmLink::ArmLink(Robot robot, std::shared_ptr<ArmPort> port, const ArmLinkOptions& options) {
@@ -319,7 +345,7 @@ const SafetyCounts& ArmLink::counts() const { return impl_->gate.counts(); }
 const ArmMeasurement& ArmLink::measured() const { return impl_->gate.measured(); }
 const ArmCommand& ArmLink::command() const { return impl_->gate.command(); }
 const ArmLimits& ArmLink::limits() const { return impl_->gate.limits(); }
-double ArmLink::period() const { return impl_->steps * impl_->scene.timestep(); }
+double ArmLink::period() const { return impl_->period; }
 const Robot& ArmLink::robot() const { return impl_->robot; }
 ArmPort& ArmLink::port() const { return *impl_->port; }
 
@@ -328,7 +354,17 @@ void ArmLink::Stop(const std::string& reason) { impl_->AskToStop(reason); }
 
 bool ArmLink::MoveTo(std::span<const double> q, double timeout, const std::function<void()>& each) {
   Impl& s = *impl_;
-  s.robot.controller(s.group).SetTarget(q);
+  Controller& controller = s.robot.controller(s.group);
+  const std::string& place = s.robot.group(s.group).place();
+  if (controller.port_kind() != TargetKind::kJointPositions) {
+    throw ArgumentError(fmt::format(
+        "{}: its controller '{}' takes {}, so no joint positions can be commanded; install "
+        "'joint_position' first",
+        place, controller.kind(), Describe(controller.port_kind())));
+  }
+  const std::span<double> goal = controller.command_port();
+  RequireValues([&] { return place; }, "joint", q, static_cast<int>(goal.size()));
+  std::ranges::copy(q, goal.begin());
   const double end = s.port->now() + timeout;
   while (ok() && s.port->now() < end) {
     s.robot.Update();

@@ -12,17 +12,18 @@
 //
 // Commands pass a SafetyGate (safety_gate.h). A stop is final: the arm brakes and holds, and every
 // step returns StepResult::kStopped with the reason, until another link is made. The end of the
-// link, also by an exception, holds the arm; a program that is killed falls silent, and the arm's
-// own watch-dog holds it.
+// link, also by an exception, brakes and holds the arm; a program that is killed falls silent, and
+// the arm's own watch-dog holds it.
 //
 // A reset of the scene moves no arm: the robot begins where it was measured. Objects are simulated,
 // and the gripper follows the measured opening by its actuators. With `dry_run` nothing is sent:
 // the scene shows the arm as someone else moves it.
 //
-// The arm needs a controller that commands joint positions: joint_position, relative_joint,
-// cartesian_pose, differential_ik; another one stops the link. Errors: ArgumentError for an arm with
-// other joints or an invalid option, IoError if nothing is measured in time, and those of the port.
-// Threads: those of the scene; any thread may call Renew and Stop, which count from the next step.
+// The arm needs a controller that commands joint positions: joint_position, cartesian_pose,
+// relative_joint_position, differential_ik; another one stops the link. Errors: ArgumentError for an
+// arm with other joints or an invalid option, IoError if nothing is measured in time, and those of
+// the port. Threads: those of the scene; any thread may call Renew and Stop, which count from the
+// next step.
 #pragma once
 
 #include <functional>
@@ -51,7 +52,7 @@ class ArmLink {
   ArmLink(ArmLink&&) noexcept;
   ArmLink& operator=(ArmLink&&) = delete;
 
-  // Holds the arm and unties the robot, which stays where it is. May be repeated.
+  // Brakes and holds the arm, and unties the robot, which stays where it is. May be repeated.
   void Close();
   bool closed() const;
 
@@ -72,7 +73,8 @@ class ArmLink {
   // Brakes and holds, for good.
   void Stop(const std::string& reason);
   // Commands the joints and steps the scene until they are measured there. Returns false if that
-  // takes longer than `timeout` seconds, or the arm stops. `each` is called after each step.
+  // takes longer than `timeout` seconds, or the arm stops. `each` is called after each step. Throws
+  // ArgumentError for joint values that do not fit, or a controller that takes none.
   bool MoveTo(std::span<const double> q, double timeout, const std::function<void()>& each = {});
 
  private:

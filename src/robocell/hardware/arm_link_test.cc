@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -19,6 +21,7 @@
 #include "robocell/mujoco/step.h"
 #include "robocell/robot/robot.h"
 #include "robocell/robot/testing/robots.h"
+#include "robocell/scene/scene.h"
 #include "robocell/scene/testing/gates.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -96,13 +99,16 @@ TEST(ArmLink, MovesSlowerThanTheLimitsOfTheArm) {
   EXPECT_NEAR(fastest, 0.2, 1e-6);
 }
 
+// An arm without a body that has the joints of a robot.
+std::shared_ptr<FakeArm> FakeOf(const Robot& robot) {
+  std::vector<std::string> joints;
+  for (const std::string& name : robot.joint_names()) joints.push_back(robot.OwnName(name));
+  return std::make_shared<FakeArm>(joints);
+}
+
 TEST(ArmLink, StopsEveryStepWithTheReasonOnceTheArmIsSilent) {
-  const auto arm = std::make_shared<FakeArm>();
   Robot robot = RobotAlone(Rc7());
-  arm->joints.clear();
-  for (const std::string& name : robot.joint_names()) arm->joints.push_back(robot.OwnName(name));
-  const FakeArm of_seven(arm->joints);
-  arm->at = of_seven.at, arm->bounds = of_seven.bounds;
+  const auto arm = FakeOf(robot);
   ArmLink link(robot, arm);
   Scene scene = robot.scene();
   robot.jnt_pos_cmd()[0] += 0.5;
@@ -187,6 +193,78 @@ TEST(ArmLink, TheGripperFollowsTheArmsAndItsCommandStays) {
   EXPECT_EQ(cell.robot.controller("gripper").target()[0], 0);
 }
 
+// Ends a motion, and expects that the arm brakes to rest within its acceleration, then holds.
+void ExpectBraking(double acceleration, const std::function<void(ArmLink&, Scene&)>& end) {
+  Robot robot = RobotAlone(Rc7());
+  const auto arm = FakeOf(robot);
+  for (double& each : arm->bounds.acceleration) each = acceleration;
+  ArmLink link(robot, arm, {.safety = {.slow_start = 0, .max_lead = 10}});
+  Scene scene = robot.scene();
+  robot.jnt_pos_cmd()[0] += 2;
+  while (std::abs(link.command().vel[0]) < 1) {
+    robot.Update();
+    ASSERT_TRUE(scene.Step().ok()) << link.reason();
+  }
+  const double speed = link.command().vel[0], from = arm->at.pos[0];
+  end(link, scene);
+  EXPECT_EQ(link.state(), ArmState::kStopped);
+  EXPECT_NEAR(link.command().vel[0], 0, 1e-9);
+  EXPECT_NEAR(arm->at.pos[0] - from, speed * speed / (2 * acceleration), 0.01);
+  EXPECT_EQ(arm->held, 1);
+}
+
+TEST(ArmLink, BrakesAnArmThatMovesWhenItEnds) {
+  ExpectBraking(10, [](ArmLink& link, Scene&) { link.Close(); });
+  ExpectBraking(0.7, [](ArmLink& link, Scene& scene) {
+    link.Stop("enough");
+    EXPECT_EQ(scene.Step().status, StepResult::kStopped);
+  });
+  ExpectBraking(10, [](ArmLink& link, Scene&) {
+    link.Stop("enough");  // a loop while ok() makes no further step
+    link.Close();
+    EXPECT_NE(link.reason().find("enough"), std::string::npos);
+  });
+}
+
+TEST(ArmLink, BeginsWhereTheArmIsAtTheFirstStep) {
+  Robot robot = RobotAlone(Rc7());
+  const auto arm = FakeOf(robot);
+  const ArmLink link(robot, arm, {.safety = {.slow_start = 0}});
+  arm->clock += 3;  // the program loads a policy
+  arm->at.pos[0] += 0.4;
+  ASSERT_TRUE(robot.Step().ok()) << link.reason();
+  EXPECT_NEAR(link.command().pos[0], 0.4, 1e-3);
+}
+
+TEST(ArmLink, KeepsTheSpeedWhenTheTimestepChanges) {
+  Robot robot = RobotAlone(Rc7());
+  const auto arm = FakeOf(robot);
+  const ArmLink link(robot, arm, {.safety = {.slow_start = 0, .max_lead = 10}});
+  Scene scene = robot.scene();
+  scene.mutable_model()->opt.timestep /= 4;
+  robot.jnt_pos_cmd()[0] += 2;
+  double fastest = 0, before = arm->at.pos[0], clock = arm->clock;
+  for (int i = 0; i < 400; ++i) {
+    robot.Update();
+    ASSERT_TRUE(scene.Step().ok());
+    if (arm->clock <= clock) continue;
+    fastest = std::max(fastest, std::abs(arm->at.pos[0] - before) / (arm->clock - clock));
+    before = arm->at.pos[0], clock = arm->clock;
+  }
+  EXPECT_NEAR(fastest, 2, 1e-3);
+}
+
+TEST(ArmLink, CommandsJointsOnlyToControllersThatTakeThem) {
+  Linked cell;
+  std::vector<double> goal = List(cell.robot.jnt_pos_msr());
+  cell.robot.SetController("arm", "cartesian_pose");
+  ExpectThrow<ArgumentError>([&] { cell.link->MoveTo(goal, 1); }, "install 'joint_position' first");
+  cell.robot.SetController("arm", "relative_joint_position");
+  goal[0] += 0.1;
+  EXPECT_TRUE(cell.link->MoveTo(goal, 5));
+  ExpectThrow<ArgumentError>([&] { cell.link->MoveTo(std::vector{1.0}, 1); }, "got 1");
+}
+
 TEST(ArmLink, ArrivesAtATarget) {
   Linked cell;
   std::vector<double> goal = List(cell.robot.jnt_pos_msr());
@@ -217,6 +295,10 @@ TEST(ArmLink, RefusesArmsThatAreNotTheRobots) {
   ExpectThrow<ArgumentError>(
       [&] { const ArmLink link(robot, std::make_shared<SimulatedArm>(robot)); }, "one of its own");
   ExpectThrow<ArgumentError>([&] { const ArmLink link(robot, nullptr); }, "needs a port");
+  const auto silent = FakeOf(robot);
+  silent->speaks = false;
+  ExpectThrow<IoError>([&] { const ArmLink link(robot, silent, {.timeout = std::nan("")}); },
+                       "nothing good was measured");
   Linked cell;
   ExpectThrow<ArgumentError>([&] { const ArmLink link(cell.robot, cell.arm); }, "linked already");
   ExpectThrow<NotFoundError>([&] { const ArmLink link(robot, cell.arm, {.group = "leg"}); }, "leg");

@@ -116,6 +116,19 @@ void SafetyGate::Begin(const ArmMeasurement& measured) {
   yield_.reserve(joints_.size());
 }
 
+void SafetyGate::CheckPlace(const ArmMeasurement& measured) {
+  const std::vector<double>& lower = began_ ? lower_ : limits_.lower;
+  const std::vector<double>& upper = began_ ? upper_ : limits_.upper;
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    const double p = measured.pos[i];
+    if (p >= lower[i] - kBeyond && p <= upper[i] + kBeyond) continue;
+    Stop(
+        fmt::format("joint '{}' is at {:.3f}, outside its limits {:.3f} to {:.3f}; move it back "
+                    "by hand",
+                    joints_[i], p, limits_.lower[i], limits_.upper[i]));
+  }
+}
+
 bool SafetyGate::Accept(const ArmMeasurement& measured, double now) {
   if (IsDamaged(measured)) {
     ++counts_.damaged;
@@ -129,17 +142,9 @@ bool SafetyGate::Accept(const ArmMeasurement& measured, double now) {
     ++counts_.damaged;
     return false;
   }
-  const bool is_first = counts_.accepted == 0;
-  if (is_first) {
-    for (size_t i = 0; i < joints_.size(); ++i) {
-      const double p = measured.pos[i];
-      if (p >= limits_.lower[i] - kBeyond && p <= limits_.upper[i] + kBeyond) continue;
-      Stop(
-          fmt::format("joint '{}' is at {:.3f}, outside its limits {:.3f} to {:.3f}; move it back "
-                      "by hand",
-                      joints_[i], p, limits_.lower[i], limits_.upper[i]));
-    }
-    Begin(measured);
+  CheckPlace(measured);
+  if (!began_) Begin(measured);
+  if (counts_.accepted == 0) {
     offset_ = now - measured.time;
   } else {
     const double drift = kClockDrift * (measured.time - measured_.time);
@@ -222,6 +227,7 @@ void SafetyGate::Move(size_t joint, double target, double share) {
 
 const ArmCommand* SafetyGate::Next(std::span<const double> wanted, double opening, double now) {
   if (counts_.accepted == 0) return nullptr;
+  began_ = true;
   CheckState(wanted, now);
   const bool is_running = state_ == ArmState::kRunning;
   double share = 1;

@@ -7,7 +7,7 @@
 //   if (const ArmCommand* command = gate.Next(wanted, opening, port.now())) port.Send(*command);
 //
 // It counts ticks, not seconds: a late tick moves the arm no farther than one in time. Commands
-// begin at the first measured position, at rest. The braking distance is kept to every limit:
+// begin where the arm was measured before the first tick, at rest. The braking distance is kept to every limit:
 // with v the speed, a the acceleration and h the period, (v + a h / 2)^2 <= 2 a d.
 //
 // It stops for good, braking within the limits, when
@@ -80,6 +80,9 @@ class SafetyGate {
   bool IsDamaged(const ArmMeasurement& measured) const;
   // True for a place that no joint of this speed reaches in the time between.
   bool IsJump(const ArmMeasurement& measured) const;
+  // Stops for a position far beyond its limits.
+  void CheckPlace(const ArmMeasurement& measured);
+  // Lets the commands begin there.
   void Begin(const ArmMeasurement& measured);
   void CheckState(std::span<const double> wanted, double now);
   void Hold(const std::string& reason);
@@ -100,8 +103,9 @@ class SafetyGate {
   std::vector<double> lower_, upper_;  // those of limits_, wide enough for where the arm began
   std::vector<double> yield_;          // positions to go to after a force; else empty
   double heard_ = 0, renewed_ = -std::numeric_limits<double>::infinity();
-  double offset_ = 0;  // smallest difference of both clocks
-  int64_t ticks_ = 0;  // since the arm began to run
+  double offset_ = 0;   // smallest difference of both clocks
+  int64_t ticks_ = 0;   // since the arm began to run
+  bool began_ = false;  // Next was called
   bool changed_ = false;
 };
 

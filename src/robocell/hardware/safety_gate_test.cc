@@ -186,6 +186,27 @@ TEST(SafetyGate, RefusesToBeginOutsideTheLimits) {
             std::string::npos);
 }
 
+TEST(SafetyGate, BeginsWhereTheArmIsBeforeTheFirstTick) {
+  Gated arm({.slow_start = 0});
+  arm.gate.Accept(arm.arm, arm.now);
+  arm.now += 5, arm.arm.time += 5, arm.arm.pos[0] = 0.6;  // moved by hand
+  const ArmCommand* sent = arm.Tick({0.6});
+  ASSERT_NE(sent, nullptr) << arm.gate.reason();
+  EXPECT_EQ(sent->pos[0], 0.6);
+}
+
+TEST(SafetyGate, StopsFarBeyondTheLimitsAlsoLater) {
+  Gated arm({.slow_start = 0});
+  for (int tick = 0; tick < 10; ++tick) ASSERT_NE(arm.Tick({0}), nullptr);
+  arm.moves = false;
+  for (int tick = 0; tick < 20 && arm.gate.state() != ArmState::kStopped; ++tick) {
+    arm.arm.pos[0] += 0.06;  // a servo that runs away
+    arm.Tick({0});
+  }
+  EXPECT_NE(arm.gate.reason().find("outside its limits -1.000 to 1.000"), std::string::npos)
+      << arm.gate.reason();
+}
+
 TEST(SafetyGate, RejectsOptionsThatGuardNothing) {
   const auto make = [](const SafetyOptions& options) { return [options] { Gated{options}; }; };
   ExpectThrow<ArgumentError>(make({.speed = 1.5}), "speed is 1.5");

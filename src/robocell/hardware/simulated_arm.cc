@@ -53,6 +53,12 @@ SimulatedArm::SimulatedArm(Robot robot, const SimulatedArmOptions& options)
       scene_(robot_.scene()),
       options_(options),
       rng_(Rng::Stream(options.seed, "noise of an arm", robot_.name())) {
+  if (!(options.noise >= 0) || !std::isfinite(options.noise) || !(options.watchdog > 0)) {
+    throw ArgumentError(
+        fmt::format("{}: noise is {} and watchdog {}; expected finite noise of at least 0 and a "
+                    "watchdog above 0",
+                    name(), options.noise, options.watchdog));
+  }
   limits_ = Narrowed(LimitsOf(robot_), options.limits, joint_names(), name());
   robot_.set_ctrl_mode(CtrlMode::kPosition);
   gripper_ = robot_.gripper_of(robot_.arm().name());

@@ -5,9 +5,11 @@
 #include <cmath>
 #include <vector>
 
+#include "robocell/base/error.h"
 #include "robocell/hardware/arm_port.h"
 #include "robocell/robot/robot.h"
 #include "robocell/robot/testing/robots.h"
+#include "robocell/testing/expect_throw.h"
 
 namespace robocell {
 namespace {
@@ -55,6 +57,13 @@ TEST(SimulatedArm, MeasuresWithNoise) {
     sum += off * off;
   }
   EXPECT_NEAR(std::sqrt(sum / 100), 0.01, 0.003);
+}
+
+TEST(SimulatedArm, RejectsOptionsThatGuardNothing) {
+  const Robot robot = RobotAlone(Rc7());
+  ExpectThrow<ArgumentError>([&] { const SimulatedArm arm(robot, {.watchdog = std::nan("")}); },
+                             "watchdog nan");
+  ExpectThrow<ArgumentError>([&] { const SimulatedArm arm(robot, {.noise = -1}); }, "noise is -1");
 }
 
 TEST(SimulatedArm, MovesInRealTimeWhenItIsRead) {

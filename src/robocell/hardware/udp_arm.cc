@@ -27,7 +27,8 @@ using internal::ArmPacket;
 using internal::PacketKind;
 
 constexpr std::chrono::milliseconds kBetweenHellos{50};
-constexpr int kMostPackets = 64;  // of one Read: a flood must not hold the loop
+constexpr double kSilence = 0.05;  // s, after which Read greets the arm again
+constexpr int kMostPackets = 64;   // of one Read: a flood must not hold the loop
 
 sockaddr_in CheckedAddress(const std::string& address, bool remote) {
   const sockaddr_in parsed = internal::ParseAddress(address);
@@ -87,6 +88,7 @@ struct UdpArm::Impl {
   Hash128 key;
   uint32_t session, sequence = 0, last = 0;
   bool heard = false;
+  double spoken = 0;  // when the arm sent its state, or was greeted
   int64_t dropped = 0;
   ArmPacket in, out;
   std::vector<std::byte> bytes;
@@ -117,10 +119,12 @@ UdpArm::UdpArm(const std::string& address, const UdpArmOptions& options)
       s.joints = s.in.names;
     }
     if (!s.joints.empty()) break;
-    if (now() >= end) {
-      throw IoError(
-          fmt::format("no arm answers at {} within {} s{}", name(), options.timeout,
-                      s.dropped == 0 ? "" : "; what arrives is damaged or has another secret"));
+    if (!(now() < end)) {
+      throw IoError(fmt::format("no arm answers at {} within {} s{}", name(), options.timeout,
+                                s.dropped == 0
+                                    ? ". Its server does not run, has another secret, or another "
+                                      "program drives the arm"
+                                    : "; what arrives is damaged or has another secret"));
     }
     std::this_thread::sleep_for(kBetweenHellos);
   }
@@ -147,6 +151,14 @@ bool UdpArm::Read(ArmMeasurement& out) {
     out.force.assign(force.begin(), force.end());
     out.opening = values.back();
     found = true;
+  }
+  const double at = now();
+  if (found) {
+    s.spoken = at;
+  } else if (at - s.spoken > kSilence) {
+    s.spoken = s.out.time = at;
+    s.out.values.clear();
+    s.Send(PacketKind::kHello, 0);
   }
   return found;
 }

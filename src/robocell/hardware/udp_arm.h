@@ -5,7 +5,11 @@
 //
 // Damaged, repeated, late and foreign packets are dropped. An address that is not of this computer
 // needs `remote`: packets are not encrypted, and without `secret` anyone in the network can send
-// some.
+// some. Even with it, who recorded packets can send those of an earlier program again once the arm
+// is not driven; use a network that you trust.
+//
+// Read greets an arm that is silent, so that it measures for a program that was busy elsewhere or
+// sends no commands.
 //
 // Errors: IoError if the arm does not answer in time. Afterwards nothing is an error: an arm that
 // is gone is silent, and the SafetyGate's watch-dog stops the link. Threads: one at a time.

@@ -99,14 +99,11 @@ struct UdpArmServer::Impl {
       ++dropped;
       return;
     }
-    if (in.kind == PacketKind::kHello && (!driven || in.session == session)) {
-      if (!driven) {
-        driven = true;
-        session = in.session;
-        last = in.sequence - 1;
-        peer = from;
-      }
-      heard = now;
+    if (in.kind == PacketKind::kHello && !driven) {
+      driven = true;
+      session = in.session;
+      last = in.sequence - 1;
+      peer = from;
     }
     const bool is_drivers = driven && in.session == session && internal::IsSame(from, peer);
     if (!is_drivers || !internal::Follows(in.sequence, last)) {
@@ -115,6 +112,7 @@ struct UdpArmServer::Impl {
     }
     last = in.sequence;
     if (in.kind == PacketKind::kHello) {
+      heard = now;
       Describe(now);
     } else if (in.kind == PacketKind::kCommand) {
       Obey(now);
@@ -128,7 +126,8 @@ struct UdpArmServer::Impl {
     const size_t n = joints.size();
     const auto end = in.values.begin() + static_cast<ptrdiff_t>(in.joints == n ? 2 * n : 0);
     if (in.joints != n ||
-        !std::all_of(in.values.begin(), end, [](double v) { return std::isfinite(v); })) {
+        !std::all_of(in.values.begin(), end, [](double v) { return std::isfinite(v); }) ||
+        std::isinf(in.values.back())) {
       ++dropped;
       return;
     }

@@ -2,11 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstddef>
 #include <memory>
+#include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/base/hash.h"
+#include "robocell/hardware/arm_packet.h"
 #include "robocell/hardware/arm_port.h"
 #include "robocell/hardware/testing/fake_arm.h"
+#include "robocell/hardware/udp_arm_server.h"
+#include "robocell/hardware/udp_socket.h"
 
 namespace robocell {
 namespace {
@@ -35,6 +42,44 @@ TEST(UdpArmServer, DelaysPacketsByTheLatency) {
   arm->clock += 1e-3;
   late.Poll();
   EXPECT_TRUE(late.is_driven());
+}
+
+TEST(UdpArmServer, IsNotKeptDrivenByAGreetingThatIsRepeated) {
+  const auto arm = std::make_shared<FakeArm>();
+  UdpArmServer server(arm, "127.0.0.1:0", {.watchdog = 0.1});
+  const auto there = internal::ParseAddress(server.address());
+  internal::UdpSocket driver(internal::ParseAddress("127.0.0.1:0"));
+  internal::UdpSocket stranger(internal::ParseAddress("127.0.0.1:0"));
+  const Hash128 key = internal::PacketKey("");
+  std::vector<std::byte> hello, command;
+  internal::Encode({.session = 7, .sequence = 1}, key, hello);
+  internal::Encode({.kind = internal::PacketKind::kCommand,
+                    .session = 7,
+                    .sequence = 2,
+                    .joints = 2,
+                    .values = {0.1, 0.1, 0, 0, INFINITY}},
+                   key, command);
+  driver.Send(hello, there);
+  driver.Send(command, there);
+  server.Poll();
+  EXPECT_EQ(arm->sent, 0) << "an opening that is not finite";
+  EXPECT_EQ(server.dropped(), 1);
+  command.clear();
+  internal::Encode({.kind = internal::PacketKind::kCommand,
+                    .session = 7,
+                    .sequence = 3,
+                    .joints = 2,
+                    .values = {0.1, 0.1, 0, 0, 1}},
+                   key, command);
+  driver.Send(command, there);
+  server.Poll();
+  EXPECT_EQ(arm->sent, 1);
+  for (int i = 0; i < 20; ++i) {
+    arm->clock += 0.01;
+    stranger.Send(hello, there);
+    server.Poll();
+  }
+  EXPECT_EQ(arm->held, 1);
 }
 
 TEST(UdpArmServer, RejectsOptionsThatCannotWork) {

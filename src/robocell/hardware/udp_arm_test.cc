@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "robocell/base/error.h"
@@ -65,6 +67,22 @@ TEST(UdpArm, HoldsTheArmWhenItsProgramIsSilentOrKilled) {
   EXPECT_EQ(served.arm->at.pos[0], 0.1) << "another program may drive it then";
 }
 
+TEST(UdpArm, IsMeasuredAgainAfterItsProgramWasBusy) {
+  Served served({.watchdog = 0.1});
+  const auto arm = Connect(served.server);
+  for (int i = 0; i < 20; ++i) served.Poll();
+  ASSERT_FALSE(served.server.is_driven());
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  ArmMeasurement measured;
+  while (arm->Read(measured)) continue;  // old ones
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));
+  (void)arm->Read(measured);
+  served.Poll();
+  served.Poll();
+  ASSERT_TRUE(arm->Read(measured));
+  EXPECT_EQ(measured.time, served.arm->clock);
+}
+
 TEST(UdpArm, IsDrivenByOneProgram) {
   Served served;
   const auto first = Connect(served.server);
@@ -84,8 +102,10 @@ TEST(UdpArm, StaysOnThisComputerUnlessAsked) {
   ExpectThrow<ArgumentError>([] { const UdpArm arm("192.0.2.1:7071"); }, "remote=true");
   ExpectThrow<ArgumentError>(
       [] { const UdpArmServer server(std::make_shared<FakeArm>(), "0.0.0.0:0"); }, "remote=true");
-  ExpectThrow<IoError>([] { const UdpArm arm("127.0.0.1:9", {.timeout = 0.05}); },
-                       "no arm answers at udp 127.0.0.1:9");
+  for (const double timeout : {0.05, std::nan("")}) {
+    ExpectThrow<IoError>([&] { const UdpArm arm("127.0.0.1:9", {.timeout = timeout}); },
+                         "no arm answers at udp 127.0.0.1:9");
+  }
 }
 
 TEST(UdpArm, ObeysTheNewestOfPacketsThatWereLostDamagedRepeatedAndLate) {
