@@ -13,6 +13,7 @@ from command_line import RUN, refused, robocell_command
 from contents import contents
 from robocell._dataset_run import manifest_of_dataset
 from robocell._generation.mixture import MixtureJob, PartJob, is_mixture, load_mixture
+from robocell._generation.mixture_work import _Maker
 from robocell._generation.observer import Observer
 from robocell._generation.resume import DamagedEpisodesError
 from robocell._generation.supervisor import Limits
@@ -99,6 +100,13 @@ def test_a_mixture_is_one_dataset_with_the_bytes_of_its_runs(tmp_path: Path):
     assert "begun with the run 'far', which the file no longer has" in refused("generate", file)
     for option in (["--shard", "0/2"], ["--episodes", "3"]):
         assert "are of one run" in refused("generate", file, *option)
+
+
+def test_names_that_look_like_items_are_told_apart(tmp_path: Path):
+    runs = ["pick.yaml", {"run": "pick.yaml", "name": "pick_s0000"}]
+    maker = _Maker(load_mixture(str(write(tmp_path, runs=runs))), robocell.generate.StopFlag())
+    assert maker._split("pick_s0000_e0000") == ("pick", "s0000_e0000")
+    assert maker._split("pick_s0000_s0001_e0002") == ("pick_s0000", "s0001_e0002")
 
 
 def test_nothing_is_written_before_all_runs_are_checked(
