@@ -34,8 +34,16 @@ __all__ = [
     "recorded_attempts",
     "require_cell",
     "run_of_dataset",
+    "runs_of_mixture",
     "seed_of_dataset",
 ]
+
+PARTS = ".parts"  # folder of the runs of a mixture, in its dataset
+
+
+def runs_of_mixture(dataset: Path) -> list[Path]:
+    """Returns the datasets of the runs of a mixture; [] for other datasets."""
+    return sorted(path.parent for path in (dataset / PARTS).glob("*/dataset.json"))
 
 
 def manifest_of_dataset(source: str | Path) -> dict[str, Any] | None:

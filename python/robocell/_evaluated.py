@@ -80,21 +80,22 @@ def breakdown_of(dataset: Path, rollouts: Iterable[str]) -> dict[str, dict[str, 
     from robocell._report.rollouts import rates
 
     planned = list(rollouts)
-    there = [dataset / name for name in planned if (dataset / name / "episode.json").is_file()]
-    facts = [EpisodeFacts.of(Episode(folder)) for folder in there]
-    if not facts:
-        found = [each for name in planned if (each := UnstoredRollout.find(dataset, name))]
-        values = {
-            "object": [(each.record.object_kind, each.record.success) for each in found],
-            "robot": [(each.record.robot, each.record.success) for each in found],
-        }
-        return _differing({part: rates(pairs) for part, pairs in values.items()})
+    there = [name for name in planned if (dataset / name / "episode.json").is_file()]
+    facts = [EpisodeFacts.of(Episode(dataset / name)) for name in there]
+    stored = set(there)
+    absent = [name for name in planned if name not in stored]
+    unstored = [each.record for name in absent if (each := UnstoredRollout.find(dataset, name))]
+    known = {
+        "object": [(record.object_kind, record.success) for record in unstored],
+        "robot": [(record.robot, record.success) for record in unstored],
+    }
     groups = {
-        part: rates((value_of(each), each.success) for each in facts)
+        part: rates([*((value_of(each), each.success) for each in facts), *known.get(part, [])])
         for part, value_of in BREAKDOWN.items()
     }
-    with contextlib.suppress(ModuleNotFoundError):  # without PyYAML scenes are not read
-        groups |= {each.name: list(each.groups) for each in variation.find(facts, {})}
+    if facts:
+        with contextlib.suppress(ModuleNotFoundError):  # without PyYAML scenes are not read
+            groups |= {each.name: list(each.groups) for each in variation.find(facts, {})}
     return _differing(groups)
 
 

@@ -81,13 +81,11 @@ class Latency:
         """
         if not self.folder:
             return
-        from robocell._evaluated import rollout_end
-
         folder, missing, there = Path(self.folder), [], 0
         for rollout in rollouts:
             if recorded_calls(folder, rollout):
                 there += 1
-            elif (end := rollout_end(folder, rollout)) is None or not end.policy_error:
+            elif not self._had_no_calls(rollout):
                 missing.append(rollout)
         if not missing and there:
             return
@@ -96,6 +94,27 @@ class Latency:
             f"--latency {self}: the folder lacks {lacks}. Name the folder of an evaluation that "
             "`robocell evaluate` completed, with at least as many rollouts"
         )
+
+    def calls_of(self, rollout: str) -> list[float]:
+        """Returns the milliseconds of a rollout's recorded calls.
+
+        Raises ArgumentError if the folder lacks them.
+        """
+        calls = recorded_calls(Path(self.folder), rollout) if rollout else []
+        if not calls and not (rollout and self._had_no_calls(rollout)):
+            raise ArgumentError(
+                f"latency '{self}': the folder lacks the calls of this rollout. `robocell "
+                "evaluate` repeats latencies that it recorded; other runs take milliseconds or "
+                f"'{MEASURED}'"
+            )
+        return [ms_of_call(call) for call in calls]
+
+    def _had_no_calls(self, rollout: str) -> bool:
+        """Returns whether an error of the policy ended it, perhaps before its first call."""
+        from robocell._evaluated import rollout_end
+
+        end = rollout_end(Path(self.folder), rollout)
+        return end is not None and end.policy_error
 
 
 class CallDelays:
@@ -126,11 +145,9 @@ class CallDelays:
         return self._actions(self._latency.ms)
 
     def begin(self, rollout: str) -> None:
-        """Begins a rollout."""
-        if not self._latency.folder:
-            return
-        calls = recorded_calls(Path(self._latency.folder), rollout)
-        self._recorded = [ms_of_call(call) for call in calls]
+        """Begins a rollout. Raises ArgumentError if its recorded calls are missing."""
+        if self._latency.folder:
+            self._recorded = self._latency.calls_of(rollout)
 
     def of_last(self, calls: PolicyCalls) -> int:
         """Returns the latency of the last of the present rollout's calls.

@@ -67,7 +67,7 @@ class Staging:
         flush_folder(self.folder)
         _require_absent(self.out)
         self.folder.rename(self.out)
-        _flush(self.out.parent)
+        flush_path(self.out.parent)
 
 
 @contextmanager
@@ -129,10 +129,11 @@ def flush_folder(folder: Path) -> None:
     """Brings every byte below a folder to the disk."""
     for place, _, files in os.walk(folder):
         for name in (*files, "."):
-            _flush(Path(place) / name)
+            flush_path(Path(place) / name)
 
 
-def _flush(path: Path) -> None:
+def flush_path(path: Path) -> None:
+    """Brings a file, or the entries of a folder, to the disk."""
     number = os.open(path, os.O_RDONLY)
     try:
         os.fsync(number)

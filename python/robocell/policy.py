@@ -243,14 +243,14 @@ def register_policy(
             the mean of what all chunks say about the moment (temporal ensembling).
         latency: Simulated milliseconds from an observation to the actions that follow from it;
             actions of the last chunk are taken meanwhile. 0 lets the simulation wait for the
-            policy, "measured" counts the time of each call, and "recorded:FOLDER" repeats the times
-            of an evaluation's calls.
+            policy, "measured" counts the time of each call, and "recorded:FOLDER" repeats, in an
+            evaluation, the times of another one's calls.
     """
     registering = calling_module()
     require_name("register_policy", name, "name")
     call = f"register_policy({name!r})"
     Chunks(horizon, ensemble)
-    late = Latency.parse(latency)
+    late = Latency.parse(latency).absolute()
     if not callable(make):
         raise TypeError(f"{call}: expected a function (run) -> Policy, got {make!r}")
     require_takes(call, make, ["run"])

@@ -114,3 +114,14 @@ def test_named_values_have_one_number_in_all_episodes(tmp_path: Path):
     told = [table["subtask"][row] for row in rows]
     assert told == [phases[name][code] for name in phases for code in codes[name]]
     assert "0 reach, 1 lift, 2 open" in (out / "README.md").read_text()
+
+    unnamed = {**columns, "phase": ColumnSpec(dtype="int32")}
+    with EpisodeWriter(tmp_path / "real", "d", unnamed, metadata={"instruction": "x"}) as episode:
+        for i in range(2):
+            numbers = {name: np.full(column.shape, i / 10) for name, column in unnamed.items()}
+            episode.add_row({**numbers, "phase": 1})
+        episode.commit(success=True)
+    with pytest.raises(rc.ArgumentError, match=r"values without a name: it names none, and has 1"):
+        export_dataset(
+            rc.Dataset(tmp_path / "real"), tmp_path / "more", "lerobot-v3", mapping=mapping
+        )

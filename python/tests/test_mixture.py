@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import shutil
 from pathlib import Path
 
 import pytest
@@ -12,7 +11,14 @@ from robocell._core import SpecError
 import robocell
 from command_line import RUN, refused, robocell_command
 from contents import contents
-from robocell._generation.mixture import is_mixture, load_mixture
+from robocell._dataset_run import manifest_of_dataset
+from robocell._generation.mixture import MixtureJob, PartJob, is_mixture, load_mixture
+from robocell._generation.mixture_work import _Maker
+from robocell._generation.observer import Observer
+from robocell._generation.resume import DamagedEpisodesError
+from robocell._generation.supervisor import Limits
+from robocell._own_code import modules_of_one_run
+from robocell.data.derive import extend
 
 BLIND = {**RUN, "cameras": {"draw": False}}
 
@@ -59,10 +65,15 @@ def test_a_mixture_is_one_dataset_with_the_bytes_of_its_runs(tmp_path: Path):
     assert "3 of 3" in report
     assert all(name in report for name in ids)
 
-    # Lost episodes of a run are made again, and more are added, by the same command.
+    # Damaged episodes are links to damaged ones. The same command makes them again, and adds more.
     before = contents(out)
-    shutil.rmtree(out / ids[0])
-    shutil.rmtree(out / ".parts" / "far" / "s0000_e0000")
+    with (out / ids[0] / "steps.h5").open("r+b") as file_of_both:
+        file_of_both.seek(100)
+        file_of_both.write(b"damage")
+    repaired = robocell_command("verify", "--repair", out)
+    assert repaired.returncode == 0, repaired.stdout
+    assert not (out / ids[0]).exists()
+    assert not (out / ".parts" / "far" / "s0000_e0000").exists()
     write(tmp_path, runs=["pick.yaml", {"run": "far.yaml", "episodes": 2}])
     more = robocell_command("generate", file)
     assert more.returncode == 0, more.stderr
@@ -72,11 +83,56 @@ def test_a_mixture_is_one_dataset_with_the_bytes_of_its_runs(tmp_path: Path):
         name: content for name, content in before.items() if name != "dataset.json"
     }
     assert set(robocell.Dataset(out).ids) == {*ids, "far_s0000_e0001"}
+    assert robocell.data.verify(out).ok
+
+    described = out / ".parts" / "pick" / "s0000_e0000" / "episode.json"
+    described.write_text("{}")
+    with modules_of_one_run():
+        job = MixtureJob(load_mixture(str(file)))
+        with pytest.raises(DamagedEpisodesError, match="pick") as error:
+            job.made()
+    assert len(error.value.made) == 3
+    repaired = robocell_command("verify", "--repair", out)
+    assert repaired.returncode == 0, repaired.stdout
+    assert not described.exists()
 
     write(tmp_path, runs=["pick.yaml"])
     assert "begun with the run 'far', which the file no longer has" in refused("generate", file)
     for option in (["--shard", "0/2"], ["--episodes", "3"]):
         assert "are of one run" in refused("generate", file, *option)
+
+
+def test_names_that_look_like_items_are_told_apart(tmp_path: Path):
+    runs = ["pick.yaml", {"run": "pick.yaml", "name": "pick_s0000"}]
+    maker = _Maker(load_mixture(str(write(tmp_path, runs=runs))), robocell.generate.StopFlag())
+    assert maker._split("pick_s0000_e0000") == ("pick", "s0000_e0000")
+    assert maker._split("pick_s0000_s0001_e0002") == ("pick_s0000", "s0001_e0002")
+
+
+def test_nothing_is_written_before_all_runs_are_checked(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    def inspect(part: PartJob, observer: Observer, limits: Limits) -> dict[str, str]:
+        if part.run.run == "far":
+            raise SpecError("it cannot work")
+        return {}
+
+    monkeypatch.setattr(PartJob, "inspect", inspect)
+    with modules_of_one_run():
+        job = MixtureJob(load_mixture(str(write(tmp_path)), workers=3))
+        assert [part.workers for part in job.parts.values()] == [3, 3], "for the estimate"
+        with pytest.raises(SpecError, match="it cannot work"):
+            job.prepare(Observer(), Limits())
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_mixture_without_an_episode_yet_is_an_empty_dataset(tmp_path: Path):
+    (tmp_path / "part").mkdir()
+    (tmp_path / "out").mkdir()
+    parts = [(robocell.Dataset(tmp_path / "part"), "pick")]
+    assert extend(tmp_path / "out", parts, {"mixture": ["pick"]}) == 0
+    assert not robocell.Dataset(tmp_path / "out").ids
+    assert manifest_of_dataset(tmp_path / "out")["derived"]["mixture"] == ["pick"]
 
 
 @pytest.mark.parametrize(

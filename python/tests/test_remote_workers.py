@@ -268,6 +268,28 @@ def test_a_machine_without_the_working_folder_is_named(tmp_path: Path):
     assert "ray job submit --working-dir" in outcome.fatal.message
 
 
+@pytest.mark.parametrize(
+    ("error", "starts", "end"),
+    [
+        (ImportError("no robocell there"), 3, "failed: no robocell there"),
+        (LostError("its node has died"), 20, "was lost: its node has died"),
+    ],
+)
+def test_machines_on_which_no_worker_starts_end_the_run(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, error: Exception, starts: int, end: str
+):
+    def fails(*arguments: Any) -> None:
+        raise error
+
+    monkeypatch.setattr(Host, "start", fails)
+    cluster = Cluster(tmp_path, {}, 2, fetch=False)
+    outcome = cluster.run(4)
+    assert outcome.fatal.message.startswith("worker ")
+    assert f"{end} before it could take an item" in outcome.fatal.message
+    assert f"as did {starts - 1} before it" in outcome.fatal.message
+    assert not outcome.totals.unmade, "no item is blamed"
+
+
 def damaged(read: pieces.Read, change: Callable[[bytes], bytes]) -> pieces.Read:
     return lambda folder, offset, size: change(read(folder, offset, size))
 

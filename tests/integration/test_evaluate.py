@@ -19,6 +19,7 @@ from robocell._evaluated import RolloutEnd, breakdown_of, rollout_end
 from robocell._generation.items import ItemRecord
 from robocell._generation.unstored import UnstoredRollout
 from robocell._policy_calls import PolicyCalls, latency
+from robocell._report.facts import EpisodeFacts
 from robocell.envs import from_dataset
 from robocell.evaluate import (
     Evaluation,
@@ -135,6 +136,17 @@ def test_the_results_of_rollouts_that_are_not_kept_are_read_back(tmp_path: Path)
     assert UnstoredRollout.find(tmp_path, "a") == UnstoredRollout(good, "")
     assert breakdown_of(tmp_path, "abcd") == {"object": {"cup": [1, 1], "box": [0, 1]}}
     assert latency(tmp_path, "ab")["calls"] == 2
+
+
+def test_kept_rollouts_count_beside_those_that_are_not(dataset: Path, tmp_path: Path):
+    kept = rc.Dataset(dataset)[0]
+    (tmp_path / kept.id).symlink_to(kept.folder.absolute())
+    own = EpisodeFacts.of(kept)
+    other = ItemRecord("b", complete=True, robot=own.robots[0], object_kind="another")
+    UnstoredRollout(other, "timeout").save(PolicyCalls("b"), tmp_path)
+    groups = breakdown_of(tmp_path, [kept.id, "b"])
+    assert groups["object"] == {own.object_kind: [1, 1], "another": [0, 1]}
+    assert "robot" not in groups, "both are of one robot"
 
 
 @pytest.mark.proof

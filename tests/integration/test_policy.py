@@ -14,7 +14,7 @@ from test_evaluate import DEMO, REPLAYER, dataset, policy_file
 import robocell as rc
 from robocell._dataset_run import run_of_dataset
 from robocell._policy_calls import present
-from robocell._policy_latency import Latency
+from robocell._policy_latency import CallDelays, Latency
 from robocell.evaluate import evaluate
 from robocell.policy import Policy, PolicyExpert
 
@@ -148,7 +148,7 @@ def test_measured_latencies_of_calls_are_repeated_exactly(
     assert [call["delay"] for call in repeated] == delays
     steps = [episode.folder / "steps.h5" for episode in (measured, again)]
     assert steps[0].read_bytes() == steps[1].read_bytes()
-    *_, (_, more) = [play(recorded, "longer", 30)]
+    _, more = play(recorded, "longer", 30)
     assert [call["delay"] for call in more[: len(delays)]] == delays
     assert {call["delay"] for call in more[len(delays) :]} == {delays[-1]}, "the last one stays"
     late = Latency.parse(recorded)
@@ -157,6 +157,9 @@ def test_measured_latencies_of_calls_are_repeated_exactly(
         late.require_recorded([present.rollout, "s9_e9"])
     with pytest.raises(rc.ArgumentError, match="evaluation that `robocell evaluate` completed"):
         Latency.parse(f"recorded:{tmp_path}").require_recorded([present.rollout])
+    for rollout in ("", "s9_e9"):  # a run that is no evaluation gives its rollouts no names
+        with pytest.raises(rc.ArgumentError, match="lacks the calls of this rollout"):
+            CallDelays(late, 66).begin(rollout)
 
 
 def test_latencies_are_read_from_text():

@@ -10,6 +10,7 @@ import typer
 
 import robocell
 from robocell._cli.common import ExitCode, require_folder
+from robocell._dataset_run import runs_of_mixture
 from robocell.data.pack import damage_of_packed, is_packed
 
 
@@ -35,13 +36,9 @@ def verify(
         _verify_packed(dataset)
         return
     if repair:
-        repaired = robocell.data.repair(dataset, decode_videos=decode_videos)
-        print(str(repaired.found).rstrip())
-        for moved in repaired.moved:
-            print(f"moved aside: {dataset / '.quarantine' / moved}")
-        for problem in repaired.remaining:
-            print(f"not repaired: {problem}")
-        if repaired.remaining:
+        # The episodes of a mixture are links to those of its runs: damage is in both.
+        repaired = [_repair(each, decode_videos) for each in (dataset, *runs_of_mixture(dataset))]
+        if not all(repaired):
             raise typer.Exit(ExitCode.INCOMPLETE)
         return
     result = robocell.data.verify(dataset, decode_videos=decode_videos)
@@ -54,6 +51,17 @@ def verify(
         )
     if not result.ok:
         raise typer.Exit(ExitCode.OUTPUT if result.only_unreadable else ExitCode.INCOMPLETE)
+
+
+def _repair(dataset: Path, decode_videos: bool) -> bool:
+    """Sets damaged files of a dataset aside; returns False if damage remains."""
+    repaired = robocell.data.repair(dataset, decode_videos=decode_videos)
+    print(str(repaired.found).rstrip())
+    for moved in repaired.moved:
+        print(f"moved aside: {dataset / '.quarantine' / moved}")
+    for problem in repaired.remaining:
+        print(f"not repaired: {problem}")
+    return not repaired.remaining
 
 
 def _verify_packed(folder: Path) -> None:

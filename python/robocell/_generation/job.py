@@ -24,9 +24,9 @@ from robocell._generation.report import (
     host_name,
     identity_hash,
     load,
+    load_former,
     report_path,
     save,
-    set_aside,
     utc_now,
 )
 from robocell._generation.resume import DamagedEpisodesError, made_items, result_of
@@ -179,11 +179,20 @@ class Job(SupervisedJob):
 
     def prepare(self, observer: Observer, limits: Limits) -> Mapping[str, str]:
         """Raises SpecError like `check`, before anything is written."""
+        environment = self.inspect(observer, limits)
+        self.begin_dataset()
+        return environment
+
+    def inspect(self, observer: Observer, limits: Limits) -> Mapping[str, str]:
+        """Checks the run like `check`, and returns environment variables of the workers."""
         found = self._look_through(limits.item_timeout_s)
         for warning in found.warnings:
             observer.warning(warning)
-        prepare_dataset(self.run, validate=False)
         return found.environment
+
+    def begin_dataset(self) -> None:
+        """Makes the folder of the dataset, of a run that was checked."""
+        prepare_dataset(self.run, validate=False)
 
     def claim(self) -> None:
         """Compares the dataset with the run: another command may have been quicker."""
@@ -268,17 +277,8 @@ class Job(SupervisedJob):
         versions = {**manifest["versions"], "python": platform.python_version()}
         identity = identity_hash(run_identity(self.run))
         report = RunReport(self.run.run, identity, self.shard, versions)
-        try:
-            former = load(path)
-        except OSError:  # none
-            return report
-        except DamagedReportError as error:
-            kept = set_aside(path)
-            observer.warning(
-                f"{error}. It is kept as '{kept}'; the new one begins with this command"
-            )
-            return report
-        if former.identity == identity:
+        former = load_former(path, observer.warning)
+        if former is not None and former.identity == identity:
             report.commands, report.episodes = former.commands, former.episodes
             report.houses = former.houses
         return report

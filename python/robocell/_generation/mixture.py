@@ -23,21 +23,22 @@ from typing import Any
 
 from robocell import ArgumentError, SpecError
 from robocell._core import Dataset
-from robocell._dataset_run import manifest_of_dataset
+from robocell._dataset_run import PARTS, manifest_of_dataset
+from robocell._generation.disk import flush
 from robocell._generation.items import Item, ItemRecord
 from robocell._generation.job import Job
 from robocell._generation.observer import Observer
 from robocell._generation.report import (
     Command,
-    DamagedReportError,
     RunReport,
     host_name,
     identity_hash,
-    load,
+    load_former,
     report_path,
     save,
     utc_now,
 )
+from robocell._generation.resume import DamagedEpisodesError
 from robocell._generation.run_source import RunSource
 from robocell._generation.supervised_job import Result, SupervisedJob
 from robocell._generation.supervisor import Limits, Outcome, StartWorker
@@ -49,7 +50,6 @@ from robocell.data import DatasetLock, remove_leftovers
 from robocell.data.derive import extend
 from robocell.generate import run_identity
 
-PARTS = ".parts"
 FIELDS = ("run", "runs", "output", "workers")
 FIELDS_OF_PART = ("run", "episodes", "name")
 NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_-]*")
@@ -212,6 +212,8 @@ class MixtureJob(SupervisedJob):
         self.items = [Item(name, index) for index, name in enumerate(self._of)]
         asked = mixture.workers or max(part.run.workers for part in self.parts.values())
         self._workers = min(asked, most_workers)
+        for part in self.parts.values():
+            part.share(self._workers)
         self._locks = ExitStack()
 
     @property
@@ -232,15 +234,24 @@ class MixtureJob(SupervisedJob):
         self._require_same_parts()
         environment: dict[str, str] = {}
         for part in self.parts.values():
-            environment |= part.in_turn().prepare(observer, limits)
+            environment |= part.in_turn().inspect(observer, limits)
+        for part in self.parts.values():
+            part.in_turn().begin_dataset()
         return environment
 
     def claim(self) -> None:
         """Locks and compares the datasets of the runs."""
+        with ExitStack() as locks:
+            for part in self.parts.values():
+                locks.enter_context(DatasetLock(part.dataset))
+                part.in_turn().claim()
+                remove_leftovers(part.dataset, folders_only=False)
+            self._locks = locks.pop_all()
+
+    def flush(self) -> None:
+        """Flushes the folders that hold the episodes. Raises OSError on failure."""
         for part in self.parts.values():
-            self._locks.enter_context(DatasetLock(part.dataset))
-            part.in_turn().claim()
-            remove_leftovers(part.dataset, folders_only=False)
+            flush(part.dataset)
 
     @contextmanager
     def elsewhere(self) -> Iterator[StartWorker | None]:
@@ -249,10 +260,19 @@ class MixtureJob(SupervisedJob):
             yield None
 
     def made(self) -> set[str]:
-        """Returns the items on the disk."""
-        return {
-            f"{name}_{item}" for name, part in self.parts.items() for item in part.in_turn().made()
-        }
+        """Returns the items on the disk. Raises DamagedEpisodesError for unreadable ones."""
+        made: set[str] = set()
+        damaged: list[str] = []
+        for name, part in self.parts.items():
+            try:
+                own = part.in_turn().made()
+            except DamagedEpisodesError as error:
+                damaged.append(str(error))
+                own = error.made
+            made |= {f"{name}_{item}" for item in own}
+        if damaged:
+            raise DamagedEpisodesError("\n".join(damaged), made)
+        return made
 
     def result_of(self, item_id: str) -> ItemRecord | None:
         """Returns the result of an item on the disk; None for one that is not made."""
@@ -281,26 +301,37 @@ class MixtureJob(SupervisedJob):
         return set()
 
     def finish(self, outcome: Outcome, started: str, observer: Observer) -> Result:
-        """Links the episodes of all runs into the dataset, and writes the report."""
-        made = self.made()
+        """Links the episodes of all runs into the dataset, and writes the report.
+
+        Raises DamagedEpisodesError for episodes damaged meanwhile.
+        """
+        damaged: DamagedEpisodesError | None = None
+        try:
+            made = self.made()
+        except DamagedEpisodesError as error:  # it came meanwhile; the others are linked first
+            damaged, made = error, error.made
         result = Result(outcome, len(made))
         parts = [(Dataset(str(part.dataset)), name) for name, part in self.parts.items()]
-        if extend(self.dataset, parts, {"mixture": [part.name for part in self.mixture.parts]}):
-            try:
-                self._report(result, started)
-            except (OSError, DamagedReportError) as error:
-                observer.warning(f"the report could not be written: {error}")
+        extend(self.dataset, parts, {"mixture": [part.name for part in self.mixture.parts]})
+        try:
+            self._report(result, started, observer)
+        except OSError as error:
+            observer.warning(f"the report could not be written: {error}")
+        if damaged:
+            raise damaged
         return result
 
-    def _report(self, result: Result, started: str) -> None:
+    def _report(self, result: Result, started: str, observer: Observer) -> None:
         path = report_path(self.dataset)
         identities = [run_identity(part.in_turn().run) for part in self.parts.values()]
         identity = identity_hash("\n".join(identities))
         versions = (manifest_of_dataset(next(iter(self.parts.values())).dataset) or {})["versions"]
         report = RunReport(self.mixture.name, identity, (0, 1), versions)
-        if path.exists():
-            report.commands, report.episodes = (former := load(path)).commands, former.episodes
+        if (former := load_former(path, observer.warning)) is not None:
+            report.commands, report.episodes = former.commands, former.episodes
         outcome = result.outcome
+        if report.commands and outcome.totals.already == outcome.totals.planned:
+            return  # it had nothing to do
         reason = outcome.fatal.message if outcome.fatal else ""
         command = Command(started, utc_now(), host_name(), result.end, reason, outcome.totals)
         report.add(command, outcome.results, list(self._of))
@@ -331,6 +362,10 @@ class PartJob(Job):
     def __init__(self, part: Part) -> None:
         super().__init__(part.source, part.overrides)
         self._modules = modules_now()
+
+    def share(self, workers: int) -> None:
+        """Takes the workers of the mixture for its own."""
+        self._workers = workers
 
     def in_turn(self) -> PartJob:
         """Returns this job, whose modules are now those of the run in work."""

@@ -6,6 +6,7 @@ It holds one run at a time, that of the item in hand.
 from __future__ import annotations
 
 import argparse
+import re
 from dataclasses import replace
 
 from robocell._generation.items import Item, ItemRecord
@@ -15,6 +16,8 @@ from robocell._generation.work import open_run
 from robocell._generation.worker import MakeEpisode
 from robocell._generation.worker_entry import run_worker
 from robocell.generate import PlanItem, Runner, StopFlag
+
+ITEM = re.compile(r"s\d+_e\d+")  # ids of items, see rollout/plan.h
 
 
 class _Maker:
@@ -40,9 +43,9 @@ class _Maker:
 
     def _split(self, item_id: str) -> tuple[str, str]:
         """Returns the run of an item, and the item's id there."""
-        fitting = [name for name in self._parts if item_id.startswith(f"{name}_")]
-        name = max(fitting, key=len)
-        return name, item_id.removeprefix(f"{name}_")
+        split = [(name, item_id.removeprefix(f"{name}_")) for name in self._parts]
+        # Another name may begin like an item's: those of 'pick' are 'pick_s0000_e0000' and so on.
+        return next(each for each in split if ITEM.fullmatch(each[1]))
 
 
 def _open_maker(arguments: argparse.Namespace, stop: StopFlag) -> MakeEpisode:

@@ -176,7 +176,7 @@ def _own_folder() -> tuple[Path, BinaryIO]:
                     fcntl.flock(held, fcntl.LOCK_EX | fcntl.LOCK_NB)
                     shutil.rmtree(left)
     folder = Path(tempfile.mkdtemp(prefix=PREFIX))
-    # The lock comes into a hidden folder, so that no other process takes it for a leftover.
+    # It gets its name when it is held, so that no other process takes the folder for a leftover.
     lock = (folder / f"{LOCK}.new").open("xb")
     fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
     (folder / f"{LOCK}.new").rename(folder / LOCK)

@@ -83,7 +83,7 @@ class RemoteWorker:
         self._over = False
         self._buried = False
         self._bell = os.eventfd(0, os.EFD_NONBLOCK | os.EFD_CLOEXEC)
-        turn = {**remote.environment, remote.turn_variable: str(number)}
+        turn = {remote.turn_variable: str(number)}
         link.call("start", remote.job, number, turn).add_done_callback(self._on_started)
 
     @property
@@ -289,7 +289,6 @@ class RemoteWorkers:
     ) -> None:
         self.dataset = dataset.absolute()
         self.turn_variable = turn_variable
-        self.environment: dict[str, str] = {}
         self.staging = logs.absolute() / "fetched"
         shutil.rmtree(self.staging, ignore_errors=True)  # of a command that was killed
         self.staging.mkdir(parents=True)

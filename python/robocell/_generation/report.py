@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 import socket
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime
 from pathlib import Path
@@ -155,6 +155,21 @@ def load(path: Path) -> RunReport:
         return RunReport.from_json(json.loads(text))
     except (ValueError, DamagedReportError) as error:
         raise DamagedReportError(f"'{path}' is damaged: {error}") from error
+
+
+def load_former(path: Path, warn: Callable[[str], object]) -> RunReport | None:
+    """Reads the report of earlier commands; None without one.
+
+    Sets a damaged one aside and warns of it. Raises OSError if that fails.
+    """
+    try:
+        return load(path)
+    except OSError:  # none
+        return None
+    except DamagedReportError as error:
+        kept = set_aside(path)
+        warn(f"{error}. It is kept as '{kept}'; the new one begins with this command")
+        return None
 
 
 def save(path: Path, report: RunReport) -> None:

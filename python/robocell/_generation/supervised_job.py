@@ -88,6 +88,10 @@ class SupervisedJob(ABC):
     def reproduce(self, item: Item) -> str:
         """Returns the command that makes an item alone, in a folder beside the dataset."""
 
+    def flush(self) -> None:
+        """Flushes the folders that hold the episodes. Raises OSError on failure."""
+        flush(self.dataset)
+
     @contextmanager
     def elsewhere(self) -> Iterator[StartWorker | None]:
         """Context manager: starts workers on other machines; None starts them here.
@@ -130,7 +134,7 @@ class SupervisedJob(ABC):
                     workers=self.workers,
                     logs=self.logs(),
                     on_disk=self.result_of,
-                    flush=lambda: flush(self.dataset),
+                    flush=self.flush,
                     observer=observer,
                     already=len(made),
                     reproduce=self.reproduce,

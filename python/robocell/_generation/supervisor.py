@@ -246,9 +246,10 @@ class Supervisor:
         """Handles the end of a worker: decides or retries its item."""
         self._selector.unregister(worker)
         del self._workers[worker.number]
+        was_dismissed = worker.waiting and worker.leaving  # `bury` lets all of them leave
         how = worker.bury()
         end = f"worker {worker.number} (pid {worker.pid}) {how}"
-        if worker.waiting and worker.leaving:  # it never was anywhere
+        if was_dismissed:  # it never was anywhere
             return
         if worker.item is not None or not (worker.ready or self._stopping):
             self._count_death(worker, how)

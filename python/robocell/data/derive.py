@@ -451,7 +451,7 @@ def _manifest(items: Sequence[_Item], made: dict[str, Any]) -> str:
         sources[folder]["episodes"][item.name] = item.id
     comparable = [{key: run[key] for key in run if key != "derived"} for run in runs]
     is_one_run = all(each == comparable[0] for each in comparable)
-    keeps = is_one_run and all(item.id == item.name for item in items)
+    keeps = bool(items) and is_one_run and all(item.id == item.name for item in items)
     whole = dict(comparable[0]) if keeps else {}
     whole["format"] = "robocell-dataset"
     whole["derived"] = {"robocell": __version__, **made, "sources": list(sources.values())}

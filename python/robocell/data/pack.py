@@ -15,15 +15,15 @@ import json
 import os
 import shutil
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
-from typing import IO, Any
+from typing import IO, Any, NoReturn
 
 from robocell import __version__
 from robocell._core import ArgumentError, Dataset, Episode, IoError, json_damage, self_hashed_json
-from robocell._staging import Staging, staging
+from robocell._staging import Staging, flush_path, staging
 
 __all__ = ["Packed", "damage_of_packed", "is_packed", "pack", "read_packed", "unpack"]
 
@@ -172,11 +172,20 @@ def unpack(
                     with partial.open("wb") as file:
                         shutil.copyfileobj(content, file, BLOCK)
                     partial.rename(place.path(name))
-                place.keep(shard["file"], True)
+                _flush(place.folder, shard["files"])
+                place.keep(shard["file"], True)  # a command that continues skips these files
             if on_shards is not None:
                 on_shards(number, len(index["shards"]))
         place.commit()
     return _packed(target, index)
+
+
+def _flush(folder: Path, names: Iterable[str]) -> None:
+    """Brings files and the folders that they are in to the disk."""
+    files = [folder / name for name in names]
+    folders = {parent for file in files for parent in file.parents}
+    for path in (*files, *(each for each in folders if each.is_relative_to(folder))):
+        flush_path(path)
 
 
 def read_packed(packed: str | os.PathLike[str], episode: str, file: str = "episode.json") -> bytes:
@@ -204,10 +213,13 @@ def damage_of_packed(packed: str | os.PathLike[str]) -> list[str]:
     folder, index = Path(packed), _index(Path(packed))
     found = []
     for shard in index["shards"]:
+        path = folder / shard["file"]
         try:
-            for _, content in _contents(folder, shard):
-                while content.read(BLOCK):
-                    pass
+            with _opened(path) as source:
+                if (size := os.fstat(source.fileno()).st_size) != shard["bytes"]:
+                    found.append(f"'{path}' has {size} bytes instead of {shard['bytes']}")
+                for name, facts in shard["files"].items():
+                    found += _damage_of(source, path, name, facts)
         except IoError as error:
             found.append(str(error))
     return found
@@ -254,10 +266,14 @@ def _files_of(root: Path, folder: Path) -> dict[str, Path]:
     if folder.is_file():
         return {folder.relative_to(root).as_posix(): folder}
     files: dict[str, Path] = {}
-    for at, folders, names in os.walk(folder):
+    for at, folders, names in os.walk(folder, onerror=_raise):
         folders.sort()
         files |= {(Path(at) / n).relative_to(root).as_posix(): Path(at) / n for n in sorted(names)}
     return files
+
+
+def _raise(error: OSError) -> NoReturn:
+    raise IoError(f"cannot list '{error.filename}': {error.strerror}") from error
 
 
 def _shards(units: Sequence[_Unit], shard_bytes: int) -> Iterator[list[_Unit]]:
@@ -325,7 +341,7 @@ def _index(folder: Path) -> dict[str, Any]:
     for shard in index["shards"]:
         for name in (shard["file"], *shard["files"]):
             parts = PurePosixPath(name).parts
-            if not parts or parts[0] == "/" or ".." in parts or "\0" in name:
+            if not parts or parts[0].startswith(("/", ".")) or ".." in parts or "\0" in name:
                 raise IoError(f"'{file}' names '{name}', which is not inside a dataset")
     return index
 
@@ -355,6 +371,17 @@ class _Part:
     def _compare(self) -> None:
         if self._digest.hexdigest() != self._sha256:
             raise IoError(f"{self._name} is damaged: its hash does not match")
+
+
+def _damage_of(shard: IO[bytes], path: Path, name: str, facts: dict[str, Any]) -> list[str]:
+    """Returns what is damaged of a file in a shard; [] if nothing is."""
+    try:
+        content = _Part(shard, path, name, facts)
+        while content.read(BLOCK):
+            pass
+    except IoError as error:
+        return [str(error)]
+    return []
 
 
 def _contents(folder: Path, shard: dict[str, Any]) -> Iterator[tuple[str, _Part]]:

@@ -107,13 +107,15 @@ class Feature:
     def _numbered(self, episode: Episode, name: str, values: NDArray[Any]) -> NDArray[Any]:
         """Returns the numbers of named values in all episodes, for those of one episode."""
         own = tuple(episode.column(name).values)
+        if values.size and not (values.min() >= 0 and values.max() < len(own)):
+            names = f"it names 0 to {len(own) - 1}" if own else "it names none"
+            raise ArgumentError(
+                f"episode '{episode.folder}': column '{name}' has values without a name: {names}, "
+                f"and has {values.min()} to {values.max()}. Leave the column out with --mapping, "
+                "or the episode with --episodes"
+            )
         if own == self.values[: len(own)]:
             return values
-        if values.size and not (values.min() >= 0 and values.max() < len(own)):
-            raise ArgumentError(
-                f"episode '{episode.folder}': column '{name}' has values without a name: it names "
-                f"0 to {len(own) - 1}, and has {values.min()} to {values.max()}"
-            )
         return np.array([self.values.index(each) for each in own])[values]
 
 
