@@ -28,6 +28,7 @@ def encoder(file: Path) -> subprocess.Popen[bytes]:
     """Takes frames at its input; the options of `VideoWriter` that decide the work."""
     raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{WIDTH}x{HEIGHT}", "-framerate", "500/33"]
     x264 = ["-c:v", "libx264", "-preset", "superfast", "-crf", "18", "-g", "30", "-bf", "0"]
+    x264 += ["-coder", "vlc", "-x264-params", "subme=0"]  # the preset `rendered`
     words = ["ffmpeg", "-v", "error", "-y", *raw, "-i", "pipe:0", *x264, "-pix_fmt", "yuv420p"]
     return subprocess.Popen([*words, str(file)], stdin=subprocess.PIPE)
 
