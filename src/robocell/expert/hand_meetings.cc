@@ -1,9 +1,7 @@
 #include "robocell/expert/hand_meetings.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <span>
 #include <utility>
 
