@@ -57,16 +57,12 @@ ArmContacts::Seen ArmContacts::Look() const {
     const bool a_inside = IsInSubtree(m, a, body_.id()), b_inside = IsInSubtree(m, b, body_.id());
     if (a_inside == b_inside) continue;
     const int partner = a_inside ? b : a;
-    // An arm whose first joint turns the whole torso carries the other one: the last root counts.
-    int arm = -1;
-    for (size_t i = 0; i < roots_.size(); ++i) {
-      if (roots_[i] < 0 || !IsInSubtree(m, partner, roots_[i])) continue;
-      if (arm < 0 || roots_[i] > roots_[static_cast<size_t>(arm)]) arm = static_cast<int>(i);
-    }
-    if (arm < 0)
+    const auto root = std::ranges::find_if(
+        roots_, [&](int arm) { return arm >= 0 && IsInSubtree(m, partner, arm); });
+    if (root == roots_.end())
       seen.other = true;
     else
-      seen.touches[static_cast<size_t>(arm)] = 1;
+      seen.touches[static_cast<size_t>(root - roots_.begin())] = 1;
   }
   for (size_t i = 0; i < robots_.size(); ++i)
     seen.grasps[i] = robots_[i].gripper().is_grasping(body_.name()) ? 1 : 0;

@@ -29,20 +29,6 @@ TEST_F(ArmContactsTest, AreOfTheHandsThatHoldIt) {
   }
 }
 
-// The first joint of the left arm moves the right one, too.
-class ArmContactsWithWaist : public TwoHandsTest {
- protected:
-  ArmContactsWithWaist() : TwoHandsTest(true) {}
-};
-
-TEST_F(ArmContactsWithWaist, AreOfTheArmItself) {
-  const internal::ArmContacts contacts(*scene_, "bar");
-  Hold(false, true);
-  EXPECT_EQ(contacts.Look().only_holder(), 1);
-  Hold(true, false);
-  EXPECT_EQ(contacts.Look().only_holder(), 0);
-}
-
 TEST_F(ArmContactsTest, WithTheFloorAreNoHold) {
   const internal::ArmContacts contacts(*scene_, "bar");
   Hold(false, false, Lying());

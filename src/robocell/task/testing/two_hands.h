@@ -24,9 +24,8 @@ inline constexpr double kBarSqueeze = 1e-4;    // m into the bar
 inline constexpr double kHandClosed = 0.03 - kBarHalfWidth + kBarSqueeze,
                         kHandOpen = 0;  // of the finger slides
 
-// Two hands on a beam, 0.12 m apart along y, whose fingers close along x. The arms are slides along z. A
-// waist, if any, is a hinge that carries both.
-inline std::string TwoHands(ModelFolder& folder, bool has_waist = false) {
+// Two hands on a beam, 0.12 m apart along y, whose fingers close along x. The arms are slides along z.
+inline std::string TwoHands(ModelFolder& folder) {
   std::string bodies, servos, joined;
   for (const auto& hand : {std::pair{"l", 0.06}, {"r", -0.06}}) {
     const std::string side = hand.first;
@@ -46,12 +45,6 @@ inline std::string TwoHands(ModelFolder& folder, bool has_waist = false) {
         side);
     joined += fmt::format(R"(<joint joint1="{0}a" joint2="{0}b"/>)", side);
   }
-  if (has_waist) {
-    bodies = fmt::format(
-        R"(<body name="waist"><joint name="waist" axis="0 0 1" damping="1"/><geom size=".01" mass="1"/>{}</body>)",
-        bodies);
-    servos += R"(<position name="waist" joint="waist" kp="500" kv="50"/>)";
-  }
   return folder.Write(
       "hands",
       fmt::format(R"(<compiler angle="radian"/><worldbody><body name="beam">{}</body></worldbody>
@@ -61,14 +54,12 @@ inline std::string TwoHands(ModelFolder& folder, bool has_waist = false) {
 
 class TwoHandsTest : public ::testing::Test {
  protected:
-  explicit TwoHandsTest(bool has_waist = false) {
+  TwoHandsTest() {
     internal::RegisterTaskRelations();
     const RobotConfig hands = ParseYaml<RobotConfig>(
-        "name: hands\nmodel: " + TwoHands(folder_, has_waist) +
+        "name: hands\nmodel: " + TwoHands(folder_) +
             "\nroot_body: beam\nmove_groups:\n"
-            "  left: {kind: arm, joints: [" +
-            (has_waist ? "waist, " : "") +
-            "lz], leaf: {site: l}}\n"
+            "  left: {kind: arm, joints: [lz], leaf: {site: l}}\n"
             "  right: {kind: arm, joints: [rz], leaf: {site: r}}\n"
             "  left_hand: {kind: gripper, joints: [la, lb], actuators: lg, fingers: [la, lb]}\n"
             "  right_hand: {kind: gripper, joints: [ra, rb], actuators: rg, fingers: [ra, rb]}\n",
