@@ -10,7 +10,6 @@ import robocell as rc
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 DUO = EXAMPLES / "duo" / "duo.yaml"
-LEAST = {"pick": 0.9, "handover": 0.75, "carry": 0.75}  # the share of successes
 
 
 def test_kinds_for_two_arms_have_an_expert_an_example_and_a_class():

@@ -17,6 +17,9 @@ import success_table
 @pytest.mark.parametrize("robot", success_table.ROBOTS)
 def test_an_expert_succeeds_from_most_starts(robot: str, kind: str):
     cell = success_table.measure(robot, kind, starts=20)
+    if kind in success_table.TWO_ARM_KINDS and robot not in success_table.TWO_ARMED:
+        assert "is for two" in cell.why_not
+        return
     assert not cell.why_not + cell.error, cell
     assert cell.successes >= success_table.LEAST.get(kind, 0.9) * cell.starts, cell
 

@@ -229,7 +229,8 @@ TEST(EnvArms, OfOneRobotActTogether) {
   // The observation of an arm is its own.
   const RobotLayout& right = env.layout().robots[1];
   EXPECT_NEAR(env.observation()[right.joints.begin], robot.group("r_arm").joint_pos()[0], 1e-9);
-  EXPECT_NEAR(env.observation()[right.gripper], opening("r_hand"), 1e-9);
+  EXPECT_EQ(env.observation()[right.gripper], 1) << "its command";
+  EXPECT_EQ(env.observation()[env.layout().robots[0].gripper], 0);
 }
 
 TEST(EnvArms, AcceptsARobotWithOneArm) {

@@ -40,9 +40,9 @@ JointVector ArmPair::Part(const std::vector<double>& both, size_t i) const {
   return JointVector(i == 0 ? all.first(first) : all.subspan(first));
 }
 
-std::string ArmPair::HandOf(size_t i) const {
-  const mjModel* m = robots_[i].scene().model();
-  const int joint = FindId(m, mjOBJ_JOINT, robots_[i].joint_names().back());
+std::string LastLinkOf(const Robot& robot) {
+  const mjModel* m = robot.scene().model();
+  const int joint = FindId(m, mjOBJ_JOINT, robot.joint_names().back());
   return ElementName(m, mjOBJ_BODY, m->jnt_bodyid[joint]);
 }
 

@@ -20,6 +20,9 @@ namespace robocell::internal {
 
 using PairPath = std::vector<std::vector<double>>;
 
+// Returns the body that the last joint of the robot's arm moves, with the hand.
+std::string LastLinkOf(const Robot& robot);
+
 class ArmPair {
  public:
   // The names of two arms of one robot, for Robot::Of. Arms and grippers are at their targets.
@@ -31,8 +34,7 @@ class ArmPair {
   std::vector<double> target() const;
   JointVector Part(const std::vector<double>& both, size_t i) const;
   std::vector<double> Joined(const JointVector& first, const JointVector& second) const;
-  // Returns the body that the arm's last joint moves, with the hand.
-  std::string HandOf(size_t i) const;
+  std::string HandOf(size_t i) const { return LastLinkOf(robots_[i]); }
 
   // Moves both along a path from their targets, from rest to rest: the fastest joint has at most
   // `speed` on average (rad/s, m/s), and it lasts `least` seconds at least.

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <functional>
+#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -18,6 +20,7 @@
 #include "robocell/expert/arm_pair.h"
 #include "robocell/expert/pick_planner.h"
 #include "robocell/expert/skill.h"
+#include "robocell/expert/tcp_ways.h"
 #include "robocell/kinematics/ik.h"
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/motion/joint_path.h"
@@ -31,25 +34,70 @@ namespace internal::carry {
 namespace {
 
 constexpr double kReachClearance = 0.004;  // m
-constexpr double kLiftHeight = 0.08;       // m; all of the way to the goal is this high
-constexpr double kLineStep = 0.01;         // m between postures
-constexpr double kDropFrom = 0.001;        // m over the support
-constexpr double kMostJump = 0.25;         // rad or m of a joint between two postures
-constexpr int kPlaces = 24;                // of the goal that are drawn
-constexpr size_t kMostGrasps = 80;         // pairs that are tried
-constexpr int kMostReaches = 4;            // pairs to which a path is searched
-constexpr int kRestarts = 6;
+// m; all of the way to the goal is this high, or else this.
+constexpr std::array kLiftHeights = {0.08, 0.05, 0.03, 0.12};
+constexpr double kLineStep = 0.01;   // m between postures
+constexpr double kDropFrom = 0.001;  // m over the support
+constexpr int kPlaces = 24;          // of the goal that are drawn
+constexpr int kApproachSteps = 8;    // postures on the way of a hand to its grasp
+constexpr int kMostChecked = 150;    // ways of both arms that are checked
+constexpr int kMostReaches = 6;      // ... to which a path is searched
+constexpr size_t kEvery = 4;         // of these postures one is checked first
 constexpr double kTolerance = 1e-4;  // of inverse kinematics on lines, m and rad
 constexpr double kReachSpeed = 1.0, kLineSpeed = 0.4, kCarrySpeed = 0.4;                  // rad/s
 constexpr double kLeastReach = 0.6, kLeastLine = 0.8, kLeastCarry = 1.0, kMostCarry = 6;  // s
 constexpr double kHandSpeed = 0.15;  // m/s of the distance between the fingers
 constexpr double kCloseSeconds = 0.9, kMostRelease = 1.5, kLostSeconds = 0.2;
 
-// A straight motion of both TCPs, one pose of each for each posture.
-using TcpPairs = std::vector<std::array<Pose, 2>>;
-
 Pose Between(const Pose& a, const Pose& b, double share) {
   return {a.translation() + share * (b.translation() - a.translation()), a.quaternion()};
+}
+
+// The straight motions of the object: up, across, and down, without its first pose.
+struct ObjectWay {
+  Pose first;
+  std::vector<Pose> poses;
+  size_t lifted = 0, over = 0;  // numbers of poses up to the ends of the first two
+};
+
+ObjectWay WayOf(const Pose& object, const Pose& goal, double height) {
+  const Eigen::Vector3d up(0, 0, height);
+  const Pose lifted(object.translation() + up, object.quaternion());
+  const Pose over(goal.translation() + up, goal.quaternion());
+  const Pose down(goal.translation() + Eigen::Vector3d(0, 0, kDropFrom), goal.quaternion());
+  ObjectWay way{.first = object};
+  const auto go = [&](const Pose& a, const Pose& b) {
+    const double length = (b.translation() - a.translation()).norm();
+    const int steps = std::max(2, static_cast<int>(std::ceil(length / kLineStep)));
+    for (int k = 1; k <= steps; ++k)
+      way.poses.push_back(Between(a, b, static_cast<double>(k) / steps));
+    return way.poses.size();
+  };
+  way.lifted = go(object, lifted);
+  way.over = go(lifted, over);
+  go(over, down);
+  return way;
+}
+
+// Returns the poses of a hand's TCP: where its approach begins, to the contact after kApproachSteps, and
+// with the object on its way.
+std::vector<Pose> TcpsOf(const ObjectWay& way, const Grasp& grasp) {
+  std::vector<Pose> tcps;
+  for (int k = 0; k <= kApproachSteps; ++k) {
+    const double share = static_cast<double>(k) / kApproachSteps;
+    tcps.push_back(way.first * Between(grasp.before(), grasp.tcp_in_body, share));
+  }
+  for (const Pose& pose : way.poses) tcps.push_back(pose * grasp.tcp_in_body);
+  return tcps;
+}
+
+// Returns true if all of a number of postures are free. A few of them are looked at first.
+bool AreFree(size_t count, const std::function<bool(size_t)>& is_free) {
+  for (size_t i = 0; i < count; i += kEvery)
+    if (!is_free(i)) return false;
+  for (size_t i = 0; i < count; ++i)
+    if (i % kEvery != 0 && !is_free(i)) return false;
+  return true;
 }
 
 class CarrySkill final : public Skill {
@@ -68,8 +116,8 @@ class CarrySkill final : public Skill {
 
   std::string Plan(const Scene& scene, Rng& rng);
   std::optional<Pose> GoalPose(const Scene& scene, const Pose& object, Rng& rng) const;
-  std::optional<PairPath> Follow(const TcpPairs& tcps, std::vector<double> from,
-                                 const MotionPlanner& planner) const;
+  std::string PlanAt(double height, const Pose& object, const Pose& goal,
+                     const std::vector<PairGrasp>& grasps, Rng& rng);
   void Enter(Phase phase);
   void Advance();
   bool HasLost();
@@ -129,28 +177,6 @@ std::optional<Pose> CarrySkill::GoalPose(const Scene& scene, const Pose& object,
   return Pose(object.translation() + shift, object.quaternion());
 }
 
-// Returns postures of both arms with these TCPs, from one posture on; unset where an arm cannot follow
-// or something is in the way.
-std::optional<PairPath> CarrySkill::Follow(const TcpPairs& tcps, std::vector<double> from,
-                                           const MotionPlanner& planner) const {
-  const Pose world_in_base = robot_->base_in_world().inverse();
-  PairPath path;
-  for (const std::array<Pose, 2>& tcp : tcps) {
-    std::array<JointVector, 2> q;
-    for (size_t i = 0; i < 2; ++i) {
-      const JointVector last = pair_->Part(from, i);
-      const IkResult ik = Ik(pair_->arm(i).chain(), world_in_base * tcp[i],
-                             {.tolerance = kTolerance, .seed = last, .max_restarts = 0});
-      if (!ik.success || JointDistance(ik.q, last) > kMostJump) return std::nullopt;
-      q[i] = ik.q;
-    }
-    from = pair_->Joined(q[0], q[1]);
-    if (!planner.IsFree(from)) return std::nullopt;
-    path.push_back(from);
-  }
-  return path;
-}
-
 // Returns "" or why the object cannot be carried.
 std::string CarrySkill::Plan(const Scene& scene, Rng& rng) {
   const Pose object = scene.body_pose(body_);
@@ -158,6 +184,19 @@ std::string CarrySkill::Plan(const Scene& scene, Rng& rng) {
   if (!goal) return "the goal has no free place";
   const std::vector<PairGrasp> grasps = PairGrasps(scene, pair_->arms(), body_);
   if (grasps.empty()) return "no grasp for two hands";
+  std::string why;
+  for (const double height : kLiftHeights) {
+    const std::string why_not = PlanAt(height, object, *goal, grasps, rng);
+    if (why_not.empty()) return "";
+    if (why.empty()) why = why_not;  // of the usual height
+  }
+  return why;
+}
+
+// Returns "" or why the object cannot be carried at this height. Each arm's ways with the object are
+// found alone; then the pairs of them are checked together.
+std::string CarrySkill::PlanAt(double height, const Pose& object, const Pose& goal,
+                               const std::vector<PairGrasp>& grasps, Rng& rng) {
   const std::array<std::string, 2> hands = {pair_->HandOf(0), pair_->HandOf(1)};
   const std::vector<std::string> groups = {pair_->arm(0).arm().name(), pair_->arm(1).arm().name()};
   MotionPlanner away(*robot_, {.groups = groups, .clearance = kReachClearance});
@@ -168,65 +207,55 @@ std::string CarrySkill::Plan(const Scene& scene, Rng& rng) {
                                .clearance = 0,
                                .allowed_contacts = {{body_, ""}},
                                .attached = {{body_, hands[0]}}});
-  const Eigen::Vector3d up(0, 0, kLiftHeight);
-  const Pose lifted(object.translation() + up, object.quaternion());
-  const Pose over(goal->translation() + up, goal->quaternion());
-  const Pose down(goal->translation() + Eigen::Vector3d(0, 0, kDropFrom), goal->quaternion());
-  const Pose world_in_base = robot_->base_in_world().inverse();
+  const ObjectWay way = WayOf(object, goal, height);
   const std::vector<double> now = pair_->target();
-  std::string why = "no grasp at both ends in reach";
-  int reaches = 0;
-  for (size_t g = 0; g < std::min(grasps.size(), kMostGrasps) && reaches < kMostReaches; ++g) {
-    const std::array<Grasp, 2>& of = grasps[g].of;
-    std::array<JointVector, 2> q;
-    bool in_reach = true;
-    for (size_t i = 0; i < 2 && in_reach; ++i) {
-      const IkResult before =
-          pair_->arm(i).Ik(world_in_base * object * of[i].before(),
-                           {.seed = pair_->Part(now, i), .max_restarts = kRestarts});
-      in_reach = before.success;
-      q[i] = before.q;
+  // The ways of an arm with one of its grasps, found when they are needed.
+  std::array<std::map<size_t, std::vector<JointPath>>, 2> ways;
+  const auto ways_of = [&](size_t arm, const PairGrasp& pair) -> const std::vector<JointPath>& {
+    const auto [at, is_new] = ways[arm].try_emplace(pair.number[arm]);
+    if (is_new) {
+      at->second = TcpWays(pair_->arm(arm), TcpsOf(way, pair.of[arm]), pair_->Part(now, arm),
+                           {.anchors = {kApproachSteps, kApproachSteps + way.poses.size() - 1},
+                            .tolerance = kTolerance},
+                           rng);
     }
-    if (!in_reach) continue;
-    const std::vector<double> before = pair_->Joined(q[0], q[1]);
-    if (!away.IsFree(before)) continue;
-    why = "the arms cannot follow the way of the object";
-    const auto line = [&](const Pose& a, const Pose& b) {
-      TcpPairs tcps;
-      const int steps = std::max(
-          2, static_cast<int>(std::ceil((b.translation() - a.translation()).norm() / kLineStep)));
-      for (int k = 1; k <= steps; ++k) {
-        const Pose at = Between(a, b, static_cast<double>(k) / steps);
-        tcps.push_back({at * of[0].tcp_in_body, at * of[1].tcp_in_body});
+    return at->second;
+  };
+  std::string why = "the arms cannot follow the way of the object";
+  int checked = 0, reaches = 0;
+  for (const PairGrasp& pair : grasps) {
+    for (const JointPath& first : ways_of(0, pair)) {
+      for (const JointPath& second : ways_of(1, pair)) {
+        if (++checked > kMostChecked || reaches >= kMostReaches) return why;
+        PairPath both;
+        for (size_t i = 0; i < first.size(); ++i)
+          both.push_back(pair_->Joined(first[i], second[i]));
+        const auto is_free = [&](size_t i) {
+          if (i == 0) return away.IsFree(both[0]);
+          return (i <= kApproachSteps ? near : held).IsFree(both[i]);
+        };
+        if (!AreFree(both.size(), is_free)) {
+          if (reaches == 0) why = "something is in the way of the arms with the object";
+          continue;
+        }
+        why = "no free path to the grasps";
+        ++reaches;
+        const MotionGoal goals[] = {MotionGoal::Joints(both.front())};
+        const MotionResult reach = away.PlanFrom(now, goals, {.seed = rng.NextBits()});
+        if (!reach.success) continue;
+        reach_ = reach.path;
+        const auto part = [&](size_t begin, size_t end) {
+          const auto at = both.begin() + kApproachSteps + 1;
+          return PairPath(at + static_cast<std::ptrdiff_t>(begin),
+                          at + static_cast<std::ptrdiff_t>(end));
+        };
+        approach_ = PairPath(both.begin() + 1, both.begin() + kApproachSteps + 1);
+        lift_ = part(0, way.lifted);
+        carry_ = part(way.lifted, way.over);
+        lower_ = part(way.over, way.poses.size());
+        return "";
       }
-      return tcps;
-    };
-    TcpPairs in;
-    const int steps = static_cast<int>(std::ceil(of[0].approach_length / kLineStep));
-    for (int k = 1; k <= steps; ++k) {
-      const double share = static_cast<double>(k) / steps;
-      in.push_back({object * Between(of[0].before(), of[0].tcp_in_body, share),
-                    object * Between(of[1].before(), of[1].tcp_in_body, share)});
     }
-    const auto approach = Follow(in, before, near);
-    if (!approach) continue;
-    const auto lift = Follow(line(object, lifted), approach->back(), held);
-    if (!lift) continue;
-    const auto carry = Follow(line(lifted, over), lift->back(), held);
-    if (!carry) continue;
-    const auto lower = Follow(line(over, down), carry->back(), held);
-    if (!lower) continue;
-    why = "no free path to the grasps";
-    ++reaches;
-    const MotionGoal goals[] = {MotionGoal::Joints(before)};
-    const MotionResult reach = away.PlanFrom(now, goals, {.seed = rng.NextBits()});
-    if (!reach.success) continue;
-    reach_ = reach.path;
-    approach_ = *approach;
-    lift_ = *lift;
-    carry_ = *carry;
-    lower_ = *lower;
-    return "";
   }
   return why;
 }

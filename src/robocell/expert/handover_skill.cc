@@ -1,9 +1,9 @@
 // The skill that hands an object over: one arm picks it up, both move to where they meet, the other one
 // takes it, and the first one lets go and draws back. Both arms are planned at once (motion_planner.h),
-// with the object in the hand that holds it.
+// with the object in the hand that holds it. The object is picked up by a grasp from which the hands can
+// meet.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <memory>
 #include <optional>
@@ -13,32 +13,27 @@
 #include <Eigen/Core>
 #include <mujoco/mujoco.h>
 
-#include "robocell/base/units.h"
 #include "robocell/expert/any_arm.h"
 #include "robocell/expert/arm_pair.h"
+#include "robocell/expert/hand_meetings.h"
 #include "robocell/expert/pick_planner.h"
 #include "robocell/expert/skill.h"
 #include "robocell/motion/gripper_shape.h"
 #include "robocell/motion/motion_planner.h"
+#include "robocell/motion/planning_scene.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scenes/landmarks.h"
-#include "robocell/task/remembered_grasps.h"
+#include "robocell/task/grasp_motion.h"
 
 namespace robocell {
 namespace internal::handover {
 namespace {
 
-// Few points with all directions of each: many points would leave the best ones, in the middle.
-const GraspOptions kAllOver = {.samples = 200, .most = 2000};
 constexpr double kMeetClearance = 0.004;              // m
-constexpr double kLeastApart = 0.045;                 // m between the TCPs of both grasps
-constexpr double kFarApart = 0.12;                    // m; farther is not better
-constexpr double kStep = 0.08;                        // m between places to meet
-constexpr int kYaws = 12;                             // turns of the object that are tried
-constexpr size_t kMostTaken = 80;                     // grasps of the second hand that are tried
 constexpr int kMostMeetings = 3000;                   // postures that are checked
+constexpr int kMostOfGrasp = 400;                     // ... for a grasp before the pick
+constexpr int kMostLines = 40;                        // postures to which a line is planned
 constexpr int kMostPaths = 4;                         // postures to which a path is searched
-constexpr int kRestarts = 4;                          // of inverse kinematics
 constexpr double kMeetSpeed = 0.8, kLineSpeed = 0.4;  // rad/s
 constexpr double kLeastMeet = 0.8, kMostMeet = 5, kLeastLine = 0.8, kLeastRetreat = 0.6;  // s
 constexpr double kCloseSpeed = 0.2, kOpenSpeed = 0.15;  // m/s of the distance between the fingers
@@ -60,9 +55,8 @@ class HandoverSkill final : public Skill {
   enum class Phase { kPick, kMeet, kApproach, kTake, kGive, kRetreat };
   static constexpr size_t kGiver = 0, kTaker = 1;
 
+  bool CanMeet(const PlanningScene& planning, const GraspMotion& motion);
   std::string FindMeeting(const Scene& scene, Rng& rng);
-  bool TryTaker(const Pose& object, const JointVector& giver, MotionPlanner& away,
-                MotionPlanner& near, Rng& rng);
   MotionOptions Options(size_t holder) const;
   double OpeningSpeed(size_t arm, double speed) const;
   bool HasLost(size_t arm);
@@ -78,10 +72,10 @@ class HandoverSkill final : public Skill {
   Eigen::Vector3d middle_ = Eigen::Vector3d::Zero();  // between the hands at the start
   std::optional<PickPlanner> pick_;
   std::optional<ArmPair> pair_;
-  std::vector<Grasp> grasps_;  // of the second hand, best first
-  std::optional<Grasp> grasp_;
+  std::optional<HandMeetings> meetings_;
+  std::optional<MotionPlanner> hands_;  // without the object
+  std::optional<Grasp> grasp_;          // of the second hand
   PairPath meet_, approach_;
-  int tried_ = 0, paths_ = 0;
   Phase phase_ = Phase::kPick;
   int ticks_ = 0, lost_ = 0;
   bool finished_ = false;
@@ -114,8 +108,11 @@ void HandoverSkill::Begin(const Scene& scene, Rng& rng) {
   failure_.clear();
   pair_.reset();
   pick_.reset();
+  meetings_.reset();
+  hands_.reset();
   phase_ = Phase::kPick;
   if (settings_.arms.size() < 2) return GiveUp("the robot has one arm with a hand");
+  body_ = ElementName(scene.model(), mjOBJ_BODY, RequireObjectOrBody(scene, goal_.stated.subject));
   // The nearest arm picks the object up; after a failure another pair has its turn.
   const std::vector<std::string> nearest = NearestArms(scene, settings_.arms, goal_.stated.subject);
   std::vector<std::array<std::string, 2>> pairs;
@@ -123,15 +120,34 @@ void HandoverSkill::Begin(const Scene& scene, Rng& rng) {
     for (const std::string& taker : nearest)
       if (giver != taker) pairs.push_back({giver, taker});
   arms_ = pairs[static_cast<size_t>(settings_.failures) % pairs.size()];
-  robot_ = Robot::Of(scene, arms_[kGiver].substr(0, arms_[kGiver].rfind('/')));
-  body_ = ElementName(scene.model(), mjOBJ_BODY, RequireObjectOrBody(scene, goal_.stated.subject));
-  middle_ = (Robot::Of(scene, arms_[0]).tcp_in_world().translation() +
-             Robot::Of(scene, arms_[1]).tcp_in_world().translation()) /
+  pair_.emplace(scene, arms_, settings_.tick);
+  robot_ = Robot::Of(scene, pair_->arm(kGiver).name());
+  middle_ = (pair_->arm(kGiver).tcp_in_world().translation() +
+             pair_->arm(kTaker).tcp_in_world().translation()) /
             2;
-  pick_.emplace(arms_[kGiver], goal_.stated.subject, settings_.sim,
-                PickPlannerOptions{.tick = settings_.tick});
+  meetings_.emplace(pair_->arm(kGiver), pair_->arm(kTaker), body_, middle_);
+  MotionOptions options = Options(kGiver);
+  options.attached.clear();
+  options.allowed_contacts = {{body_, ""}};
+  hands_.emplace(*robot_, options);
+  pick_.emplace(
+      arms_[kGiver], goal_.stated.subject, settings_.sim,
+      PickPlannerOptions{.tick = settings_.tick,
+                         .usable = [this](PlanningScene& planning, const GraspMotion& motion) {
+                           return CanMeet(planning, motion);
+                         }});
   pick_->Begin(scene, rng);
   if (!pick_->failure().empty()) GiveUp(pick_->failure());
+}
+
+// Returns true if there is a posture in which the hands meet after this grasp. The object itself, which
+// is not in the hand yet, is no obstacle here.
+bool HandoverSkill::CanMeet(const PlanningScene& planning, const GraspMotion& motion) {
+  const int body = planning.target_body();
+  const Pose object = Pose::FromTranslationAndMatrix(planning.data()->xpos + 3 * body,
+                                                     planning.data()->xmat + 9 * body);
+  return meetings_->Find(object, object.inverse() * motion.grasp.tcp_in_world, *hands_, *hands_,
+                         kMostOfGrasp, [](const HandMeeting& /*meeting*/) { return true; });
 }
 
 void HandoverSkill::GiveUp(const std::string& why) {
@@ -148,74 +164,33 @@ MotionOptions HandoverSkill::Options(size_t holder) const {
 
 // Returns "" or why the arms cannot meet.
 std::string HandoverSkill::FindMeeting(const Scene& scene, Rng& rng) {
-  const Robot &giver = pair_->arm(kGiver), &taker = pair_->arm(kTaker);
   const Pose object = scene.body_pose(body_);
-  const Pose tcp_in_object = object.inverse() * giver.tcp_in_world();
-  const auto apart = [&](const Grasp& grasp) {
-    return (grasp.tcp_in_body.translation() - tcp_in_object.translation()).norm();
-  };
-  grasps_ = RememberedGrasps(taker, body_, kAllOver).grasps;
-  std::erase_if(grasps_, [&](const Grasp& grasp) { return apart(grasp) < kLeastApart; });
-  std::ranges::stable_sort(grasps_, {}, [&](const Grasp& grasp) {
-    return -grasp.score - 10 * std::min(apart(grasp), kFarApart);
-  });
-  if (grasps_.size() > kMostTaken) grasps_.resize(kMostTaken);
-  if (grasps_.empty()) return "no room on the object for the second hand";
+  const Pose tcp_in_object = object.inverse() * pair_->arm(kGiver).tcp_in_world();
+  if (!meetings_->HasRoom(tcp_in_object)) return "no room on the object for the second hand";
   MotionOptions touching = Options(kGiver);
   touching.allowed_contacts = {{body_, pair_->HandOf(kTaker)}};
   MotionPlanner away(*robot_, Options(kGiver)), near(*robot_, touching);
-  tried_ = paths_ = 0;
-  const Pose base = robot_->base_in_world();
-  const double height = std::max(middle_.z(), object.translation().z());
-  for (const Eigen::Vector3d& step :
-       {Eigen::Vector3d(0, 0, 0), Eigen::Vector3d(kStep, 0, 0), Eigen::Vector3d(0, 0, kStep),
-        Eigen::Vector3d(kStep, 0, kStep), Eigen::Vector3d(2 * kStep, 0, 0),
-        Eigen::Vector3d(-kStep, 0, kStep), Eigen::Vector3d(2 * kStep, 0, 2 * kStep)}) {
-    const Eigen::Vector3d place =
-        Eigen::Vector3d(middle_.x(), middle_.y(), height) + Rotate(base.quaternion(), step);
-    for (int i = 0; i < kYaws; ++i) {
-      const double yaw = 2 * kPi * i / kYaws;
-      const Pose there = Pose(place) * Pose::FromRpy({0, 0, 0}, {0, 0, yaw}) *
-                         Pose(Eigen::Vector3d::Zero(), object.quaternion());
-      const IkResult given =
-          giver.Ik(base.inverse() * there * tcp_in_object,
-                   {.seed = pair_->Part(pair_->target(), kGiver), .max_restarts = kRestarts});
-      if (!given.success) continue;
-      if (TryTaker(there, given.q, away, near, rng)) return "";
-      if (tried_ > kMostMeetings || paths_ >= kMostPaths) break;
-    }
-  }
-  return paths_ > 0 ? "no free path to where the hands meet"
-                    : "no free posture in which the hands meet";
-}
-
-bool HandoverSkill::TryTaker(const Pose& object, const JointVector& giver, MotionPlanner& away,
-                             MotionPlanner& near, Rng& rng) {
-  const Robot& taker = pair_->arm(kTaker);
-  const Pose world_in_base = taker.base_in_world().inverse();
-  const JointVector now = pair_->Part(pair_->target(), kTaker);
-  for (const Grasp& grasp : grasps_) {
-    if (++tried_ > kMostMeetings || paths_ >= kMostPaths) return false;
-    const Pose tcp = object * grasp.tcp_in_body;
-    const IkResult before =
-        taker.Ik(world_in_base * object * grasp.before(), {.seed = now, .max_restarts = kRestarts});
-    if (!before.success) continue;
-    const IkResult at = taker.Ik(world_in_base * tcp, {.seed = before.q, .max_restarts = 0});
-    if (!at.success) continue;
-    const std::vector<double> start = pair_->Joined(giver, before.q);
-    if (!near.IsFree(pair_->Joined(giver, at.q)) || !away.IsFree(start)) continue;
-    const MotionResult line = near.PlanLine(start, tcp, taker.arm().name());
-    if (!line.success) continue;
-    ++paths_;
+  int lines = 0, paths = 0;
+  bool found = false;
+  const auto use = [&](const HandMeeting& meeting) {
+    const std::vector<double> start = pair_->Joined(meeting.giver, meeting.before);
+    const MotionResult line = near.PlanLine(start, meeting.object * meeting.grasp.tcp_in_body,
+                                            pair_->arm(kTaker).arm().name());
+    if (!line.success) return ++lines >= kMostLines;
+    ++paths;
     const MotionGoal goals[] = {MotionGoal::Joints(start)};
     const MotionResult path = away.PlanFrom(pair_->target(), goals, {.seed = rng.NextBits()});
-    if (!path.success) continue;
+    if (!path.success) return paths >= kMostPaths;
     meet_ = path.path;
     approach_ = line.path;
-    grasp_ = grasp;
+    grasp_ = meeting.grasp;
+    found = true;
     return true;
-  }
-  return false;
+  };
+  meetings_->Find(object, tcp_in_object, away, near, kMostMeetings, use);
+  if (found) return "";
+  return paths > 0 ? "no free path to where the hands meet"
+                   : "no free posture in which the hands meet";
 }
 
 double HandoverSkill::OpeningSpeed(size_t arm, double speed) const {
@@ -255,6 +230,7 @@ void HandoverSkill::Enter(Phase phase) {
     case Phase::kPick:
       break;
     case Phase::kMeet:
+      pair_->SetOpening(kTaker, 1, OpeningSpeed(kTaker, kOpenSpeed));
       pair_->FollowGently(meet_, kMeetSpeed, kLeastMeet, kMostMeet);
       break;
     case Phase::kApproach: {
@@ -309,7 +285,7 @@ void HandoverSkill::Advance() {
     case Phase::kPick:
       return;
     case Phase::kMeet:
-      if (pair_->Settled()) Enter(Phase::kApproach);
+      if (pair_->Settled() && pair_->openings_reached()) Enter(Phase::kApproach);
       return;
     case Phase::kApproach:
       if (pair_->Settled()) Enter(Phase::kTake);

@@ -61,6 +61,10 @@ std::unique_ptr<Skill> MakeWipeSkill(const SkillSettings& settings,
 std::unique_ptr<Skill> MakePourSkill(const SkillSettings& settings,
                                      const RelationTask::Goal& goal);  // pour_skill.cc
 
+// Sets down the goal's object, which is in the hand of `settings.robot`, and draws back.
+std::unique_ptr<Skill> MakePutDownSkill(const SkillSettings& settings,
+                                        const RelationTask::Goal& goal);  // put_down_skill.cc
+
 // Of two arms of `settings.arms`.
 std::unique_ptr<Skill> MakeHandoverSkill(const SkillSettings& settings,
                                          const RelationTask::Goal& goal);  // handover_skill.cc

@@ -1,6 +1,7 @@
 #include "robocell/expert/skill_expert.h"
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,10 +12,13 @@
 #include "robocell/expert/any_arm.h"
 #include "robocell/expert/pick_expert.h"
 #include "robocell/expert/skill_expert_kind.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/robot/acting_arms.h"
 #include "robocell/robot/robot.h"
 #include "robocell/robot/unused_groups.h"
+#include "robocell/scenes/landmarks.h"
 #include "robocell/scenes/relations.h"
+#include "robocell/task/arm_contacts.h"
 #include "robocell/task/run_arms.h"
 
 namespace robocell {
@@ -96,6 +100,8 @@ void SkillExpert::Begin(const Scene& scene, Rng& rng) {
   phases_ = is_for_two ? &TwoArmSkillPhases() : &SkillPhases();
   tries_.assign(task_->goals().size(), 0);
   failures_.assign(task_->goals().size(), 0);
+  put_down_.assign(task_->goals().size(), 0);
+  puts_down_ = false;
   waited_ = 0;
   finished_ = false;
   setback_.clear();
@@ -113,13 +119,15 @@ void SkillExpert::Next(const Scene& scene, Rng& rng) {
     const auto open = std::ranges::find_if(goals, [](const auto& goal) { return !goal.Holds(); });
     if (open == goals.end()) return;
     goal_ = static_cast<size_t>(open - goals.begin());
-    if (++tries_[goal_] > kMostSkillTries) {
+    if (tries_[goal_] >= kMostSkillTries) {
       failure_ = setback_.empty() ? "the goal was not reached" : setback_;
       finished_ = true;
       return;
     }
     waited_ = 0;
     settings_.failures = failures_[goal_];
+    if (PutsDown(scene, *open)) return skill_->Begin(scene, rng);
+    ++tries_[goal_];
     ChooseArm(scene, *open);
     progress_ = open->bound->Progress();
     skill_ = SkillFor(*open);
@@ -138,8 +146,30 @@ void SkillExpert::ChooseArm(const Scene& scene, const RelationTask::Goal& goal) 
   settings_.robot = arms[static_cast<size_t>(settings_.failures) % arms.size()];
 }
 
+// After a failure one of several arms may have the object in its hand. Returns true, with the skill for
+// it, if it sets the object down before the next try; once after each failure.
+bool SkillExpert::PutsDown(const Scene& scene, const RelationTask::Goal& goal) {
+  if (settings_.arms.size() < 2 || settings_.failures <= put_down_[goal_]) return false;
+  if (goal.stated.relation == "held" ||
+      FindRelation(goal.stated.relation).subject == RelationSubject::kJoint)
+    return false;
+  const internal::ArmContacts contacts(
+      scene, ElementName(scene.model(), mjOBJ_BODY,
+                         internal::RequireObjectOrBody(scene, goal.stated.subject)));
+  const int holder = contacts.Look().only_holder();
+  if (holder < 0) return false;
+  const std::string& arm = contacts.arms()[static_cast<size_t>(holder)];
+  if (std::ranges::find(settings_.arms, arm) == settings_.arms.end()) return false;
+  put_down_[goal_] = settings_.failures;
+  settings_.robot = arm;
+  skill_ = MakePutDownSkill(settings_, goal);
+  puts_down_ = true;
+  return true;
+}
+
 // A skill that did a part of its goal has not failed: what it did is worth doing again.
 void SkillExpert::Finish() {
+  if (std::exchange(puts_down_, false)) return skill_.reset();
   setback_ = skill_->failure();
   const RelationTask::Goal& goal = task_->goals()[goal_];
   const bool helped = goal.Holds() || goal.bound->Progress() > progress_ + kLeastProgress;

@@ -31,6 +31,7 @@ class SkillExpert final : public Expert {
  private:
   void Next(const Scene& scene, Rng& rng);
   void ChooseArm(const Scene& scene, const RelationTask::Goal& goal);
+  bool PutsDown(const Scene& scene, const RelationTask::Goal& goal);
   void Finish();
   std::unique_ptr<Skill> SkillFor(const RelationTask::Goal& goal) const;
 
@@ -39,6 +40,8 @@ class SkillExpert final : public Expert {
   const std::vector<std::string>* phases_ = &SkillPhases();
   std::unique_ptr<Skill> skill_;
   std::vector<int> tries_, failures_;  // of each goal
+  std::vector<int> put_down_;          // failures of each goal after which it set the object down
+  bool puts_down_ = false;             // the skill sets an object down
   size_t goal_ = 0;                    // of the skill
   double progress_ = 0;                // of that goal, when the skill began
   Action last_;

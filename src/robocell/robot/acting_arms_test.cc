@@ -10,6 +10,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/robot/testing/robots.h"
+#include "robocell/robot/testing/torso.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {
@@ -88,6 +89,18 @@ TEST(ActingArms, ShareTheRobotsControllers) {
   EXPECT_NEAR(right.arm().joint_pos()[0], 0.3, 0.01);
   EXPECT_NEAR(robot.group("right").joint_pos()[1], 0.2, 0.01);
   EXPECT_NEAR(robot.arm().joint_pos()[0], 0, 0.01);
+}
+
+TEST(ActingArms, ShareTheCommandsOfTheGrippers) {
+  ModelFolder folder;
+  Robot robot = RobotAlone(Torso(folder, {"l", "r"}));
+  Robot right = Robot::Of(robot.scene(), "torso/r_arm");
+  robot.Apply({{"r_hand", GroupCommand::Opening(0.3)}});
+  EXPECT_NEAR(right.controller("r_hand").target()[0], 0.3, 1e-9);
+  right.Apply({{"r_hand", GroupCommand::Opening(0.8)}});
+  robot.Update();
+  EXPECT_NEAR(robot.controller("r_hand").target()[0], 0.8, 1e-9);
+  EXPECT_EQ(&right.controller("l_hand"), &robot.controller("l_hand"));
 }
 
 TEST(ActingArms, OfAnUnknownNameListTheArms) {

@@ -52,23 +52,24 @@ ChainTip TipOf(const Scene& scene, const std::string& tip_body, const RobotOptio
 
 Robot Robot::Of(const Scene& scene, const std::string& name) {
   const size_t slash = name.rfind('/');
-  RobotRecord record = scene.compiled()->robot(name.substr(0, slash));
-  std::string key = "robot:" + record.name;
+  const RobotRecord& as_configured = scene.compiled()->robot(name.substr(0, slash));
+  std::string key = "robot:" + as_configured.name;
+  std::string arm = slash == std::string::npos ? "" : name.substr(slash + 1);
   if (slash != std::string::npos) {
-    const std::string arm = name.substr(slash + 1);
-    const std::vector<std::string> arms = internal::ArmNames(record.config);
+    const std::vector<std::string> arms = internal::ArmNames(as_configured.config);
     if (std::ranges::find(arms, arm) == arms.end()) {
-      throw NotFoundError(NoSuchName(
-          fmt::format("scene '{}' / robot '{}'", scene.name(), record.name), "arm", arm, arms));
+      throw NotFoundError(
+          NoSuchName(fmt::format("scene '{}' / robot '{}'", scene.name(), as_configured.name),
+                     "arm", arm, arms));
     }
-    if (arm != arms.front()) {
-      record.config = internal::WithArmFirst(record.config, arm);
-      key += "/" + arm;
-    }
+    if (arm == arms.front()) arm.clear();
+    if (!arm.empty()) key += "/" + arm;
   }
   if (auto known = std::dynamic_pointer_cast<State>(scene.FindObserver(key))) {
     return Robot(scene, std::move(known));
   }
+  RobotRecord record = as_configured;
+  if (!arm.empty()) record.config = internal::WithArmFirst(record.config, arm);
   auto state = std::make_shared<State>(scene, record);
   for (internal::MadeGroup& made : internal::MakeGroups(scene, record)) {
     const std::string group = made.group->name();
@@ -78,6 +79,8 @@ Robot Robot::Of(const Scene& scene, const std::string& name) {
                       control != nullptr);
     });
   }
+  // Whatever arm it is seen from, it is one robot: each group has one controller and one command.
+  if (!arm.empty()) state->ShareControls(*Robot::Of(scene, record.name).state_);
   Scene(scene).KeepObserver(state, key);
   return Robot(scene, std::move(state));
 }

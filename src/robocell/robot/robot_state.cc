@@ -284,6 +284,14 @@ void Robot::State::AddGroup(internal::MadeGroup made, const std::string& control
   ListKinds();
 }
 
+void Robot::State::ShareControls(State& other) {
+  for (const auto& slot : slots) {
+    if (const internal::GroupSlot* known = other.Find(slot->own->group->name()))
+      slot->control = known->control;
+  }
+  ListKinds();
+}
+
 void Robot::State::Drive(internal::GroupSlot& slot, const std::string& controller,
                          bool configured) {
   const CtrlMode wanted = ControllerMode(controller, place(slot));

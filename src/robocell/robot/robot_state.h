@@ -54,6 +54,8 @@ class Robot::State : public SceneObserver, public internal::BodyPutObserver {
   // configuration names `controller`, that is an error.
   void AddGroup(internal::MadeGroup made, const std::string& controller, bool must_be_driven);
   internal::GroupSlot* Find(const std::string& name);
+  // Takes the controls of another state of the same robot, which has groups of the same names.
+  void ShareControls(State& other);
   // Returns the first group of the kind; for grippers that of the first arm, see GripperOf().
   internal::GroupSlot* FindKind(MoveGroupKind kind) { return first_[static_cast<size_t>(kind)]; }
   // Returns an arm's gripper: the first one that hangs on the arm's last link, in the order of the

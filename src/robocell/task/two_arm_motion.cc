@@ -75,9 +75,11 @@ std::vector<PairGrasp> PairGrasps(const Scene& scene, const std::array<Robot, 2>
     if (ended[arm].size() > kMostOfArm) ended[arm].resize(kMostOfArm);
   }
   std::vector<PairGrasp> pairs;
-  for (const Ended& a : ended[0]) {
-    for (const Ended& b : ended[1]) {
+  for (size_t i = 0; i < ended[0].size(); ++i) {
+    for (size_t j = 0; j < ended[1].size(); ++j) {
+      const Ended &a = ended[0][i], &b = ended[1][j];
       pairs.push_back({{a.grasp, b.grasp},
+                       {i, j},
                        2 - a.grasp.score - b.grasp.score + kUneven * std::abs(a.along - b.along) +
                            kUnevenAcross * std::abs(a.across - b.across)});
     }

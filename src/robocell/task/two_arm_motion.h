@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,8 @@ namespace robocell::internal {
 // One grasp for each of two arms, in the order of the arms.
 struct PairGrasp {
   std::array<Grasp, 2> of;
-  double cost = 0;  // lower is better
+  std::array<size_t, 2> number = {};  // of each among those of its arm in all pairs
+  double cost = 0;                    // lower is better
 };
 
 // Returns the pairs of grasps from above by which two arms can hold a body at its two ends, the longer

@@ -89,8 +89,9 @@ TEST_F(TwoArmRelations, CarriedNeedsTwoArmsALevelWayAndTheRegion) {
 TEST_F(TwoArmRelations, NeedTwoArms) {
   SceneSpec spec = EmptyScene();
   spec.objects.push_back(BoxObject("bar", {0, 0, kHandHeight}));
+  spec.objects.push_back({.name = "region", .mjcf_path = "region", .pos = Vec3{0, 0, 0.001}});
   const Scene scene = Scene::Build(spec);
-  for (const char* text : {"bar handed_over", "bar carried bar"}) {
+  for (const char* text : {"bar handed_over", "bar carried region"}) {
     ExpectThrow<ArgumentError>([&] { BindRelation(scene, ParseRelation(text)); },
                                "needs two arms with grippers");
   }

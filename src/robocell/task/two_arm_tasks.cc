@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -39,7 +40,7 @@ constexpr std::array kCaseHalfWidths = {0.024, 0.03};
 const Vec3 kParked = {10, 0, 0};       // where the region waits until it is drawn
 constexpr double kMostYaw = 0.25;      // rad from facing the robot
 constexpr int kCarryRegionDraws = 16;  // places of the region that are tried
-constexpr int kMostPairs = 60;         // of grasps that are tried when a start is checked
+constexpr double kCarriedLift = 0.05;  // m that the arms must be able to lift the object
 
 // Returns one of the kinds that the task names.
 std::string DrawKind(const NameList& objects, bool once, const StartTurn& turn, Rng& rng) {
@@ -194,24 +195,48 @@ std::optional<Refusal> CarryTask::Draw(Scene& scene, Rng& rng) {
                  .detail = "around the object its support ends, or something is in the way"};
 }
 
+// Both arms must reach an end of the object, with a grasp that they reach over the region, too.
 std::optional<Refusal> CarryTask::CheckStart(const Scene& scene) {
   if (robots().size() < 2) return std::nullopt;  // binding the goal has found two arms
   const std::string& body = scene.compiled()->object(kTarget).root_body;
-  const std::array<Robot, 2> arms = {robots()[0], robots()[1]};
+  const int id = FindId(scene.model(), mjOBJ_BODY, body);
+  const Pose object = scene.body_pose(body);
+  const Eigen::Vector3d com(scene.data()->subtree_com + 3 * id);
+  Eigen::Vector3d shift =
+      scene.body_pose(scene.compiled()->object(kCarryRegion).root_body).translation() - com;
+  shift.z() = 0;
+  std::vector<Robot> nearest = robots();
+  std::ranges::stable_sort(nearest, {}, [&](const Robot& arm) {
+    return (arm.tcp_in_world().translation() - com).norm();
+  });
+  const std::array<Robot, 2> arms = {nearest[0], nearest[1]};
   const std::vector<PairGrasp> pairs = PairGrasps(scene, arms, body);
   if (pairs.empty())
     return Refusal{.reason = "no grasp for two hands",
                    .detail = "the object has no two ends that the grippers can hold from above",
                    .holds_everywhere = true};
-  std::string why;
   for (size_t arm = 0; arm < 2; ++arm) {
     GraspSet set{.robot = arms[arm].name(), .body = body, .grasps = {}};
-    for (size_t i = 0; i < pairs.size() && i < static_cast<size_t>(kMostPairs); ++i)
-      set.grasps.push_back(pairs[i].of[arm]);
-    const ReachReport reach = FindReachableGrasps(arms[arm], set, {.lift = 0.08});
+    std::set<size_t> known;
+    for (const PairGrasp& pair : pairs)
+      if (known.insert(pair.number[arm]).second) set.grasps.push_back(pair.of[arm]);
+    const ReachReport reach = FindReachableGrasps(
+        arms[arm], set, {.most = static_cast<int>(set.grasps.size()), .lift = kCarriedLift});
     if (reach.found.empty())
       return Refusal{.reason = Refusal::kNoReachableBasePose,
                      .detail = "grasps: " + reach.Reasons()};
+    const Pose world_in_base = arms[arm].base_in_world().inverse();
+    const bool reaches_region = std::ranges::any_of(reach.found, [&](const ReachableGrasp& found) {
+      const Pose there = Pose(object.translation() + shift, object.quaternion());
+      return arms[arm]
+          .Ik(world_in_base * there * found.grasp.tcp_in_body, {.seed = found.way.back()})
+          .success;
+    });
+    if (!reaches_region)
+      return Refusal{.reason = "the region is out of reach",
+                     .detail = fmt::format("none of {} grasps at one end of the object is in reach "
+                                           "there",
+                                           reach.found.size())};
   }
   return std::nullopt;
 }
