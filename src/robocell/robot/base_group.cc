@@ -1,9 +1,11 @@
 #include "robocell/robot/base_group.h"
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
@@ -67,9 +69,15 @@ class PlanarBase : public JointGroupOf<BaseGroup> {
   void SetPose(const Pose& pose) override {
     std::array<double, 3> q;
     GetJointPos(q);
-    const Pose mount = this->pose() * Pose::FromRpy({q[0], q[1], 0}, {0, 0, q[2]}).inverse();
+    const mjModel* m = core().model();
+    std::array<double, 3> zero;  // the joint values of the model's own pose
+    for (size_t i = 0; i < 3; ++i) zero[i] = m->qpos0[m->jnt_qposadr[core().joint_ids()[i]]];
+    const Pose pivot(Eigen::Vector3d(m->jnt_pos + 3 * core().joint_ids()[2]));
+    const Pose moved = Pose(Eigen::Vector3d(q[0] - zero[0], q[1] - zero[1], 0)) * pivot *
+                       Pose::FromRpy({0, 0, 0}, {0, 0, q[2] - zero[2]}) * pivot.inverse();
+    const Pose mount = this->pose() * moved.inverse();
     const Pose wanted = mount.inverse() * pose;
-    const Eigen::Vector3d& at = wanted.translation();
+    const Eigen::Vector3d at = wanted * pivot.translation() - pivot.translation();
     const Eigen::Vector3d rpy = wanted.rpy();
     if (std::abs(at.z()) > kInPlane || std::hypot(rpy[0], rpy[1]) > kInPlane) {
       throw ArgumentError(
@@ -77,10 +85,22 @@ class PlanarBase : public JointGroupOf<BaseGroup> {
                       "{:.4g} m above it and tilted by {:.4g} rad",
                       core().place(), at.z(), std::hypot(rpy[0], rpy[1])));
     }
+    const std::array wanted_q{at.x() + zero[0], at.y() + zero[1], rpy[2] + zero[2]};
+    for (size_t i = 0; i < 3; ++i) {
+      const int joint = core().joint_ids()[i];
+      const mjtNum* range = m->jnt_range + 2 * joint;
+      if (!m->jnt_limited[joint] ||
+          (wanted_q[i] >= range[0] - kInPlane && wanted_q[i] <= range[1] + kInPlane))
+        continue;
+      throw ArgumentError(fmt::format(
+          "{}: for this pose joint '{}' would be at {:.4g}, outside its range [{:.4g}, {:.4g}]. "
+          "Widen the range in the model, or put the robot nearer in the scene",
+          core().place(), joint_names()[i], wanted_q[i], range[0], range[1]));
+    }
     leaving_.Warn(core().scene(), core().names().robot, place(), BaseKind::kPlanar, this->pose(),
                   pose);
     SetJointVel(std::array{0.0, 0.0, 0.0});
-    SetJointPos(std::array{at.x(), at.y(), rpy[2]});
+    SetJointPos(wanted_q);
   }
   bool is_mobile() const override { return true; }
 

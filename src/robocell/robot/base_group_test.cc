@@ -5,7 +5,9 @@
 #include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
+#include "robocell/base/rng.h"
 #include "robocell/robot/testing/robots.h"
+#include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/source_dir.h"
 
@@ -117,6 +119,38 @@ TEST(PlanarBase, MovesByTheModelsOwnJointsAndTheirActuatorsHoldIt) {
   }
   EXPECT_NEAR(base.joint_pos()[0], q[0], 2e-3);
   EXPECT_NEAR((base.pose().translation() - placed.translation()).norm(), 0.1, 2e-3);
+}
+
+// A hinge may turn about a point beside the base's origin, and joint values may begin elsewhere than at 0.
+TEST(PlanarBase, IsPutWhereItIsToldWhateverTheZeroAndThePivotOfItsJoints) {
+  ModelFolder folder;
+  const std::string cart = folder.Write("cart", R"(
+    <compiler angle="radian" autolimits="true"/>
+    <worldbody><body name="cart" pos="0.1 0.2 0.3" euler="0 0 0.5">
+      <joint name="x" type="slide" axis="1 0 0" ref="0.4" range="-5 5"/>
+      <joint name="y" type="slide" axis="0 1 0"/>
+      <joint name="yaw" axis="0 0 1" pos="0.3 -0.2 0" ref="-0.7"/>
+      <geom type="box" size=".2 .1 .1"/>
+    </body></worldbody>)");
+  RobotConfig config{
+      .name = "cart", .model = cart, .root_body = "cart", .base = {.kind = BaseKind::kPlanar}};
+  config.move_groups["wheels"] = {.kind = MoveGroupKind::kBase};
+  Robot robot = RobotAlone(config);
+  BaseGroup& base = robot.base();
+  ASSERT_EQ(base.joint_names(), (std::vector<std::string>{"x", "y", "yaw"}));
+  Rng rng = Rng::Stream(7, "cart");
+  for (int i = 0; i < 20; ++i) {
+    const Pose placed =
+        Pose::FromRpy({rng.Uniform(-2, 2), rng.Uniform(-2, 2), base.pose().translation().z()},
+                      {0, 0, rng.Uniform(-3, 3)});
+    base.SetPose(placed);
+    EXPECT_TRUE(base.pose().is_close(placed, 1e-9, 1e-9)) << i;
+  }
+  const Pose before = base.pose();
+  ExpectThrow<ArgumentError>(
+      [&] { base.SetPose(Pose(Eigen::Vector3d(9, 0, before.translation().z()))); },
+      "group 'wheels': for this pose joint 'x' would be at ");
+  EXPECT_EQ(base.pose(), before);
 }
 
 TEST(AnyMovableBase, IsAtRestAfterPlacement) {

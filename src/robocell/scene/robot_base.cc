@@ -110,7 +110,7 @@ void SettleBase(RobotPart& robot, CompileLog& log) {
   if (record.base.kind == BaseKind::kMocap) record.mocap_body = made;
   const std::string top = SpecName(robot.top->element);
   if (record.base.kind == BaseKind::kPlanar && !record.base.size && HasPlanarJoints(robot.top)) {
-    record.top_body = record.base_body = record.prefix + SpecName(robot.top->element);
+    record.top_body = record.base_body = top.empty() ? record.root_body : record.prefix + top;
     return;
   }
   record.base_body = made ? *made : top.empty() ? record.root_body : record.prefix + top;
