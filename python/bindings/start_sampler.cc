@@ -223,8 +223,9 @@ void BindStages(nb::module_& m) {
           },
           "robot"_a, "support"_a, "target_in_world"_a, "placement"_a, "rng"_a,
           "Returns a pose in the world for the bottom of the robot's base. Returns None if the "
-          "robot at home would overlap the support all around the target; then the objects are "
-          "placed again.")
+          "robot, in its posture, is free nowhere around the target: of the scene, whose objects "
+          "are "
+          "in their places, and of the swing of doors. Then the objects are placed again.")
       .def(
           "validate_base_pose",
           [](StartSampler& s, Scene scene, Robot robot, const std::string& target_body) {

@@ -22,8 +22,6 @@ bool MayBeNear(const mjModel* m, const mjData* d, int a, int b, double horizon) 
          m->geom_rbound[a] + m->geom_rbound[b] + horizon;
 }
 
-constexpr double kThreshold = 0.02;  // metres; lower steps are part of the floor
-
 }  // namespace
 
 FloorContact::FloorContact(const Robot& robot)
@@ -45,7 +43,7 @@ bool FloorContact::StandsOnFloors(int robot_geom) const {
 bool FloorContact::IsFloor(int geom) const {
   if (model_->geom_type[geom] == mjGEOM_PLANE) return true;
   return is_planar_ && model_->body_weldid[model_->geom_bodyid[geom]] == 0 &&
-         GeomExtent(model_, data_, geom, Eigen::Vector3d::UnitZ()).upper < plane_ + kThreshold;
+         GeomExtent(model_, data_, geom, Eigen::Vector3d::UnitZ()).upper < plane_ + kMostFloorStep;
 }
 
 Clearance RobotClearance(const Scene& scene, const Robot& robot, double horizon) {

@@ -17,6 +17,8 @@ struct Clearance {
   std::string other_geom;
 };
 
+inline constexpr double kMostFloorStep = 0.02;  // metres; lower steps are part of the floor
+
 // What a robot may touch because it stands on it: the pedestal of a teleported base, planes; the base
 // of a planar one, below its arm, also fixed geoms that end at its plane. Poses are up to date.
 class FloorContact {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "robocell/scene/testing/scenes.h"
+#include "robocell/spec/element_ref.h"
+#include "robocell/spec/robot_config.h"
 
 namespace robocell::internal {
 namespace {
@@ -71,6 +73,28 @@ TEST_F(ClearanceOfBalls, IncludesTheFloorForTheArmButNotForThePedestal) {
   EXPECT_NEAR(With({5, 0, 0}, 2).distance, 0.9, 1e-9);  // to the floor
   config.base = {.kind = BaseKind::kMocap, .size = Vec3{0.1, 0.1, 0.5}};
   EXPECT_NEAR(With({5, 0, 0}, 2).distance, 1.4, 1e-9);  // the pedestal's bottom is at 1 m
+}
+
+// A planar base stands on floors and low steps, but only the base, and only on what is fixed.
+TEST_F(ClearanceOfBalls, LeavesOutWhatAPlanarBaseStandsOn) {
+  config.base = {.kind = BaseKind::kPlanar};
+  config.move_groups["turn"] = {.kind = MoveGroupKind::kArm,
+                                .joints = {"turn"},
+                                .leaf = ElementRef{.kind = ElementKind::kBody, .name = "tip"}};
+  const auto over = [&](const Eigen::Vector3d& top, bool fixed) {
+    SceneSpec spec = EmptyScene();
+    spec.robots.push_back({.name = "r", .config = config, .pos = {0, 0, 1}});
+    SceneObject step = BoxObject("step", ToVec3(top + Eigen::Vector3d(0, 0, 1 - 0.05)));
+    step.size = Vec3{0.05, 0.05, 0.05};
+    step.fixed = fixed;
+    spec.objects.push_back(step);
+    const Scene scene = Scene::Build(spec);
+    return RobotClearance(scene, Robot::Of(scene, "r"), 0.1).distance;
+  };
+  EXPECT_GT(over({0, 0, 0.01}, true), 0) << "the base on a low step";
+  EXPECT_LT(over({0, 0, 0.03}, true), 0) << "the base in a higher one";
+  EXPECT_LT(over({0, 0, 0.01}, false), 0) << "the base on something that moves";
+  EXPECT_LT(over({0.3, 0, 0.01}, true), 0) << "the arm on a low step";
 }
 
 }  // namespace

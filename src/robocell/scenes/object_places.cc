@@ -1,9 +1,15 @@
 #include "robocell/scenes/object_places.h"
 
+#include <mujoco/mujoco.h>
+
 #include <algorithm>
 #include <optional>
+#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "robocell/base/units.h"
+#include "robocell/motion/geom_extent.h"
+#include "robocell/robot/move_group.h"
 
 namespace robocell::internal {
 namespace {
@@ -42,6 +48,29 @@ std::optional<Disc> FindPlace(const Support& support, double radius, const std::
 }
 
 }  // namespace
+
+// The engine turns a mesh to the axes of its inertia, which may be tilted: a box along these would
+// reach far above a table that is level. The axes of its body are those that somebody chose.
+StillBox StillBoxOf(const mjModel* m, const mjData* d, int geom) {
+  if (m->geom_type[geom] != mjGEOM_MESH) {
+    const mjtNum* box = m->geom_aabb + 6 * geom;
+    const Pose pose =
+        Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * geom, d->geom_xmat + 9 * geom);
+    return {pose * Pose(Eigen::Vector3d(box)), Eigen::Vector3d(box + 3)};
+  }
+  const int body = m->geom_bodyid[geom];
+  const Pose axes = Pose::FromTranslationAndMatrix(d->xpos + 3 * body, d->xmat + 9 * body);
+  const Eigen::Matrix3d turn = axes.rotation();
+  StillBox box{Pose(), Eigen::Vector3d::Zero()};
+  Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    const Interval along = GeomExtent(m, d, geom, turn.col(k));
+    middle += turn.col(k) * (along.lower + along.upper) / 2;
+    box.half[k] = (along.upper - along.lower) / 2;
+  }
+  box.frame_to_world = Pose(middle, turn);
+  return box;
+}
 
 std::vector<Eigen::AlignedBox2d> OccupiedOn(const Support& support,
                                             std::span<const StillBox> boxes) {

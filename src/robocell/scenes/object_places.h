@@ -7,6 +7,7 @@
 
 #include "robocell/base/rng.h"
 #include "robocell/math/pose.h"
+#include "robocell/mujoco/forward.h"
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/support.h"
 #include "robocell/spec/scene_object.h"
@@ -32,6 +33,8 @@ struct StillBox {
   Pose frame_to_world;  // of its middle
   Eigen::Vector3d half;
 };
+// Returns the box around a geom, whose pose is up to date; not for planes.
+StillBox StillBoxOf(const mjModel* model, const mjData* data, int geom);
 inline constexpr double kRoomAbove = 0.2;  // metres that an object has above its support
 // Returns the rectangles of a support, in its frame, on which something stands, or above which
 // something hangs lower than kRoomAbove.

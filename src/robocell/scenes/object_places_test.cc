@@ -1,6 +1,13 @@
 #include "robocell/scenes/object_places.h"
 
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
+
+#include <cmath>
+#include <vector>
+#include <Eigen/Core>
+
+#include "robocell/mujoco/compile.h"
 
 namespace robocell::internal {
 namespace {
@@ -79,6 +86,28 @@ TEST(ObjectPlaces, KeepClearOfWhatStandsOrHangsLow) {
     }
   }
   EXPECT_GT(placed, 50);
+}
+
+// The axes of this mesh's inertia are tilted.
+TEST(ObjectPlaces, AMeshTakesUpTheBoxAlongTheAxesOfItsBody) {
+  const SpecPtr spec = ParseXmlString(R"(
+    <mujoco>
+      <asset><mesh name="desk" vertex="-.5 -.3 .7  .5 -.3 .7  -.5 .3 .7  .5 .3 .7  .4 .3 0"/></asset>
+      <worldbody><body pos="1 2 0" euler="0 0 30">
+        <geom type="mesh" mesh="desk"/><geom type="box" size=".1 .2 .3" euler="10 20 30"/>
+      </body></worldbody>
+    </mujoco>)");
+  const ModelPtr model = Compile(spec.get());
+  const DataPtr data = MakeData(model.get());
+  mj_forward(model.get(), data.get());
+  const StillBox desk = StillBoxOf(model.get(), data.get(), 0);
+  EXPECT_TRUE(desk.frame_to_world.is_close(
+      Pose::FromRpy({1, 2, 0}, {0, 0, M_PI / 6}) * Pose(Eigen::Vector3d(0, 0, 0.35)), 1e-6, 1e-6));
+  EXPECT_TRUE(desk.half.isApprox(Eigen::Vector3d(0.5, 0.3, 0.35), 1e-6));
+  const Support top{Pose::FromRpy({1, 2, 0.7}, {0, 0, 0.5}), 0.3, 0.2, 0.02};
+  EXPECT_TRUE(OccupiedOn(top, std::vector{desk}).empty()) << "it ends at its top";
+  const StillBox box = StillBoxOf(model.get(), data.get(), 1);
+  EXPECT_TRUE(box.half.isApprox(Eigen::Vector3d(0.1, 0.2, 0.3), 1e-9));
 }
 
 TEST(ObjectPlaces, KeepAGivenPoseAtTheOrigin) {

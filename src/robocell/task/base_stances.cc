@@ -62,10 +62,11 @@ std::vector<Pose> BasesAround(const Robot& robot, const Support& support, const 
                             ? robot.base().pose().translation().z()
                             : target.translation().z() + placement.height;
   const Pose mount = robot.base().pose().inverse() * robot.base_in_world();
-  // An object on a high shelf is out of reach of an arm whose base stays on the floor.
+  // An object on a high shelf is out of reach of an arm whose base stays on the floor. What is low does
+  // not count: the origin of furniture lies at its foot, far from its handles.
   const auto reaches = [&](const Pose& base) {
     const Eigen::Vector3d away = target.translation() - (base * mount).translation();
-    return robot.config().base.kind != BaseKind::kPlanar ||
+    return robot.config().base.kind != BaseKind::kPlanar || away.z() <= 0 ||
            away.norm() <= kReachShare * robot.reach();
   };
   std::vector<Pose> bases;
@@ -80,6 +81,13 @@ std::vector<Pose> BasesAround(const Robot& robot, const Support& support, const 
       bases.push_back(base);
   }
   return bases;
+}
+
+void PutBase(const Robot& robot, const Pose& base_in_world) {
+  BaseGroup& base = robot.base();
+  base.SetPose(base_in_world);
+  if (robot.config().base.kind == BaseKind::kPlanar && robot.is_driven(base.name()))
+    robot.controller(base.name()).Reset();
 }
 
 BaseStances::BaseStances(const Robot& robot, double clearance,

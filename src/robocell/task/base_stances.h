@@ -31,6 +31,9 @@ std::vector<Pose> BasesAround(const Robot& robot, const Support& support,
                               const Pose& target_in_world, const BasePlacement& placement,
                               const StartConfig& start, Rng& rng);
 
+// Puts the robot's base there. The servos of a planar base, which would drive it back, hold it there.
+void PutBase(const Robot& robot, const Pose& base_in_world);
+
 class BaseStances {
  public:
   // Reads the poses of the scene, which are up to date; after changes of the scene, make another.

@@ -20,6 +20,7 @@
 #include "robocell/scenes/catalogue.h"
 #include "robocell/scenes/place_overlap.h"
 #include "robocell/task/base_placement.h"
+#include "robocell/task/base_stances.h"
 #include "robocell/task/door_swings.h"
 #include "robocell/task/handle_motion.h"
 
@@ -284,8 +285,8 @@ std::optional<Refusal> StandInFront(Scene& scene, const Robot& robot, int root,
     Eigen::Vector3d at = middle + away * Eigen::Vector3d(std::cos(yaw), std::sin(yaw), 0);
     at.z() = base.translation().z();
     const double turn = YawOf(hand - at) + facing - YawOf(base.rotation().col(0));
-    robot.base().SetPose(Pose(at) * Pose::FromRpy({0, 0, 0}, {0, 0, turn}) *
-                         Pose(Eigen::Vector3d::Zero(), base.quaternion()));
+    PutBase(robot, Pose(at) * Pose::FromRpy({0, 0, 0}, {0, 0, turn}) *
+                       Pose(Eigen::Vector3d::Zero(), base.quaternion()));
     scene.Forward();
     if (!is_in_reach()) {
       if (!refusal)

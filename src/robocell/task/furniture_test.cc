@@ -9,6 +9,8 @@
 #include <string>
 #include <vector>
 
+#include "robocell/assets/resolve.h"
+#include "robocell/base/rng.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/scenes.h"
@@ -199,6 +201,42 @@ TEST(Furniture, ARobotStandsInFrontOfADoorThatIsFarFromItsRoot) {
       EXPECT_LE((point - robot.base_in_world().translation()).norm(), 0.9 * robot.reach());
     EXPECT_FALSE(internal::ValidateMovedJoint(scene, robot, door, share, 0.01).has_value());
   }
+}
+
+// Its servos hold a planar base there, and do not drive it back to where it was before.
+TEST(Furniture, AMobileRobotStaysWhereItStands) {
+  ModelFolder folder;
+  SceneSpec spec = EmptyScene();
+  spec.objects.push_back({.name = "house",
+                          .mjcf_path = folder.Write("house", R"(
+    <worldbody><body name="house"><geom type="box" size=".1 .1 .1" pos="0 0 -.1"/>
+      <body name="door" pos="4 3 0"><joint name="hinge" axis="0 0 1" range="0 80"/>
+        <geom type="box" size=".02 .4 1" pos="0 .4 1"/>
+        <geom name="handle" type="capsule" size=".01 .08" pos="-.07 .7 .8"/>
+        <geom type="box" size=".03 .01 .01" pos="-.04 .7 .8"/>
+      </body></body></worldbody>)"),
+                          .pos = Vec3{},
+                          .fixed = true});
+  spec.robots.push_back({.name = "arm",
+                         .config = RobotConfig::Load(assets::BuiltinRobotFile("rc7_mobile")),
+                         .pos = {-1, 0, 0}});
+  Scene scene = Scene::Build(spec);
+  scene.Reset();
+  Robot robot = Robot::Of(scene, "arm");
+  robot.Update();
+  Rng rng = Rng::Stream(5, "mobile");
+  const auto refusal = internal::StandInFront(
+      scene, robot, FindId(scene.model(), mjOBJ_BODY, "house_house"),
+      JointOpening::Of(scene, "house_hinge"), 0.2,
+      []() -> std::optional<Refusal> { return std::nullopt; }, rng);
+  ASSERT_FALSE(refusal.has_value()) << refusal->reason << ": " << refusal->detail;
+  const Pose stance = robot.base().pose();
+  EXPECT_GT((stance.translation() - Eigen::Vector3d(-1, 0, 0)).norm(), 2);
+  for (int i = 0; i < 100; ++i) {
+    robot.Update();
+    ASSERT_TRUE(robot.Step().ok());
+  }
+  EXPECT_TRUE(robot.base().pose().is_close(stance, 0.01, 0.01));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 
 #include "robocell/base/call_hook.h"
 #include "robocell/base/error.h"
+#include "robocell/motion/clearance.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/scene/scene_cache.h"
@@ -83,11 +84,12 @@ std::string TargetOf(Task& task, const StartContents& contents, std::vector<std:
 
 constexpr double kStorey = 2;  // metres; a floor farther below or above is another one
 
-bool IsOnFloor(const Eigen::Vector3d& at, const std::vector<FloorArea>& floor) {
+// `most_above`: metres between the place and the floor.
+bool IsOnFloor(const Eigen::Vector3d& at, const std::vector<FloorArea>& floor, double most_above) {
   return std::ranges::any_of(floor, [&](const FloorArea& area) {
     const Eigen::Vector3d on = area.frame_to_world.inverse() * at;
     return std::abs(on.x()) <= area.half_x && std::abs(on.y()) <= area.half_y &&
-           std::abs(on.z()) <= kStorey;
+           std::abs(on.z()) <= most_above;
   });
 }
 
@@ -108,13 +110,6 @@ std::vector<Articulation> DoorsLeftAlone(const std::vector<Articulation>& doors,
 }
 
 bool IsPlanar(const Robot& robot) { return robot.config().base.kind == BaseKind::kPlanar; }
-
-// Puts the base there, where the servos of a planar one hold it.
-void PutBase(Robot& robot, const Pose& pose) {
-  BaseGroup& base = robot.base();
-  base.SetPose(pose);
-  if (IsPlanar(robot) && !base.actuator_names().empty()) robot.controller(base.name()).Reset();
-}
 
 // Returns the world poses of the objects that keep theirs.
 std::vector<std::optional<Pose>> OwnPosesOf(const std::vector<SceneObject>& objects,
@@ -226,8 +221,10 @@ std::optional<Refusal> StartSampler::PutObjects(
     const Support& support, const std::optional<internal::RelatedPlaces>& related,
     std::vector<SceneObject>& objects, Rng& rng) {
   const Refusal no_room =
-      Refusal{Refusal::kNoFreePlace, "the objects do not fit beside each other"}.MadeBy(
-          Refusal::kObjectsStage);
+      Refusal{Refusal::kNoFreePlace,
+              "the objects do not fit beside each other and what stands on their support or hangs "
+              "low above it"}
+          .MadeBy(Refusal::kObjectsStage);
   if (!related) {
     if (PlaceObjects(support, objects, rng)) return std::nullopt;
     return no_room;
@@ -252,12 +249,13 @@ std::optional<Pose> StartSampler::ProposeBasePose(const Robot& robot, const Supp
                                                   const BasePlacement& placement, Rng& rng) {
   std::vector<Pose> bases =
       internal::BasesAround(robot, support, target, placement, run_.start, rng);
+  const double most_above = IsPlanar(robot) ? internal::kMostFloorStep : kStorey;
   std::erase_if(bases, [&](const Pose& base) {
     const Eigen::Vector3d& at = base.translation();
     const bool is_near_rejected = std::ranges::any_of(rejected_bases_, [&](const auto& rejected) {
       return (at.head<2>() - rejected).norm() < run_.start.base_separation;
     });
-    return is_near_rejected || (!free_floor_.empty() && !IsOnFloor(at, free_floor_));
+    return is_near_rejected || (!free_floor_.empty() && !IsOnFloor(at, free_floor_, most_above));
   });
   if (bases.empty()) return std::nullopt;
   robot.scene().SyncPoses();
@@ -368,9 +366,7 @@ void StartSampler::FindStillBoxes(const Setup& setup) {
     if (m->geom_type[g] == mjGEOM_PLANE || !internal::IsCollisionGeom(m, g) ||
         ignored[static_cast<size_t>(m->geom_bodyid[g])])
       continue;
-    const mjtNum* box = m->geom_aabb + 6 * g;
-    const Pose geom = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
-    still_boxes_.push_back({geom * Pose(Eigen::Vector3d(box)), Eigen::Vector3d(box + 3)});
+    still_boxes_.push_back(internal::StillBoxOf(m, d, g));
   }
 }
 
@@ -395,14 +391,17 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const BasePlaceme
   std::optional<Pose> base;
   BodyPoses moved;
   Pose target;
-  for (int t = 0; t < kPlaceTries && !base; ++t) {
+  std::optional<Refusal> no_room;
+  for (int t = 0; t < kPlaceTries && !base && !(t > 0 && ShouldStop(setup.stop)); ++t) {
     // What one support has no room for, for objects or for a robot beside it, may fit on another.
     if (t > 0 && t % kSupportTries == 0)
       setup.support = FindSupportOf(setup.base_scene, setup.scene_index, rng);
     setup.objects = setup.contents;
-    auto no_room = PutObjects(setup.support, setup.related, setup.objects, rng);
-    if (no_room && t + 1 == kPlaceTries) return no_room;
-    if (no_room) continue;
+    no_room = PutObjects(setup.support, setup.related, setup.objects, rng);
+    if (no_room) {
+      t += kSupportTries - 1 - t % kSupportTries;  // each try of theirs is many
+      continue;
+    }
     moved = internal::TaskCalls(*setup.task).Starts(rng);
     std::erase_if(moved, [&](const auto& body) { return setup.IsRelated(body.first); });
     target = setup.PlacedTarget();
@@ -412,6 +411,7 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const BasePlaceme
     put(moved);
     base = ProposeBasePose(setup.robot, setup.support, target, placement, rng);
   }
+  if (no_room) return no_room;
   if (!base) {
     return Refusal{Refusal::kBaseInCollision,
                    fmt::format("{:.2f} m from the target and {:.2f} m above it the robot overlaps "
@@ -420,7 +420,7 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const BasePlaceme
                                free_floor_.empty() ? "" : ", or is beside the free floor,")}
         .MadeBy(Refusal::kBaseStage);
   }
-  PutBase(setup.robot, *base);
+  internal::PutBase(setup.robot, *base);
   setup.scene.Forward();
   if (auto refusal = internal::TaskCalls(*setup.task).Arrange(setup.scene, rng))
     return std::move(*refusal).MadeBy(Refusal::kTaskStage);
@@ -441,12 +441,12 @@ std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const BasePlaceme
 std::optional<Refusal> StartSampler::ValidateWithoutRobot(Setup& setup) {
   if (!setup.cameras) return std::nullopt;
   const Pose base = setup.robot.base().pose();
-  PutBase(setup.robot,
-          Pose(Eigen::Vector3d(kParked.x(), kParked.y(),
-                               IsPlanar(setup.robot) ? base.translation().z() : kParked.z())));
+  internal::PutBase(setup.robot, Pose(Eigen::Vector3d(kParked.x(), kParked.y(),
+                                                      IsPlanar(setup.robot) ? base.translation().z()
+                                                                            : kParked.z())));
   setup.scene.Forward();
   auto refusal = setup.cameras->CheckWithoutRobot(setup.scene, setup.robot, setup.object_of());
-  PutBase(setup.robot, base);
+  internal::PutBase(setup.robot, base);
   setup.scene.Forward();
   return refusal;
 }

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "robocell/assets/resolve.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/hook_error.h"
@@ -151,6 +152,26 @@ TEST(StartSampler, PlacesObjectsOnTheFloorWithoutATable) {
     ASSERT_TRUE(result.start.has_value()) << result.refusal.counted_as() << result.refusal.detail;
     for (const char* name : {"block_0", "block_1"})
       EXPECT_NEAR(result.start->scene.body_pose(name).translation().z(), 0.02, 0.002) << name;
+  }
+}
+
+// A planar base stays on the floor, whatever the height that the task asks for, and at rest.
+TEST(StartSampler, AMobileRobotStandsOnTheFloorBesideTheTable) {
+  RunConfig run = BlocksRun();
+  run.robot.config = RobotConfig::Load(assets::BuiltinRobotFile("rc7_mobile"));
+  run.start.base_distance = Vec2{0.45, 0.65};
+  StartSampler sampler(run);
+  for (int episode = 0; episode < 2; ++episode) {
+    const SampleResult result = FirstAccepted(sampler, episode);
+    ASSERT_TRUE(result.start.has_value()) << result.refusal.counted_as() << result.refusal.detail;
+    const EpisodeStart& start = *result.start;
+    EXPECT_NEAR(start.base_in_world.translation().z(), 0, 1e-9);
+    const Pose block = start.scene.body_pose("block_0");
+    EXPECT_NEAR((start.base_in_world.translation() - block.translation()).head<2>().norm(), 0.55,
+                0.11);
+    const Robot robot = Robot::Of(start.scene, run.robot.config.name);
+    EXPECT_FALSE(ValidateBaseReach(robot, block).has_value());
+    EXPECT_FALSE(ValidateBaseClearance(start.scene, robot, 0).has_value());
   }
 }
 
