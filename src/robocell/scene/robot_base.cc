@@ -105,6 +105,10 @@ void FitWeld(mjSpec* scene, const RobotRecord& robot) {
 
 void SettleBase(RobotPart& robot, CompileLog& log) {
   RobotRecord& record = robot.record;
+  // A model that moves itself does so also where the spec takes the base away.
+  if (record.base.kind == BaseKind::kFixed && record.config.base.kind == BaseKind::kPlanar &&
+      !record.config.base.size && HasPlanarJoints(robot.top))
+    record.base = record.config.base;
   if (record.base.size) record.pedestal_height = (*record.base.size)[2];
   const auto made = BaseBodyName(record.base, record.prefix);
   if (record.base.kind == BaseKind::kMocap) record.mocap_body = made;
