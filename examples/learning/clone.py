@@ -54,7 +54,7 @@ def demonstrate(folder: str, episodes: int) -> rc.Dataset:
 
 def clone(dataset: rc.Dataset) -> ExtraTreesRegressor:
     """A policy that does what was demonstrated in each state."""
-    trees = ExtraTreesRegressor(60, random_state=0)
+    trees = ExtraTreesRegressor(60, min_samples_leaf=2, random_state=0)
     chunks = rc.data.rows(dataset, DONE, horizon=CHUNK)
     return trees.fit(rc.data.rows(dataset, SEEN), chunks.reshape(len(chunks), -1))
 

@@ -145,6 +145,7 @@ def test_copies_have_no_windows(monkeypatch):
 
 def test_make_vec_builds_it_by_its_registered_name():
     vector = gym.make_vec("robocell/PickCube-v0", num_envs=2, threads=1)
+    vector.action_space.seed(0)
     observation, _ = vector.reset(seed=[7, 7])
     assert observation["objects"]["cube"]["tquat"].shape == (2, 7)
     assert np.array_equal(*observation["robot"]["joints"])

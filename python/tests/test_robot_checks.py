@@ -179,9 +179,7 @@ def test_notes_which_of_several_arms_and_grippers_is_used(
     result = robocell_command("check", path)
     assert result.returncode == 0, result.stderr
     arms = "l_arm with l_hand, r_arm with r_hand"
-    assert (
-        f"note: move_groups has 2 of kind arm: {arms}. Environments act" in result.stdout
-    )
+    assert f"note: move_groups has 2 of kind arm: {arms}. Environments act" in result.stdout
     robot = load_robot(path).robot
     assert (robot.arm.name, robot.gripper.name) == ("l_arm", "l_hand")
     assert (robot.gripper_of("l_arm"), robot.gripper_of("r_arm")) == ("l_hand", "r_hand")

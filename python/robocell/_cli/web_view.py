@@ -30,7 +30,7 @@ def view_in_browser(target: Path, index: int, speed: float, host: str, port: int
         fail(f"'{target}' is a folder without episodes; give a dataset, or one of its episodes")
     shown = load(target, index)
     live = LiveScene(shown.scene, target.stem, speed, shown.restart)
-    with serving(live, host, port), contextlib.suppress(KeyboardInterrupt):
+    with contextlib.suppress(KeyboardInterrupt), serving(live, host, port):
         live.run()
 
 
@@ -41,7 +41,7 @@ def _is_own(address: str) -> bool:
 
 def wait_serving(site: Site, host: str, port: int) -> None:
     """Serves a site whose data stay as they are until Ctrl-C."""
-    with serving(site, host, port), contextlib.suppress(KeyboardInterrupt):
+    with contextlib.suppress(KeyboardInterrupt), serving(site, host, port):
         threading.Event().wait()
 
 
@@ -71,15 +71,15 @@ def serving(
             f"the page can be opened from other machines that reach {host}; its address is a "
             f"password{clear}"
         )
-    print(f"page: {server.url}", flush=True)
-    print("Ctrl-C ends it.", flush=True)
 
     def end(_signal: int, _frame: object) -> None:
         raise KeyboardInterrupt
 
     before = signal.signal(signal.SIGTERM, end)
     server.start()
-    try:
+    try:  # who reads the address may end the command at once
+        print(f"page: {server.url}", flush=True)
+        print("Ctrl-C ends it.", flush=True)
         yield server
     finally:
         signal.signal(signal.SIGTERM, before)

@@ -9,8 +9,6 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
-import numpy as np
-
 from robocell._core import (
     ArgumentError,
     ArmLink,
@@ -103,7 +101,7 @@ class Simulation:
             robot.update()
             if not robot.step().ok:
                 return False
-            if abs(arm.joint_pos - np.asarray(q, dtype=float)).max() <= ARRIVED:
+            if abs(arm.joint_pos - q).max() <= ARRIVED:
                 return True
         return False
 

@@ -81,7 +81,7 @@ std::vector<Eigen::AlignedBox2d> OccupiedOn(const Support& support,
   std::vector<Eigen::AlignedBox2d> occupied;
   for (const StillBox& box : boxes) {
     const Pose on = world_to_support * box.frame_to_world;
-    const Eigen::Vector3d middle = on.translation();
+    const Eigen::Vector3d& middle = on.translation();
     const Eigen::Vector3d half = on.rotation().cwiseAbs() * box.half;
     if (middle.z() + half.z() < kSunk || middle.z() - half.z() > kRoomAbove) continue;
     const Eigen::AlignedBox2d flat(Eigen::Vector2d((middle - half).head<2>()),
