@@ -14,6 +14,7 @@ import robocell as rc
 from command_line import RC7
 from robocell._channel import MisbehavedError
 from robocell._cli.robot_scene import load_robot
+from robocell._web.frame_hub import FrameHub
 from robocell._web.live_scene import CHECKS, LiveScene, move_joint
 from robocell._web.packed import unpacked
 from robocell._web.scene_geometry import TYPES, body_poses, geometry_of
@@ -167,3 +168,13 @@ def test_a_scene_stands_still_without_pages(scene: rc.Scene):
     live.stop()
     thread.join(10)
     assert scene.time() == 0
+
+
+def test_a_page_that_is_early_waits_for_the_shapes():
+    hub = FrameHub()
+    later = threading.Timer(0.05, hub.publish_geometry, [b"shapes"])
+    later.start()
+    reply = hub.geometry()
+    assert reply is not None
+    assert reply.content == b"shapes"
+    later.join()

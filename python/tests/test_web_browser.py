@@ -201,8 +201,12 @@ def test_a_pick_is_recorded_in_the_browser(tab: Tab, tmp_path: Path):
             "(() => { const box = document.querySelector('[data-pad=lift]')"
             ".getBoundingClientRect(); return [box.x + 60, box.y + 90]; })()"
         )
-        tab.drag(*pad, 0, -50)
-        tab.wait_for(f"({AWAY})[2] < {before} - 0.015")  # the pad lifts the TCP
+        for _ in range(10):  # a busy machine loses some of the moves
+            tab.drag(*pad, 0, -50)
+            time.sleep(0.5)
+            if tab.value(AWAY)[2] < before - 0.015:
+                break
+        assert tab.value(AWAY)[2] < before - 0.015, "the pad lifts the TCP"
         tab.wait_for("RC.page.cameras.wrist.width === 64")
         pick(tab)
         tab.screenshot(tmp_path / "picked.png")

@@ -114,7 +114,7 @@ def test_a_gripper_is_open_at_home_and_stays_open(grasping: RobotScene):
 def test_a_seeded_reset_stays_near_home(loaded: RobotScene):
     scene, robot, config = loaded.scene, loaded.robot, loaded.config
     home = np.array(robot.arm.joint_pos)
-    noise = np.array(config.home_noise.get("arm", [0.0]))
+    noise = np.array(config.home_noise.get(robot.arm.name, [0.0]))
     scene.reset(rc.scene.ResetOptions(seed=3))
     assert np.all(np.abs(np.array(robot.arm.joint_pos) - home) <= noise + 1e-12)
 

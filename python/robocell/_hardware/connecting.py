@@ -91,6 +91,8 @@ class Simulation:
 
     def move_to(self, q: ArrayLike, timeout: float = 30.0) -> bool:
         """Commands the joints and steps the scene until they are there, or `timeout` is over."""
+        import numpy as np  # the package loads this module, and does without
+
         robot, scene, arm = self._robot, self._robot.scene, self._arm
         if arm.name == robot.arm.name:
             robot.jnt_pos_cmd[:] = q
@@ -101,7 +103,7 @@ class Simulation:
             robot.update()
             if not robot.step().ok:
                 return False
-            if abs(arm.joint_pos - q).max() <= ARRIVED:
+            if abs(arm.joint_pos - np.asarray(q, dtype=float)).max() <= ARRIVED:
                 return True
         return False
 

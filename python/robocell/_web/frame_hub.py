@@ -16,6 +16,7 @@ from robocell._channel import MisbehavedError
 from robocell._web.web_server import Reply
 
 MOST_WAITING = 1000  # commands
+FIRST_S = 20.0  # for the first shapes of a scene
 PATIENCE_S = 0.5  # after which a page without a new frame gets an empty one
 GONE_S = 2.0  # without a request, a page counts no longer
 
@@ -47,10 +48,12 @@ class FrameHub:
         """Replaces the shapes that pages draw."""
         with self._changed:
             self._geometry = geometry
+            self._changed.notify_all()
 
     def geometry(self) -> Reply | None:
-        """Returns the shapes; None before there are any."""
+        """Returns the shapes, and waits for the first ones; None if they do not come."""
         with self._changed:
+            self._changed.wait_for(lambda: self._geometry, FIRST_S)
             return Reply(self._geometry) if self._geometry else None
 
     def wait(self, page: int, seen: int) -> tuple[int, bytes]:

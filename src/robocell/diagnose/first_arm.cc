@@ -26,7 +26,8 @@ void NoteArms(const Robot& robot, const std::vector<std::string>& arms, Findings
   std::vector<std::string> with_hands;
   for (const std::string& arm : arms) {
     const std::string gripper = robot.gripper_of(arm);
-    with_hands.push_back(arm + (gripper.empty() ? " without a gripper" : " with " + gripper));
+    with_hands.push_back(gripper.empty() ? fmt::format("{} without a gripper", arm)
+                                         : fmt::format("{} with {}", arm, gripper));
   }
   findings.Note(fmt::format(
       "move_groups has {} of kind arm: {}. Environments act with all of them. In a run the nearest "

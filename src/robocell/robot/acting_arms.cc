@@ -1,5 +1,7 @@
 #include "robocell/robot/acting_arms.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <utility>
 
@@ -27,7 +29,7 @@ std::vector<std::string> ActingArms(const RobotConfig& config, const std::string
   const std::vector<std::string> arms = ArmNames(config);
   if (arms.size() < 2) return {robot};
   std::vector<std::string> names;
-  for (const std::string& arm : arms) names.push_back(robot + "/" + arm);
+  for (const std::string& arm : arms) names.push_back(fmt::format("{}/{}", robot, arm));
   return names;
 }
 
