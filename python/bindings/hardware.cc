@@ -287,7 +287,7 @@ void DefPort(nb::class_<T, ArmPort>& port) {
           },
           "pos"_a, "vel"_a = nb::none(), "opening"_a.none() = nb::none(),
           "Commands the joints, past all guards. Programs use an `ArmLink`.")
-      .def("hold", &T::Hold, Unlocked(), "Tells the arm to hold where it is.")
+      .def("hold", &T::Hold, Unlocked(), "Makes the arm hold where it is.")
       .def("now", &T::now, Unlocked(), "Returns the seconds of the port's clock.")
       .def("wait_until", &T::WaitUntil, "time"_a, Unlocked(),
            "Returns when the port's clock has reached a time.");
@@ -302,7 +302,7 @@ void BindPorts(nb::module_& m) {
       "properties;\n"
       "- `read() -> ArmMeasurement | None`: the newest measurement, None without a new one;\n"
       "- `send(command)`: commands the joints of an ArmCommand;\n"
-      "- `hold()`: tells the arm to hold where it is;\n"
+      "- `hold()`: makes the arm hold where it is;\n"
       "- optionally `now()` and `wait_until(time)`: another clock than the computer's.\n\n"
       "None of them waits, except wait_until: a slow bus gets a thread of its own. What they raise "
       "stops the arm.")

@@ -354,7 +354,7 @@ def _make(
         raise
     except OSError as error:
         raise IoError(
-            f"cannot make '{out}': {error.strerror or error}. What is there stays in "
+            f"cannot make '{out}': {error.strerror or error}. What was written stays in "
             f"'{target.parent / f'.{target.name}.partial'}'; the same command continues there"
         ) from error
     return copied

@@ -401,7 +401,7 @@ def _explaining(target: Path) -> Iterator[None]:
         raise
     except OSError as error:
         raise IoError(
-            f"cannot make '{target}': {error.strerror or error}. What is there stays in "
+            f"cannot make '{target}': {error.strerror or error}. What was written stays in "
             f"'{target.parent / f'.{target.name}.partial'}'; the same command continues there"
         ) from error
 

@@ -65,7 +65,7 @@ std::unique_ptr<Skill> MakePourSkill(const SkillSettings& settings,
 std::unique_ptr<Skill> MakePutDownSkill(const SkillSettings& settings,
                                         const RelationTask::Goal& goal);  // put_down_skill.cc
 
-// Of two arms of `settings.arms`.
+// The skill uses two arms of `settings.arms`.
 std::unique_ptr<Skill> MakeHandoverSkill(const SkillSettings& settings,
                                          const RelationTask::Goal& goal);  // handover_skill.cc
 std::unique_ptr<Skill> MakeCarrySkill(const SkillSettings& settings,

@@ -151,7 +151,7 @@ class ArmLink::Impl final : public internal::StepLink {
     try {
       port->Hold();
     } catch (const std::exception& error) {
-      LogWarn(fmt::format("{}: cannot be told to hold: {}", place, error.what()));
+      LogWarn(fmt::format("{}: does not take the command to hold: {}", place, error.what()));
     }
   }
 

@@ -53,7 +53,7 @@ class ArmPort {
   // Copies the newest measurement. Returns false if there is none since the last call.
   virtual bool Read(ArmMeasurement& out) = 0;
   virtual void Send(const ArmCommand& command) = 0;
-  // Tells the arm to hold where it is. Called when a link stops or ends.
+  // Makes the arm hold where it is. Called when a link stops or ends.
   virtual void Hold() = 0;
   // Seconds of a clock that never goes back; by default the computer's.
   virtual double now() const;
