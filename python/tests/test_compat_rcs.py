@@ -212,6 +212,7 @@ def test_two_arms_in_one_frame(fr3):
         assert after.body_pose(body).is_close(expected, *EXACT), body
 
 
+@pytest.mark.proof
 def test_ready_made_configurations(fr3):
     for creator, robots in ((EmptyWorldFR3(), ["robot"]), (EmptyWorldFR3Duo(), ["left", "right"])):
         cfg = creator.config()

@@ -99,6 +99,7 @@ def evaluated(made: Made, imports: list[str], policy: str) -> rc.RunConfig:
     return RunSource(str(made.dataset), tuple(imports), policy).load(["output=evaluated"])
 
 
+@pytest.mark.proof
 def test_all_modules_of_the_run_give_its_environment(made: Made):
     env = from_dataset(made.dataset, imports=[f"{made.task}.py", f"{made.patch}.py"])
     assert env.reset(seed=0)[1]["instruction"] == "patched"

@@ -159,6 +159,7 @@ def next_row(env: rc.envs.DatasetEnv, start: int) -> dict[str, np.ndarray]:
     return env.core.row()
 
 
+@pytest.mark.proof
 def test_numbers_beyond_their_range_are_recorded_and_observed_in_the_space(tmp_path: Path):
     name = "features/beyond_of_dataset"
 
@@ -583,6 +584,7 @@ def recorded_where_arms_stay(folder: Path) -> rc.Dataset:
     return rc.Dataset(folder)
 
 
+@pytest.mark.proof
 def test_a_start_depends_on_its_number_alone_where_arms_stay(tmp_path: Path):
     dataset = recorded_where_arms_stay(tmp_path / "out")
 

@@ -99,6 +99,7 @@ def test_failed_items_cost_time_and_leave_nothing():
     assert (nothing.episodes, nothing.frames, nothing.bytes) == (0, 0, 0)
 
 
+@pytest.mark.proof
 def test_an_estimate_is_close_to_the_cost_of_two_episodes(tmp_path: Path):
     run = write_run(tmp_path)
     result = robocell_command("generate", run, "--dry-run", "--progress", "jsonl")
@@ -117,6 +118,7 @@ def test_an_estimate_is_close_to_the_cost_of_two_episodes(tmp_path: Path):
     assert "estimate (from" not in again
 
 
+@pytest.mark.proof
 def test_a_dry_run_reports_that_no_episode_can_succeed(tmp_path: Path):
     # Everything is right about the run but that nothing encodes.
     run = write_run(tmp_path)

@@ -355,6 +355,7 @@ def test_arrays_of_the_format_itself_cannot_be_replaced(
     assert [each.name for each in tmp_path.iterdir()] == ["mapping.yaml"]
 
 
+@pytest.mark.proof
 def test_umi_reads_the_zip(dataset: robocell.Dataset, tmp_path: Path):
     out = tmp_path / "umi"
     result = export_dataset(dataset, out, "umi")

@@ -59,6 +59,7 @@ def test_logs_have_raw_images(dataset: robocell.Dataset, tmp_path: Path):
         assert time == pytest.approx(1e9 * moment, abs=1)
 
 
+@pytest.mark.proof
 def test_depth_is_resampled_with_its_rows(dataset: robocell.Dataset, tmp_path: Path):
     export_dataset(dataset, tmp_path / "out", "zarr", depth=True, rate=3, episodes=["0"])
     group: Any = zarr.open_group(str(tmp_path / "out" / "replay_buffer.zarr"), mode="r")
@@ -67,6 +68,7 @@ def test_depth_is_resampled_with_its_rows(dataset: robocell.Dataset, tmp_path: P
     np.testing.assert_array_equal(group["data/wrist_depth"][:][..., 0], depth[rows])
 
 
+@pytest.mark.proof
 def test_depth_that_is_left_out_says_how_to_export_it(dataset: robocell.Dataset, tmp_path: Path):
     for name, form in FORMATS.items():
         if name in ("umi", "rerun"):

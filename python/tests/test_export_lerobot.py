@@ -346,6 +346,7 @@ def test_statistics_need_no_more_memory_for_more_rows(monkeypatch: pytest.Monkey
     assert images.result()["min"] == [[[1.0]]] * 3
 
 
+@pytest.mark.proof
 def test_many_files_hold_the_same_rows_as_one(
     dataset: robocell.Dataset, exported: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):

@@ -50,6 +50,7 @@ def test_a_packed_dataset_has_the_bytes_of_one_that_is_not(
         )
 
 
+@pytest.mark.proof
 def test_shards_are_as_large_as_the_files_are(
     dataset: robocell.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
@@ -93,6 +94,7 @@ def test_an_interrupted_export_keeps_every_episode(
     assert len(episodes(out)) == 3
 
 
+@pytest.mark.proof
 def test_images_that_were_encoded_again_are_packed(dataset: robocell.Dataset, tmp_path: Path):
     result = export_dataset(dataset, tmp_path / "out", pack=True, preset="aloha", cameras=["exo"])
     assert result.encoded == {

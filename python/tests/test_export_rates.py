@@ -142,7 +142,7 @@ def held_rows(episode: Any, rate: float) -> np.ndarray:
     return np.array([np.flatnonzero(starts <= k / rate + 1e-9)[-1] for k in range(count)])
 
 
-@pytest.mark.parametrize("rate", [4, 15])
+@pytest.mark.parametrize("rate", [4, pytest.param(15, marks=pytest.mark.proof)])
 def test_rows_at_another_rate_are_the_nearest_before(even: rc.Dataset, tmp_path: Path, rate: int):
     made = export_dataset(even, tmp_path / "out", "zarr", rate=rate)
     assert (made.rate, made.is_even) == (rate, True)

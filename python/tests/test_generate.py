@@ -88,6 +88,7 @@ def longer(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return out
 
 
+@pytest.mark.proof
 def test_results_on_disk_match_the_worker_reports(longer: Path):
     """It does where the worker died before it could."""
     run = robocell.RunConfig.load(longer.parent / "run.yaml", [f"output={longer}"])
@@ -206,6 +207,7 @@ def other_seed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made_once(tmp_path_factory, "other_seed", make) / "out"
 
 
+@pytest.mark.proof
 def test_an_episode_of_another_run_is_reported_and_not_counted(
     reference: Path, other_seed: Path, tmp_path: Path
 ):
@@ -349,6 +351,7 @@ def test_rejects_a_second_run_and_the_first_completes(reference: Path, tmp_path:
     assert contents(out) == contents(reference)
 
 
+@pytest.mark.proof
 def test_another_shard_can_run_concurrently_but_not_the_same(reference: Path, tmp_path: Path):
     run, out = write_run(tmp_path), tmp_path / "out"
     with going_on(run, out, "--shard", "0/2", "--workers", 1) as first:

@@ -56,6 +56,7 @@ range="-0.04 0.01" damping="5"/><geom type="box" size="0.012 0.006 0.04" mass="0
 </mujoco>"""
 
 
+@pytest.mark.proof
 def test_a_hand_without_an_arm_is_measured_and_checked(tmp_path: Path):
     (tmp_path / "hand.xml").write_text(HAND)
     path = tmp_path / "hand.yaml"

@@ -341,6 +341,7 @@ def test_assets_may_be_links(copy: Path, tmp_path: Path):
     assert "missing: Bowl_1.obj" in source_of(root=str(copy), without=["Mug_2"]).why_not(0)
 
 
+@pytest.mark.proof
 def test_numbers_without_a_house_are_passed_over(copy: Path):
     """Unless the run names them."""
     (copy / "train_0_assets/Bowl_1.obj").unlink()
@@ -353,6 +354,7 @@ def test_numbers_without_a_house_are_passed_over(copy: Path):
     assert "1 of 2 scenes is left out: 1 (no such house)" in text
 
 
+@pytest.mark.proof
 def test_runs_leave_unusable_houses_out(copy: Path):
     (copy / "train_0_assets/Bowl_1.obj").unlink()
     scenes = {"source": "houses", "root": str(copy), "houses": [0, 3]}

@@ -67,6 +67,7 @@ def test_lerobot_datasets_come_back(dataset: robocell.Dataset, tmp_path: Path, f
             assert np.array_equal(own.frames(camera), episode.frames(camera)), "copied"
 
 
+@pytest.mark.proof
 def test_videos_with_other_key_frames_are_cut_at_the_frame(
     dataset: robocell.Dataset, tmp_path: Path
 ):
@@ -190,6 +191,7 @@ def test_images_in_the_tables_of_lerobot_are_decoded(tmp_path: Path):
     assert psnr(episode.frames("image")[:, 8, 8], np.array(colours)) > 35
 
 
+@pytest.mark.proof
 def test_a_mapping_gives_columns_and_cameras_other_names(dataset: robocell.Dataset, tmp_path: Path):
     export_dataset(dataset, tmp_path / "there", "lerobot-v2.1", episodes=["0"])
     mapping = tmp_path / "names.yaml"

@@ -20,7 +20,7 @@ from robocell.importer import import_dataset
 SECONDS = 30  # for one import; most take a tenth
 MEMORY = 1 << 30  # bytes more than before
 OF_EACH = 12  # ways to damage a dataset in `make test`; `make soak` tries all
-ALIKE = {"lerobot_v2", "aloha"}  # of files as others of these datasets have
+ALIKE = {"lerobot_v2", "lerobot_v3", "aloha"}  # of files as others of these datasets have
 LONGEST = 700  # characters of a message
 
 

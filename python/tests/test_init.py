@@ -90,6 +90,7 @@ class TestRobots:
         assert written["root_body"] == "chest"
         assert written["move_groups"]["torso"]["joints"] == ["waist"]
 
+    @pytest.mark.proof
     def test_two_adjacent_arms_become_one_robot(self, tmp_path: Path):
         written = init(tmp_path, init_models.two_arms_apart())
         assert written["model"] == "out_model.xml"
@@ -270,6 +271,7 @@ class TestCommand:
         init(tmp_path, init_models.scara())
         assert sorted(file.name for file in tmp_path.iterdir()) == ["arm.xml", "out.yaml"]
 
+    @pytest.mark.proof
     def test_takes_models_of_the_menagerie_by_their_names(self, tmp_path: Path):
         folder = tmp_path / "menagerie" / "acme_scara"
         folder.mkdir(parents=True)

@@ -47,6 +47,7 @@ def write(folder: Path, **fields: object) -> Path:
     return file
 
 
+@pytest.mark.proof
 def test_a_mixture_is_one_dataset_with_the_bytes_of_its_runs(tmp_path: Path):
     file = write(tmp_path)
     done = robocell_command("generate", file)

@@ -65,6 +65,7 @@ def test_episodes_have_the_fields_that_molmospaces_requires(file: Path):
         assert episode["task_relevant_objects"] == ["target"]
 
 
+@pytest.mark.proof
 def test_the_same_starts_are_evaluated_as_of_a_benchmark_of_robocell(file: Path, tmp_path: Path):
     own = benchmark.create(file.parent / "run.yaml", tmp_path / "own.json", episodes=2)
     made = benchmark.load(file)

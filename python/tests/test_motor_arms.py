@@ -151,6 +151,7 @@ def motor_robot(folder: Path, control: str) -> Path:
 MOTORS = r'<motor name="m\1" \2 ctrlrange="-120 120"/>'
 
 
+@pytest.mark.proof
 def test_a_soft_arm_of_motors_picks_and_its_episodes_replay(tmp_path: Path):
     robot = motor_robot(tmp_path, "joint_impedance")
     checked = robocell_command("check", robot)

@@ -46,6 +46,7 @@ def browse(page: Path) -> subprocess.CompletedProcess[str]:
     )
 
 
+@pytest.mark.proof
 def test_a_browser_draws_the_page_without_a_network(page: Path):
     charts = page.read_text().count('class="plotly-graph-div"')
     assert charts > 15

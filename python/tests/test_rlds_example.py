@@ -96,6 +96,7 @@ def recipe(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     return module
 
 
+@pytest.mark.proof
 def test_steps_are_the_rows_of_the_episodes(
     dataset: robocell.Dataset, recipe: ModuleType, tmp_path: Path
 ):

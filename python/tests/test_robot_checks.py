@@ -280,6 +280,7 @@ def test_check_and_runs_reject_a_wrong_finger_distance(tmp_path: Path):
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.proof
 def test_runs_repeat_the_warnings_of_check_and_advise_on_reach(tmp_path: Path):
     robot = write_robot(tmp_path, set_in("force_limit", value=0.01))
     warned = "pushes with all it may, 0.01 N m"
@@ -379,6 +380,7 @@ move_groups: {arm: {kind: arm, joints: [a, b, c], leaf: {site: tip}}}
 """
 
 
+@pytest.mark.proof
 def test_reach_suggests_an_axis_or_positions_for_a_short_arm(tmp_path: Path):
     (tmp_path / "scara.xml").write_text(SCARA)
     (tmp_path / "scara.yaml").write_text(SCARA_YAML)

@@ -35,6 +35,7 @@ def dataset(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return made_once(tmp_path_factory, "segmentation", make) / "out"
 
 
+@pytest.mark.proof
 def test_segmentation_is_the_renderers_in_every_row(dataset: Path):
     episode = robocell.Dataset(dataset)[0]
     recorded = episode.frames("exo", kind="segmentation")

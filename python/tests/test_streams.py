@@ -108,6 +108,7 @@ def without_reader(*arguments: object) -> tuple[int, str]:
     return done.returncode, done.stderr
 
 
+@pytest.mark.proof
 def test_a_closed_pipe_does_not_change_the_exit_code(dataset: Path, tmp_path: Path):
     run = dataset.parent / "run.yaml"
     assert without_reader("generate", run) == (

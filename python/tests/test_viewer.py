@@ -162,6 +162,7 @@ print(min(grown_by_ten() for _ in range(3)))
 """
 
 
+@pytest.mark.proof
 def test_viewers_come_and_go_without_leaks():
     done = subprocess.run(
         [sys.executable, "-c", COME_AND_GO],

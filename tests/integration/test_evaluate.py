@@ -221,6 +221,7 @@ def test_evaluations_in_different_cells_are_not_compared():
     )
 
 
+@pytest.mark.proof
 def test_an_evaluation_stores_its_cell(dataset: Path, tmp_path: Path):
     same = evaluate(dataset, "random", episodes=1, output=tmp_path / "same", cameras=False)
     longer = evaluate(dataset, "expert", episodes=1, output=tmp_path / "longer", max_steps=700)
@@ -250,6 +251,7 @@ def test_the_cell_of_a_moved_dataset_and_of_its_run_file_is_the_same(dataset: Pa
     ]
 
 
+@pytest.mark.proof
 def test_a_refused_folder_is_told_by_the_options_of_the_command(dataset: Path, tmp_path: Path):
     words = ("evaluate", dataset, "--policy", "random", "-n", 1, "--output", tmp_path / "out")
     assert robocell_command(*words).returncode == 0
@@ -319,6 +321,7 @@ def test_the_default_output_of_a_configuration_is_in_the_working_folder():
     assert default_output("a/cells.py:demo", "expert", 7) == Path("cells.demo_evaluation/expert-7")
 
 
+@pytest.mark.proof
 def test_an_evaluation_without_output_continues_in_its_own_folder(dataset: Path):
     words = ("evaluate", dataset, "--policy", "expert", "-n", "1", "--seed", "7")
     said = robocell_command(*words)
@@ -345,6 +348,7 @@ def test_a_killed_worker_costs_no_rollout(dataset: Path, tmp_path: Path):
     assert result.failures == {"timeout": 3}
 
 
+@pytest.mark.proof
 def test_scenes_of_files_come_from_the_dataset(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     here = tmp_path / "here"
     here.mkdir()
@@ -399,6 +403,7 @@ def test_without_a_report_scenes_come_from_the_episodes(tmp_path: Path):
     assert list(run_of_dataset(out).scenes.houses) == [3, 5]
 
 
+@pytest.mark.proof
 def test_other_weights_are_another_evaluation(dataset: Path, tmp_path: Path):
     file = tmp_path / "weighing.py"
     file.write_text(

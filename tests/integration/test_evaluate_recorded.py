@@ -97,6 +97,7 @@ def policy(recorded: Path, name: str) -> str:
     return f"{recorded.parent / 'policies.py'}:{name}"
 
 
+@pytest.mark.proof
 def test_policies_get_the_same_new_starts(recorded: Path, tmp_path: Path):
     picker = evaluate(
         recorded, policy(recorded, "Picker"), episodes=4, workers=2, max_steps=40,

@@ -163,6 +163,7 @@ def test_an_exception_names_its_line(run_file: Path, tmp_path: Path, line: str, 
     assert f"own_desks.py:{number}, in {method}" in said
 
 
+@pytest.mark.proof
 def test_a_start_requires_a_camera_that_sees_the_object(run_file: Path, tmp_path: Path):
     start = "start: {visible_from: [exo_camera], visible_share: 0.3, "
     run_file.write_text(run_file.read_text().replace("start: {", start))

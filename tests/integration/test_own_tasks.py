@@ -342,6 +342,7 @@ def test_overrides_of_a_configuration_keep_the_folders_of_its_files(tmp_path: Pa
     rc.diagnose.check_run(run)
 
 
+@pytest.mark.proof
 def test_a_dataset_environment_requires_the_original_code(
     stacked: Path, run_file: Path, tmp_path: Path
 ):

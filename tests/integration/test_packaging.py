@@ -41,6 +41,7 @@ def build_folder() -> Path:
     return BUILD
 
 
+@pytest.mark.proof
 def test_a_user_builds_against_an_install(build_folder, tmp_path):
     prefix = tmp_path / "prefix"
     run("cmake", "--install", build_folder, "--prefix", prefix)

@@ -80,6 +80,7 @@ def scene(xarm7_run: GeneratedRun, tmp_path_factory: pytest.TempPathFactory) -> 
     return RecordedScene(xarm7_run.episodes()[0], tmp_path_factory.mktemp("scene"))
 
 
+@pytest.mark.proof
 def test_every_array_is_as_long_as_its_table(every_steps: dict[Path, h5py.File]):
     for episode, steps in every_steps.items():
         tables = read_json(episode)["tables"]

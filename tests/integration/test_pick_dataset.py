@@ -37,6 +37,7 @@ def base_placements(run: GeneratedRun) -> Array:
     return np.array(found)
 
 
+@pytest.mark.proof
 def test_twenty_picks_are_on_the_disk_and_intact(twenty: GeneratedRun):
     episodes = twenty.episodes()
     assert len(episodes) == EPISODES

@@ -53,6 +53,7 @@ def test_the_command_reports_no_difference(any_run: GeneratedRun):
     assert result.stdout.count(": identical") == len(any_run.episodes())
 
 
+@pytest.mark.proof
 def test_replaying_an_episode_of_the_built_in_robot_lifts_the_object(
     rc7_run: GeneratedRun, tmp_path: Path
 ):

@@ -297,6 +297,7 @@ def broken(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
+@pytest.mark.proof
 def test_an_exception_in_a_policy_keeps_the_start(dataset: Path, broken: Path, tmp_path: Path):
     """The rollout from this start is a failure; another start would break the comparison."""
     picky = evaluate(dataset, f"{broken}:Picky", episodes=8, output=tmp_path / "out")

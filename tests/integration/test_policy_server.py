@@ -118,6 +118,7 @@ def test_a_preset_may_be_a_file_in_the_working_folder(
         assert again.outcomes == result.outcomes
 
 
+@pytest.mark.proof
 def test_recorded_actions_over_the_socket_repeat_an_evaluation(
     run: Path, evaluated: Evaluated, tmp_path: Path
 ):
@@ -130,6 +131,7 @@ def test_recorded_actions_over_the_socket_repeat_an_evaluation(
             assert np.array_equal(one[name], other[name])
 
 
+@pytest.mark.proof
 def test_a_hostile_server_fails_rollouts_and_a_lost_one_stops_the_evaluation(
     run: Path, tmp_path: Path
 ):
@@ -229,6 +231,7 @@ class Waits(Policy):
 """
 
 
+@pytest.mark.proof
 def test_options_of_policies_that_do_not_fit_are_explained(run: Path, tmp_path: Path):
     def said(*options: str) -> str:
         return refusal("evaluate", run, *options, "-n", "1", "-o", tmp_path / "out")

@@ -86,7 +86,7 @@ def require_named_and_set_aside(victim: Victim, where: str) -> None:
 
 
 @pytest.mark.parametrize("kind", EVERY)
-@pytest.mark.parametrize("damage", [flip_bit, cut])
+@pytest.mark.parametrize("damage", [flip_bit, pytest.param(cut, marks=pytest.mark.proof)])
 @pytest.mark.parametrize(
     "step",
     [50, pytest.param(20, marks=pytest.mark.proof), pytest.param(1, marks=pytest.mark.soak)],

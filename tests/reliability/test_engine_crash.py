@@ -69,6 +69,7 @@ def crash(run_file: Path) -> tuple[Path, dict[str, Any]]:
     return dataset, unmade
 
 
+@pytest.mark.proof
 def test_a_model_that_crashes_the_engine_loses_workers_but_not_the_run(run_file: Path):
     crash(run_file)
 

@@ -174,7 +174,7 @@ def require_completed(ending: Ending, case: Case, calm: Contents) -> None:
 
 
 @pytest.mark.parametrize(("case", "endings"), CASES)
-@pytest.mark.parametrize("do", ["fail", "full"])
+@pytest.mark.parametrize("do", ["fail", pytest.param("full", marks=pytest.mark.proof)])
 def test_a_call_that_fails_is_reported_and_loses_nothing(
     do: str, case: Case, endings: Endings, dataset: Path, calm: Contents
 ):

@@ -156,7 +156,12 @@ ENDINGS = [
 
 @pytest.mark.parametrize("endings", ENDINGS)
 @pytest.mark.parametrize(
-    "do", ["fail", pytest.param("full", marks=pytest.mark.proof), "kill_before"]
+    "do",
+    [
+        "fail",
+        pytest.param("full", marks=pytest.mark.proof),
+        pytest.param("kill_before", marks=pytest.mark.proof),
+    ],
 )
 def test_a_call_outside_the_workers_can_fail(
     do: str, endings: Callable[[Command, str], Iterator[Ending]], command: Command

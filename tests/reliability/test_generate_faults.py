@@ -161,6 +161,7 @@ def test_the_encoders_of_a_killed_worker_end_and_hold_nothing(tmp_path: Path):
     assert robocell.data.verify(tmp_path / "out").leftovers == []
 
 
+@pytest.mark.proof
 def test_editing_the_robot_ends_a_run_and_restoring_it_lets_it_resume(
     tmp_path: Path,
 ):

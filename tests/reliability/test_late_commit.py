@@ -139,6 +139,7 @@ def test_a_stalled_worker_cannot_commit_late(storm: Storm, calm: Storm):
 
 
 @pytest.mark.usefixtures("adopted")
+@pytest.mark.proof
 def test_a_commit_after_another_command_made_the_episode_is_dropped(storm: Storm, calm: Storm):
     """The supervisor died meanwhile, so that nobody ends the worker: a new one runs beside it."""
     stop = Stop(storm, "stopped")

@@ -2,7 +2,9 @@
 // (chain_batch_test.cc) covers their effect.
 #include "robocell/kinematics/pose_table.h"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include "robocell/kinematics/testing/models.h"
 
@@ -14,7 +16,9 @@ ChainModel ThreeHinges(const Eigen::Vector3d& second, const Eigen::Vector3d& thi
   ChainModel chain;
   chain.n = 3;
   const auto to = [](const Eigen::Vector3d& axis) {
-    return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
+    double q[4];
+    mju_quatZ2Vec(q, axis.data());
+    return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix();
   };
   chain.joints[1].fixed = {to(second), Eigen::Vector3d(0.1, 0.2, 0.3)};
   chain.joints[2].fixed = {to(third), Eigen::Vector3d(0.3, -0.2, 0.1)};

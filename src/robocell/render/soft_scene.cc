@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 #include <Eigen/Geometry>
+#include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
 #include "robocell/render/soft_kernel.h"
@@ -538,7 +539,10 @@ void SoftScene::AddFlex(const mjvScene& list, const mjvGeom& geom, const SoftMat
     for (int e = list.flexedgeadr[flex]; e < list.flexedgeadr[flex] + list.flexedgenum[flex]; ++e) {
       const Vector3d a = vertex(list.flexedge[2 * e]), b = vertex(list.flexedge[2 * e + 1]);
       const Affine3d middle(Eigen::Translation3d(0.5 * (a + b)));
-      const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), b - a);
+      const Vector3d along = b - a;
+      double to_along[4];  // Eigen's decomposes a matrix: seconds to compile
+      mju_quatZ2Vec(to_along, along.data());
+      const Eigen::Quaterniond turn(to_along[0], to_along[1], to_along[2], to_along[3]);
       AddMesh(&assets_.shapes().open_cylinder,
               Scaled(middle * turn, radius, radius, 0.5 * (b - a).norm()), plain);
     }

@@ -188,10 +188,13 @@ TEST(GraspLibrary, FilesWithoutKindsGetThoseOfHandAndDirection) {
   const std::vector<Eigen::Vector3d> ways = {{0, 0, -1}, {1, 0, 0}};
   std::vector<double> numbers;
   for (const Eigen::Vector3d& way : ways) {
-    const Eigen::Quaterniond q =
-        Eigen::Quaterniond::FromTwoVectors(shape->grasp_in_tcp().rotation().col(2), way);
+    // Turns the approach of the hand into the way: half a turn about the middle of both.
+    const Eigen::Vector3d approach = shape->grasp_in_tcp().rotation().col(2);
+    const Eigen::Vector3d middle =
+        (approach + way).norm() > 1e-6 ? (approach + way).normalized() : approach.unitOrthogonal();
     const Eigen::Matrix<double, 4, 4, Eigen::RowMajor> x =
-        Pose(Eigen::Vector3d(0, 0, 0.1), Quaternion{q.x(), q.y(), q.z(), q.w()}).matrix();
+        Pose(Eigen::Vector3d(0, 0, 0.1), Quaternion{middle.x(), middle.y(), middle.z(), 0})
+            .matrix();
     numbers.insert(numbers.end(), x.data(), x.data() + 16);
   }
   const fs::path file = hand.folder / "library/thing/grasps.npz";
