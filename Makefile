@@ -17,7 +17,7 @@ MAKEFLAGS += --no-print-directory
 .NOTPARALLEL:
 
 JOBS ?= $(shell nproc)
-# Processes of pytest: one more, since tests wait for disks, deadlines and processes that they started.
+# Processes of tests: one more, since tests wait for disks, deadlines and processes that they started.
 TESTERS = $(shell echo $$(($(JOBS) + 1)))
 ROOT := $(CURDIR)
 PYTHON := .venv/bin/python
@@ -73,7 +73,7 @@ test: test-cc test-python
 test-cc: build
 	@$(call headline,C++ tests)
 	@scripts/fetch_test_robots
-	@ctest --preset release -j $(JOBS) --no-tests=error --progress
+	@ctest --preset release -j $(TESTERS) --no-tests=error --progress
 
 test-python: build
 	@$(call headline,Python tests)
