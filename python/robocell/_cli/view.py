@@ -117,7 +117,7 @@ def load(path: Path, index: int) -> Shown:
             f"'{path}' is no file to show. Give a robot file, a scene, a cell or a run (YAML), or "
             "a model (.xml, .mjb, .urdf)"
         )
-    kind = _kind(path)
+    kind = kind_of(path)
     if kind is RobotConfig:
         from robocell._cli.robot_scene import load_robot
 
@@ -137,7 +137,7 @@ def load(path: Path, index: int) -> Shown:
     return Shown(Scene.build(SceneSpec.load(path)))
 
 
-def _kind(path: Path) -> type:
+def kind_of(path: Path) -> type:
     """Returns the kind of specification that the file has most fields of.
 
     Fields that only one kind has decide; the others count among equals.

@@ -19,8 +19,8 @@ MOVES = {
 }  # fmt: skip
 COMMANDS = {
     "\r": ("record", "keep"), "\n": ("record", "keep"), "y": ("success",), "n": ("failure",),
-    "c": ("resync",), "z": ("reset_origin",), "\x7f": ("discard",), "\b": ("discard",),
-    "q": ("quit",),
+    "c": ("resync",), "z": ("reset_origin",), "t": ("next_arm",), "\x7f": ("discard",),
+    "\b": ("discard",), "q": ("quit",),
 }  # fmt: skip
 
 
@@ -34,7 +34,7 @@ class Keyboard(Device):
     help = (
         "keys: w s forward and back, a d left and right, r f up and down, i k pitch, j l roll, u o "
         "yaw, space gripper; enter records and keeps, y success, n failure, backspace discards, c "
-        "re-sync, z reset origin, q quits"
+        "re-sync, z reset origin, t next arm, q quits"
     )
 
     def __init__(self, descriptor: int | None = None) -> None:
