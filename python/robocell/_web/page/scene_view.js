@@ -32,6 +32,7 @@ RC.SceneView = class {
     this.sun.shadow.bias = -0.0005;
     this.scene.add(this.sun, this.sun.target);
     this.bodies = [];
+    this.soft = []; // tendons, flexes and skins
     this.shown = { frames: "none", collision: false };
     this.dirty = true;
     let before = 0, slow = 0;
@@ -91,10 +92,13 @@ RC.SceneView = class {
         meshes[kind + i] = made;
       }
     }
+    for (const part of this.soft) this.remove(part.shown);
+    this.soft = header.soft.map((part) => this.makeSoft(part, array));
     for (const geom of header.geoms) this.bodies[geom.body].add(this.makeGeom(geom, meshes, textures));
     for (const frame of header.frames) this.bodies[frame.body].add(this.makeFrame(frame));
     header.bodies.forEach((name, i) => i && this.bodies[i].add(this.makeFrame({ name, kind: "body", pos: [0, 0, 0], quat: [0, 0, 0, 1] })));
     this.setPoses(array(header.poses));
+    this.setPoints(array(header.points));
     if (first) this.look(header);
     this.show(this.shown);
   }
@@ -157,6 +161,52 @@ RC.SceneView = class {
     mesh.receiveShadow = true;
     mesh.userData = { hidden: geom.hidden, body: geom.body };
     return mesh;
+  }
+
+  // A part that is no geom: segments are cylinders between pairs of points, a surface has triangles.
+  makeSoft(part, array) {
+    const material = new THREE.MeshStandardMaterial({
+      color: new THREE.Color().setRGB(part.rgba[0], part.rgba[1], part.rgba[2], THREE.SRGBColorSpace),
+      opacity: part.rgba[3], transparent: part.rgba[3] < 1, roughness: 0.7, side: THREE.DoubleSide,
+    });
+    let shown;
+    if (part.kind === "segments") {
+      const shape = new THREE.CylinderGeometry(part.radius, part.radius, 1, 10);
+      shown = new THREE.InstancedMesh(shape, material, part.count / 2);
+    } else {
+      const shape = new THREE.BufferGeometry();
+      shape.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * part.count), 3));
+      shape.setIndex(new THREE.BufferAttribute(array(part.faces), 1));
+      shown = new THREE.Mesh(shape, material);
+    }
+    shown.castShadow = shown.receiveShadow = true;
+    shown.frustumCulled = false;
+    this.scene.add(shown);
+    return { ...part, shown };
+  }
+
+  setPoints(points) {
+    const from = new THREE.Vector3(), to = new THREE.Vector3(), along = new THREE.Vector3(), up = new THREE.Vector3(0, 1, 0);
+    const matrix = new THREE.Matrix4(), turn = new THREE.Quaternion(), size = new THREE.Vector3();
+    for (const { kind, first, count, shown } of this.soft) {
+      const own = points.subarray(3 * first, 3 * (first + count));
+      if (kind === "segments") {
+        for (let i = 0; i < count / 2; ++i) {
+          from.fromArray(own, 6 * i);
+          to.fromArray(own, 6 * i + 3);
+          const length = along.subVectors(to, from).length();
+          if (length > 0) turn.setFromUnitVectors(up, along.divideScalar(length));
+          const wide = length > 0 ? 1 : 0;
+          shown.setMatrixAt(i, matrix.compose(from.add(to).multiplyScalar(0.5), turn, size.set(wide, length, wide)));
+        }
+        shown.instanceMatrix.needsUpdate = true;
+      } else {
+        shown.geometry.attributes.position.array.set(own);
+        shown.geometry.attributes.position.needsUpdate = true;
+        shown.geometry.computeVertexNormals();
+      }
+    }
+    this.dirty = true;
   }
 
   makeFrame(frame) {
