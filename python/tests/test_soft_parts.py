@@ -42,7 +42,7 @@ SOFT = """
       radius="0.005"/>
   </worldbody>
   <tendon>
-    <spatial name="cable" material="red" width="0.004">
+    <spatial name="cable" material="red" width="0.01">
       <site site="anchor"/>
       <geom geom="drum" sidesite="side"/>
       <site site="tip"/>
@@ -81,9 +81,14 @@ def skin() -> str:
     )
 
 
+def soft_model() -> str:
+    """Returns a model with tendons, flexes and a skin."""
+    return SOFT.replace("</mujoco>", skin())
+
+
 @pytest.fixture(scope="module")
 def model() -> Any:
-    return mujoco.MjModel.from_xml_string(SOFT.replace("</mujoco>", skin()))
+    return mujoco.MjModel.from_xml_string(soft_model())
 
 
 def moved(model: Any, steps: int) -> Any:
@@ -139,7 +144,7 @@ def test_the_header_has_triangles_and_colours(model: Any):
     header, array = unpacked(packed.block({"soft": soft.header(packed)}))
     cable, cloth, block, rope, strip = header["soft"]
     assert cable["rgba"] == [1, 0, 0, 1]
-    assert cable["radius"] == pytest.approx(0.004)
+    assert cable["radius"] == pytest.approx(0.01)
     assert cloth["rgba"] == [0, 0, 1, 1]
     assert array(cloth["faces"]).size == 3 * 12  # 3 x 2 squares
     assert array(block["faces"]).size == 3 * 48  # 6 sides of 2 x 2 squares

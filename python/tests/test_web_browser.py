@@ -23,6 +23,7 @@ from robocell._web.dataset_page import DatasetPages
 from robocell._web.live_scene import LiveScene
 from robocell._web.teleop_page import PageDevice, TeleopPage
 from robocell._web.web_server import WebServer
+from test_soft_parts import soft_model
 
 pytestmark = pytest.mark.proof
 
@@ -129,6 +130,23 @@ def test_a_dataset_is_listed_and_its_episodes_play(
         assert tab.value("RC.page.plotted.size") >= 1
         videos = "RC.page.videos.filter((each) => each.readyState >= 2).length"
         tab.wait_for(f"{videos} === {len(episode.cameras)}")
+
+
+def test_tendons_flexes_and_skins_are_drawn(tab: Tab, tmp_path: Path):
+    """Each has a colour of its own: red, blue and green."""
+    model = tmp_path / "soft.xml"
+    model.write_text(soft_model())
+    spec = rc.SceneSpec(name="soft", timestep=0.002, add_floor=False, add_skybox=False)
+    spec.base = model
+    file = tmp_path / "soft.html"
+    rc.show(rc.Scene.build(spec)).save(str(file))
+    tab.open(file.as_uri())
+    tab.wait_for("document.documentElement.dataset.loaded")
+    time.sleep(0.5)
+    pixels = tab.screenshot(tmp_path / "soft.png")[..., :3].astype(int)
+    for channel in range(3):
+        others = np.delete(pixels, channel, axis=2).max(axis=2)
+        assert (pixels[..., channel] > others + 60).sum() > 30
 
 
 def test_a_page_in_one_file_needs_no_server(tab: Tab, tmp_path: Path):

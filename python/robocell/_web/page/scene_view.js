@@ -172,34 +172,37 @@ RC.SceneView = class {
     let shown;
     if (part.kind === "segments") {
       const shape = new THREE.CylinderGeometry(part.radius, part.radius, 1, 10);
-      shown = new THREE.InstancedMesh(shape, material, part.count / 2);
+      shown = new THREE.Group();
+      for (let i = 0; i < part.count / 2; ++i) shown.add(new THREE.Mesh(shape, material));
     } else {
       const shape = new THREE.BufferGeometry();
       shape.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * part.count), 3));
       shape.setIndex(new THREE.BufferAttribute(array(part.faces), 1));
       shown = new THREE.Mesh(shape, material);
     }
-    shown.castShadow = shown.receiveShadow = true;
-    shown.frustumCulled = false;
+    shown.traverse((each) => {
+      each.castShadow = each.receiveShadow = true;
+      each.frustumCulled = false; // its bounds are not those of its moved points
+    });
     this.scene.add(shown);
     return { ...part, shown };
   }
 
   setPoints(points) {
     const from = new THREE.Vector3(), to = new THREE.Vector3(), along = new THREE.Vector3(), up = new THREE.Vector3(0, 1, 0);
-    const matrix = new THREE.Matrix4(), turn = new THREE.Quaternion(), size = new THREE.Vector3();
     for (const { kind, first, count, shown } of this.soft) {
       const own = points.subarray(3 * first, 3 * (first + count));
       if (kind === "segments") {
-        for (let i = 0; i < count / 2; ++i) {
+        shown.children.forEach((each, i) => {
           from.fromArray(own, 6 * i);
           to.fromArray(own, 6 * i + 3);
           const length = along.subVectors(to, from).length();
-          if (length > 0) turn.setFromUnitVectors(up, along.divideScalar(length));
-          const wide = length > 0 ? 1 : 0;
-          shown.setMatrixAt(i, matrix.compose(from.add(to).multiplyScalar(0.5), turn, size.set(wide, length, wide)));
-        }
-        shown.instanceMatrix.needsUpdate = true;
+          each.visible = length > 0;
+          if (!each.visible) return;
+          each.position.copy(from.add(to).multiplyScalar(0.5));
+          each.quaternion.setFromUnitVectors(up, along.divideScalar(length));
+          each.scale.set(1, length, 1);
+        });
       } else {
         shown.geometry.attributes.position.array.set(own);
         shown.geometry.attributes.position.needsUpdate = true;
