@@ -239,6 +239,47 @@ def test_a_pick_is_recorded_in_the_browser(tab: Tab, tmp_path: Path):
     assert rc.data.verify(tmp_path / "out", decode_videos=True).ok
 
 
+def test_two_arms_of_a_cell_are_driven_in_the_browser(tab: Tab, tmp_path: Path):
+    """T hands over to the other arm, and what was closed stays closed."""
+    cell = tmp_path / "duo.yaml"
+    cell.write_text(
+        f"name: duo\nrobots: {{left: {RC7}, right: {RC7}}}\nadd_floor: true\n"
+        "robot_to_shared_base_frame: {left: {pos: [0, 0.4, 0]}, right: {pos: [0, -0.4, 0]}}\n"
+        "sim: {frequency: 15}\n"
+    )
+    command = [sys.executable, "-m", "robocell", "teleop", str(cell), "--keep-all"]
+    command += ["--output", str(tmp_path / "out"), "--countdown", "0.2", "--max-seconds", "300"]
+    tab.resize(760, 560)
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment_with({}))
+    try:
+        assert process.stdout is not None
+        mark = "page: "
+        url = next(each.removeprefix(mark) for each in process.stdout if each.startswith(mark))
+        tab.open(url.strip())
+        tab.wait_for("document.documentElement.dataset.phase === 'waiting'")
+        tab.key("Enter")
+        tab.wait_for("document.documentElement.dataset.phase === 'recording'")
+        tab.wait_for("RC.page.arm === 'left'")
+        tab.key("Space", " ", 0.1)
+        for key in ("KeyR", "KeyT", "KeyF"):
+            tab.key(key, key[-1].lower(), 0.6)
+            time.sleep(0.5)
+        tab.wait_for("RC.page.arm === 'right'")
+        tab.screenshot(tmp_path / "two_arms.png")
+        tab.key("KeyY", "y", 0.1)
+        assert process.wait(60) == 0
+    finally:
+        process.kill()
+    [episode] = rc.Dataset(tmp_path / "out")
+    assert episode.success
+    up = {
+        side: np.ptp(episode[f"robots/{side}/action/tcp_pose"][:, 2]) for side in ("left", "right")
+    }
+    assert min(up.values()) > 0.02
+    assert episode["robots/left/action/gripper"][-1] == 0
+    assert episode["robots/right/action/gripper"][-1] > 0.9
+
+
 class Phone(threading.Thread):
     """A session without a run: reads the device, and shows a scene as if it recorded."""
 
