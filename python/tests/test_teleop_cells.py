@@ -219,7 +219,7 @@ def test_a_discarded_episode_of_a_cell_leaves_nothing_and_a_session_goes_on(tmp_
             name = script.pop(0) if script else "quit"
             return Motion(commands=(name,) if name else ())
 
-    made = record_cell(cell_of(RC7), tmp_path / "out", Presses(), FAST, episodes=3)
+    made = record_cell(cell_of(RC7), tmp_path / "out", Presses(), FAST, episodes=None)
     assert [each.id for each in made] == ["episode-000000"]
     made = record_cell(cell_of(RC7), tmp_path / "out", Says([UP]), FAST, episodes=2)
     assert [each.id for each in made] == ["episode-000001"]
@@ -340,8 +340,9 @@ def invoke(*words: object) -> Any:
     return CliRunner().invoke(load(given), given)
 
 
-def test_the_command_takes_robots_and_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    (tmp_path / "my_device.py").write_text(
+def ups(folder: Path) -> None:
+    """Writes a module with a device that records some motions."""
+    (folder / "my_device.py").write_text(
         "from robocell.teleop import Device, Motion\n"
         "class Ups(Device):\n"
         "    count = 0\n"
@@ -350,9 +351,35 @@ def test_the_command_takes_robots_and_cells(tmp_path: Path, monkeypatch: pytest.
         "        names = {1: ('record',), 6: ('success',)}.get(self.count, ())\n"
         "        return Motion(translation=(0, 0, 0.002), commands=names)\n"
     )
+
+
+@pytest.mark.proof  # in real time
+def test_the_command_records_with_an_arm_behind_a_network(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    ups(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    robot = bench()
+    start = robot.arm.joint_pos
+    server = hardware.UdpArmServer(hardware.SimulatedArm(robot, watchdog=20), watchdog=20)
+    options = ["--device", "my_device:Ups", "--countdown", 0, "--keep-all", "--mode", "real"]
+    options += ["-n", 1]
+    options += ["--arm", f"udp:{server.address}", "--arm-watchdog", 20, "--output", "out"]
+    with hardware.serving(server):
+        result = invoke(RC7, *options)
+    assert result.exit_code == 0, result.output
+    [episode] = rc.Dataset(tmp_path / "out")
+    np.testing.assert_allclose(episode["robots/robot/arm/qpos"][0], start, atol=0.02)
+    assert np.abs(robot.arm.joint_pos - start).max() > 1e-4
+    with pytest.raises(rc.IoError, match="no arm answers"):
+        raise invoke(RC7, *options, "--output", "other").exception
+
+
+def test_the_command_takes_robots_and_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    ups(tmp_path)
     monkeypatch.chdir(tmp_path)
     for target in (RC7, REPOSITORY / "examples" / "envs" / "rc7.yaml"):
-        options = ("--device", "my_device:Ups", "--countdown", 0, "--keep-all")
+        options = ("--device", "my_device:Ups", "--countdown", 0, "--keep-all", "-n", 1)
         result = invoke(target, *options, "--output", tmp_path / target.parent.name)
         assert result.exit_code == 0, result.output
         assert "success" in result.output

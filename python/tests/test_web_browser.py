@@ -247,7 +247,7 @@ def test_two_arms_of_a_cell_are_driven_in_the_browser(tab: Tab, tmp_path: Path):
         "robot_to_shared_base_frame: {left: {pos: [0, 0.4, 0]}, right: {pos: [0, -0.4, 0]}}\n"
         "sim: {frequency: 15}\n"
     )
-    command = [sys.executable, "-m", "robocell", "teleop", str(cell), "--keep-all"]
+    command = [sys.executable, "-m", "robocell", "teleop", str(cell), "--keep-all", "-n", "1"]
     command += ["--output", str(tmp_path / "out"), "--countdown", "0.2", "--max-seconds", "300"]
     tab.resize(760, 560)
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment_with({}))

@@ -7,7 +7,7 @@ import dataclasses
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -46,7 +46,10 @@ def teleop(
     episodes: Annotated[
         int | None,
         typer.Option(
-            "--episodes", "-n", min=1, help="Number of episodes. Default: the run's, else 1."
+            "--episodes",
+            "-n",
+            min=1,
+            help="Number of episodes in the dataset. Default: the run's, else until you quit.",
         ),
     ] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of the starts.")] = None,
@@ -77,6 +80,9 @@ def teleop(
     arm_speed: Annotated[
         float, typer.Option(help="Share of the real arm's speed limits, to 1.")
     ] = 0.5,
+    arm_watchdog: Annotated[
+        float, typer.Option(help="A real arm stops so many seconds after its last measurement.")
+    ] = 0.2,
     dead_man: Annotated[
         float,
         typer.Option(min=0, help="A real arm holds so many seconds after the clutch is let go."),
@@ -162,7 +168,17 @@ def teleop(
     elif cell is not None:
         most = max(1, round(max_seconds * cell.sim.frequency))
         options = dataclasses.replace(options, max_steps=most)
-    real = _real_arms(mode, arm or [], arm_config, arm_speed, dead_man, dry_run)
+    real = _real_arms(
+        mode,
+        arm or [],
+        arm_config,
+        {
+            "speed": arm_speed,
+            "watchdog": arm_watchdog,
+            "dead_man": dead_man,
+            "dry_run": dry_run,
+        },
+    )
     pages = [each for each in devices.values() if isinstance(each, PageDevice)]
     if len(pages) > 1:
         fail("--device: the page moves one arm at a time; give it to one, or leave out the arms")
@@ -199,7 +215,7 @@ def teleop(
                     options,
                     site,
                     say,
-                    episodes=episodes or 1,
+                    episodes=episodes,
                     real_arms=real,
                 )
             )
@@ -218,9 +234,7 @@ def _real_arms(
     mode: str,
     arms: list[str],
     config: Path | None,
-    speed: float,
-    dead_man: float,
-    dry_run: bool,
+    safety: dict[str, Any],
 ) -> RealArms | None:
     """Returns the real arms of the options; None for those of a simulation."""
     from robocell._core import SafetyOptions
@@ -231,11 +245,10 @@ def _real_arms(
     if mode not in MODES:
         fail(f"--mode is {mode}; there are {' and '.join(MODES)}")
     if mode == "sim":
-        if arms or config or dry_run or dead_man:
+        if arms or config or safety["dry_run"] or safety["dead_man"]:
             fail("--arm, --arm-config, --dead-man and --dry-run are of real arms: add --mode real")
         return None
-    safety = SafetyOptions(speed=speed, dead_man=dead_man, dry_run=dry_run)
-    return RealArms(by_arm(arms, "--arm"), config, safety)
+    return RealArms(by_arm(arms, "--arm"), config, SafetyOptions(**safety))
 
 
 def _run(

@@ -8,6 +8,7 @@ a success or as a failure.
 from __future__ import annotations
 
 import copy
+import math
 from collections.abc import Callable
 from pathlib import Path
 
@@ -38,7 +39,7 @@ def record_cell(
     screen: Screen | None = None,
     on_recorded: Callable[[Recorded], object] = lambda _recorded: None,
     *,
-    episodes: int = 1,
+    episodes: int | None = 1,
     real_arms: RealArms | None = None,
 ) -> list[Recorded]:
     """Records episodes of a cell until there are so many, or the person quits.
@@ -50,7 +51,7 @@ def record_cell(
         options: How the session goes.
         screen: Shows it.
         on_recorded: Called after each episode.
-        episodes: Number of episodes of the dataset.
+        episodes: Number of episodes of the dataset; None for as many as the person wants.
         real_arms: Arms that follow with those of the scene. They hold between episodes.
 
     Returns:
@@ -73,11 +74,13 @@ def record_cell(
         env = Env(cell)
         with EnvRecorder(env, output) as recorder:
             number = count_of(Path(output))
-            wanted = 1 if options.episode else episodes - number
+            wanted = math.inf if episodes is None else episodes - number
+            if options.episode:
+                wanted = 1
             while len(recorded) < wanted and not operator.quits:
                 seed = options.seed if options.episode else options.seed + number + len(recorded)
                 operator.renew()
-                operator.note(episode=f"{1 + number + len(recorded)} of {max(episodes, 1)}")
+                operator.note(episode=f"{1 + number + len(recorded)}")
                 made = _record_one(env, recorder, operator, seed)
                 if operator.lost is not None:
                     raise operator.lost

@@ -68,6 +68,8 @@ class Keyboard(Device):
                 opening = 0.0 if self._closed_hand else 1.0
             else:
                 commands += COMMANDS.get(key, ())
+                if key == "t":
+                    self._closed_hand = False  # that of another arm
         return Motion(
             translation=(moved[0], moved[1], moved[2]),
             rotation=(moved[3], moved[4], moved[5]),

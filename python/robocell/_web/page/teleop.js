@@ -258,7 +258,7 @@ RC.TeleopPage = class extends RC.LivePage {
       header.success ? "good" : kind);
     this.instruction.textContent = header.instruction || "";
     const notes = [`episode ${header.episode}`];
-    if (arms.length > 1) notes.push(`you move arm ${header.arm} of ${arms.join(", ")}; T chooses the next one`);
+    if (arms.length > 1) notes.push(`arm ${header.arm} moves; T chooses the next of ${arms.join(", ")}`);
     if (header.silent) notes.push("the device is silent: the arm holds");
     if (header.blocked) notes.push(`the arm stops: ${header.blocked}`);
     if (header.help) notes.push(header.help);
