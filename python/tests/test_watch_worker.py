@@ -52,7 +52,7 @@ def test_the_window_of_a_worker_follows_its_episodes(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
     generated(tmp_path)
-    writes = tmp_path / "out" / f".s0000_e0000.{os.getpid()}.3.partial"
+    writes = tmp_path / "out" / f".s0000_e0003_a01.{os.getpid()}.3.partial"
     writes.mkdir()
     opened: list[Viewer] = []
 
@@ -68,7 +68,7 @@ def test_the_window_of_a_worker_follows_its_episodes(
     monkeypatch.setattr(watch_worker.time, "sleep", close)
     monkeypatch.setattr(watch_worker.os, "nice", lambda _: 0)
     watch(tmp_path / "out", 0, 0.0, [])  # ends when nothing more is written
-    assert "worker 0: s0000_e0000" in capsys.readouterr().out
+    assert "worker 0: s0000_e0003_a01" in capsys.readouterr().out
     assert len(opened) >= 1
 
 

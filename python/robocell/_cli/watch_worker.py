@@ -76,6 +76,18 @@ class Watched(TaskSampler):
         return start
 
 
+def item_of(run: RunConfig, episode: str) -> PlanItem:
+    """Returns the item of an episode, whatever number of episodes the run has now."""
+    name = ATTEMPT.sub("", episode)
+    number = re.search(r"_e(\d+)$", name)
+    run = copy.deepcopy(run)
+    run.episodes_per_scene = 1 + int(number[1]) if number else 1
+    found = [item for item in make_plan(run) if item.id == name]
+    if not found:
+        fail(f"--worker: episode '{name}' is not one that a run of this dataset makes")
+    return found[0]
+
+
 def show_episode(run: RunConfig, item: PlanItem, on_start: Callable[[Scene], object]) -> bool:
     """Makes an episode of a run without storing it. Returns False if the user closed the window.
 
@@ -114,7 +126,6 @@ def watch(dataset: Path, worker: int, speed: float, imports: list[str]) -> None:
     run = run_of_dataset(dataset, imports)
     if run.sampler:
         fail(f"--worker: the run has a sampler of its own, '{run.sampler}'; watch its episodes")
-    items = {item.id: item for item in make_plan(run)}
     os.nice(NICER)
     shown: Viewer | None = None
     title = ""
@@ -142,7 +153,7 @@ def watch(dataset: Path, worker: int, speed: float, imports: list[str]) -> None:
                 continue
             last, title = name, f"worker {worker}: {name}"
             print(title, flush=True)
-            if not show_episode(run, items[ATTEMPT.sub("", name)], open_viewer):
+            if not show_episode(run, item_of(run, name), open_viewer):
                 return
             heard = time.monotonic()
     finally:
