@@ -70,6 +70,10 @@ class PyArmPort final : public ArmPort {
     const nb::gil_scoped_acquire gil;
     Call("hold");
   }
+  bool takes_forces() const override {
+    const nb::gil_scoped_acquire gil;
+    return nb::hasattr(self(), "takes_forces") && Attribute<bool>("takes_forces");
+  }
   double now() const override {
     const nb::gil_scoped_acquire gil;
     if (!nb::hasattr(self(), "now")) return ArmPort::now();
@@ -194,6 +198,10 @@ void BindValues(nb::module_& m) {
       "Opening of the gripper, 0 (closed) to 1; None to leave it as it is.");
   DefRow(command, "pos", &ArmCommand::pos, "Joint positions (n,), rad or m.");
   DefRow(command, "vel", &ArmCommand::vel, "Joint velocities (n,), rad/s or m/s.");
+  DefRow(
+      command, "force", &ArmCommand::force,
+      "All joint torques or forces (n,), with those against gravity, N m or N; empty: the arm goes "
+      "to `pos`.");
 }
 
 void BindOptions(nb::module_& m) {
@@ -279,14 +287,17 @@ void DefPort(nb::class_<T, ArmPort>& port) {
           Unlocked(), "Returns the newest measurement; None if there is none since the last call.")
       .def(
           "send",
-          [](T& self, nb::handle pos, nb::handle vel, std::optional<double> opening) {
+          [](T& self, nb::handle pos, nb::handle vel, std::optional<double> opening,
+             nb::handle force) {
             ArmCommand command{.pos = ToRow(pos, "pos"), .opening = opening.value_or(kNoOpening)};
             command.vel = RowOr(vel, "vel", command.pos.size());
+            command.force = RowOr(force, "force", 0);
             const nb::gil_scoped_release unlocked;
             self.Send(command);
           },
-          "pos"_a, "vel"_a = nb::none(), "opening"_a.none() = nb::none(),
+          "pos"_a, "vel"_a = nb::none(), "opening"_a.none() = nb::none(), "force"_a = nb::none(),
           "Commands the joints, past all guards. Programs use an `ArmLink`.")
+      .def_prop_ro("takes_forces", &T::takes_forces, "True if it obeys commands of forces.")
       .def("hold", &T::Hold, Unlocked(), "Makes the arm hold where it is.")
       .def("now", &T::now, Unlocked(), "Returns the seconds of the port's clock.")
       .def("wait_until", &T::WaitUntil, "time"_a, Unlocked(),
@@ -303,6 +314,7 @@ void BindPorts(nb::module_& m) {
       "- `read() -> ArmMeasurement | None`: the newest measurement, None without a new one;\n"
       "- `send(command)`: commands the joints of an ArmCommand;\n"
       "- `hold()`: makes the arm hold where it is;\n"
+      "- optionally `takes_forces = True`: `send` obeys `command.force` unless it is empty;\n"
       "- optionally `now()` and `wait_until(time)`: another clock than the computer's.\n\n"
       "None of them waits, except wait_until: a slow bus gets a thread of its own. What they raise "
       "stops the arm.")

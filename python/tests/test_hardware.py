@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
 import re
 import signal
@@ -55,6 +56,48 @@ def test_the_same_program_moves_a_simulated_and_a_real_arm():
             assert not arm.ok
         arrived[mode] = robot.arm.joint_pos
     np.testing.assert_allclose(arrived["sim"], arrived["real"], atol=0.01)
+
+
+def with_torques() -> rc.Robot:
+    spec = rc.SceneSpec(name="cell", timestep=0.002, add_floor=True, add_skybox=False)
+    modes = [rc.control.CtrlMode.POSITION, rc.control.CtrlMode.TORQUE]
+    config = rc.RobotConfig.load(RC7)
+    spec.robots.append(rc.RobotSpec(name="rc7", config=config, control_modes=modes))
+    return rc.Scene.build(spec).robot("rc7")
+
+
+@pytest.mark.parametrize("mode", ["sim", "simulated arm", "udp"])
+def test_the_same_controller_of_torques_floats_a_simulated_and_a_real_arm(mode: str):
+    """Gravity is compensated, and a push by a torque moves the arm a little."""
+    robot, arm = with_torques(), hardware.SimulatedArm(with_torques(), real_time=mode == "udp")
+    server = hardware.UdpArmServer(arm, watchdog=5)
+    serves = hardware.serving(server) if mode == "udp" else contextlib.nullcontext()
+    port = f"udp:{server.address}" if mode == "udp" else arm
+    with (
+        serves,
+        hardware.connect(robot, "sim" if mode == "sim" else "real", port, safety=FAST) as link,
+    ):
+        start = robot.jnt_pos_msr.copy()
+        robot.ctrl_mode = rc.control.CtrlMode.TORQUE
+        for i in range(200):
+            robot.update()
+            robot.jnt_trq_cmd = robot.gravity_torques()
+            robot.jnt_trq_cmd[0] += 1.0 if i < 50 else 0.0
+            robot.update()
+            assert robot.step().ok, link.reason
+        moved = robot.jnt_pos_msr - start
+        assert link.ok, link.reason
+    assert moved[0] > 0.001
+    assert np.abs(moved[1:]).max() < 0.05
+
+
+def test_an_arm_without_torques_refuses_them():
+    robot = with_torques()
+    with hardware.connect(robot, "real", Bench(robot), safety=FAST) as link:
+        robot.ctrl_mode = rc.control.CtrlMode.TORQUE
+        robot.update()
+        assert robot.step().stopped
+        assert "bench takes no torques; command joint positions" in link.reason
 
 
 def test_a_simulation_moves_the_arm_that_is_named(tmp_path: Path):

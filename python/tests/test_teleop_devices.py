@@ -158,6 +158,35 @@ def test_a_terminal_is_a_device_and_is_left_as_it_was():
         Keyboard(null.fileno()).start()
 
 
+def test_the_keyboard_closes_the_hand_of_the_next_arm_first():
+    ours, theirs = pty.openpty()
+    device = Keyboard(theirs)
+    device.start()
+    os.write(ours, b" t")
+    first = device.read(0.1)
+    assert first is not None
+    assert (first.opening, first.commands) == (0, ("next_arm",))
+    os.write(ours, b" ")
+    second = device.read(0.1)
+    assert second is not None
+    assert second.opening == 0
+    os.close(ours)
+    with pytest.raises(DeviceLostError, match="the terminal is gone"):
+        device.read(0.1)
+    device.close()
+    os.close(theirs)
+
+
+def test_a_leader_that_is_unplugged_is_lost():
+    arm = Arm()
+    device = Leader(arm)
+    device.start()
+    arm.get_action = lambda: (_ for _ in ()).throw(OSError("no such device"))  # type: ignore[method-assign]
+    with pytest.raises(DeviceLostError, match=r"Arm\.get_action\(\).*no such device"):
+        device.read(0.1)
+    device.close()
+
+
 class Arm:
     """A leader with LeRobot's interface."""
 

@@ -16,7 +16,7 @@ from robocell._cli.episode_player import END, HOME, LEFT, RIGHT, Player
 from robocell._cli.ik_answers import reachable_poses, solve_each
 from robocell._cli.ik_window import Walk
 from robocell._cli.robot_scene import load_robot
-from robocell._cli.view import _kind as kind_of
+from robocell._cli.view import kind_of
 
 # Of files to show, beside a run and a model.
 OTHER_KINDS = ("robot", "cell", "scene")

@@ -23,6 +23,7 @@ from robocell._web.dataset_page import DatasetPages
 from robocell._web.live_scene import LiveScene
 from robocell._web.teleop_page import PageDevice, TeleopPage
 from robocell._web.web_server import WebServer
+from test_soft_parts import soft_model
 
 pytestmark = pytest.mark.proof
 
@@ -131,6 +132,23 @@ def test_a_dataset_is_listed_and_its_episodes_play(
         tab.wait_for(f"{videos} === {len(episode.cameras)}")
 
 
+def test_tendons_flexes_and_skins_are_drawn(tab: Tab, tmp_path: Path):
+    """Each has a colour of its own: red, blue and green."""
+    model = tmp_path / "soft.xml"
+    model.write_text(soft_model())
+    spec = rc.SceneSpec(name="soft", timestep=0.002, add_floor=False, add_skybox=False)
+    spec.base = model
+    file = tmp_path / "soft.html"
+    rc.show(rc.Scene.build(spec)).save(str(file))
+    tab.open(file.as_uri())
+    tab.wait_for("document.documentElement.dataset.loaded")
+    time.sleep(0.5)
+    pixels = tab.screenshot(tmp_path / "soft.png")[..., :3].astype(int)
+    for channel in range(3):
+        others = np.delete(pixels, channel, axis=2).max(axis=2)
+        assert (pixels[..., channel] > others + 60).sum() > 30
+
+
 def test_a_page_in_one_file_needs_no_server(tab: Tab, tmp_path: Path):
     file = tmp_path / "scene.html"
     rc.show(load_robot(RC7).scene).save(str(file))
@@ -219,6 +237,47 @@ def test_a_pick_is_recorded_in_the_browser(tab: Tab, tmp_path: Path):
     [episode] = rc.Dataset(tmp_path / "out")
     assert episode.success
     assert rc.data.verify(tmp_path / "out", decode_videos=True).ok
+
+
+def test_two_arms_of_a_cell_are_driven_in_the_browser(tab: Tab, tmp_path: Path):
+    """T hands over to the other arm, and what was closed stays closed."""
+    cell = tmp_path / "duo.yaml"
+    cell.write_text(
+        f"name: duo\nrobots: {{left: {RC7}, right: {RC7}}}\nadd_floor: true\n"
+        "robot_to_shared_base_frame: {left: {pos: [0, 0.4, 0]}, right: {pos: [0, -0.4, 0]}}\n"
+        "sim: {frequency: 15}\n"
+    )
+    command = [sys.executable, "-m", "robocell", "teleop", str(cell), "--keep-all", "-n", "1"]
+    command += ["--output", str(tmp_path / "out"), "--countdown", "0.2", "--max-seconds", "300"]
+    tab.resize(760, 560)
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=environment_with({}))
+    try:
+        assert process.stdout is not None
+        mark = "page: "
+        url = next(each.removeprefix(mark) for each in process.stdout if each.startswith(mark))
+        tab.open(url.strip())
+        tab.wait_for("document.documentElement.dataset.phase === 'waiting'")
+        tab.key("Enter")
+        tab.wait_for("document.documentElement.dataset.phase === 'recording'")
+        tab.wait_for("RC.page.arm === 'left'")
+        tab.key("Space", " ", 0.1)
+        for key in ("KeyR", "KeyT", "KeyF"):
+            tab.key(key, key[-1].lower(), 0.6)
+            time.sleep(0.5)
+        tab.wait_for("RC.page.arm === 'right'")
+        tab.screenshot(tmp_path / "two_arms.png")
+        tab.key("KeyY", "y", 0.1)
+        assert process.wait(60) == 0
+    finally:
+        process.kill()
+    [episode] = rc.Dataset(tmp_path / "out")
+    assert episode.success
+    up = {
+        side: np.ptp(episode[f"robots/{side}/action/tcp_pose"][:, 2]) for side in ("left", "right")
+    }
+    assert min(up.values()) > 0.02
+    assert episode["robots/left/action/gripper"][-1] == 0
+    assert episode["robots/right/action/gripper"][-1] > 0.9
 
 
 class Phone(threading.Thread):

@@ -1,40 +1,56 @@
-"""`robocell teleop`: records episodes of a run as a person performs them. See docs/teleop.md."""
+"""`robocell teleop`: records episodes as a person performs them. See docs/teleop.md."""
 
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from robocell import RunConfig
+from robocell import EnvConfig, RobotConfig, RunConfig
 from robocell._cli.common import ExitCode, fail, require_spec_file
 from robocell._generation.run_source import RunSource
 from robocell._suggestions import counted
+
+if TYPE_CHECKING:
+    from robocell._teleop.device import Device
+    from robocell._teleop.real_arms import RealArms
 
 LONGEST_S = 86400.0  # an episode, or a countdown
 
 
 def teleop(
-    run: Annotated[
+    target: Annotated[
         str,
-        typer.Argument(metavar="RUN.yaml", help="The run: its cell, task, starts and cameras."),
+        typer.Argument(
+            metavar="FILE", help="RUN.yaml, with its task and starts; CELL.yaml; or ROBOT.yaml."
+        ),
     ],
     device: Annotated[
-        str,
+        list[str] | None,
         typer.Option(
+            metavar="[ARM=]DEVICE",
             help="web, keyboard, gamepad, spacemouse, leader:FILE.yaml, lerobot:module:Class, "
-            "replay:FILE, or your own module:Class.",
+            "replay:FILE, or your own module:Class. Default: web. Give one for each arm as "
+            "left=gamepad.",
         ),
-    ] = "web",
+    ] = None,
     output: Annotated[
-        str | None, typer.Option(metavar="PATH", help="Folder of the dataset. Default: RUN_teleop.")
+        str | None,
+        typer.Option(metavar="PATH", help="Folder of the dataset. Default: RUN_teleop."),
     ] = None,
     episodes: Annotated[
-        int | None, typer.Option("--episodes", "-n", min=1, help="Number of episodes.")
+        int | None,
+        typer.Option(
+            "--episodes",
+            "-n",
+            min=1,
+            help="Number of episodes in the dataset. Default: the run's, else until you quit.",
+        ),
     ] = None,
     seed: Annotated[int | None, typer.Option(min=0, help="Seed of the starts.")] = None,
     imports: Annotated[
@@ -44,7 +60,36 @@ def teleop(
     set_: Annotated[
         list[str] | None, typer.Option("--set", metavar="FIELD=VALUE", help="Replace a field.")
     ] = None,
-    robot: Annotated[str, typer.Option(help="The robot to move. Default: the first arm.")] = "",
+    robot: Annotated[
+        str, typer.Option(help="The robot or arm to move first. Default: the first one.")
+    ] = "",
+    mode: Annotated[
+        str, typer.Option(help="sim, or real: the arms of --arm follow with those of the scene.")
+    ] = "sim",
+    arm: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="[ARM=]REAL",
+            help="With --mode real: udp:HOST:PORT, lerobot:Class, file:FILE.yaml, or your own "
+            "module:Class.",
+        ),
+    ] = None,
+    arm_config: Annotated[
+        Path | None, typer.Option(metavar="FILE.yaml", help="Options of the real arm's class.")
+    ] = None,
+    arm_speed: Annotated[
+        float, typer.Option(help="Share of the real arm's speed limits, to 1.")
+    ] = 0.5,
+    arm_watchdog: Annotated[
+        float, typer.Option(help="A real arm stops so many seconds after its last measurement.")
+    ] = 0.2,
+    dead_man: Annotated[
+        float,
+        typer.Option(min=0, help="A real arm holds so many seconds after the clutch is let go."),
+    ] = 0,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Send nothing to the real arms; show where they are.")
+    ] = False,
     frame: Annotated[
         str, typer.Option(help="Axes of the device: base, world, tool or camera:NAME.")
     ] = "base",
@@ -77,7 +122,7 @@ def teleop(
         bool, typer.Option("--tls", help="Serve the page by https, with a new certificate.")
     ] = False,
 ) -> None:
-    """Record episodes of a run by moving the arm yourself.
+    """Record episodes of a run, a cell or a robot by moving the arm yourself.
 
     The command prints the address of a page, which shows the scene and has
     buttons for the commands: record, success, failure, re-sync, reset origin,
@@ -94,18 +139,22 @@ def teleop(
         if not value <= LONGEST_S:
             fail(f"{name} is {value:g}; it must be at most {LONGEST_S:g} s")
     from robocell._cli.web_view import serving
-    from robocell._teleop.devices import make_device
+    from robocell._teleop.cell_session import record_cell
+    from robocell._teleop.devices import by_arm
     from robocell._teleop.follower import FollowOptions
     from robocell._teleop.operator import OperatorOptions
     from robocell._teleop.recorded import RecordedDevice
     from robocell._teleop.session import Recorded, record
+    from robocell._teleop.several import DeviceForEach
     from robocell._web.teleop_page import PageDevice, TeleopPage, WithPage
 
-    source = RunSource(run, tuple(imports or ()))
-    if not source.in_python:
-        require_spec_file(Path(run), RunConfig)
-    config = _config(source, set_ or [], output, episodes, seed, max_seconds)
-    chosen = make_device(device, device_config)
+    run = _run(target, imports or [], set_ or [], output, episodes, seed, max_seconds)
+    cell = None if isinstance(run, RunConfig) else run
+    devices = {
+        name: _device(each, device_config)
+        for name, each in by_arm(device or ["web"], "--device").items()
+    }
+    chosen = devices[""] if "" in devices else DeviceForEach(devices)
     follow = FollowOptions(
         scale=scale,
         frame=frame,
@@ -113,18 +162,37 @@ def teleop(
         clearance=clearance,
         stops_at_collisions=not no_collision_stop,
     )
-    options = OperatorOptions(robot, follow, countdown, not go_on, not keep_all)
+    options = OperatorOptions(robot, follow, countdown, not go_on, not keep_all, seed=seed or 0)
     if isinstance(chosen, RecordedDevice):
         options = chosen.options()
+    elif cell is not None:
+        most = max(1, round(max_seconds * cell.sim.frequency))
+        options = dataclasses.replace(options, max_steps=most)
+    real = _real_arms(
+        mode,
+        arm or [],
+        arm_config,
+        {
+            "speed": arm_speed,
+            "watchdog": arm_watchdog,
+            "dead_man": dead_man,
+            "dry_run": dry_run,
+        },
+    )
+    pages = [each for each in devices.values() if isinstance(each, PageDevice)]
+    if len(pages) > 1:
+        fail("--device: the page moves one arm at a time; give it to one, or leave out the arms")
+    title = run.name if isinstance(run, EnvConfig) else run.run
     site = TeleopPage(
-        f"Teleoperation, {config.run}",
-        chosen if isinstance(chosen, PageDevice) else None,
-        [stream.name for stream in config.cameras.streams],
+        f"Teleoperation, {title}",
+        pages[0] if pages else None,
+        [stream.name for stream in run.cameras.streams],
         chosen.help,
     )
-    if isinstance(chosen, PageDevice):
-        chosen.site = site
-    moved = chosen if isinstance(chosen, PageDevice) else WithPage(chosen, site)
+    if pages:
+        pages[0].site = site
+    moved = chosen if pages else WithPage(chosen, site)
+    folder = str(run.output) if isinstance(run, RunConfig) else output or f"{title}_teleop"
 
     def say(recorded: Recorded) -> None:
         result = "success" if recorded.success else f"failure: {recorded.reason}"
@@ -137,10 +205,82 @@ def teleop(
             _certificate(tls, host) as certificate,
             serving(site, host, port, certificate, offers_tls=True),
         ):
-            made = record(config, moved, options, site, say)
+            made = (
+                record(run, moved, options, site, say, real)
+                if isinstance(run, RunConfig)
+                else record_cell(
+                    run,
+                    folder,
+                    moved,
+                    options,
+                    site,
+                    say,
+                    episodes=episodes,
+                    real_arms=real,
+                )
+            )
     except KeyboardInterrupt:
         raise typer.Exit(ExitCode.INTERRUPTED) from None
-    print(f"{counted(len(made), 'episode')} in {config.output}")
+    print(f"{counted(len(made), 'episode')} in {folder}")
+
+
+def _device(name: str, config: Path | None) -> Device:
+    from robocell._teleop.devices import make_device
+
+    return make_device(name, config)
+
+
+def _real_arms(
+    mode: str,
+    arms: list[str],
+    config: Path | None,
+    safety: dict[str, Any],
+) -> RealArms | None:
+    """Returns the real arms of the options; None for those of a simulation."""
+    from robocell._core import SafetyOptions
+    from robocell._hardware.connecting import MODES
+    from robocell._teleop.devices import by_arm
+    from robocell._teleop.real_arms import RealArms
+
+    if mode not in MODES:
+        fail(f"--mode is {mode}; there are {' and '.join(MODES)}")
+    if mode == "sim":
+        if arms or config or safety["dry_run"] or safety["dead_man"]:
+            fail("--arm, --arm-config, --dead-man and --dry-run are of real arms: add --mode real")
+        return None
+    return RealArms(by_arm(arms, "--arm"), config, SafetyOptions(**safety))
+
+
+def _run(
+    target: str,
+    imports: list[str],
+    replaced: list[str],
+    output: str | None,
+    episodes: int | None,
+    seed: int | None,
+    max_seconds: float,
+) -> RunConfig | EnvConfig:
+    """Reads a run, or a cell, or makes the cell of a robot."""
+    source = RunSource(target, tuple(imports))
+    if source.in_python:
+        return _config(source, replaced, output, episodes, seed, max_seconds)
+    from robocell._cli.view import kind_of
+
+    require_spec_file(Path(target), RunConfig)
+    kind = kind_of(Path(target))
+    if kind is RunConfig:
+        return _config(source, replaced, output, episodes, seed, max_seconds)
+    if kind not in (EnvConfig, RobotConfig):
+        fail(f"'{target}' is a scene; give a run, a cell or a robot")
+    if imports:
+        fail("--import is of a run, whose tasks a module registers")
+    if kind is EnvConfig:
+        return EnvConfig.load(target, replaced)
+    from robocell._teleop.cell_session import cell_of
+
+    cell = cell_of(RobotConfig.load(target, replaced))
+    cell.name = Path(target).stem
+    return cell
 
 
 def _config(

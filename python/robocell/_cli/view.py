@@ -43,6 +43,18 @@ def view(
         ),
     ],
     index: Annotated[int, typer.Option(min=0, help="With a run: which start of its plan.")] = 0,
+    worker: Annotated[
+        int | None,
+        typer.Option(
+            min=0, help="With a DATASET that is being generated: which worker to watch, from 0."
+        ),
+    ] = None,
+    imports: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--import", metavar="MODULE", help="With --worker: a module that the run needs."
+        ),
+    ] = None,
     speed: Annotated[
         float, typer.Option(min=0, help="Speed: 1 is real time, 0 as fast as possible.")
     ] = 1.0,
@@ -65,7 +77,19 @@ def view(
 
     With --web the command prints the address of a page, which also lists the
     episodes of a DATASET. Only this machine reaches it unless --host says more.
+
+    With --worker the window shows the present episode of a worker of a running
+    generation. It makes the same episode in this process, so no worker waits.
     """
+    if worker is not None:
+        from robocell._cli.watch_worker import watch
+
+        if web or screenshot:
+            fail("--worker shows a window: leave out --web and --screenshot")
+        if not is_dataset(target):
+            fail(f"'{target}' is no dataset: --worker watches the workers that write into one")
+        watch(target, worker, speed, imports or [])
+        return
     if web:
         from robocell._cli.web_view import view_in_browser
 
@@ -117,7 +141,7 @@ def load(path: Path, index: int) -> Shown:
             f"'{path}' is no file to show. Give a robot file, a scene, a cell or a run (YAML), or "
             "a model (.xml, .mjb, .urdf)"
         )
-    kind = _kind(path)
+    kind = kind_of(path)
     if kind is RobotConfig:
         from robocell._cli.robot_scene import load_robot
 
@@ -137,7 +161,7 @@ def load(path: Path, index: int) -> Shown:
     return Shown(Scene.build(SceneSpec.load(path)))
 
 
-def _kind(path: Path) -> type:
+def kind_of(path: Path) -> type:
     """Returns the kind of specification that the file has most fields of.
 
     Fields that only one kind has decide; the others count among equals.

@@ -15,6 +15,7 @@ COMMANDS = {
     "failure": "end the episode as a failure",
     "resync": "let the arm's command begin at its measured pose again",
     "reset_origin": "make the device's present pose its zero",
+    "next_arm": "let the device move the next arm; the others hold",
     "keep": "store the episode that has ended",
     "discard": "drop the episode that has ended, or the present one, and begin again",
     "quit": "end the program; an ended episode is kept, one that is recorded is dropped",
@@ -40,6 +41,8 @@ class Motion:
         commands: Commands that were given, of `COMMANDS`.
         frame: Whose axes the displacement has: "base" of the robot, "world", "tool" or "camera";
             "" for those of the session.
+        arms: Motions of several arms, by the arms' names such as "left" or "torso/left". Then only
+            the commands of this Motion count, and an arm without one holds.
     """
 
     translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -49,6 +52,7 @@ class Motion:
     clutch: bool = True
     commands: tuple[str, ...] = ()
     frame: str = ""
+    arms: Mapping[str, Motion] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Raises ArgumentError for numbers that are not finite, unknown commands and frames."""
@@ -64,12 +68,20 @@ class Motion:
             raise ArgumentError(f"no command '{unknown[0]}'; there are {', '.join(COMMANDS)}")
         if self.frame not in ("", *FRAMES):
             raise ArgumentError(f"no frame '{self.frame}'; there are {', '.join(FRAMES)}")
+        if not isinstance(self.arms, Mapping) or not all(
+            isinstance(name, str) and isinstance(each, Motion) and not each.arms
+            for name, each in self.arms.items()
+        ):
+            raise ArgumentError("`arms` of a Motion is a map of names to Motions of one arm each")
 
     def as_json(self) -> dict[str, Any]:
         """Returns the fields that differ from those of a device at rest."""
         rest = asdict(Motion())
         fields = asdict(self)
-        return {name: value for name, value in fields.items() if value != rest[name]}
+        found = {name: value for name, value in fields.items() if value != rest[name]}
+        if self.arms:
+            found["arms"] = {name: each.as_json() for name, each in self.arms.items()}
+        return found
 
     @classmethod
     def of_json(cls, fields: Mapping[str, Any]) -> Motion:
@@ -85,6 +97,8 @@ class Motion:
             name: tuple(value) if isinstance(value, list) else value
             for name, value in fields.items()
         }
+        if isinstance(arms := values.get("arms"), Mapping):
+            values["arms"] = {name: cls.of_json(each) for name, each in arms.items()}
         try:
             return cls(**values)
         except TypeError as error:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -66,6 +67,24 @@ def make_device(name: str, config: Path | None = None) -> Device:
     names = "".join(f"\n  {each}: {what}" for each, what in NAMES.items())
     known = [each.partition(":")[0] for each in NAMES]
     raise ArgumentError(f"no device '{name}'.{did_you_mean(name, known)} There are:{names}")
+
+
+def by_arm(given: Sequence[str], what: str) -> dict[str, str]:
+    """Returns what is given for each arm: ["left=gamepad"] is {"left": "gamepad"}.
+
+    One without a name is for the chosen arm, "". Raises ArgumentError for two of one arm.
+    """
+    found: dict[str, str] = {}
+    for each in given:
+        head, mark, rest = each.partition("=")
+        arm, name = (head, rest) if mark and ":" not in head else ("", each)
+        if arm in found or (found and "" in (arm, *found)):
+            raise ArgumentError(
+                f"{what} is given {len(given)} times: name the arm of each, as in {what} "
+                f"left={name} {what} right=..."
+            )
+        found[arm] = name
+    return found
 
 
 def _own(name: str, config: Path | None) -> Device:

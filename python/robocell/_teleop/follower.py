@@ -82,15 +82,16 @@ class ArmFollower:
     """Turns motions into commands of a robot's arm and gripper.
 
     Args:
-        robot: The robot, at the start of an episode.
+        robot: The robot, at the start of an episode, seen from the arm that follows.
         options: How it follows.
+        hand: The robot that is the arm's gripper, if it is not the arm's own.
 
     Attributes:
         blocked: Why the last motion was cut short: "collision", "limit", or "".
     """
 
-    def __init__(self, robot: Robot, options: FollowOptions) -> None:
-        self._robot, self._options = robot, options
+    def __init__(self, robot: Robot, options: FollowOptions, hand: Robot | None = None) -> None:
+        self._robot, self._options, self._hand = robot, options, hand
         self._scene: Scene = robot.scene
         kind, _, camera = options.frame.partition(":")
         self._frame, self._camera = kind, camera
@@ -103,7 +104,8 @@ class ArmFollower:
         self._names = _plain(robot)
         self._limits = np.asarray(robot.joint_limits)
         self._command = np.array(robot.arm.joint_pos, float)
-        self._opening = float(robot.gripper.opening) if robot.has_gripper else None
+        gripping = hand or robot
+        self._opening = float(gripping.gripper.opening) if gripping.has_gripper else None
         self._filter = self._make_filter()
         self._depth: _Depth | None = None
         self.blocked = ""
@@ -113,6 +115,19 @@ class ArmFollower:
         """The commanded joint positions (n,), a copy."""
         return self._command.copy()
 
+    @property
+    def opening(self) -> float | None:
+        """The commanded opening, 0 closed to 1 open; None without a gripper."""
+        return self._opening
+
+    @property
+    def gripper(self) -> tuple[str, str]:
+        """Robot and group of the gripper; ("", "") without one."""
+        if self._hand is not None:
+            return self._hand.name, self._hand.gripper.name
+        own = self._robot.gripper_of(self._arm)
+        return (self._robot.name, own) if own else ("", "")
+
     def resync(self) -> None:
         """Lets the command begin at the measured positions again."""
         self._command = np.clip(self._robot.arm.joint_pos, *self._limits.T)
@@ -121,7 +136,8 @@ class ArmFollower:
         """Returns the commands that keep arm and gripper where they are commanded to be."""
         self.blocked = ""
         commands = {self._arm: GroupCommand.joints(self._command)}
-        if self._opening is not None and (gripper := self._robot.gripper_of(self._arm)):
+        robot, gripper = self.gripper
+        if self._opening is not None and gripper and robot == self._robot.name:
             commands[gripper] = GroupCommand.opening(self._opening)
         return commands
 
@@ -145,9 +161,7 @@ class ArmFollower:
 
     @property
     def _arm(self) -> str:
-        return next(
-            name for name in self._robot.group_names if self._robot.group(name).kind == "arm"
-        )
+        return str(self._robot.arm.name)
 
     def _towards_pose(self, motion: Motion, seconds: float) -> NDArray[np.float64]:
         options = self._options
@@ -286,7 +300,12 @@ class _Depth:
         self._planners: list[MotionPlanner] = []
         try:
             for allowed in (ignored, [*ignored, *itself]):
-                planner = MotionPlanner(robot, clearance=clearance, allowed_contacts=allowed)
+                planner = MotionPlanner(
+                    robot,
+                    groups=[robot.arm.name],
+                    clearance=clearance,
+                    allowed_contacts=allowed,
+                )
                 self._planners.append(planner)
         except Error:  # a robot for which nothing can be planned: no motion counts as a way out
             self._planners = []

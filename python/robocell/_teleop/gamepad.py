@@ -14,11 +14,13 @@ EV_SYN, EV_KEY, EV_ABS = 0, 1, 3
 SYN_REPORT, SYN_DROPPED = 0, 3
 ABS_X, ABS_Y, ABS_Z, ABS_RX, ABS_RY, ABS_RZ, ABS_HAT0X, ABS_HAT0Y = 0, 1, 2, 3, 4, 5, 16, 17
 SOUTH, EAST, NORTH, WEST, LEFT, RIGHT, SELECT, START = 304, 305, 307, 308, 310, 311, 314, 315
+LEFT_STICK = 317
 COMMANDS = {
     START: ("record", "keep"),
     NORTH: ("success",),
     WEST: ("failure",),
     SELECT: ("discard",),
+    LEFT_STICK: ("next_arm",),
 }
 
 
@@ -34,7 +36,7 @@ class Gamepad(Device):
         "gamepad: left stick forward and left, triggers down and up, right stick yaw and pitch, "
         "hat roll; south closes, east opens the gripper; the right shoulder holds the clutch open; "
         "start records and keeps, north success, west failure, select discards, left shoulder "
-        "re-sync"
+        "re-sync, the left stick pressed chooses the next arm"
     )
 
     def __init__(self, path: str = "", opened: Any = None) -> None:

@@ -19,8 +19,8 @@ MOVES = {
 }  # fmt: skip
 COMMANDS = {
     "\r": ("record", "keep"), "\n": ("record", "keep"), "y": ("success",), "n": ("failure",),
-    "c": ("resync",), "z": ("reset_origin",), "\x7f": ("discard",), "\b": ("discard",),
-    "q": ("quit",),
+    "c": ("resync",), "z": ("reset_origin",), "t": ("next_arm",), "\x7f": ("discard",),
+    "\b": ("discard",), "q": ("quit",),
 }  # fmt: skip
 
 
@@ -34,7 +34,7 @@ class Keyboard(Device):
     help = (
         "keys: w s forward and back, a d left and right, r f up and down, i k pitch, j l roll, u o "
         "yaw, space gripper; enter records and keeps, y success, n failure, backspace discards, c "
-        "re-sync, z reset origin, q quits"
+        "re-sync, z reset origin, t next arm, q quits"
     )
 
     def __init__(self, descriptor: int | None = None) -> None:
@@ -68,6 +68,8 @@ class Keyboard(Device):
                 opening = 0.0 if self._closed_hand else 1.0
             else:
                 commands += COMMANDS.get(key, ())
+                if key == "t":
+                    self._closed_hand = False  # that of another arm
         return Motion(
             translation=(moved[0], moved[1], moved[2]),
             rotation=(moved[3], moved[4], moved[5]),

@@ -9,15 +9,17 @@ its episodes like any others. It acts in real time: `act` waits until its action
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 from robocell._core import EpisodeStart, Error, GroupCommand, Rng, RunConfig, Scene, StopFlag
 from robocell._own_code import RAISED, raise_interrupt
 from robocell._raised import place_of
+from robocell._teleop.arms import Arm, DrivenArms, arms_of
 from robocell._teleop.device import Device, DeviceLostError, Motion
-from robocell._teleop.follower import ArmFollower, FollowOptions
+from robocell._teleop.follower import FollowOptions
+from robocell._teleop.real_arms import ArmStoppedError, RealArms
 from robocell.tasks import Expert
 
 FRAME_S = 1 / 30
@@ -45,7 +47,8 @@ class OperatorOptions:
     """How a session goes.
 
     Attributes:
-        robot: Name of the robot in its scene; "" for the first one with an arm.
+        robot: The arm that the device moves first, by its name or that of its robot: "left",
+            "torso/left"; "" for the first one.
         follow: How the arm follows.
         countdown_s: Time from `record` to the first action.
         ends_at_success: Whether the task's success ends an episode.
@@ -54,6 +57,7 @@ class OperatorOptions:
         real_time: False acts as fast as the computer can, for recorded sessions.
         episode: Id of the only episode to record; "" for all that are missing.
         max_steps: Most actions of an episode, in the place of the run's; 0 leaves those.
+        seed: Seed of the starts of a cell; runs have their own.
     """
 
     robot: str = ""
@@ -65,6 +69,7 @@ class OperatorOptions:
     real_time: bool = True
     episode: str = ""
     max_steps: int = 0
+    seed: int = 0
 
 
 class Operator:
@@ -77,12 +82,17 @@ class Operator:
         phase: What is going on.
         max_steps: Most actions of the present episode.
         lost: The error that ended the session: of a device that is gone, or of a wrong name.
+        real_arms: The arms that the session moves beside those of the scene; None without.
     """
 
     def __init__(
-        self, device: Device, options: OperatorOptions, screen: Screen | None = None
+        self,
+        device: Device,
+        options: OperatorOptions,
+        screen: Screen | None = None,
+        real_arms: RealArms | None = None,
     ) -> None:
-        self.device, self.options = device, options
+        self.device, self.options, self.real_arms = device, options, real_arms
         self.stop, self.quits = StopFlag(), False
         self.motions: list[Motion | None] = []
         self.phase = WAITING
@@ -134,6 +144,22 @@ class Operator:
             kind = type(self.device).__name__
             self.end(DeviceLostError(f"{kind}.{method}(): {place_of(error)}"))
         return None
+
+    def close(self) -> None:
+        """Releases the device, and holds the real arms."""
+        try:
+            self.call("close")
+        finally:
+            if self.real_arms is not None:
+                self.real_arms.close()
+
+    def untie(self) -> None:
+        """Brakes and holds the real arms. An arm that has stopped ends the session."""
+        if self.real_arms is None:
+            return
+        self.real_arms.untie()
+        if self.real_arms.reason:
+            self.end(ArmStoppedError(self.real_arms.reason))
 
     def end(self, error: Exception) -> None:
         """Ends the session; the present episode is dropped, and `record` raises the error."""
@@ -191,63 +217,66 @@ class Operator:
         self._screen.show(scene, status, self.row)
 
 
-class Teleoperator(Expert):
-    """The expert of one rollout: acts as the operator's device moves."""
+class Performance:
+    """One episode as the operator performs it, whatever records it.
 
-    def __init__(self, run: RunConfig, start: EpisodeStart, operator: Operator) -> None:
-        super().__init__()
-        self._operator, self._start = operator, start
-        self._seconds = run.rates.policy_period()
-        operator.max_steps = run.rates.max_steps
-        self._most_actions = max(run.rates.max_steps - 1, 1)
-        self._follower: ArmFollower | None = None
-        self._robot = ""
+    Args:
+        operator: The person.
+        scene: Returns the scene.
+        seconds: Duration of an action.
+        most_actions: Most actions of the episode.
+        instruction: What the person shall do.
+
+    Attributes:
+        failure: Why the person ended it as a failure; "" otherwise.
+        marked: The command that ended it, "success" or "failure"; "" otherwise.
+        succeeded: True if the last action was judged as a success; the recorder sets it.
+    """
+
+    def __init__(
+        self,
+        operator: Operator,
+        scene: Callable[[], Scene],
+        seconds: float,
+        most_actions: int,
+        instruction: str,
+    ) -> None:
+        self._operator, self._scene, self._seconds = operator, scene, seconds
+        self._most_actions, self._instruction = max(most_actions, 1), instruction
+        self._arms: DrivenArms | None = None
         self._due = 0.0
-        self._failure = ""
-        self._succeeded = False  # as the task judged the last action
         self._is_done = False
+        self.failure, self.marked, self.succeeded = "", "", False
 
-    def begin(self, scene: Scene, rng: Rng) -> None:
+    def begin(self) -> None:
         """Waits for `record`, and counts down."""
-        try:
-            self._begin(scene)
-        except Error as error:  # else the runner would keep a failed episode
-            self._operator.end(error)
-
-    def _begin(self, scene: Scene) -> None:
-        operator, options = self._operator, self._operator.options
-        self._robot = options.robot or next(robot.name for robot in scene.robots if _arm_of(robot))
-        self._follower = ArmFollower(scene.robot(self._robot), options.follow)
+        operator, options, scene = self._operator, self._operator.options, self._scene()
         operator.row = {}
         operator.forget_commands()
+        arms = arms_of(scene)
+        self._tie(arms)  # the person sees where the real arms are
+        self._arms = DrivenArms(arms, options.robot, options.follow)
         operator.note(
-            instruction=self._start.task.instruction(), success=False, blocked="", ended=""
+            instruction=self._instruction, success=False, blocked="", ended="", **self._names()
         )
         operator.phase = WAITING
         if options.waits:
             operator.wait_for(scene, "record")
             operator.phase = COUNTDOWN
             operator.wait_for(scene, seconds=options.countdown_s)
+            self._tie(arms)  # they may have been moved by hand meanwhile
+            self._arms = DrivenArms(arms, options.robot, options.follow)
         operator.phase = RECORDING
         operator.call("begin")
         operator.forget_commands()
         self._due = time.monotonic()
 
-    def see(self, row: Mapping[str, Any]) -> None:
-        """Stores the recorded row, whose images are shown."""
-        self._operator.row = row
-
-    def act(self, scene: Scene, rng: Rng) -> dict[str, dict[str, GroupCommand]]:
-        """Returns the commands that follow the device."""
-        try:
-            return {} if self._follower is None else self._act(scene, self._follower)
-        except Error as error:
-            self._operator.end(error)
-            return {}
-
-    def _act(self, scene: Scene, follower: ArmFollower) -> dict[str, dict[str, GroupCommand]]:
-        operator = self._operator
-        operator.show(scene)
+    def act(self) -> DrivenArms | None:
+        """Returns the arms with the commands of the next action; None before `begin` succeeded."""
+        operator, arms = self._operator, self._arms
+        if arms is None:
+            return None
+        operator.show(self._scene())
         operator.row = {}  # its images cannot be drawn later
         self._wait()
         motion = None if operator.stop.is_set else operator.read(self._seconds)
@@ -255,65 +284,66 @@ class Teleoperator(Expert):
         if operator.take("reset_origin"):
             operator.call("reset_origin")
         if operator.take("resync"):
-            follower.resync()
+            arms.resync()
+        if operator.take("next_arm"):
+            arms.choose_next()
         if operator.take("discard"):
             operator.stop.set()
-        ended = operator.take("success", "failure")
-        if ended:
+        self.marked = operator.take("success", "failure") or self.marked
+        if self.marked:
             self._is_done = True
-            self._failure = MARKED if ended == "failure" else ""
-        operator.note(success=self._succeeded)
-        self._succeeded = False
-        commands = follower.hold() if motion is None else follower.follow(motion, self._seconds)
-        operator.note(blocked=follower.blocked)
-        return {self._robot: commands}
+            self.failure = MARKED if self.marked == "failure" else ""
+        operator.note(success=self.succeeded)
+        self.succeeded = False
+        if operator.real_arms is not None and motion is not None and motion.clutch:
+            operator.real_arms.renew()
+        arms.follow(motion, self._seconds)
+        operator.note(blocked=arms.blocked, **self._names())
+        return arms
 
     def done(self) -> bool:
         """Returns True after `success`, `failure` or the last action, when the episode is kept.
 
-        A discarded one is not done: the runner stops before the next action, and commits nothing.
-        The last action is one before the run's `max_steps`, after which nothing could be asked.
+        A discarded one is not done.
         """
         if not self._is_done and len(self._operator.motions) < self._most_actions:
             return False
-        return self._review()
+        return self.review()
 
     def ends_at_success(self) -> bool:
-        """Is called after an action that the task judges as a success."""
-        self._succeeded = True
+        """Is called after an action that is judged as a success; True if it ends the episode."""
+        self.succeeded = True
         if not self._operator.options.ends_at_success:
             return False
         self._operator.note(success=True)
-        return self._review()
+        return self.review()
 
-    def failure(self) -> str:
-        """Returns why the person ended the episode as a failure."""
-        return self._failure
-
-    def phase(self) -> int:
-        """Returns 0, the only phase."""
-        return 0
-
-    def phase_names(self) -> list[str]:
-        """Returns no names."""
-        return []
-
-    def _review(self) -> bool:
+    def review(self) -> bool:
         """Asks whether to keep the episode; after `discard` the rollout stops."""
         operator = self._operator
         if operator.stop.is_set:
             return False
+        operator.untie()
         operator.phase = REVIEW
-        operator.note(ended=self._failure or "ended")
-        asks, scene = operator.options.asks, self._start.scene
+        operator.note(ended=self.failure or "ended")
+        asks, scene = operator.options.asks, self._scene()
         if asks and operator.wait_for(scene, "keep", "discard") == "discard":
             operator.stop.set()
         return not operator.stop.is_set
 
+    def _names(self) -> dict[str, Any]:
+        """Returns which arms there are, and which one the device moves."""
+        assert self._arms is not None
+        return {"arms": self._arms.names, "arm": self._arms.name}
+
+    def _tie(self, arms: list[Arm]) -> None:
+        if self._operator.real_arms is not None and not self._operator.stop.is_set:
+            self._operator.real_arms.tie(arms)
+
     def _wait(self) -> None:
         """Waits until the next action is due; a slow computer begins to count again."""
-        if not self._operator.options.real_time:
-            return
+        if not self._operator.options.real_time or self._operator.real_arms is not None:
+            return  # steps of real arms take their time by themselves
         now = time.monotonic()
         if now < self._due:
             time.sleep(self._due - now)
@@ -322,5 +352,58 @@ class Teleoperator(Expert):
         self._due += self._seconds
 
 
-def _arm_of(robot: Any) -> str:
-    return next((name for name in robot.group_names if robot.group(name).kind == "arm"), "")
+class Teleoperator(Expert):
+    """The expert of one rollout: acts as the operator's device moves."""
+
+    def __init__(self, run: RunConfig, start: EpisodeStart, operator: Operator) -> None:
+        super().__init__()
+        self._operator = operator
+        operator.max_steps = run.rates.max_steps
+        # The last action is one before the run's `max_steps`, after which nothing could be asked.
+        self._performance = Performance(
+            operator,
+            lambda: start.scene,
+            run.rates.policy_period(),
+            run.rates.max_steps - 1,
+            start.task.instruction(),
+        )
+
+    def begin(self, scene: Scene, rng: Rng) -> None:
+        """Waits for `record`, and counts down."""
+        try:
+            self._performance.begin()
+        except Error as error:  # else the runner would keep a failed episode
+            self._operator.end(error)
+
+    def see(self, row: Mapping[str, Any]) -> None:
+        """Stores the recorded row, whose images are shown."""
+        self._operator.row = row
+
+    def act(self, scene: Scene, rng: Rng) -> dict[str, dict[str, GroupCommand]]:
+        """Returns the commands that follow the device."""
+        try:
+            arms = self._performance.act()
+            return {} if arms is None else arms.commands()
+        except Error as error:
+            self._operator.end(error)
+            return {}
+
+    def done(self) -> bool:
+        """Returns True when the episode has ended and is kept."""
+        return self._performance.done()
+
+    def ends_at_success(self) -> bool:
+        """Is called after an action that the task judges as a success."""
+        return self._performance.ends_at_success()
+
+    def failure(self) -> str:
+        """Returns why the person ended the episode as a failure."""
+        return self._performance.failure
+
+    def phase(self) -> int:
+        """Returns 0, the only phase."""
+        return 0
+
+    def phase_names(self) -> list[str]:
+        """Returns no names."""
+        return []

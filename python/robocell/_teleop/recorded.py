@@ -37,6 +37,7 @@ class RecordedDevice(Device):
             real_time=False,
             episode=self.session["episode"],
             max_steps=self.session["max_steps"],
+            seed=self.session["seed"],
         )
 
     def read(self, seconds: float) -> Motion | None:

@@ -32,13 +32,21 @@ from robocell._core import (
 from robocell._teleop.device import Device, Motion
 from robocell._teleop.follower import FollowOptions
 from robocell._teleop.operator import Operator, OperatorOptions, Screen, Teleoperator
+from robocell._teleop.real_arms import RealArms
 from robocell.generate import Keep
 from robocell.tasks import Expert, expert_registration
 
 TELEOP = "teleop"  # the kind of expert in a run
 FOLDER = "device_sessions"
 FORMAT = 1
-FIELDS = {"episode": str, "robot": str, "follow": dict, "ends_at_success": bool, "max_steps": int}
+FIELDS = {
+    "episode": str,
+    "robot": str,
+    "follow": dict,
+    "ends_at_success": bool,
+    "max_steps": int,
+    "seed": int,
+}
 
 
 @dataclass(frozen=True)
@@ -64,6 +72,7 @@ def record(
     options: OperatorOptions | None = None,
     screen: Screen | None = None,
     on_recorded: Callable[[Recorded], object] = lambda _recorded: None,
+    real_arms: RealArms | None = None,
 ) -> list[Recorded]:
     """Records the episodes of a run until all are there, or the person quits.
 
@@ -73,17 +82,19 @@ def record(
         options: How the session goes.
         screen: Shows it.
         on_recorded: Called after each episode.
+        real_arms: Arms that follow with those of the scene. They hold between episodes.
 
     Returns:
         The episodes of this session.
 
     Raises:
+        ArmStoppedError: A real arm has stopped. What was kept stays.
         ArgumentError: The options ask for an episode that is not of the run, or is there already.
         DeviceLostError: The device is gone. What was kept stays.
         SpecError: The run is not valid, or its output belongs to another run.
     """
     options = options or OperatorOptions()
-    operator = Operator(device, options, screen)
+    operator = Operator(device, options, screen, real_arms)
     expert_registration(TELEOP, (), __name__)(_teleoperator)
     run = copy.deepcopy(run)
     run.expert, run.keep = TELEOP, Keep.FIRST
@@ -111,7 +122,7 @@ def record(
                     break
     finally:
         _acting.remove(operator)
-        operator.call("close")
+        operator.close()
     return recorded
 
 
@@ -157,6 +168,7 @@ def _record_one(
         try:
             result = runner.run(item, operator.stop)
         finally:
+            operator.untie()
             if operator.lost is not None:
                 raise operator.lost
         if result.committed and not result.resumed:
@@ -174,8 +186,8 @@ def _recorded(item: PlanItem, result: ItemResult) -> Recorded:
     return Recorded(item.id, result.success, reason, result.rows)
 
 
-def save_session(folder: Path, episode: str, operator: Operator) -> Path:
-    """Writes what the device said in an episode. Raises IoError."""
+def save_session(folder: Path, episode: str, operator: Operator, seed: int | None = None) -> Path:
+    """Writes what the device said in an episode, which began with a seed. Raises IoError."""
     place = folder / FOLDER
     try:
         place.mkdir(exist_ok=True)
@@ -188,6 +200,7 @@ def save_session(folder: Path, episode: str, operator: Operator) -> Path:
         "follow": asdict(operator.options.follow),
         "ends_at_success": operator.options.ends_at_success,
         "max_steps": operator.max_steps,
+        "seed": operator.options.seed if seed is None else seed,
         "motions": [None if each is None else each.as_json() for each in operator.motions],
     }
     file = place / f"{episode}.json"
@@ -213,7 +226,7 @@ def load_session(file: Path) -> dict[str, Any]:
         raise ArgumentError(
             f"'{file}' is no session of a device: give a file of a dataset's {FOLDER}/"
         )
-    content.setdefault("max_steps", 0)
+    content = {"max_steps": 0, "seed": 0, **content}
     for name, kind in FIELDS.items():
         if not isinstance(content.get(name), kind) or isinstance(content[name], bool) != (
             kind is bool

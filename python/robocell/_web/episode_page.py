@@ -17,9 +17,11 @@ from robocell._core import Episode, Error
 from robocell._notebook import instruction_of
 from robocell._web.packed import Packed
 from robocell._web.scene_geometry import body_poses, geometry_of
+from robocell._web.soft_parts import SoftParts
 
 MOST_PLOTTED = 16  # numbers of a row of a column; columns with more are left out
 MOST_COLUMNS = 200
+MOST_POINTS = 5_000_000  # of all rows; an episode with more is shown without its soft parts
 NUMBERS = ("f", "i", "u", "b")
 
 
@@ -41,7 +43,7 @@ class EpisodePage:
         self.title = f"{episode.id}, {result}"
         self.geometry = b""
         packed = Packed()
-        poses, why = self._poses(packed)
+        poses, points, why = self._poses(packed)
         times = times_of(episode)
         self.content = packed.block(
             {
@@ -51,6 +53,7 @@ class EpisodePage:
                 "instruction": instruction_of(episode),
                 "times": packed.add(times),
                 "poses": poses,
+                "points": points,
                 "without_poses": why,
                 "phases": phases_of(episode),
                 "columns": self._columns(packed, len(times)),
@@ -67,23 +70,35 @@ class EpisodePage:
         file = Path(self._episode.folder) / f"{camera}.mp4"
         return file.read_bytes() if file.is_file() else None
 
-    def _poses(self, packed: Packed) -> tuple[dict[str, Any] | None, str]:
-        """Returns the poses of all bodies in every row, or the reason why there are none."""
+    def _poses(self, packed: Packed) -> tuple[dict[str, Any] | None, dict[str, Any] | None, str]:
+        """Returns poses of bodies and points of soft parts in every row, or why there are none."""
         import mujoco  # not needed by other pages
 
         from robocell.export._states import replayed
 
         poses: list[NDArray[np.float32]] = []
+        points: list[NDArray[np.float32]] = []
+        soft = SoftParts()
         try:
             for scene in replayed(self._episode):
-                mujoco.mj_kinematics(scene.model, scene.data)  # the simulation goes on unchanged
+                model, data = scene.model, scene.data
+                mujoco.mj_kinematics(model, data)  # the simulation goes on unchanged
                 if not poses:
-                    self.geometry = geometry_of(scene)
+                    soft = SoftParts(model)
+                    if soft.count * len(self._episode) > MOST_POINTS:
+                        soft = SoftParts()
+                if soft.count:
+                    mujoco.mj_comPos(model, data)
+                    mujoco.mj_flex(model, data)
+                    mujoco.mj_tendon(model, data)
+                if not poses:
+                    self.geometry = geometry_of(scene, soft)
                 poses.append(body_poses(scene))
+                points.append(soft.points(data))
         except Error as error:
             self.geometry = b""
-            return None, str(error)
-        return packed.add(np.array(poses)), ""
+            return None, None, str(error)
+        return packed.add(np.array(poses)), packed.add(np.array(points)), ""
 
     def _columns(self, packed: Packed, rows: int) -> list[dict[str, Any]]:
         found: list[dict[str, Any]] = []

@@ -23,6 +23,7 @@ from robocell._notebook import has_arm
 from robocell._web.frame_hub import FrameHub, HubVisit
 from robocell._web.packed import Packed
 from robocell._web.scene_geometry import body_poses, geometry_of, joints_of
+from robocell._web.soft_parts import SoftParts
 from robocell._web.web_server import Reply, number_of, text_of
 
 FRAME_S = 1 / 30
@@ -83,6 +84,7 @@ class SceneFrames:
         self._drawn: dict[str, tuple[float, Any]] = {}
         self._qpos: Any = np.zeros(0, int)
         self._model: object = None
+        self._soft = SoftParts()
         self.message = ""
 
     def apply(self, page: int, command: Mapping[str, Any]) -> bool:
@@ -114,7 +116,8 @@ class SceneFrames:
             self._model, self._generation = model, scene.generation
             self._renderer, self._drawn = None, {}
             self._qpos = np.array([joint["qpos"] for joint in joints_of(scene)], int)
-            self.hub.publish_geometry(geometry_of(scene))
+            self._soft = SoftParts(model)
+            self.hub.publish_geometry(geometry_of(scene, self._soft))
         packed = Packed()
         if images is None:
             images = self._images(scene)
@@ -122,6 +125,7 @@ class SceneFrames:
             "generation": self._generation,
             "time": float(scene.time()),
             "poses": packed.add(body_poses(scene)),
+            "points": packed.add(self._soft.points(scene.data)),
             "joints": packed.add(np.asarray(scene.data.qpos)[self._qpos]),
             "openings": [_opening(robot) for robot in scene.robots if robot.has_gripper],
             "images": [

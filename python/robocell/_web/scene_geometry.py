@@ -2,9 +2,7 @@
 
 `geometry_of` packs the model's geoms, meshes, height fields and textures, with its joints, cameras
 and frames; `body_poses` are the numbers of a state. Geoms are fixed to bodies, so a state is the
-pose of each body: position and quaternion xyzw.
-
-Not shown: flexes, skins and tendons.
+pose of each body: position and quaternion xyzw; and the points of what is no geom (soft_parts.py).
 """
 
 from __future__ import annotations
@@ -17,6 +15,7 @@ from numpy.typing import NDArray
 from robocell import _core
 from robocell._notebook import has_arm, orbit_of
 from robocell._web.packed import Packed
+from robocell._web.soft_parts import SoftParts
 
 LARGEST_TEXTURE = 1024  # pixels of a side; larger ones are thinned out
 HIDDEN_GROUP = 3  # from this group on, geoms are for collisions
@@ -44,9 +43,15 @@ def body_poses(scene: _core.Scene) -> NDArray[np.float32]:
     return poses
 
 
-def geometry_of(scene: _core.Scene) -> bytes:
-    """Returns everything that a page draws, without the state."""
+def geometry_of(scene: _core.Scene, soft: SoftParts | None = None) -> bytes:
+    """Returns everything that a page draws, as it is now.
+
+    Args:
+        scene: The scene.
+        soft: Its soft parts; by default all of them.
+    """
     model: Any = scene.model
+    soft = soft or SoftParts(model)
     packed = Packed()
     lookat, distance = orbit_of(scene)
     geoms = [_geom(model, i) for i in range(model.ngeom) if int(model.geom_type[i]) in TYPES]
@@ -69,6 +74,8 @@ def geometry_of(scene: _core.Scene) -> bytes:
         "distance": float(distance),
         "extent": float(model.stat.extent),
         "poses": packed.add(body_poses(scene)),
+        "soft": soft.header(packed),
+        "points": packed.add(soft.points(scene.data)),
     }
     return packed.block(header)
 

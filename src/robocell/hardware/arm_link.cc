@@ -213,7 +213,7 @@ class ArmLink::Impl final : public internal::StepLink {
       if (port->now() > due_) due_ = port->now();  // a delay is not caught up
       port->WaitUntil(due_);
       Read();
-      Send(Wanted(), WantedOpening());
+      Send(WantedOpening());
     } catch (const Error& error) {
       gate.Stop(error.what());
     } catch (...) {
@@ -228,17 +228,33 @@ class ArmLink::Impl final : public internal::StepLink {
     if (port->Read(read_)) gate.Accept(read_, port->now());
   }
 
-  void Send(std::span<const double> wanted, double opening) {
-    if (const ArmCommand* command = gate.Next(wanted, opening, port->now())) port->Send(*command);
+  void Send(double opening) {
+    Controller& controller = robot.controller(group);
+    const ArmCommand* command =
+        controller.mode() == CtrlMode::kTorque
+            ? gate.NextForces(WantedForces(controller), opening, port->now())
+            : gate.Next(WantedPositions(controller), opening, port->now());
+    if (command) port->Send(*command);
   }
 
-  std::span<const double> Wanted() const {
-    const Controller& controller = robot.controller(group);
+  static std::span<const double> WantedPositions(const Controller& controller) {
     if (controller.mode() != CtrlMode::kPosition) {
-      throw Error(
-          fmt::format("its controller '{}' commands no joint positions", controller.kind()));
+      throw Error(fmt::format("its controller '{}' commands neither joint positions nor torques",
+                              controller.kind()));
     }
     return controller.commanded_joint_pos();
+  }
+
+  std::span<const double> WantedForces(Controller& controller) const {
+    if (controller.port_kind() != TargetKind::kJointTorques) {
+      throw Error(fmt::format(
+          "its controller '{}' commands motors by itself; only torques of 'joint_torque' are sent",
+          controller.kind()));
+    }
+    if (!port->takes_forces()) {
+      throw Error(fmt::format("{} takes no torques; command joint positions", port->name()));
+    }
+    return controller.command_port();
   }
 
   double WantedOpening() const {

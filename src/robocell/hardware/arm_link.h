@@ -20,7 +20,8 @@
 // the scene shows the arm as someone else moves it.
 //
 // The arm needs a controller that commands joint positions: joint_position, cartesian_pose,
-// relative_joint_position, differential_ik; another one stops the link. Errors: ArgumentError for an
+// relative_joint_position, differential_ik; or joint_torque, if the port takes forces. Another one
+// stops the link. Torques are all of the joints' forces, with those against gravity. Errors: ArgumentError for an
 // arm with other joints or an invalid option, IoError if nothing is measured in time, and those of
 // the port. Threads: those of the scene; any thread may call Renew and Stop, which count from the
 // next step.

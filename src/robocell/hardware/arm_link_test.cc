@@ -159,7 +159,7 @@ TEST(ArmLink, StopsForErrorsOfItsPortAndForControllersWithoutPositions) {
 
   Linked cell;
   cell.robot.SetController("arm", "joint_impedance");
-  EXPECT_NE(cell.Run(1).message.find("'joint_impedance' commands no joint positions"),
+  EXPECT_NE(cell.Run(1).message.find("'joint_impedance' commands motors by itself"),
             std::string::npos);
 }
 

@@ -37,6 +37,8 @@ size_t ValuesOf(PacketKind kind, size_t joints) {
       return 3 * joints + 1;
     case PacketKind::kCommand:
       return 2 * joints + 1;
+    case PacketKind::kForces:
+      return 3 * joints + 1;
   }
   return kUnknown;
 }
@@ -90,7 +92,7 @@ void Encode(const ArmPacket& packet, const Hash128& key, std::vector<std::byte>&
   for (const char c : kMagic) Put(c, out);
   Put(packet.kind, out);
   Put(static_cast<uint8_t>(packet.joints), out);
-  Put(uint16_t{0}, out);
+  Put(packet.flags, out);
   Put(packet.session, out);
   Put(packet.sequence, out);
   Put(packet.time, out);
@@ -117,8 +119,7 @@ bool Decode(std::span<const std::byte> bytes, const Hash128& key, ArmPacket& out
     return false;
   rest = bytes.subspan(sizeof kMagic, bytes.size() - kChecksum - sizeof kMagic);
   uint8_t joints = 0;
-  uint16_t zero = 0;
-  if (!Take(rest, out.kind) || !Take(rest, joints) || !Take(rest, zero)) return false;
+  if (!Take(rest, out.kind) || !Take(rest, joints) || !Take(rest, out.flags)) return false;
   if (!Take(rest, out.session) || !Take(rest, out.sequence) || !Take(rest, out.time)) return false;
   out.joints = joints;
   const size_t count = ValuesOf(out.kind, joints);

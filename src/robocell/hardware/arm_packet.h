@@ -3,7 +3,7 @@
 // to, and a keyed checksum (SipHash-2-4-128), which tells damaged and, with a secret, foreign ones.
 //
 //   byte  0  "RBA1"
-//         4  kind, joints, two bytes of zero
+//         4  kind, joints, flags (16 bits): 1 in a description of an arm that takes forces
 //         8  session, sequence: 32-bit whole numbers
 //        16  time: s of the sender's clock
 //        24  values: 64-bit floating-point numbers, as many as the kind has
@@ -30,10 +30,14 @@ enum class PacketKind : uint8_t {
   kState,        // of an arm: positions, velocities, forces, opening
   kCommand,      // of a computer: positions, velocities, opening
   kHold,         // of a computer: hold where you are
+  kForces,       // of a computer: positions, velocities, forces, opening
 };
+
+inline constexpr uint16_t kTakesForces = 1;
 
 struct ArmPacket {
   PacketKind kind = PacketKind::kHello;
+  uint16_t flags = 0;
   uint32_t session = 0, sequence = 0;
   double time = 0;
   size_t joints = 0;

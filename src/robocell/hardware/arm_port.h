@@ -40,6 +40,8 @@ struct ArmMeasurement {
 
 struct ArmCommand {
   std::vector<double> pos = {}, vel = {};
+  // All of the joints' forces, with those against gravity. Empty: the arm goes to `pos` by itself.
+  std::vector<double> force = {};
   double opening = kNoOpening;  // NaN: leave the gripper as it is
 };
 
@@ -53,6 +55,8 @@ class ArmPort {
   // Copies the newest measurement. Returns false if there is none since the last call.
   virtual bool Read(ArmMeasurement& out) = 0;
   virtual void Send(const ArmCommand& command) = 0;
+  // Returns true if Send obeys commands of forces.
+  virtual bool takes_forces() const { return false; }
   // Makes the arm hold where it is. Called when a link stops or ends.
   virtual void Hold() = 0;
   // Seconds of a clock that never goes back; by default the computer's.

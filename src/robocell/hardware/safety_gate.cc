@@ -15,10 +15,11 @@
 namespace robocell {
 namespace {
 
-constexpr double kFirstShare = 0.1;   // of the speed, at the beginning of a slow start
-constexpr double kClockDrift = 1e-3;  // s per s
-constexpr double kJumpMargin = 0.05;  // rad or m: noise and rounding of a measurement
-constexpr double kBeyond = 0.1;       // rad or m beyond a limit of position, where the arm stops
+constexpr double kFirstShare = 0.1;    // of the speed, at the beginning of a slow start
+constexpr double kClockDrift = 1e-3;   // s per s
+constexpr double kJumpMargin = 0.05;   // rad or m: noise and rounding of a measurement
+constexpr double kBeyond = 0.1;        // rad or m beyond a limit of position, where the arm stops
+constexpr double kSpeedMargin = 0.05;  // rad/s or m/s: noise of measured speeds
 constexpr double kRest = 1e-9;
 
 // Returns the largest speed towards a limit at distance `d` from which the command can still brake
@@ -114,6 +115,7 @@ void SafetyGate::Begin(const ArmMeasurement& measured) {
     upper_[i] = std::max(upper_[i], measured.pos[i]);
   }
   yield_.reserve(joints_.size());
+  command_.force.reserve(joints_.size());
 }
 
 void SafetyGate::CheckPlace(const ArmMeasurement& measured) {
@@ -225,17 +227,31 @@ void SafetyGate::Move(size_t joint, double target, double share) {
   command_.pos[joint] = place;
 }
 
+double SafetyGate::TakeShare() {
+  if (state_ != ArmState::kRunning) return 1;
+  const double at = static_cast<double>(ticks_++) * period_;
+  if (options_.slow_start == 0) return 1;
+  return std::min(1.0, kFirstShare + (1 - kFirstShare) * at / options_.slow_start);
+}
+
+const ArmCommand* SafetyGate::Release(double opening) {
+  const bool is_running = state_ == ArmState::kRunning;
+  if (is_running && changed_) ++counts_.limited;
+  const bool opens = is_running && std::isfinite(opening);
+  command_.opening = opens ? std::clamp(opening, 0.0, 1.0) : kNoOpening;
+  if (options_.dry_run) return nullptr;
+  if (state_ == ArmState::kStopped && yield_.empty() && is_at_rest()) return nullptr;
+  ++counts_.sent;
+  return &command_;
+}
+
 const ArmCommand* SafetyGate::Next(std::span<const double> wanted, double opening, double now) {
   if (counts_.accepted == 0) return nullptr;
   began_ = true;
   CheckState(wanted, now);
+  command_.force.clear();
   const bool is_running = state_ == ArmState::kRunning;
-  double share = 1;
-  if (is_running && options_.slow_start > 0) {
-    const double at = static_cast<double>(ticks_) * period_ / options_.slow_start;
-    share = std::min(1.0, kFirstShare + (1 - kFirstShare) * at);
-  }
-  if (is_running) ++ticks_;
+  const double share = TakeShare();
   changed_ = false;
   for (size_t i = 0; i < joints_.size(); ++i) {
     if (is_running) {
@@ -255,13 +271,54 @@ const ArmCommand* SafetyGate::Next(std::span<const double> wanted, double openin
           std::clamp(command_.pos[i] + command_.vel[i] * period_, lower_[i], upper_[i]);
     }
   }
-  if (is_running && changed_) ++counts_.limited;
-  const bool opens = is_running && std::isfinite(opening);
-  command_.opening = opens ? std::clamp(opening, 0.0, 1.0) : kNoOpening;
-  if (options_.dry_run) return nullptr;
-  if (state_ == ArmState::kStopped && yield_.empty() && is_at_rest()) return nullptr;
-  ++counts_.sent;
-  return &command_;
+  return Release(opening);
+}
+
+void SafetyGate::CheckMotion(double share) {
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    const double p = measured_.pos[i], v = measured_.vel[i];
+    if (!std::isfinite(limits_.force[i])) {
+      Stop(fmt::format(
+          "joint '{}' has no limit of force; give one in the limits of the arm's safety "
+          "to command torques",
+          joints_[i]));
+      return;
+    }
+    const double most = limits_.velocity[i] * options_.speed * share + kSpeedMargin;
+    if (std::abs(v) > most) {
+      Stop(fmt::format("joint '{}' moves at {:.2f} under torques, beyond its limit of {:.2f}",
+                       joints_[i], v, most));
+      return;
+    }
+    const double distance = std::max(v > 0 ? upper_[i] - p : p - lower_[i], 0.0);
+    const double slow = std::max(std::abs(v) - kSpeedMargin, 0.0);
+    if (slow * slow > 2 * limits_.acceleration[i] * distance) {
+      Stop(
+          fmt::format("joint '{}' is at {:.3f} and moves at {:.2f} under torques; it can hardly "
+                      "brake before its limit",
+                      joints_[i], p, v));
+      return;
+    }
+  }
+}
+
+const ArmCommand* SafetyGate::NextForces(std::span<const double> wanted, double opening,
+                                         double now) {
+  if (counts_.accepted == 0) return nullptr;
+  CheckState(wanted, now);
+  if (state_ == ArmState::kRunning) CheckMotion(TakeShare());
+  if (state_ != ArmState::kRunning) return Next(wanted, opening, now);
+  began_ = true;
+  changed_ = false;
+  command_.force.resize(joints_.size());
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    // An arm that stops begins to brake here.
+    command_.pos[i] = std::clamp(measured_.pos[i], lower_[i], upper_[i]);
+    command_.vel[i] = std::clamp(measured_.vel[i], -limits_.velocity[i], limits_.velocity[i]);
+    command_.force[i] = std::clamp(wanted[i], -limits_.force[i], limits_.force[i]);
+    changed_ |= command_.force[i] != wanted[i];
+  }
+  return Release(opening);
 }
 
 }  // namespace robocell

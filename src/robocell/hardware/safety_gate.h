@@ -62,6 +62,10 @@ class SafetyGate {
   void Renew(double now) { renewed_ = now; }
   // Returns the command for one tick; null if nothing may be sent.
   const ArmCommand* Next(std::span<const double> wanted, double opening, double now);
+  // The same for forces that a controller wants. They are kept within their limits; a joint that
+  // moves faster than it may, or can no longer brake before a limit, stops the arm, which then
+  // brakes by positions.
+  const ArmCommand* NextForces(std::span<const double> wanted, double opening, double now);
   // Stops for good. The first reason counts.
   void Stop(const std::string& reason);
 
@@ -85,6 +89,12 @@ class SafetyGate {
   // Lets the commands begin there.
   void Begin(const ArmMeasurement& measured);
   void CheckState(std::span<const double> wanted, double now);
+  // Stops an arm that forces carry beyond its limits; `share` of the speed is allowed.
+  void CheckMotion(double share);
+  // Returns the share of the speed that is used in this tick of a running arm.
+  double TakeShare();
+  // Returns the command, null if nothing may be sent.
+  const ArmCommand* Release(double opening);
   void Hold(const std::string& reason);
   // Moves the command of a joint towards `target` by one tick.
   void Move(size_t joint, double target, double share);

@@ -219,5 +219,79 @@ TEST(SafetyGate, RejectsOptionsThatGuardNothing) {
                              "joint 'elbow' has the limits 3 to 1");
 }
 
+// Forces that push an arm of mass 1 without gravity.
+struct Pushed : Gated {
+  explicit Pushed(const SafetyOptions& options = {.slow_start = 0}) : Gated(options) {}
+  const ArmCommand* Push(double force) {
+    now += kPeriod;
+    arm.time += kPeriod;
+    gate.Accept(arm, now);
+    const ArmCommand* sent = gate.NextForces(std::vector<double>{force}, kNoOpening, now);
+    if (!sent) return sent;
+    if (sent->force.empty()) {
+      arm.vel[0] = (sent->pos[0] - arm.pos[0]) / kPeriod;
+      arm.pos = sent->pos;
+    } else {
+      arm.vel[0] += sent->force[0] * kPeriod;
+      arm.pos[0] += arm.vel[0] * kPeriod;
+    }
+    return sent;
+  }
+};
+
+TEST(SafetyGate, ForcesStayWithinTheirLimits) {
+  Pushed arm;
+  const ArmCommand* sent = arm.Push(1e6);
+  ASSERT_NE(sent, nullptr);
+  EXPECT_EQ(sent->force, std::vector<double>{50});
+  EXPECT_EQ(arm.gate.counts().limited, 1);
+  EXPECT_EQ(arm.Push(-0.25)->force, std::vector<double>{-0.25});
+}
+
+TEST(SafetyGate, AnArmThatForcesCarryAwayBrakesBeforeItsLimits) {
+  Rng rng = Rng::Stream(3, "forces");
+  for (int run = 0; run < 50; ++run) {
+    Pushed arm;
+    const double force = rng.Uniform(0.2, 20) * (run % 2 == 0 ? 1 : -1);
+    for (int tick = 0; tick < 2000; ++tick) {
+      if (!arm.Push(force)) break;
+      EXPECT_LT(std::abs(arm.arm.pos[0]), 1 + 0.02) << "force " << force;
+      EXPECT_LT(std::abs(arm.arm.vel[0]), 2 + 0.05 + std::abs(force) * kPeriod);
+    }
+    EXPECT_EQ(arm.gate.state(), ArmState::kStopped);
+    EXPECT_NE(arm.gate.reason().find("under torques"), std::string::npos) << arm.gate.reason();
+    EXPECT_TRUE(arm.gate.is_at_rest());
+  }
+}
+
+TEST(SafetyGate, ForcesNeedALimitAndFiniteValues) {
+  Pushed arm;
+  arm.Push(std::numeric_limits<double>::quiet_NaN());
+  EXPECT_NE(arm.gate.reason().find("commanded nan"), std::string::npos) << arm.gate.reason();
+  ArmLimits limits = Limits(1);
+  limits.force[0] = std::numeric_limits<double>::infinity();
+  SafetyGate gate({"elbow"}, limits, {}, kPeriod);
+  gate.Accept({.time = 1, .pos = {0}, .vel = {0}, .force = {0}}, 1);
+  const ArmCommand* sent = gate.NextForces(std::vector<double>{1}, kNoOpening, 1);
+  EXPECT_TRUE(!sent || sent->force.empty());
+  EXPECT_NE(gate.reason().find("no limit of force"), std::string::npos) << gate.reason();
+}
+
+TEST(SafetyGate, SilenceAndTheDeadMansSwitchEndForces) {
+  Pushed arm({.slow_start = 0, .dead_man = 0.05});
+  arm.gate.Renew(arm.now);
+  EXPECT_FALSE(arm.Push(0.1)->force.empty());
+  for (int tick = 0; tick < 10; ++tick) arm.Push(0.1);
+  EXPECT_EQ(arm.gate.state(), ArmState::kHolding);
+  EXPECT_TRUE(arm.Push(0.1)->force.empty());
+  arm.gate.Renew(arm.now);
+  EXPECT_FALSE(arm.Push(0.1)->force.empty()) << "it goes on";
+  arm.gate.Renew(arm.now + 10);
+  arm.now += 1;
+  const ArmCommand* sent = arm.gate.NextForces(std::vector<double>{0.1}, kNoOpening, arm.now);
+  EXPECT_TRUE(!sent || sent->force.empty());
+  EXPECT_EQ(arm.gate.state(), ArmState::kStopped);
+}
+
 }  // namespace
 }  // namespace robocell

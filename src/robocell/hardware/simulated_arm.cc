@@ -26,6 +26,15 @@ namespace {
 constexpr double kVelocity = 2, kAcceleration = 10;
 constexpr double kLongestGap = 0.5;  // s: a program that slept is not caught up with
 
+bool HasTorques(const Robot& robot) {
+  try {
+    (void)robot.drive(robot.arm().name(), CtrlMode::kTorque);
+    return true;
+  } catch (const ArgumentError&) {
+    return false;
+  }
+}
+
 }  // namespace
 
 ArmLimits LimitsOf(const Robot& robot) {
@@ -61,6 +70,7 @@ SimulatedArm::SimulatedArm(Robot robot, const SimulatedArmOptions& options)
   }
   limits_ = Narrowed(LimitsOf(robot_), options.limits, joint_names(), name());
   robot_.set_ctrl_mode(CtrlMode::kPosition);
+  takes_forces_ = HasTorques(robot_);
   gripper_ = robot_.gripper_of(robot_.arm().name());
   began_ = ArmPort::now() - scene_.time();
   commanded_ = scene_.time();
@@ -120,7 +130,13 @@ bool SimulatedArm::Read(ArmMeasurement& out) {
 }
 
 void SimulatedArm::Send(const ArmCommand& command) {
-  robot_.SetJntPosCmd(command.pos);
+  if (command.force.empty()) {
+    robot_.set_ctrl_mode(CtrlMode::kPosition);
+    robot_.SetJntPosCmd(command.pos);
+  } else {
+    robot_.set_ctrl_mode(CtrlMode::kTorque);
+    robot_.SetJntTrqCmd(command.force);
+  }
   if (!gripper_.empty() && std::isfinite(command.opening)) {
     const double opening = std::clamp(command.opening, 0.0, 1.0);
     robot_.controller(gripper_).SetTarget({&opening, 1});
@@ -132,6 +148,7 @@ void SimulatedArm::Send(const ArmCommand& command) {
 void SimulatedArm::Hold() {
   if (holds_) return;
   holds_ = true;
+  robot_.set_ctrl_mode(CtrlMode::kPosition);
   robot_.SetJntPosCmd(robot_.jnt_pos_msr());
 }
 

@@ -4,6 +4,8 @@
 //   auto arm = std::make_shared<SimulatedArm>(Robot::Of(scene, "rc7"));
 //   UdpArmServer server(arm, "127.0.0.1:0");
 //
+// It takes forces if the robot has the control mode of torques, too (RobotSpec::control_modes).
+//
 // It moves by itself: in real time whenever it is called, or, without `real_time`, in WaitUntil; its
 // clock is that of the scene. Without a command for `watchdog` it holds, as real arms do.
 //
@@ -42,6 +44,7 @@ class SimulatedArm final : public ArmPort {
   bool Read(ArmMeasurement& out) override;
   void Send(const ArmCommand& command) override;
   void Hold() override;
+  bool takes_forces() const override { return takes_forces_; }
   double now() const override;
   void WaitUntil(double time) override;
   const Robot& robot() const { return robot_; }
@@ -60,6 +63,7 @@ class SimulatedArm final : public ArmPort {
   double commanded_ = 0;  // time of the last command
   double read_ = -1;      // time of the last measurement
   bool holds_ = true;
+  bool takes_forces_ = false;
 };
 
 }  // namespace robocell

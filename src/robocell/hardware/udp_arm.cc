@@ -90,6 +90,7 @@ struct UdpArm::Impl {
   bool heard = false;
   double spoken = 0;  // when the arm sent its state, or was greeted
   int64_t dropped = 0;
+  bool takes_forces = false;
   ArmPacket in, out;
   std::vector<std::byte> bytes;
   std::array<std::byte, internal::kMostBytes> room{};
@@ -117,6 +118,7 @@ UdpArm::UdpArm(const std::string& address, const UdpArmOptions& options)
       }
       RequireValid(s.limits, s.in.names, name());
       s.joints = s.in.names;
+      s.takes_forces = (s.in.flags & internal::kTakesForces) != 0;
     }
     if (!s.joints.empty()) break;
     if (!(now() < end)) {
@@ -135,6 +137,7 @@ UdpArm::~UdpArm() = default;
 std::string UdpArm::name() const { return "udp " + internal::ToString(impl_->address); }
 std::vector<std::string> UdpArm::joint_names() const { return impl_->joints; }
 ArmLimits UdpArm::limits() const { return impl_->limits; }
+bool UdpArm::takes_forces() const { return impl_->takes_forces; }
 int64_t UdpArm::dropped() const { return impl_->dropped; }
 
 bool UdpArm::Read(ArmMeasurement& out) {
@@ -168,8 +171,10 @@ void UdpArm::Send(const ArmCommand& command) {
   out.time = now();
   out.values.assign(command.pos.begin(), command.pos.end());
   out.values.insert(out.values.end(), command.vel.begin(), command.vel.end());
+  out.values.insert(out.values.end(), command.force.begin(), command.force.end());
   out.values.push_back(command.opening);
-  impl_->Send(PacketKind::kCommand, impl_->joints.size());
+  const PacketKind kind = command.force.empty() ? PacketKind::kCommand : PacketKind::kForces;
+  impl_->Send(kind, impl_->joints.size());
 }
 
 void UdpArm::Hold() {

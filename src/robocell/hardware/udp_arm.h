@@ -40,6 +40,7 @@ class UdpArm final : public ArmPort {
   ArmLimits limits() const override;
   bool Read(ArmMeasurement& out) override;
   void Send(const ArmCommand& command) override;
+  bool takes_forces() const override;
   void Hold() override;
   // Returns the packets that were dropped so far.
   int64_t dropped() const;

@@ -114,7 +114,7 @@ struct UdpArmServer::Impl {
     if (in.kind == PacketKind::kHello) {
       heard = now;
       Describe(now);
-    } else if (in.kind == PacketKind::kCommand) {
+    } else if (in.kind == PacketKind::kCommand || in.kind == PacketKind::kForces) {
       Obey(now);
     } else if (in.kind == PacketKind::kHold) {
       heard = now;
@@ -124,8 +124,10 @@ struct UdpArmServer::Impl {
 
   void Obey(double now) {
     const size_t n = joints.size();
-    const auto end = in.values.begin() + static_cast<ptrdiff_t>(in.joints == n ? 2 * n : 0);
-    if (in.joints != n ||
+    const bool has_forces = in.kind == PacketKind::kForces;
+    const size_t count = (has_forces ? 3 : 2) * n;
+    const auto end = in.values.begin() + static_cast<ptrdiff_t>(in.joints == n ? count : 0);
+    if (in.joints != n || (has_forces && !arm->takes_forces()) ||
         !std::all_of(in.values.begin(), end, [](double v) { return std::isfinite(v); }) ||
         std::isinf(in.values.back())) {
       ++dropped;
@@ -134,7 +136,9 @@ struct UdpArmServer::Impl {
     heard = now;
     holds = false;
     command.pos.assign(in.values.begin(), in.values.begin() + static_cast<ptrdiff_t>(n));
-    command.vel.assign(in.values.begin() + static_cast<ptrdiff_t>(n), end);
+    const auto forces = in.values.begin() + static_cast<ptrdiff_t>(2 * n);
+    command.vel.assign(in.values.begin() + static_cast<ptrdiff_t>(n), forces);
+    command.force.assign(forces, end);
     command.opening = in.values.back();
     arm->Send(command);
   }
@@ -146,6 +150,7 @@ struct UdpArmServer::Impl {
 
   void Describe(double now) {
     out.kind = PacketKind::kDescription;
+    out.flags = arm->takes_forces() ? internal::kTakesForces : uint16_t{0};
     out.names = joints;
     out.values.clear();
     for (const std::vector<double>* list :
@@ -156,6 +161,7 @@ struct UdpArmServer::Impl {
 
   void SendState(double now) {
     out.kind = PacketKind::kState;
+    out.flags = 0;
     out.names.clear();
     out.values.clear();
     for (const std::vector<double>* list : {&measured.pos, &measured.vel, &measured.force})

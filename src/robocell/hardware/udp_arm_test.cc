@@ -52,6 +52,24 @@ TEST(UdpArm, DescribesMeasuresAndCommandsTheArmBehind) {
   EXPECT_FALSE(arm->Read(measured)) << "nothing new";
 }
 
+TEST(UdpArm, ForcesReachAnArmThatTakesThemAndNoOther) {
+  for (const bool takes : {true, false}) {
+    Served served;
+    served.arm->takes = takes;
+    const auto arm = Connect(served.server);
+    EXPECT_EQ(arm->takes_forces(), takes);
+    arm->Send({.pos = {0.1, 0.2}, .vel = {0, 0}, .force = {3, -4}});
+    served.Poll();
+    const std::vector<double> expected = takes ? std::vector<double>{3, -4} : std::vector<double>{};
+    EXPECT_EQ(served.arm->forces, expected);
+    EXPECT_EQ(served.arm->sent, takes ? 1 : 0);
+    arm->Send(CommandTo(0.3));
+    served.Poll();
+    EXPECT_TRUE(served.arm->forces.empty());
+    EXPECT_EQ(served.arm->at.pos[0], 0.3);
+  }
+}
+
 TEST(UdpArm, HoldsTheArmWhenItsProgramIsSilentOrKilled) {
   Served served({.watchdog = 0.1});
   auto arm = Connect(served.server);

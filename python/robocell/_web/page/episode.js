@@ -9,6 +9,7 @@ RC.Player = class {
     this.query = query;
     this.times = this.array(this.header.times);
     this.poses = this.header.poses && this.array(this.header.poses);
+    this.points = this.header.points && this.array(this.header.points);
     this.row = 0;
     this.time = 0;
     this.playing = false;
@@ -115,7 +116,11 @@ RC.Player = class {
   show(row, time) {
     this.row = Math.min(Math.max(row, 0), this.times.length - 1);
     this.time = time ?? this.times[this.row];
-    if (this.view) this.view.setPoses(this.poses.subarray(this.row * this.stride, (this.row + 1) * this.stride));
+    if (this.view) {
+      this.view.setPoses(this.poses.subarray(this.row * this.stride, (this.row + 1) * this.stride));
+      const size = this.points.length / this.times.length;
+      this.view.setPoints(this.points.subarray(this.row * size, (this.row + 1) * size));
+    }
     this.slider.value = this.row;
     const phase = this.header.phases.filter((each) => each.first <= this.row).pop();
     this.text.textContent = `row ${this.row} of ${this.times.length - 1}, ${this.times[this.row].toFixed(2)} s${phase ? `, ${phase.name}` : ""}`;

@@ -31,6 +31,7 @@ RC.LivePage = class {
       this.build();
     }
     if (header.poses.shape[0] === this.view.bodies.length) this.view.setPoses(array(header.poses));
+    if (header.points.shape[0] === this.view.header.points.shape[0]) this.view.setPoints(array(header.points));
     this.show(header, array);
     document.documentElement.dataset.frames = ++this.frames;
     const now = performance.now();

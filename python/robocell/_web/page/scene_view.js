@@ -32,6 +32,7 @@ RC.SceneView = class {
     this.sun.shadow.bias = -0.0005;
     this.scene.add(this.sun, this.sun.target);
     this.bodies = [];
+    this.soft = []; // tendons, flexes and skins
     this.shown = { frames: "none", collision: false };
     this.dirty = true;
     let before = 0, slow = 0;
@@ -91,10 +92,13 @@ RC.SceneView = class {
         meshes[kind + i] = made;
       }
     }
+    for (const part of this.soft) this.remove(part.shown);
+    this.soft = header.soft.map((part) => this.makeSoft(part, array));
     for (const geom of header.geoms) this.bodies[geom.body].add(this.makeGeom(geom, meshes, textures));
     for (const frame of header.frames) this.bodies[frame.body].add(this.makeFrame(frame));
     header.bodies.forEach((name, i) => i && this.bodies[i].add(this.makeFrame({ name, kind: "body", pos: [0, 0, 0], quat: [0, 0, 0, 1] })));
     this.setPoses(array(header.poses));
+    this.setPoints(array(header.points));
     if (first) this.look(header);
     this.show(this.shown);
   }
@@ -157,6 +161,55 @@ RC.SceneView = class {
     mesh.receiveShadow = true;
     mesh.userData = { hidden: geom.hidden, body: geom.body };
     return mesh;
+  }
+
+  // A part that is no geom: segments are cylinders between pairs of points, a surface has triangles.
+  makeSoft(part, array) {
+    const material = new THREE.MeshStandardMaterial({
+      color: new THREE.Color().setRGB(part.rgba[0], part.rgba[1], part.rgba[2], THREE.SRGBColorSpace),
+      opacity: part.rgba[3], transparent: part.rgba[3] < 1, roughness: 0.7, side: THREE.DoubleSide,
+    });
+    let shown;
+    if (part.kind === "segments") {
+      const shape = new THREE.CylinderGeometry(part.radius, part.radius, 1, 10);
+      shown = new THREE.Group();
+      for (let i = 0; i < part.count / 2; ++i) shown.add(new THREE.Mesh(shape, material));
+    } else {
+      const shape = new THREE.BufferGeometry();
+      shape.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * part.count), 3));
+      shape.setIndex(new THREE.BufferAttribute(array(part.faces), 1));
+      shown = new THREE.Mesh(shape, material);
+    }
+    shown.traverse((each) => {
+      each.castShadow = each.receiveShadow = true;
+      each.frustumCulled = false; // its bounds are not those of its moved points
+    });
+    this.scene.add(shown);
+    return { ...part, shown };
+  }
+
+  setPoints(points) {
+    const from = new THREE.Vector3(), to = new THREE.Vector3(), along = new THREE.Vector3(), up = new THREE.Vector3(0, 1, 0);
+    for (const { kind, first, count, shown } of this.soft) {
+      const own = points.subarray(3 * first, 3 * (first + count));
+      if (kind === "segments") {
+        shown.children.forEach((each, i) => {
+          from.fromArray(own, 6 * i);
+          to.fromArray(own, 6 * i + 3);
+          const length = along.subVectors(to, from).length();
+          each.visible = length > 0;
+          if (!each.visible) return;
+          each.position.copy(from.add(to).multiplyScalar(0.5));
+          each.quaternion.setFromUnitVectors(up, along.divideScalar(length));
+          each.scale.set(1, length, 1);
+        });
+      } else {
+        shown.geometry.attributes.position.array.set(own);
+        shown.geometry.attributes.position.needsUpdate = true;
+        shown.geometry.computeVertexNormals();
+      }
+    }
+    this.dirty = true;
   }
 
   makeFrame(frame) {

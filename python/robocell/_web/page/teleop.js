@@ -8,7 +8,7 @@ RC.KEYS = {
   KeyJ: ["angular", 0, -1], KeyL: ["angular", 0, 1], KeyI: ["angular", 1, 1], KeyK: ["angular", 1, -1],
   KeyU: ["angular", 2, 1], KeyO: ["angular", 2, -1],
 };
-RC.COMMAND_KEYS = { Enter: "record", KeyY: "success", KeyN: "failure", KeyC: "resync", KeyZ: "reset_origin", KeyQ: "quit", Backspace: "discard" };
+RC.COMMAND_KEYS = { Enter: "record", KeyY: "success", KeyN: "failure", KeyC: "resync", KeyZ: "reset_origin", KeyT: "next_arm", KeyQ: "quit", Backspace: "discard" };
 RC.MOST_STREAMS = 2; // shown at the beginning
 RC.METRES_PER_PIXEL = 0.0006;
 RC.RADIANS_PER_PIXEL = 0.006;
@@ -54,6 +54,7 @@ RC.TeleopPage = class extends RC.LivePage {
     this.frame = "camera";
     this.speed_ = 1;
     this.phase = "";
+    this.arm = "";
     addEventListener("keydown", (event) => this.onKey(event, true));
     addEventListener("keyup", (event) => this.onKey(event, false));
     addEventListener("blur", () => this.release());
@@ -75,8 +76,10 @@ RC.TeleopPage = class extends RC.LivePage {
     this.buttons = [
       button("record", "Record", "Enter"), button("success", "Success", "Y"), button("failure", "Failure", "N"),
       button("keep", "Keep", "Enter"), button("discard", "Discard", "Backspace"),
-      button("resync", "Re-sync", "C"), button("reset_origin", "Reset origin", "Z"), button("quit", "Quit", "Q"),
+      button("resync", "Re-sync", "C"), button("reset_origin", "Reset origin", "Z"),
+      button("next_arm", "Next arm", "T"), button("quit", "Quit", "Q"),
     ];
+    this.buttons.find((each) => each.dataset.command === "next_arm").hidden = true;
     this.instruction = RC.element("p");
     this.state = RC.element("p", { className: "note", role: "status" });
     return RC.section("Session", true, this.instruction, RC.element("div", { className: "buttons" }, ...this.buttons), this.state);
@@ -194,6 +197,9 @@ RC.TeleopPage = class extends RC.LivePage {
     this.tapped.clear();
   }
 
+  // Leaves the gripper as it is until it is closed or opened.
+  forgetOpening() { this.opening = null; this.grip.set(false); }
+
   setOpening(value) { this.opening = value; }
 
   command(name) { this.send({ op: "command", name }); }
@@ -233,10 +239,16 @@ RC.TeleopPage = class extends RC.LivePage {
     this.drives = header.drives;
     if (first) { this.build(); this.drive.hidden = !this.drives; }
     if (this.phase !== header.phase) {
-      if (header.phase === "waiting") { this.opening = null; this.grip.set(false); }
+      if (header.phase === "waiting") this.forgetOpening();
       this.phase = header.phase;
       document.documentElement.dataset.phase = this.phase;
     }
+    const arms = header.arms || [];
+    if (this.arm !== header.arm) {
+      if (this.arm) this.forgetOpening(); // that of another arm
+      this.arm = header.arm || "";
+    }
+    this.buttons.find((each) => each.dataset.command === "next_arm").hidden = arms.length < 2;
     super.show(header, array);
     for (const { name } of header.images) if (this.cameras[name]?.wanted) this.cameras[name].hidden = false;
     const [text, kind] = RC.BANNERS[header.phase];
@@ -246,12 +258,13 @@ RC.TeleopPage = class extends RC.LivePage {
       header.success ? "good" : kind);
     this.instruction.textContent = header.instruction || "";
     const notes = [`episode ${header.episode}`];
+    if (arms.length > 1) notes.push(`arm ${header.arm} moves; T chooses the next of ${arms.join(", ")}`);
     if (header.silent) notes.push("the device is silent: the arm holds");
     if (header.blocked) notes.push(`the arm stops: ${header.blocked}`);
     if (header.help) notes.push(header.help);
     this.state.textContent = notes.join(". ");
     const usable = { waiting: ["record", "reset_origin", "quit"], countdown: ["quit"], review: ["keep", "discard", "quit"],
-      recording: ["success", "failure", "discard", "resync", "reset_origin", "quit"] }[header.phase];
+      recording: ["success", "failure", "discard", "resync", "reset_origin", "next_arm", "quit"] }[header.phase];
     this.buttons.at(-1).title = header.phase === "review" ? "Q: keeps this episode" : "Q";
     for (const button of this.buttons) button.disabled = !usable.includes(button.dataset.command);
   }

@@ -42,7 +42,9 @@ struct FakeArm final : ArmPort {
   void Send(const ArmCommand& command) override {
     ++sent;
     at.pos = command.pos;
+    forces = command.force;
   }
+  bool takes_forces() const override { return takes; }
   void Hold() override { ++held; }
   double now() const override { return clock; }
   void WaitUntil(double time) override { clock = time > clock ? time : clock; }
@@ -51,7 +53,8 @@ struct FakeArm final : ArmPort {
   ArmMeasurement at;
   ArmLimits bounds;
   double clock = 10;
-  bool speaks = true;
+  bool speaks = true, takes = false;
+  std::vector<double> forces;  // of the last command
   int sent = 0, held = 0;
 };
 
