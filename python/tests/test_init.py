@@ -166,6 +166,28 @@ class TestRobots:
         assert written["root_body"] == "robot_base"
         assert written["move_groups"]["arm"]["joints"] == "j1..j6"
 
+    def test_a_mocap_root_hangs_on_the_base_of_the_robot(self, tmp_path: Path):
+        text = init_models.arm_without_hand().replace(
+            "<body name='base'", "<body name='base' mocap='true'"
+        )
+        init(tmp_path, text)
+        scene = robocell.Scene.build(_alone(robocell.RobotConfig.load(tmp_path / "out.yaml")))
+        assert any("root 'base' is a mocap body" in note for note in scene.notes)
+        robot = robocell.Robot.of(scene, "out")
+        robot.base.pose = robocell.Pose(translation=[0.5, -0.25, 0], rpy=[0, 0, 1])
+        scene.forward()
+        assert robot.base_in_world.translation[:2] == pytest.approx([0.5, -0.25])
+
+    def test_servos_too_soft_for_their_joints_get_the_edits_that_check_names(self, tmp_path: Path):
+        text = init_models.arm_without_hand().replace("name='j5'", "name='j5' damping='150'")
+        written = init(tmp_path, text)
+        assert {"joint", "damping"} in [set(edit) for edit in written["edits"]] or {
+            "actuator",
+            "kp",
+        } in [set(edit) for edit in written["edits"]]
+        checked = robocell_command("check", tmp_path / "out.yaml")
+        assert "no problems found" in checked.stdout
+
     @pytest.mark.parametrize("text", [init_models.without_servos(), init_models.urdf()])
     def test_joints_without_actuators_get_servos_that_hold_them(self, tmp_path: Path, text: str):
         name = "arm.urdf" if "<robot" in text else "arm.xml"

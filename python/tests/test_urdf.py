@@ -354,7 +354,7 @@ class TestFiles:
     def test_packages_are_given_on_the_command_line(self, tmp_path: Path):
         file, out = self.with_mesh(tmp_path), tmp_path / "out.xml"
         error = refused("convert", file, "-o", out)
-        assert f"{file}:2: link 'base_link': mesh no package 'arm_d'" in error
+        assert f"{file}:2: link 'base_link': its mesh: no package 'arm_d'" in error
         given = f"arm_d={tmp_path / 'far'}"
         result = robocell_command("convert", file, "-o", out, "--package", given)
         assert result.returncode == 0, result.stderr
@@ -369,6 +369,21 @@ class TestFiles:
             scene_of(file)
         monkeypatch.setenv("ROBOCELL_PACKAGES", f"arm_d={tmp_path / 'far'}")
         assert scene_of(file).model.nmesh == 1
+
+    def test_packages_of_another_repository_of_the_workspace_are_found(self, tmp_path: Path):
+        own = tmp_path / "ws/src/cell/arm_description"
+        other = tmp_path / "ws/src/tools/arm_d"
+        for package in (own / "urdf", other / "meshes"):
+            package.mkdir(parents=True)
+        for package in (own, other):
+            name = f"<package><name>{package.name}</name></package>"
+            (package / "package.xml").write_text(name)
+        (other / "meshes" / "a.obj").write_text(TETRAHEDRON)
+        mesh = (
+            '<visual><geometry><mesh filename="package://arm_d/meshes/a.obj"/></geometry></visual>'
+        )
+        text = six_axis_with_gripper().replace("</link>", f"{mesh}</link>", 1)
+        assert scene_of(write(own / "urdf", text)).model.nmesh == 1
 
     def test_a_urdf_is_an_object(self, tmp_path: Path):
         ball = "<collision><geometry><sphere radius='0.05'/></geometry></collision>" + mass(0.1)

@@ -32,6 +32,7 @@ from robocell._onboarding.guess import Confidence, Guess, shortened
 from robocell._onboarding.hands import HandMotion, find_fingers
 from robocell._onboarding.home import ArmFrame, Home, PoseJudge, guess_home
 from robocell._onboarding.limbs import Anatomy, Hand, Limb, LimbKind
+from robocell._onboarding.mounted import find_mounts, mount, reasons_to_mount
 from robocell._onboarding.prepared import prepare, reasons_to_prepare
 from robocell._onboarding.robot_guess import Field, Group, RobotGuess
 from robocell._onboarding.roots import Roots, anatomy_of, find_roots
@@ -60,6 +61,10 @@ def detect(
         choose: Asked about every guess that has alternatives.
     """
     source = load_model(path)
+    mounts = find_mounts(source)
+    mounted = reasons_to_mount(source, mounts)
+    if mounts:
+        source = mount(source, mounts, model_file)
     actuation = Actuation(source)
     roots = choose("robot", find_roots(source, actuation))
     reasons = reasons_to_prepare(source, actuation, roots.value)
@@ -68,7 +73,7 @@ def detect(
         actuation = Actuation(source)
         again = find_roots(source, actuation)
         roots = Guess(again.value, f"the base of {roots.value}", roots.confidence)
-    return _Detection(source, actuation, roots, reasons, path, name, choose).run()
+    return _Detection(source, actuation, roots, mounted + reasons, path, name, choose).run()
 
 
 @dataclass
@@ -287,7 +292,7 @@ class _Detection:
             f"{shortened([cup.name for cup in cups])} makes {shortened(sorted(bodies))} stick to "
             f"what it touches, as suction cups and magnets do [{Confidence.HIGH.value}]"
         )
-        self._out.groups.append(Group(name, fields, comment, "gripper"))
+        self._out.groups.append(Group(self._out.free_name(name), fields, comment, "gripper"))
 
     def _wrist(self, limb: Limb, hand: Hand) -> tuple[Vector, Vector | None]:
         """Returns the position of the arm's last joint and a hinge's axis, in the hand's frame."""

@@ -26,6 +26,10 @@ TIMESTEP_S = 0.002
 ARMATURES = r"edits: \[((?:(?:, )?\{joint: '[^']*', armature: [-+.e\d]+\})+)\]"
 
 
+# Edits that a finding ends with, each of one number of a joint or its actuator.
+NUMBERS = r"\(edits: \[((?:(?:, )?\{(?:joint|actuator): '[^']*', \w+: [-+.e\d]+\})+)\]\)"
+
+
 @dataclass(frozen=True)
 class Trial:
     """Result of a trial.
@@ -127,13 +131,20 @@ def _first_sentence(problem: str) -> str:
     return re.sub(r"^\s*\S+\.yaml:\d+:\d+: ", "", line).strip()
 
 
+def _edits_in(text: str) -> list[str]:
+    """Returns the edits of numbers that a finding proposes."""
+    found = re.search(NUMBERS, text)
+    return re.findall(r"\{[^}]*\}", found[1]) if found else []
+
+
 def _take_edits(guess: RobotGuess, robot: Robot) -> bool:
     """Adds the edits that findings name; False when there is none that is new."""
     known = {str(field.value) for field in guess.edits}
     named = [
-        (finding.edit, finding.text)
+        (edit, finding.text)
         for finding in check_robot(robot)
-        if finding.severity is Severity.WARNING and finding.edit
+        if finding.severity is Severity.WARNING
+        for edit in ([finding.edit] if finding.edit else _edits_in(finding.text))
     ]
     # Warnings of the model itself name theirs in the text.
     for warning in robot.scene.warnings:

@@ -216,6 +216,13 @@ fs::path RosPackages::InPackage(const std::string& package, const std::string& r
       return Confined(folder, rest, name);
     }
   }
+  // Packages of other repositories of the same workspace.
+  for (const fs::path& parent : parents_) {
+    if (const auto found = PackageBelow(parent, package)) {
+      Remember(*found);
+      return Confined(*found, rest, name);
+    }
+  }
   // A package whose folder was renamed, such as a checkout or a copy, which may have only the file
   // that is read in the place of this one.
   for (const fs::path& parent : parents_) {
