@@ -179,12 +179,12 @@ class TestRobots:
         assert robot.base_in_world.translation[:2] == pytest.approx([0.5, -0.25])
 
     def test_servos_too_soft_for_their_joints_get_the_edits_that_check_names(self, tmp_path: Path):
-        text = init_models.arm_without_hand().replace("name='j5'", "name='j5' damping='150'")
-        written = init(tmp_path, text)
-        assert {"joint", "damping"} in [set(edit) for edit in written["edits"]] or {
-            "actuator",
-            "kp",
-        } in [set(edit) for edit in written["edits"]]
+        drive = "name='m_j6' joint='j6' kp='200.0' kv='20.0'"
+        soft = drive.replace("kp='200.0' kv='20.0'", "kp='5' kv='12'")
+        text = init_models.arm_without_hand()
+        assert drive in text
+        written = init(tmp_path, text.replace(drive, soft))
+        assert [edit for edit in written["edits"] if edit.get("actuator") == "m_j6"]
         checked = robocell_command("check", tmp_path / "out.yaml")
         assert "no problems found" in checked.stdout
 

@@ -216,9 +216,9 @@ def test_servos_at_sites_are_switched_with_those_of_the_joints(tmp_path: Path, s
         setattr(stock.opt, field, getattr(robot.scene.model.opt, field))
     data = mujoco.MjData(stock)
     data.ctrl[:] = [3, -8]
+    robot.jnt_trq_cmd = [3, -8]
     for _ in range(100):
         robot.update()
-        robot.jnt_trq_cmd = [3, -8]
         robot.step()
         mujoco.mj_step(stock, data)
     robot.update()

@@ -19,6 +19,7 @@ from robocell._onboarding.bases import (
     guess_base,
     is_at_origin,
     lowest_of_base,
+    sinks,
 )
 from robocell._onboarding.cameras import (
     Camera,
@@ -138,8 +139,8 @@ class _Detection:
             ),
         )
         out.base = Field(base.value, base.comment())
-        if "size" in base.value:
-            self._stand_on_box()
+        if "size" in base.value or sinks(self._source, self._base, self._root):
+            self._stand_on_floor()
         if self._base.free_joint is not None:
             joint = self._source.joint_name(self._base.free_joint)
             out.edits.insert(
@@ -158,12 +159,12 @@ class _Detection:
             )
         return out
 
-    def _stand_on_box(self) -> None:
-        """Puts the lowest point of the base on its box."""
+    def _stand_on_floor(self) -> None:
+        """Puts the lowest point of the base on its box, or on the floor."""
         low = lowest_of_base(self._source, self._root)
         if abs(low) > FLUSH_M:
             edit = {"body": self._source.body_name(self._root), "pos": [0, 0, round(-low, 4)]}
-            why = "the lowest point of the base stands on its box"
+            why = "the lowest point of the base stands on its box, or on the floor"
             self._out.edits.append(Field(edit, why))
         elif not is_at_origin(self._source, self._root):
             self._out.reset_root_pose = True

@@ -25,6 +25,7 @@ from robocell._onboarding.roots import Roots, anatomy_of
 from robocell._onboarding.source_model import SourceModel, Vector
 
 BASE_NAME = "robot_base"
+UPRIGHT = 0.99  # cosine of the tilt of a body that stands
 # Servos are made as stiff as a mass on a spring with this many radians per second.
 FREQUENCY = 25.0
 FINGER_FREQUENCY = 60.0
@@ -228,7 +229,7 @@ def add_keys(source: SourceModel, spec: Any, model: Any) -> None:
 def _with_base(text: str, source: SourceModel, roots: Roots) -> str:
     """Adds a body without joints around all bodies of the world, at the pose of the first.
 
-    Arms keep their places to each other; the first one stands at the origin.
+    Arms keep their places to each other; the first one stands at the origin if it is upright.
     """
     tree = ElementTree.fromstring(text)
     world = tree.find("worldbody")
@@ -248,10 +249,17 @@ def _with_base(text: str, source: SourceModel, roots: Roots) -> str:
 
 
 def _put_at_the_first(world: ElementTree.Element, source: SourceModel, roots: Roots) -> None:
-    """Writes the poses of the roots in the frame of the first."""
+    """Writes the poses of the roots in the frame of the first, if that stands upright.
+
+    Arms that hang sideways are held by something that the model leaves out, at a height that they
+    need: they are put above a frame on the floor below the first.
+    """
     m, first = source.model, roots.bodies[0]
     inverse = np.zeros(3), np.zeros(4)
-    mujoco.mju_negPose(*inverse, m.body_pos[first], m.body_quat[first])
+    pos, quat = m.body_pos[first].copy(), m.body_quat[first].copy()
+    if source.data.xmat[first][8] < UPRIGHT:
+        pos[2], quat = 0, np.array([1.0, 0, 0, 0])
+    mujoco.mju_negPose(*inverse, pos, quat)
     for body, name in zip(roots.bodies, roots.names, strict=True):
         pos, quat = np.zeros(3), np.zeros(4)
         mujoco.mju_mulPose(pos, quat, *inverse, m.body_pos[body], m.body_quat[body])

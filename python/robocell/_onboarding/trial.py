@@ -29,6 +29,8 @@ ARMATURES = r"edits: \[((?:(?:, )?\{joint: '[^']*', armature: [-+.e\d]+\})+)\]"
 # Edits that a finding ends with, each of one number of a joint or its actuator.
 NUMBERS = r"\(edits: \[((?:(?:, )?\{(?:joint|actuator): '[^']*', \w+: [-+.e\d]+\})+)\]\)"
 
+TOUCHES_BOX = r"'mocap_base' and '|' and 'mocap_base' touch at home"
+
 
 @dataclass(frozen=True)
 class Trial:
@@ -140,10 +142,14 @@ def _edits_in(text: str) -> list[str]:
 def _take_edits(guess: RobotGuess, robot: Robot) -> bool:
     """Adds the edits that findings name; False when there is none that is new."""
     known = {str(field.value) for field in guess.edits}
+    warnings = [each for each in check_robot(robot) if each.severity is Severity.WARNING]
+    if any(re.search(TOUCHES_BOX, warning.text) for warning in warnings):
+        if guess.base.value.pop("size", None):
+            guess.base.comment += "; without a box below, which a moving part would touch"
+            return True
     named = [
         (edit, finding.text)
-        for finding in check_robot(robot)
-        if finding.severity is Severity.WARNING
+        for finding in warnings
         for edit in ([finding.edit] if finding.edit else _edits_in(finding.text))
     ]
     # Warnings of the model itself name theirs in the text.
