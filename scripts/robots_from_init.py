@@ -2,6 +2,8 @@
 
     python scripts/robots_from_init.py --packages build/robots --page docs/init_table.md
 
+With `--rows FILE` a run that was stopped goes on where it was.
+
 For each model: `init`, then `ik-test`, then `generate` with the files as they were written, in
 processes of their own. Packages are downloaded into the given folder and unpacked there, never
 installed. The Menagerie is the folder `MENAGERIE_ROOT`. Models that are not there are listed.
@@ -18,7 +20,7 @@ import sys
 import tarfile
 import tempfile
 import zipfile
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 TIMEOUT_S = 900
@@ -206,6 +208,18 @@ def _picks(run: Path, episodes: int, output: Path) -> tuple[int, int]:
     return int(totals[-1]["made"]), int(totals[-1]["accepted"])
 
 
+def _read_rows(file: Path | None) -> dict[str, Row]:
+    """Returns the rows that were measured before, by name."""
+    if not file or not file.exists():
+        return {}
+    return {row["name"]: Row(**row) for row in json.loads(file.read_text())}
+
+
+def _write_rows(file: Path | None, rows: dict[str, Row]) -> None:
+    if file:
+        file.write_text(json.dumps([asdict(row) for row in rows.values()], indent=1))
+
+
 def main() -> None:
     """Tries all models and prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -213,6 +227,7 @@ def main() -> None:
     parser.add_argument("--no-fetch", action="store_true", help="take what is in the folder")
     parser.add_argument("--episodes", type=int, default=20)
     parser.add_argument("--only", default="", help="names with this in them")
+    parser.add_argument("--rows", type=Path, help="JSON file of rows, which are not measured again")
     parser.add_argument("--page", type=Path, help="the page to write")
     arguments = parser.parse_args()
     models: dict[str, Path | None] = {}
@@ -224,11 +239,16 @@ def main() -> None:
         models |= package_models(arguments.packages)
     chosen = {name: file for name, file in models.items() if arguments.only in name}
     rows = []
+    known = _read_rows(arguments.rows)
     with tempfile.TemporaryDirectory() as folder:
         for name, file in chosen.items():
-            if file:
-                rows.append(measure(name, file, arguments.episodes, Path(folder)))
-                print(rows[-1].line(), flush=True)
+            if not file:
+                continue
+            if name not in known:
+                known[name] = measure(name, file, arguments.episodes, Path(folder))
+                print(known[name].line(), flush=True)
+                _write_rows(arguments.rows, known)
+            rows.append(known[name])
     missing = [name for name, file in chosen.items() if not file]
     works = sum(row.works for row in rows)
     end = f"\n{works} of {len(rows)} models work as `init` writes them."

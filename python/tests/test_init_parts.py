@@ -264,6 +264,13 @@ class TestMountedParts:
         file.write_text(self.changer(weld="<weld body1='l6' body2='hand' active='false'/>"))
         source = load_model(file)
         assert find_mounts(source) == []
+        guess = detect(file, tmp_path / "m.xml", "arm")
+        (note,) = [note for note in guess.notes if "is off in the model" in note]
+        assert note.startswith("weld '#1' of 'l6'")
+        advised = note[note.index("<adhesion") : note.index("/>") + 2]
+        file.write_text(file.read_text().replace("<actuator>", f"<actuator>{advised}", 1))
+        again = detect(file, tmp_path / "m.xml", "arm")
+        assert [group.kind for group in again.groups] == ["arm", "gripper"]
         file.write_text(self.changer())
         (mount,) = find_mounts(load_model(file))
         assert source.body_name(mount.part) == "hand"
@@ -363,6 +370,32 @@ class TestHands:
         motion = find_fingers(source, Actuation(source), hand)
         assert motion.fingers is None
         assert "do not meet" in motion.why_none
+
+
+class TestPlaces:
+    def test_a_base_below_the_floor_is_put_on_it(self, tmp_path: Path):
+        file = tmp_path / "arm.xml"
+        text = init_models.desktop_arm()
+        for height, is_reset in (("0", False), ("-.1", True), (".1", False)):
+            file.write_text(
+                text.replace("<body name='base'", f"<body name='base' pos='0 0 {height}'")
+            )
+            assert detect(file, tmp_path / "m.xml", "arm").reset_root_pose == is_reset, height
+
+    def test_arms_that_hang_sideways_keep_their_height(self, tmp_path: Path):
+        text = init_models.two_arms_apart()
+        for side, sign in (("left", ""), ("right", "-")):
+            name = f"<body name='{side}_base' pos='"
+            at = text.index(name) + len(name)
+            end = text.index("'", at)
+            text = f"{text[:at]}0 {sign}.1 .7' euler='{sign}1.5708 0 0{text[end:]}"
+        file = tmp_path / "arm.xml"
+        file.write_text(text)
+        guess = detect(file, tmp_path / "m.xml", "arm")
+        for side in ("left", "right"):
+            assert guess.source.model.body(f"{side}_base").pos[2] == pytest.approx(0.7)
+        assert "size" not in guess.base.value
+        assert not [edit for edit in guess.edits if set(edit.value) == {"body", "pos"}]
 
 
 class TestServos:

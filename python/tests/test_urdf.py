@@ -342,6 +342,24 @@ class TestAsARobot:
 TETRAHEDRON = "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 
 
+@pytest.mark.parametrize("dynamics", ['damping="12"', 'friction="4"'])
+def test_servos_move_joints_that_resist(tmp_path: Path, dynamics: str):
+    text = six_axis_with_gripper()
+    begin = text.index('<joint name="j6"')
+    end = text.index("</joint>", begin)
+    scene = scene_of(write(tmp_path, f"{text[:end]}<dynamics {dynamics}/>{text[end:]}"))
+    at = int(scene.model.joint("j6").qposadr[0])
+    servo = next(i for i in range(scene.model.nactuator) if "j6" in scene.model.actuator(i).name)
+    scene.reset()
+    start = float(scene.data.qpos[at])
+    held = np.array(scene.data.ctrl)
+    held[servo] = start + 0.1
+    for _ in range(500):
+        scene.data.ctrl[:] = held
+        scene.step()
+    assert scene.data.qpos[at] - start == pytest.approx(0.1, abs=0.012)
+
+
 class TestFiles:
     def with_mesh(self, folder: Path) -> Path:
         mesh = (

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from robocell._onboarding.actuation import Actuation, Actuator, Drive
@@ -151,6 +152,7 @@ class _Detection:
         self._other_cups()
         self._cameras(arms, reach)
         self._gravity(arms)
+        self._inactive_welds()
         if not arms and not hands:
             out.notes.append(
                 "no arm and no gripper was found. robocell needs a chain of hinges and slides with "
@@ -489,6 +491,27 @@ class _Detection:
             self._out.notes.append(
                 f"'{actuator.name}' makes '{body}' stick, and no gripper has it: command it with "
                 "scene.set_actuator_ctrl"
+            )
+
+    def _inactive_welds(self) -> None:
+        """Notes welds that hold something once switched on, which robocell does not do."""
+        m, source = self._source.model, self._source
+        for index in range(m.neq):
+            weld = int(m.eq_type[index]) == int(mujoco.mjtEq.mjEQ_WELD)
+            if not weld or m.eq_active0[index]:
+                continue
+            if int(m.eq_objtype[index]) != int(mujoco.mjtObj.mjOBJ_BODY):
+                continue
+            pair = [int(m.eq_obj1id[index]), int(m.eq_obj2id[index])]
+            own = [body for body in pair if body in self._bodies]
+            if len(own) != 1:
+                continue
+            self._out.notes.append(
+                f"weld '{m.equality(index).name or f'#{index}'}' of "
+                f"'{source.body_name(own[0])}' is off in the model, and nothing of robocell "
+                "switches it on. To pick by it, make the body stick: <adhesion "
+                f'body="{source.body_name(own[0])}" gain="100" ctrlrange="0 1"/> below <actuator> '
+                "is a gripper (docs/robots.md, suction cups and magnets)"
             )
 
     @staticmethod

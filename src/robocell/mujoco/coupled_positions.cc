@@ -215,7 +215,6 @@ void PlaceFollowers(const mjModel* m, std::span<const int> joints, double* qpos)
   for (const Mechanism& mechanism : mechanisms.all)
     MechanismPose(m, mechanism, joints, qpos).Place();
   PlaceHeld(m, mechanisms, qpos);
-  CloseLoops(m, joints, qpos);
 }
 
 void MoveCoupled(const mjModel* m, std::span<const int> joints, std::span<const double> offsets,
