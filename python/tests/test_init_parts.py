@@ -259,6 +259,19 @@ class TestMountedParts:
         again.write_text(model_text(guess.source, guess.prepared, guess.original))
         assert load_model(again).model.nq == made.nq
 
+    def test_welded_bodies_without_a_robot_are_an_error_of_the_file(self, tmp_path: Path):
+        body = "<body name='{0}'><freejoint/><geom size='.1'/></body>"
+        welds = "<weld body1='a' body2='b'/><weld body1='b' body2='a'/>"
+        file = tmp_path / "two.xml"
+        file.write_text(
+            f"<mujoco><worldbody>{body.format('a')}{body.format('b')}</worldbody>"
+            f"<equality>{welds}</equality></mujoco>"
+        )
+        with pytest.raises(
+            SpecError, match=r"two\.xml: no body of the model has a hinge or a slide"
+        ):
+            detect(file, tmp_path / "m.xml", "arm")
+
     def test_what_no_active_weld_holds_is_left_out(self, tmp_path: Path):
         file = tmp_path / "arm.xml"
         file.write_text(self.changer(weld="<weld body1='l6' body2='hand' active='false'/>"))

@@ -66,6 +66,7 @@ def detect(
     mounts = find_mounts(source)
     mounted = reasons_to_mount(source, mounts)
     if mounts:
+        find_roots(source, Actuation(source))  # raises for the file itself if it has no robot
         source = mount(source, mounts, model_file)
     actuation = Actuation(source)
     roots = choose("robot", find_roots(source, actuation))
