@@ -18,7 +18,7 @@ from robocell._onboarding import Confidence, Guess, detect, model_text, robot_te
 from robocell._onboarding.actuation import Actuation, Drive
 from robocell._onboarding.arm_control import drive_of
 from robocell._onboarding.geometry import nearest_points
-from robocell._onboarding.hands import find_fingers
+from robocell._onboarding.hands import _linkages, find_fingers
 from robocell._onboarding.home import first_contact
 from robocell._onboarding.jaws import is_jaw
 from robocell._onboarding.limbs import Anatomy, LimbKind
@@ -61,7 +61,9 @@ class TestModels:
         )
         file = tmp_path / "arm.urdf"
         file.write_text(urdf)
-        with pytest.raises(SpecError, match=r"arm.urdf:2: link 'base_link': mesh no package 'a'"):
+        with pytest.raises(
+            SpecError, match=r"arm.urdf:2: link 'base_link': its mesh: no package 'a'"
+        ):
             load_model(file)
 
 
@@ -290,6 +292,32 @@ class TestMountedParts:
 
 
 class TestHands:
+    def test_branches_that_connect_ties_are_one_finger(self, tmp_path: Path):
+        def branch(name: str, y: float) -> str:
+            return (
+                f"<body name='{name}' pos='0 {y} 0'><joint name='{name}' axis='1 0 0'/>"
+                "<geom size='.01'/></body>"
+            )
+
+        names = {"left": 0.03, "left_link": 0.02, "right_link": -0.02, "right": -0.03}
+        ties = "".join(
+            f"<connect body1='{side}' body2='{side}_link' anchor='0 0 .02'/>"
+            for side in ("left", "right")
+        )
+        across = "<connect body1='left' body2='right' anchor='0 0 .02'/>"
+        world = "".join(branch(name, y) for name, y in names.items())
+        for rest, expected in ((ties, 2), (ties + across, 2), ("", 4)):
+            text = init_models.model(
+                "hand", f"<body name='hand'>{world}</body>", f"<equality>{rest}</equality>"
+            )
+            source = source_of(tmp_path, text)
+            hand = source.children(0)[0]
+            found = _linkages(source, [source.subtree(each) for each in source.children(hand)])
+            groups = [sorted(source.body_name(body) for body in group) for group in found]
+            assert len(groups) == expected
+            if rest:
+                assert groups == [["left", "left_link"], ["right", "right_link"]]
+
     def test_wheels_beside_each_other_are_no_hand(self, tmp_path: Path):
         wheels = "".join(
             f"<body pos='0 {y} .05'><joint name='{name}' axis='0 1 0'/>"

@@ -157,7 +157,7 @@ std::vector<ClosedLoop> FindClosedLoops(const mjModel* m) {
     if (joints.empty() || !std::ranges::all_of(joints, [&](int j) { return IsOneDof(m, j); }))
       continue;
     std::ranges::sort(joints);
-    joints.erase(std::ranges::unique(joints).begin(), joints.end());
+    joints.erase(std::unique(joints.begin(), joints.end()), joints.end());
     loops.push_back({e, std::move(joints)});
   }
   return loops;
