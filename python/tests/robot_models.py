@@ -148,3 +148,28 @@ TEN: dict[str, tuple[Callable[[], str], list[str], list[str]]] = {
     "legged": (legged_arm, ["arm"], ["gripper"]),
     "desktop": (init_models.desktop_arm, ["arm"], ["gripper"]),
 }
+
+
+def parallel_links() -> str:
+    """An arm of three hinges whose elbow a crank moves by a rod: a loop that `connect` closes."""
+    return """
+<mujoco model="loop"><compiler angle="radian"/><option timestep="0.002" integrator="implicitfast"/>
+<default><joint damping="10" armature=".5"/><geom contype="0" conaffinity="0"/></default>
+<worldbody><body name="base"><geom type="cylinder" size=".1 .1" pos="0 0 .1" mass="20"/>
+<body name="column" pos="0 0 .25"><geom type="box" size=".05 .05 .05" mass="10"/>
+ <body name="upper" pos="0 0 .1"><joint name="shoulder" axis="0 1 0" range="-.7 1.2"/>
+  <geom type="capsule" fromto="0 0 .06 0 0 .34" size=".03" mass="4"/>
+  <body name="fore" pos="0 0 .4"><joint name="elbow" axis="0 1 0" range="-.8 2.0"/>
+   <geom type="capsule" fromto="0 0 .06 0 0 .34" size=".03" mass="3"/>
+   <body name="flange" pos="0 0 .4"><joint name="wrist" axis="0 1 0" range="-3.1 3.1"/>
+    <geom size=".03" mass=".5"/><site name="tcp" pos="0 0 .05"/></body></body></body>
+ <body name="crank" pos="0 0 .1"><joint name="crank" axis="0 1 0" range="-2 3"/>
+  <geom type="capsule" fromto="0 .05 0 -.1 .05 0" size=".012" mass=".5"/>
+  <body name="rod" pos="-.1 0 0"><joint name="rod" axis="0 1 0" range="-3 3"/>
+   <geom type="capsule" fromto="0 .05 0 0 .05 .4" size=".012" mass=".5"/></body></body>
+</body></body></worldbody>
+<equality><connect name='close' body1='rod' body2='fore' anchor='0 0 .4'/></equality>
+<actuator><position name="a_shoulder" joint="shoulder" kp="6000" kv="600" ctrlrange="-.7 1.2"/>
+<position name="a_crank" joint="crank" kp="6000" kv="600" ctrlrange="-2 3"/>
+<position name="a_wrist" joint="wrist" kp="400" kv="40" ctrlrange="-3.1 3.1"/></actuator></mujoco>
+"""

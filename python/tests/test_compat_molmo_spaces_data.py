@@ -17,6 +17,7 @@ from mujoco import mj_geomDistance
 import robocell as rc
 from molmospaces_toys import (
     ArmGroup,
+    FlyingView,
     HandGroup,
     MobileView,
     ToyConfig,
@@ -236,6 +237,31 @@ class NamedDistanceView(ToyView):
         super().__init__(mj_data, namespace)
         self._move_groups["gripper"] = NamedDistance(mj_data, self.base, namespace)
         self._move_groups["gripper"]._name = "gripper"
+
+
+def test_fields_of_a_robot_without_an_effect_are_reported(tmp_path: Path):
+    from test_compat_molmo_spaces import _Flying
+
+    with pytest.raises(rc.NotFoundError, match=r"ToyConfig.init_qpos: .*'amr'.*mean 'arm'"):
+        write_robot(ToyConfig(init_qpos={"amr": [0.1, 0.2]}), tmp_path)
+    for fields, said in (
+        ({"init_qpos_noise_range": {"hand": [0.1]}}, r"init_qpos_noise_range: .*no move group 'ha"),
+        ({"command_mode": {"legs": "joint_position"}}, r"command_mode: .*no move group 'legs'"),
+        ({"action_noise_config": {"action_scale_factor": 0.3}}, r"action_noise_config has no eff"),
+    ):
+        with pytest.warns(UserWarning, match=said):
+            write_robot(ToyConfig(**fields), tmp_path)
+    flying = ToyConfig(
+        robot_xml_path=Path("flying.xml"),
+        robot_view_factory=FlyingView,
+        robot_cls=_Flying,
+        init_qpos={"base": [0, 0, 1, 1, 0, 0, 0]},
+    )
+    with pytest.warns(UserWarning, match=r"init_qpos\['base'\] has no effect.*places the base"):
+        write_robot(flying, tmp_path)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        write_robot(ToyConfig(action_noise_config={"enabled": False}), tmp_path)
 
 
 def test_fingers_are_found_where_the_distance_is_imported_by_name(tmp_path: Path):

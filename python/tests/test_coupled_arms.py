@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
+import yaml
 
 import robocell as rc
-from command_line import robocell_command
+import robot_models
+from command_line import refused, robocell_command
 
 BEGIN = (
     '<mujoco><compiler angle="radian"/><option integrator="implicitfast"/><default>'
@@ -170,3 +173,60 @@ def test_environments_move_them(tmp_path: Path, name: str, mode: str):
         assert np.linalg.norm(moved) > 0.01
     else:
         assert np.allclose(moved, [0, 0, -0.05], atol=3e-3)
+
+
+class TestLoops:
+    """An arm beside a crank and a rod that `connect` ties to it."""
+
+    def scene(self, folder: Path, **fields: object) -> rc.Scene:
+        text = robot_models.parallel_links().replace(
+            '<position name="a_crank" joint="crank"', '<position name="a" joint="elbow"'
+        )
+        (folder / "arm.xml").write_text(text)
+        robot = {
+            "name": "arm",
+            "model": "arm.xml",
+            "move_groups": {
+                "arm": {
+                    "kind": "arm",
+                    "joints": ["shoulder", "elbow", "wrist"],
+                    "leaf": {"site": "tcp"},
+                }
+            },
+            **fields,
+        }
+        config = rc.RobotConfig.from_yaml(yaml.safe_dump(robot), directory=str(folder))
+        spec = rc.SceneSpec(timestep=0.002, add_floor=False, add_skybox=False)
+        spec.robots.append(rc.RobotSpec(name="arm", config=config))
+        return rc.Scene.build(spec)
+
+    @staticmethod
+    def gap(scene: rc.Scene) -> float:
+        """How far the engine's constraint is open, m."""
+        data = mujoco.MjData(scene.model)
+        data.qpos[:] = scene.data.qpos
+        mujoco.mj_forward(scene.model, data)
+        rows = data.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
+        assert rows.sum() == 3
+        return float(np.abs(data.efc_pos[rows]).max())
+
+    def test_home_and_its_noise_leave_them_closed(self, tmp_path: Path):
+        home = [0.3, 0.6, 0.2]
+        scene = self.scene(tmp_path, home={"arm": home}, home_noise={"arm": [0.2]})
+        seen = []
+        for seed in range(10):
+            scene.reset(seed=seed)
+            assert self.gap(scene) < 1e-8
+            seen.append(scene.robot("arm").jnt_pos_msr)
+        assert np.ptp(seen, axis=0).min() > 0.1
+        assert np.abs(np.array(seen) - home).max() <= 0.2 + 1e-12
+
+    def test_a_joint_that_only_a_loop_moves_is_explained(self, tmp_path: Path):
+        (tmp_path / "arm.xml").write_text(robot_models.parallel_links())
+        (tmp_path / "arm.yaml").write_text(
+            "name: arm\nmodel: arm.xml\nmove_groups:\n"
+            "  arm: {kind: arm, joints: [shoulder, elbow, wrist], leaf: {site: tcp}}\n"
+        )
+        said = refused("check", tmp_path / "arm.yaml")
+        assert "elbow. 'elbow' is part of the loop that 'close' closes, a connect of " in said
+        assert '<joint joint1="elbow" joint2="LEADER"/>' in said

@@ -167,6 +167,39 @@ class TestRobots:
         assert written["root_body"] == "robot_base"
         assert written["move_groups"]["arm"]["joints"] == "j1..j6"
 
+    def test_a_mocap_root_hangs_on_the_base_of_the_robot(self, tmp_path: Path):
+        text = init_models.arm_without_hand().replace(
+            "<body name='base'", "<body name='base' mocap='true'"
+        )
+        init(tmp_path, text)
+        scene = robocell.Scene.build(_alone(robocell.RobotConfig.load(tmp_path / "out.yaml")))
+        assert any("root 'base' is a mocap body" in note for note in scene.notes)
+        robot = robocell.Robot.of(scene, "out")
+        robot.base.pose = robocell.Pose(translation=[0.5, -0.25, 0], rpy=[0, 0, 1])
+        scene.forward()
+        assert robot.base_in_world.translation[:2] == pytest.approx([0.5, -0.25])
+
+    def test_parts_that_move_below_the_base_clear_its_box(self, tmp_path: Path):
+        below = "<geom type='box' size='.05 .05 .05' pos='0 0 -.24' contype='1' conaffinity='1'/>"
+        text = init_models.arm_without_hand().replace("<body name='l3'", below + "<body name='l3'")
+        text = text.replace("name='j2' axis='0 1 0'", "name='j2' axis='0 0 1'")
+        written = init(tmp_path, text)
+        assert written["base"]["size"][2] == 0.3
+        (edit,) = [edit for edit in written["edits"] if edit.get("body") == "base"]
+        assert 0.02 < edit["pos"][2] < 0.05  # 20 mm of the part are below the base
+        checked = robocell_command("check", tmp_path / "out.yaml")
+        assert "touch" not in checked.stdout + checked.stderr
+
+    def test_servos_too_soft_for_their_joints_get_the_edits_that_check_names(self, tmp_path: Path):
+        drive = "name='m_j6' joint='j6' kp='200.0' kv='20.0'"
+        soft = drive.replace("kp='200.0' kv='20.0'", "kp='5' kv='12'")
+        text = init_models.arm_without_hand()
+        assert drive in text
+        written = init(tmp_path, text.replace(drive, soft))
+        assert [edit for edit in written["edits"] if edit.get("actuator") == "m_j6"]
+        checked = robocell_command("check", tmp_path / "out.yaml")
+        assert "no problems found" in checked.stdout
+
     @pytest.mark.parametrize("text", [init_models.without_servos(), init_models.urdf()])
     def test_joints_without_actuators_get_servos_that_hold_them(self, tmp_path: Path, text: str):
         name = "arm.urdf" if "<robot" in text else "arm.xml"

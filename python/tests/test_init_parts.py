@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import mujoco
@@ -17,12 +18,16 @@ from robocell._onboarding import Confidence, Guess, detect, model_text, robot_te
 from robocell._onboarding.actuation import Actuation, Drive
 from robocell._onboarding.arm_control import drive_of
 from robocell._onboarding.geometry import nearest_points
-from robocell._onboarding.hands import find_fingers
+from robocell._onboarding.hands import _linkages, find_fingers
 from robocell._onboarding.home import first_contact
 from robocell._onboarding.jaws import is_jaw
-from robocell._onboarding.limbs import Anatomy
+from robocell._onboarding.limbs import Anatomy, LimbKind
+from robocell._onboarding.mounted import find_mounts
+from robocell._onboarding.pick_run import CANNOT_HOLD
+from robocell._onboarding.robot_guess import Field, Group, RobotGuess
 from robocell._onboarding.roots import anatomy_of, find_roots
 from robocell._onboarding.source_model import SourceModel, load_model
+from robocell._onboarding.trial import _edits_in
 from robocell._onboarding.yaml_text import Raw, comment, flow, name_list
 
 
@@ -56,7 +61,9 @@ class TestModels:
         )
         file = tmp_path / "arm.urdf"
         file.write_text(urdf)
-        with pytest.raises(SpecError, match=r"arm.urdf:2: link 'base_link': mesh no package 'a'"):
+        with pytest.raises(
+            SpecError, match=r"arm.urdf:2: link 'base_link': its mesh: no package 'a'"
+        ):
             load_model(file)
 
 
@@ -185,8 +192,157 @@ class TestCoupledArms:
             lower, upper = guess.source.limits(int(guess.source.model.joint(name).id)) or (0, 0)
             assert lower <= slope * shoulder <= upper, name
 
+    def test_a_loop_that_moves_a_joint_is_named_with_the_next_step(self, tmp_path: Path):
+        text = robot_models.parallel_links()
+        source = source_of(tmp_path, text)
+        (limb,) = anatomy(source).arms
+        why = drive_of(source, Actuation(source), limb.joints).why_not
+        assert why.startswith("no actuator moves elbow. elbow is part of the loop that equality ")
+        assert "'close' closes" in why
+        assert '<joint joint1="elbow" joint2="LEADER"/>' in why
+        level = text.replace("<connect name='close' body1='rod' body2='fore' anchor='0 0 .4'/>", "")
+        level = level.replace(
+            "<equality>",
+            "<tendon><fixed name='sum'><joint joint='shoulder' coef='1'/><joint joint='elbow' "
+            "coef='1'/></fixed></tendon><equality><tendon name='hold' tendon1='sum'/>",
+        )
+        source = source_of(tmp_path, level)
+        elbow = int(source.model.joint("elbow").id)
+        assert Actuation(source).loop_of(elbow) == (
+            "one of the joints that equality 'hold' of sum ties"
+        )
+
+
+class TestMountedParts:
+    """A hand on a free joint of its own that a weld holds on the arm, as tool changers do."""
+
+    WELD = "<weld name='lock' body1='l6' body2='hand'/>"
+
+    def changer(self, *, weld: str = WELD, hand_first: bool = False) -> str:
+        hand = init_models.two_fingers().replace("pos='0 0 .06'>", "pos='.1 0 1.2'><freejoint/>", 1)
+        spare = "<body name='spare' pos='1 0 0'><freejoint/><geom size='.03' mass='.2'/></body>"
+        parts = [init_models.six_axis(), hand, spare]
+        world = "".join(reversed(parts) if hand_first else parts)
+        rest = init_models.finger_drive().replace("</equality>", f"{weld}</equality>")
+        drives = f"<actuator>{init_models.servos(init_models.SIX_GAINS)}</actuator>"
+        return init_models.model("changer", world, rest + drives)
+
+    @pytest.mark.parametrize("hand_first", [False, True])
+    @pytest.mark.parametrize(
+        "weld", [WELD, "<weld body1='hand' body2='l6' relpose='0 0 -.06 .8 0 0 .6'/>"]
+    )
+    def test_a_welded_tool_hangs_on_the_arm(self, tmp_path: Path, weld: str, hand_first: bool):
+        file = tmp_path / "arm.xml"
+        file.write_text(self.changer(weld=weld, hand_first=hand_first))
+        guess = detect(file, tmp_path / "m.xml", "arm")
+        assert [group.kind for group in guess.groups] == ["arm", "gripper"]
+        assert any("a weld holds 'hand' on 'l6'" in reason for reason in guess.prepared)
+        # The engine's own weld says where the hand is: it is satisfied in every pose of the arm.
+        stock, made = mujoco.MjModel.from_xml_path(str(file)), guess.source.model
+        assert (made.nq, made.nu) == (stock.nq - 7, stock.nu)
+        rng = np.random.default_rng(0)
+        for _ in range(5):
+            ours, theirs = mujoco.MjData(made), mujoco.MjData(stock)
+            for name in init_models.SIX_GAINS:
+                value = rng.uniform(*made.joint(name).range)
+                ours.joint(name).qpos = theirs.joint(name).qpos = value
+            for name in ("right_finger", "left_finger"):
+                ours.joint(name).qpos = theirs.joint(name).qpos = 0.01
+            mujoco.mj_kinematics(made, ours)
+            free = int(stock.body("hand").jntadr[0])
+            at = int(stock.jnt_qposadr[free])
+            theirs.qpos[at : at + 3] = ours.body("hand").xpos
+            theirs.qpos[at + 3 : at + 7] = ours.body("hand").xquat
+            mujoco.mj_forward(stock, theirs)
+            equalities = theirs.efc_type == mujoco.mjtConstraint.mjCNSTR_EQUALITY
+            assert equalities.sum() >= 7
+            assert np.abs(theirs.efc_pos[equalities]).max() < 1e-6
+        again = tmp_path / "m.xml"
+        again.write_text(model_text(guess.source, guess.prepared, guess.original))
+        assert load_model(again).model.nq == made.nq
+
+    def test_welded_bodies_without_a_robot_are_an_error_of_the_file(self, tmp_path: Path):
+        body = "<body name='{0}'><freejoint/><geom size='.1'/></body>"
+        welds = "<weld body1='a' body2='b'/><weld body1='b' body2='a'/>"
+        file = tmp_path / "two.xml"
+        file.write_text(
+            f"<mujoco><worldbody>{body.format('a')}{body.format('b')}</worldbody>"
+            f"<equality>{welds}</equality></mujoco>"
+        )
+        with pytest.raises(
+            SpecError, match=r"two\.xml: no body of the model has a hinge or a slide"
+        ):
+            detect(file, tmp_path / "m.xml", "arm")
+
+    def test_what_no_active_weld_holds_is_left_out(self, tmp_path: Path):
+        file = tmp_path / "arm.xml"
+        file.write_text(self.changer(weld="<weld body1='l6' body2='hand' active='false'/>"))
+        source = load_model(file)
+        assert find_mounts(source) == []
+        guess = detect(file, tmp_path / "m.xml", "arm")
+        (note,) = [note for note in guess.notes if "is off in the model" in note]
+        assert note.startswith("weld '#1' of 'l6'")
+        advised = note[note.index("<adhesion") : note.index("/>") + 2]
+        file.write_text(file.read_text().replace("<actuator>", f"<actuator>{advised}", 1))
+        again = detect(file, tmp_path / "m.xml", "arm")
+        assert [group.kind for group in again.groups] == ["arm", "gripper"]
+        file.write_text(self.changer())
+        (mount,) = find_mounts(load_model(file))
+        assert source.body_name(mount.part) == "hand"
+
 
 class TestHands:
+    def test_branches_that_connect_ties_are_one_finger(self, tmp_path: Path):
+        def branch(name: str, y: float) -> str:
+            return (
+                f"<body name='{name}' pos='0 {y} 0'><joint name='{name}' axis='1 0 0'/>"
+                "<geom size='.01'/></body>"
+            )
+
+        names = {"left": 0.03, "left_link": 0.02, "right_link": -0.02, "right": -0.03}
+        ties = "".join(
+            f"<connect body1='{side}' body2='{side}_link' anchor='0 0 .02'/>"
+            for side in ("left", "right")
+        )
+        across = "<connect body1='left' body2='right' anchor='0 0 .02'/>"
+        world = "".join(branch(name, y) for name, y in names.items())
+        for rest, expected in ((ties, 2), (ties + across, 2), ("", 4)):
+            text = init_models.model(
+                "hand", f"<body name='hand'>{world}</body>", f"<equality>{rest}</equality>"
+            )
+            source = source_of(tmp_path, text)
+            hand = source.children(0)[0]
+            found = _linkages(source, [source.subtree(each) for each in source.children(hand)])
+            groups = [sorted(source.body_name(body) for body in group) for group in found]
+            assert len(groups) == expected
+            if rest:
+                assert groups == [["left", "left_link"], ["right", "right_link"]]
+
+    def test_wheels_beside_each_other_are_no_hand(self, tmp_path: Path):
+        wheels = "".join(
+            f"<body pos='0 {y} .05'><joint name='{name}' axis='0 1 0'/>"
+            "<geom type='cylinder' size='.05 .02'/></body>"
+            for name, y in (("left", 0.15), ("right", -0.15))
+        )
+        text = init_models.model("cart", f"<body name='cart'><geom size='.1'/>{wheels}</body>")
+        found = anatomy(source_of(tmp_path, text))
+        assert [(limb.kind, limb.hand) for limb in found.limbs] == [(LimbKind.WHEEL, None)] * 2
+
+    def test_groups_of_several_hands_have_names_of_their_own(self, tmp_path: Path):
+        loose = init_models.two_fingers("b_").replace("axis='0 -1 0'", "axis='0 0 1'")
+        world = init_models.six_axis(init_models.two_fingers())
+        world = world.replace("<site name='flange'", f"{loose}<site name='flange'")
+        drives = init_models.finger_drive() + init_models.finger_drive("b_")
+        rest = drives + f"<actuator>{init_models.servos(init_models.SIX_GAINS)}</actuator>"
+        guess = RobotGuess("a", None, Path("a"), [], Field("base"), Field({}))
+        for name in ("hand", "hand", "hand"):
+            guess.groups.append(Group(guess.free_name(name), {}, "", "generic"))
+        assert [group.name for group in guess.groups] == ["hand", "hand2", "hand3"]
+        file = tmp_path / "arm.xml"
+        file.write_text(init_models.model("hands", world, rest))
+        names = [group.name for group in detect(file, tmp_path / "m.xml", "arm").groups]
+        assert len(names) == len(set(names)) >= 2
+
     def test_the_nearest_points_of_parallel_edges_are_their_middles(self):
         line = np.array([[x, 0.0, 0.0] for x in (-0.01, 0.0, 0.01)])
         gap, first, second = nearest_points(line, line + np.array([0, 0.02, 0]))
@@ -255,6 +411,82 @@ class TestHands:
         motion = find_fingers(source, Actuation(source), hand)
         assert motion.fingers is None
         assert "do not meet" in motion.why_none
+
+
+class TestPlaces:
+    def test_a_base_below_the_floor_is_put_on_it(self, tmp_path: Path):
+        file = tmp_path / "arm.xml"
+        text = init_models.desktop_arm()
+        for height, is_reset in (("0", False), ("-.1", True), (".1", False)):
+            file.write_text(
+                text.replace("<body name='base'", f"<body name='base' pos='0 0 {height}'")
+            )
+            assert detect(file, tmp_path / "m.xml", "arm").reset_root_pose == is_reset, height
+
+    def test_arms_that_hang_sideways_keep_their_height(self, tmp_path: Path):
+        text = init_models.two_arms_apart()
+        for side, sign in (("left", ""), ("right", "-")):
+            name = f"<body name='{side}_base' pos='"
+            at = text.index(name) + len(name)
+            end = text.index("'", at)
+            text = f"{text[:at]}0 {sign}.1 .7' euler='{sign}1.5708 0 0{text[end:]}"
+        file = tmp_path / "arm.xml"
+        file.write_text(text)
+        guess = detect(file, tmp_path / "m.xml", "arm")
+        for side in ("left", "right"):
+            assert guess.source.model.body(f"{side}_base").pos[2] == pytest.approx(0.7)
+        assert "size" not in guess.base.value
+        assert not [edit for edit in guess.edits if set(edit.value) == {"body", "pos"}]
+
+
+class TestServos:
+    @pytest.mark.parametrize("resists", ["damping='12'", "frictionloss='3'"])
+    def test_added_servos_move_joints_that_resist(self, tmp_path: Path, resists: str):
+        text = init_models.without_servos().replace("name='j6'", f"name='j6' {resists}")
+        file = tmp_path / "arm.xml"
+        file.write_text(text)
+        model = detect(file, tmp_path / "m.xml", "arm").source.model
+        model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        model.opt.gravity = 0
+        data = mujoco.MjData(model)
+        data.ctrl[:] = 0
+        data.actuator("j6").ctrl = 0.1
+        while data.time < 1:
+            mujoco.mj_step(model, data)
+        assert data.joint("j6").qpos[0] == pytest.approx(0.1, abs=0.012)
+
+    def test_added_fingers_are_slow_enough_to_meet(self, tmp_path: Path):
+        text = init_models.model("hand", init_models.six_axis(init_models.two_fingers()))
+        file = tmp_path / "arm.xml"
+        file.write_text(text)
+        model = detect(file, tmp_path / "m.xml", "arm").source.model
+        model.opt.integrator = mujoco.mjtIntegrator.mjINT_IMPLICITFAST
+        data = mujoco.MjData(model)
+        for side in ("left", "right"):
+            data.joint(f"{side}_finger").qpos = 0.03
+        fastest = 0.0
+        while data.time < 1:
+            mujoco.mj_step(model, data)
+            fastest = max(fastest, float(np.abs(data.joint("left_finger").qvel[0])))
+        assert fastest < 0.6
+        assert data.joint("left_finger").qpos[0] < 0.002
+
+
+class TestFindings:
+    def test_edits_of_numbers_are_read_from_a_finding(self):
+        text = (
+            "joint 'a' takes 1.5 s (53 would do). Raise the stiffness of its servo "
+            "(edits: [{actuator: 'm_a', kp: 53}, {joint: 'b', frictionloss: 1.5e-02}])"
+        )
+        assert _edits_in(text) == [
+            "{actuator: 'm_a', kp: 53}",
+            "{joint: 'b', frictionloss: 1.5e-02}",
+        ]
+        assert _edits_in("write edits: [{delete: {joint: 'a'}}]") == []
+
+    def test_what_a_gripper_cannot_hold_is_read_from_a_finding(self):
+        text = "gripper 'g' cannot hold 'mug' (it is 0.06 m wide): such starts are refused. Leave"
+        assert re.findall(CANNOT_HOLD, text) == [("mug", "it is 0.06 m wide")]
 
 
 class TestText:

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable
 from pathlib import Path
 
+import mujoco
 import numpy as np
 import pytest
 import yaml
@@ -189,3 +190,38 @@ def test_the_guides_chain_and_torque_loop_work_with_motors(tmp_path: Path):
         robot.jnt_trq_cmd = list(gravity)
         assert robot.step()
     assert np.linalg.norm(robot.tcp_in_world.translation - start) < 1e-3
+
+
+@pytest.mark.parametrize(
+    "servo",
+    [
+        '<position name="hold" site="tcp" refsite="at" kp="400" gear="0 0 1 0 0 0"/>',
+        '<general name="damp" site="tcp" refsite="at" gear="0 1 0 0 0 0" biastype="affine" '
+        'gainprm="0" biasprm="0 0 -60"/>',
+    ],
+)
+def test_servos_at_sites_are_switched_with_those_of_the_joints(tmp_path: Path, servo: str):
+    path = model(tmp_path, '<position name="p{0}" joint="j{0}" kp="200" kv="20"/>')
+    text = path.read_text().replace('<body name="base">', '<body name="base"><site name="at"/>')
+    path.write_text(text.replace("</actuator>", f"{servo}</actuator>"))
+    spec = rc.SceneSpec(timestep=0.002, add_floor=False, add_skybox=False)
+    spec.robots.append(rc.RobotSpec(path=str(path), control_modes=["position", "torque"]))
+    robot = rc.Robot.from_scene(rc.Scene.build(spec), "base", "l2")
+    robot.ctrl_mode = rc.control.CtrlMode.TORQUE
+    # Stock MuJoCo with motors alone is the oracle.
+    alone = re.sub(r"<actuator>.*</actuator>", f"<actuator>{MOTOR * 2}</actuator>", text)
+    for joint in (1, 2):
+        alone = alone.replace(MOTOR, MOTOR.format(joint), 1)
+    stock = mujoco.MjModel.from_xml_string(alone)
+    for field in ("timestep", "integrator", "cone", "impratio", "iterations"):
+        setattr(stock.opt, field, getattr(robot.scene.model.opt, field))
+    data = mujoco.MjData(stock)
+    data.ctrl[:] = [3, -8]
+    robot.jnt_trq_cmd = [3, -8]
+    for _ in range(100):
+        robot.update()
+        robot.step()
+        mujoco.mj_step(stock, data)
+    robot.update()
+    assert np.abs(data.qpos).max() > 0.05
+    assert np.allclose(robot.jnt_pos_msr, data.qpos, atol=1e-9)

@@ -342,6 +342,24 @@ class TestAsARobot:
 TETRAHEDRON = "v 0 0 0\nv .1 0 0\nv 0 .1 0\nv 0 0 .1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"
 
 
+@pytest.mark.parametrize("dynamics", ['damping="12"', 'friction="4"'])
+def test_servos_move_joints_that_resist(tmp_path: Path, dynamics: str):
+    text = six_axis_with_gripper()
+    begin = text.index('<joint name="j6"')
+    end = text.index("</joint>", begin)
+    scene = scene_of(write(tmp_path, f"{text[:end]}<dynamics {dynamics}/>{text[end:]}"))
+    at = int(scene.model.joint("j6").qposadr[0])
+    servo = next(i for i in range(scene.model.nactuator) if "j6" in scene.model.actuator(i).name)
+    scene.reset()
+    start = float(scene.data.qpos[at])
+    held = np.array(scene.data.ctrl)
+    held[servo] = start + 0.1
+    for _ in range(500):
+        scene.data.ctrl[:] = held
+        scene.step()
+    assert scene.data.qpos[at] - start == pytest.approx(0.1, abs=0.012)
+
+
 class TestFiles:
     def with_mesh(self, folder: Path) -> Path:
         mesh = (
@@ -354,7 +372,7 @@ class TestFiles:
     def test_packages_are_given_on_the_command_line(self, tmp_path: Path):
         file, out = self.with_mesh(tmp_path), tmp_path / "out.xml"
         error = refused("convert", file, "-o", out)
-        assert f"{file}:2: link 'base_link': mesh no package 'arm_d'" in error
+        assert f"{file}:2: link 'base_link': its mesh: no package 'arm_d'" in error
         given = f"arm_d={tmp_path / 'far'}"
         result = robocell_command("convert", file, "-o", out, "--package", given)
         assert result.returncode == 0, result.stderr
@@ -369,6 +387,21 @@ class TestFiles:
             scene_of(file)
         monkeypatch.setenv("ROBOCELL_PACKAGES", f"arm_d={tmp_path / 'far'}")
         assert scene_of(file).model.nmesh == 1
+
+    def test_packages_of_another_repository_of_the_workspace_are_found(self, tmp_path: Path):
+        own = tmp_path / "ws/src/cell/arm_description"
+        other = tmp_path / "ws/src/tools/arm_d"
+        for package in (own / "urdf", other / "meshes"):
+            package.mkdir(parents=True)
+        for package in (own, other):
+            name = f"<package><name>{package.name}</name></package>"
+            (package / "package.xml").write_text(name)
+        (other / "meshes" / "a.obj").write_text(TETRAHEDRON)
+        mesh = (
+            '<visual><geometry><mesh filename="package://arm_d/meshes/a.obj"/></geometry></visual>'
+        )
+        text = six_axis_with_gripper().replace("</link>", f"{mesh}</link>", 1)
+        assert scene_of(write(own / "urdf", text)).model.nmesh == 1
 
     def test_a_urdf_is_an_object(self, tmp_path: Path):
         ball = "<collision><geometry><sphere radius='0.05'/></geometry></collision>" + mass(0.1)

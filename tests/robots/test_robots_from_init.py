@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from menagerie import require_menagerie
-from robots_from_init import Row, measure, menagerie_models, package_models
+from robots_from_init import Row, _read_rows, _write_rows, measure, menagerie_models, package_models
 
 EPISODES = 20
 LEAST_SHARE = 0.9  # of all models
@@ -23,6 +23,16 @@ def test_rows_describe_the_result_of_a_model():
     assert not Row("c", why="error: no").works
     assert not Row("d", "1 arm, 1 gripper", 15, 0, 100.0, (0, 20)).works
     assert "does not load: error: no" in Row("c", why="error: no").line()
+
+
+def test_rows_are_kept_for_a_run_that_goes_on(tmp_path: Path):
+    rows = {"a/b": Row("a/b", "1 arm", 12, 1, 99.5, (3, 4)), "c": Row("c", why="no")}
+    _write_rows(tmp_path / "rows.json", rows)
+    found = _read_rows(tmp_path / "rows.json")
+    assert {name: row.line() for name, row in found.items()} == {
+        name: row.line() for name, row in rows.items()
+    }
+    assert _read_rows(tmp_path / "none.json") == {}
 
 
 def test_models_that_are_not_robots_are_excluded(tmp_path: Path):

@@ -95,9 +95,16 @@ def init(
     picks = can_pick(guess)
     if picks and (force or not files["run"].exists()):
         _core.atomic_write(files["run"], run_text(guess, file).encode())
-        held, stand = objects_held(files["run"]), stand_in_reach(guess, files["run"])
-        _core.atomic_write(files["run"], run_text(guess, file, held, stand).encode())
+        stand = stand_in_reach(guess, files["run"])
+        held = objects_held(guess, file, files["run"])
+        text = run_text(guess, file, list(held.kinds), stand)
+        _core.atomic_write(files["run"], text.encode())
         print(f"wrote {files['run']}: a run file, to try it")
+        if held.why_none:
+            print_warning(
+                f"{files['run']}: no object of the catalogue fits the gripper: {held.why_none}. "
+                "Add one of yours with `robocell add-object`, and name it in task.objects"
+            )
     elif not picks:
         print(_no_run_file(guess, file))
     print()

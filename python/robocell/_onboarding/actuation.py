@@ -9,6 +9,7 @@ from typing import Any
 import mujoco
 import numpy as np
 
+from robocell._onboarding.guess import shortened
 from robocell._onboarding.source_model import SourceModel, Vector
 
 LEAST_MOMENT = 1e-9
@@ -103,6 +104,20 @@ class Actuation:
         """Returns True if an actuator moves the joint."""
         return any(self.of_joint(each) for each in self.coupled(joint))
 
+    def loop_of(self, joint: int) -> str:
+        """Describes the constraint that moves a joint and is no equality of two joints, or ""."""
+        m, source = self._source.model, self._source
+        for index in range(m.neq):
+            first, second = int(m.eq_obj1id[index]), int(m.eq_obj2id[index])
+            if not m.eq_active0[index] or joint not in _joints_tied(source, index):
+                continue
+            name = m.equality(index).name or f"#{index}"
+            if int(m.eq_type[index]) == int(mujoco.mjtEq.mjEQ_TENDON):
+                tendons = [m.tendon(t).name or f"#{t}" for t in (first, second) if t >= 0]
+                return f"one of the joints that equality '{name}' of {shortened(tendons)} ties"
+            return f"part of the loop that equality '{name}' closes"
+        return ""
+
     def follower(self, joint: int) -> Follower | None:
         """Returns how a joint follows another; None if independent."""
         return next((each for each in self.followers if each.joint == joint), None)
@@ -193,16 +208,23 @@ def _coupled_joints(source: SourceModel, followers: list[Follower]) -> dict[int,
     for index in range(m.neq):
         if not m.eq_active0[index]:
             continue
-        kind = int(m.eq_type[index])
-        first, second = int(m.eq_obj1id[index]), int(m.eq_obj2id[index])
-        if kind == int(mujoco.mjtEq.mjEQ_TENDON):
-            tie([j for t in (first, second) if t >= 0 for j in _joints_of_tendon(source, t)])
-        elif kind in (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)):
-            tie(_joints_of_loop(source, index, first, second))
+        tie(_joints_tied(source, index))
     sets: dict[int, set[int]] = {}
     for joint in range(m.njnt):
         sets.setdefault(root(joint), set()).add(joint)
     return {joint: frozenset(members) for members in sets.values() for joint in members}
+
+
+def _joints_tied(source: SourceModel, index: int) -> list[int]:
+    """Returns the joints that an equality of tendons or of bodies ties together."""
+    m = source.model
+    kind = int(m.eq_type[index])
+    first, second = int(m.eq_obj1id[index]), int(m.eq_obj2id[index])
+    if kind == int(mujoco.mjtEq.mjEQ_TENDON):
+        return [j for t in (first, second) if t >= 0 for j in _joints_of_tendon(source, t)]
+    if kind in (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD)):
+        return _joints_of_loop(source, index, first, second)
+    return []
 
 
 def _joints_of_tendon(source: SourceModel, tendon: int) -> list[int]:

@@ -60,12 +60,12 @@ def drive_of(source: SourceModel, actuation: Actuation, joints: list[int]) -> Ar
         for joint in actuator.joints
         if joint in leaders
     }
-    bare = [source.joint_name(joint) for joint in free if joint not in moved]
+    bare = [joint for joint in free if joint not in moved]
     if not pulling:
         return ArmDrive(free, why_not="no actuator moves its joints")
     names = [actuator.name for actuator in pulling]
     if bare:
-        return ArmDrive(free, unused=names, why_not=f"no actuator moves {shortened(bare)}")
+        return ArmDrive(free, unused=names, why_not=_why_bare(source, actuation, bare))
     if not follows:
         for drive in DRIVES:
             found = [_on_joint(actuation, joint, drive) for joint in free]
@@ -82,6 +82,20 @@ def drive_of(source: SourceModel, actuation: Actuation, joints: list[int]) -> Ar
         why_not="its joints do not have one position servo, velocity servo or motor each, which an "
         f"arm has to have: {shortened(names)}",
     )
+
+
+def _why_bare(source: SourceModel, actuation: Actuation, bare: list[int]) -> str:
+    """Returns why joints without an actuator cannot be commanded, and what to do."""
+    names = [source.joint_name(joint) for joint in bare]
+    text = f"no actuator moves {shortened(names)}"
+    for joint, name in zip(bare, names, strict=True):
+        if loop := actuation.loop_of(joint):
+            return (
+                f"{text}. {name} is {loop}, and joints of an arm are commanded one by one or "
+                f"follow one other each: put an actuator on {name}, or write its coupling as "
+                f'<joint joint1="{name}" joint2="LEADER"/> below <equality>'
+            )
+    return text
 
 
 def _on_joint(actuation: Actuation, joint: int, drive: Drive) -> str:

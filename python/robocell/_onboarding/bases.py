@@ -15,6 +15,8 @@ from robocell._onboarding.source_model import SourceModel, Vector
 WIDE_M = 2.0  # the travel of a slide that moves a base and not a gantry
 # Pedestals of arms that reach this far, m; smaller ones stand on the table.
 REACH_FOR_PEDESTAL = 0.62
+# A base whose lowest point is higher than this above its frame hangs there, m.
+HELD_M = 0.3
 # A base whose lowest point is farther than this from its frame is moved to stand on its box, m.
 FLUSH_M = 0.008
 
@@ -119,12 +121,21 @@ def lowest_of_base(source: SourceModel, body: int) -> float:
     return float(points[:, 2].min()) if len(points) else 0.0
 
 
+def sinks(source: SourceModel, base: Base, root: int) -> bool:
+    """Returns True if a base that stands upright reaches below the floor in its model."""
+    if base.joints or base.free_joint is not None or not _stands_upright(source, base.body):
+        return False
+    return float(source.data.xpos[root][2]) + lowest_of_base(source, root) < -FLUSH_M
+
+
 def _stands_upright(source: SourceModel, body: int) -> bool:
     """Returns True if a box of `pedestal_size` below its frame is below the base."""
     points = _fixed_points(source, body)
     if len(points) == 0:
         return True
     low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
+    if float(points[:, 2].min()) > HELD_M:
+        return False  # something that the model leaves out holds it there
     is_over_it = bool((low < 0.05).all() and (high > -0.05).all())
     return bool(source.data.xmat[body][8] > 0.99) and is_over_it and float(high.max()) < 1
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 
 from robocell._onboarding.actuation import Actuation, Actuator, Drive
@@ -19,6 +20,7 @@ from robocell._onboarding.bases import (
     guess_base,
     is_at_origin,
     lowest_of_base,
+    sinks,
 )
 from robocell._onboarding.cameras import (
     Camera,
@@ -32,6 +34,7 @@ from robocell._onboarding.guess import Confidence, Guess, shortened
 from robocell._onboarding.hands import HandMotion, find_fingers
 from robocell._onboarding.home import ArmFrame, Home, PoseJudge, guess_home
 from robocell._onboarding.limbs import Anatomy, Hand, Limb, LimbKind
+from robocell._onboarding.mounted import find_mounts, mount, reasons_to_mount
 from robocell._onboarding.prepared import prepare, reasons_to_prepare
 from robocell._onboarding.robot_guess import Field, Group, RobotGuess
 from robocell._onboarding.roots import Roots, anatomy_of, find_roots
@@ -60,6 +63,11 @@ def detect(
         choose: Asked about every guess that has alternatives.
     """
     source = load_model(path)
+    mounts = find_mounts(source)
+    mounted = reasons_to_mount(source, mounts)
+    if mounts:
+        find_roots(source, Actuation(source))  # raises for the file itself if it has no robot
+        source = mount(source, mounts, model_file)
     actuation = Actuation(source)
     roots = choose("robot", find_roots(source, actuation))
     reasons = reasons_to_prepare(source, actuation, roots.value)
@@ -68,7 +76,7 @@ def detect(
         actuation = Actuation(source)
         again = find_roots(source, actuation)
         roots = Guess(again.value, f"the base of {roots.value}", roots.confidence)
-    return _Detection(source, actuation, roots, reasons, path, name, choose).run()
+    return _Detection(source, actuation, roots, mounted + reasons, path, name, choose).run()
 
 
 @dataclass
@@ -133,8 +141,8 @@ class _Detection:
             ),
         )
         out.base = Field(base.value, base.comment())
-        if "size" in base.value:
-            self._stand_on_box()
+        if "size" in base.value or sinks(self._source, self._base, self._root):
+            self._stand_on_floor()
         if self._base.free_joint is not None:
             joint = self._source.joint_name(self._base.free_joint)
             out.edits.insert(
@@ -145,6 +153,7 @@ class _Detection:
         self._other_cups()
         self._cameras(arms, reach)
         self._gravity(arms)
+        self._inactive_welds()
         if not arms and not hands:
             out.notes.append(
                 "no arm and no gripper was found. robocell needs a chain of hinges and slides with "
@@ -153,12 +162,12 @@ class _Detection:
             )
         return out
 
-    def _stand_on_box(self) -> None:
-        """Puts the lowest point of the base on its box."""
+    def _stand_on_floor(self) -> None:
+        """Puts the lowest point of the base on its box, or on the floor."""
         low = lowest_of_base(self._source, self._root)
         if abs(low) > FLUSH_M:
             edit = {"body": self._source.body_name(self._root), "pos": [0, 0, round(-low, 4)]}
-            why = "the lowest point of the base stands on its box"
+            why = "the lowest point of the base stands on its box, or on the floor"
             self._out.edits.append(Field(edit, why))
         elif not is_at_origin(self._source, self._root):
             self._out.reset_root_pose = True
@@ -287,7 +296,7 @@ class _Detection:
             f"{shortened([cup.name for cup in cups])} makes {shortened(sorted(bodies))} stick to "
             f"what it touches, as suction cups and magnets do [{Confidence.HIGH.value}]"
         )
-        self._out.groups.append(Group(name, fields, comment, "gripper"))
+        self._out.groups.append(Group(self._out.free_name(name), fields, comment, "gripper"))
 
     def _wrist(self, limb: Limb, hand: Hand) -> tuple[Vector, Vector | None]:
         """Returns the position of the arm's last joint and a hinge's axis, in the hand's frame."""
@@ -483,6 +492,27 @@ class _Detection:
             self._out.notes.append(
                 f"'{actuator.name}' makes '{body}' stick, and no gripper has it: command it with "
                 "scene.set_actuator_ctrl"
+            )
+
+    def _inactive_welds(self) -> None:
+        """Notes welds that hold something once switched on, which robocell does not do."""
+        m, source = self._source.model, self._source
+        for index in range(m.neq):
+            weld = int(m.eq_type[index]) == int(mujoco.mjtEq.mjEQ_WELD)
+            if not weld or m.eq_active0[index]:
+                continue
+            if int(m.eq_objtype[index]) != int(mujoco.mjtObj.mjOBJ_BODY):
+                continue
+            pair = [int(m.eq_obj1id[index]), int(m.eq_obj2id[index])]
+            own = [body for body in pair if body in self._bodies]
+            if len(own) != 1:
+                continue
+            self._out.notes.append(
+                f"weld '{m.equality(index).name or f'#{index}'}' of "
+                f"'{source.body_name(own[0])}' is off in the model, and nothing of robocell "
+                "switches it on. To pick by it, make the body stick: <adhesion "
+                f'body="{source.body_name(own[0])}" gain="100" ctrlrange="0 1"/> below <actuator> '
+                "is a gripper (docs/robots.md, suction cups and magnets)"
             )
 
     @staticmethod

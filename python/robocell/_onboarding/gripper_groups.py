@@ -52,6 +52,7 @@ class GripperGroups:
 
     def add(self, hand: Hand, motion: HandMotion, name: str, tcp: Tcp) -> None:
         """Adds one hand."""
+        name = self._out.free_name(name)
         names = [actuator.name for actuator in motion.actuators]
         moved = [j for j in hand.joints if self._actuation.is_moved(j)]
         direct = [j for j in hand.joints if self._is_direct(j, motion.actuators)]
@@ -146,7 +147,7 @@ class GripperGroups:
         )
         if not motion.actuators:
             return
-        own = name.replace("gripper", "hand")
+        own = self._out.free_name(name.replace("gripper", "hand"))
         fields: dict[str, Any] = {
             "kind": "generic",
             "joints": self._names_of(

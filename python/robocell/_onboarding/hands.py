@@ -131,7 +131,7 @@ def find_fingers(
         poses.append(_Pose(ctrl, qpos_there, source.new_data(qpos_there)))
     branches = _branches(source, hand)
     if len(branches) > 1:
-        groups = [source.subtree(branch) for branch in branches]
+        groups = _linkages(source, [source.subtree(branch) for branch in branches])
         fingers = _meeting_pair(source, hand, groups, poses)
     else:
         fingers = _jaw(source, hand, poses)
@@ -291,6 +291,27 @@ def _branches(source: SourceModel, hand: Hand) -> list[int]:
         if len(branches) != 1 or len(source.joints_below(branches[0])) == 1:
             return branches
         body = branches[0]
+
+
+def _linkages(source: SourceModel, branches: list[list[int]]) -> list[list[int]]:
+    """Returns branches that `connect` or `weld` tie together as one finger.
+
+    If all are tied, as by a slider in their middle, they stay apart.
+    """
+    m = source.model
+    groups = [list(branch) for branch in branches]
+    kinds = (int(mujoco.mjtEq.mjEQ_CONNECT), int(mujoco.mjtEq.mjEQ_WELD))
+    for index in range(m.neq):
+        if int(m.eq_type[index]) not in kinds or not m.eq_active0[index]:
+            continue
+        ends = [int(m.eq_obj1id[index]), int(m.eq_obj2id[index])]
+        if int(m.eq_objtype[index]) == int(mujoco.mjtObj.mjOBJ_SITE):
+            ends = [int(m.site_bodyid[site]) for site in ends]
+        tied = [group for group in groups if any(body in group for body in ends)]
+        if len(tied) == 2 and len(groups) > 2:
+            groups.remove(tied[1])
+            tied[0].extend(tied[1])
+    return groups
 
 
 def _jaw(source: SourceModel, hand: Hand, poses: list[_Pose]) -> Fingers | None:

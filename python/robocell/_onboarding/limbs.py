@@ -194,6 +194,8 @@ class _Dissection:
     # --- Hands ---
 
     def _is_hand(self, stretch: _Stretch, joints: list[int]) -> bool:
+        if all(self._is_rolling(branch) for branch in stretch.branches):
+            return False
         size = max(self._size(branch) for branch in stretch.branches)
         if size < HAND_SIZE and len(joints) < LEAST_ARM_JOINTS:
             return True  # nothing carries it: a hand alone
@@ -273,11 +275,18 @@ class _Dissection:
         bodies = self._source.subtree(self._anatomy.root)
         return float(min(self._source.data.xpos[body][2] for body in bodies))
 
+    def _is_rolling(self, branch: int) -> bool:
+        """Returns True for a branch that is a wheel."""
+        joints = self._source.joints_below(branch)
+        return bool(joints) and self._is_wheel(Limb(joints, branch))
+
     def _is_wheel(self, limb: Limb) -> bool:
         """Returns True for one or two joints, the last an unlimited hinge with a level axis."""
         source = self._source
         if limb.hand or len(limb.joints) > 2:
             return False
         joint = limb.joints[-1]
+        if not source.is_scalar(joint):
+            return False
         level = abs(float(source.data.xaxis[joint][2])) < 0.5
         return source.limits(joint) is None and not source.is_slide(joint) and level

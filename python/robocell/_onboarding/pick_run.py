@@ -10,7 +10,7 @@ from robocell import Error, RunConfig, _core
 from robocell._onboarding.robot_guess import RobotGuess
 from robocell._onboarding.yaml_text import flow, quoted
 from robocell.diagnose import check_run
-from robocell.tasks import default_object_kinds
+from robocell.tasks import default_object_kinds, object_kinds
 
 # Heights of the base are tried in steps; one this near to the usual one is that, m.
 SAME_HEIGHT = 0.08
@@ -18,7 +18,7 @@ SAME_HEIGHT = 0.08
 # that are.
 LEAST_SHARE = 0.5
 INNER = (0.35, 0.75)
-CANNOT_HOLD = r"cannot hold '([^']+)'"
+CANNOT_HOLD = r"cannot hold '([^']+)' \((.+?)\): such starts"
 
 
 def can_pick(guess: RobotGuess) -> bool:
@@ -26,21 +26,50 @@ def can_pick(guess: RobotGuess) -> bool:
     return bool(guess.of_kind("arm")) and bool(guess.of_kind("gripper"))
 
 
-def objects_held(run_file: Path) -> list[str]:
-    """Returns the kinds of objects that fit the gripper; none if all of them do.
+@dataclass(frozen=True)
+class Held:
+    """Which kinds of objects fit a gripper.
+
+    Attributes:
+        kinds: The kinds for the run; none if all of the usual ones fit, or none of the catalogue.
+        why_none: Why no kind of the catalogue fits; "" otherwise.
+    """
+
+    kinds: tuple[str, ...] = ()
+    why_none: str = ""
+
+
+def objects_held(guess: RobotGuess, robot_file: Path, run_file: Path) -> Held:
+    """Returns the kinds of objects that fit the gripper: the usual ones, else any of the catalogue.
 
     Args:
-        run_file: The run file that `run_text` made for all kinds.
+        guess: The robot.
+        robot_file: Its file.
+        run_file: The run file that `run_text` made for all kinds, which is written anew to try
+            others.
     """
+    usual = default_object_kinds()
+    refused = _refused(run_file)
+    held = [kind for kind in usual if kind not in refused]
+    if held or not refused:
+        return Held(tuple(held) if refused else ())
+    why = next(iter(refused.values()))
+    others = [kind for kind in object_kinds() if kind not in usual]
+    _core.atomic_write(run_file, run_text(guess, robot_file, others).encode())
+    refused = _refused(run_file)
+    held = [kind for kind in others if kind not in refused]
+    return Held(tuple(held)) if held and refused else Held(why_none=why)
+
+
+def _refused(run_file: Path) -> dict[str, str]:
+    """Returns the kinds of a run that the gripper cannot hold, with the reason."""
     config = RunConfig.load(run_file)
     config.cameras.streams = []
     try:
         doubts = check_run(config, on_this_machine=False)
     except Error:
-        return []  # the commands that run it explain it
-    refused = {kind for doubt in doubts for kind in re.findall(CANNOT_HOLD, doubt.text)}
-    held = [kind for kind in default_object_kinds() if kind not in refused]
-    return held if refused else []
+        return {}  # the commands that run it explain it
+    return {kind: why for doubt in doubts for kind, why in re.findall(CANNOT_HOLD, doubt.text)}
 
 
 @dataclass(frozen=True)

@@ -22,12 +22,18 @@ from robocell._onboarding.actuation import Actuation, reflected_inertia
 from robocell._onboarding.bases import find_base
 from robocell._onboarding.limbs import Limb, LimbKind
 from robocell._onboarding.roots import Roots, anatomy_of
-from robocell._onboarding.source_model import SourceModel
+from robocell._onboarding.source_model import SourceModel, Vector
 
 BASE_NAME = "robot_base"
+UPRIGHT = 0.99  # cosine of the tilt of a body that stands
 # Servos are made as stiff as a mass on a spring with this many radians per second.
 FREQUENCY = 25.0
 FINGER_FREQUENCY = 60.0
+# They are no softer than the damping and the friction of the joint itself ask for.
+FOLLOWING = 10.0  # 1/s, against its damping
+STUCK_RAD, STUCK_M = 0.01, 0.001  # where its friction may hold it
+MOST_FREQUENCY = 250.0  # stable with steps of 2 ms
+FINGER_SECONDS = 0.08  # of its motion: light fingers that are faster pass through each other
 FINGER_FORCE = 30.0  # N that a slide of a hand pushes with, at half its travel
 LEAST_ARMATURE = 0.01  # kg m2 of a joint of an arm that has none: rotors behind gears weigh more
 
@@ -57,7 +63,7 @@ def reasons_to_prepare(source: SourceModel, actuation: Actuation, roots: Roots) 
 def prepare(source: SourceModel, actuation: Actuation, roots: Roots, file: Path) -> SourceModel:
     """Returns the changed model, as it will be read from `file`, which does not exist yet."""
     spec = source.spec.copy()
-    _make_paths_absolute(spec, source)
+    make_paths_absolute(spec, source)
     for name in _joints_without_servo(source, actuation, roots):
         _add_servo(source, actuation, spec, name)
     _drop_others(source, spec, roots)
@@ -68,7 +74,7 @@ def prepare(source: SourceModel, actuation: Actuation, roots: Roots, file: Path)
             spec = mujoco.MjSpec.from_string(_with_base(str(spec.to_xml()), source, roots))
         model = spec.compile()
         if source.model.nkey and not model.nkey:
-            _add_keys(source, spec, model)
+            add_keys(source, spec, model)
             model = spec.compile()
     except (ValueError, OSError) as error:
         raise SpecError(
@@ -149,9 +155,13 @@ def _add_servo(source: SourceModel, actuation: Actuation, spec: Any, name: str) 
     limits = source.limits(joint)
     if is_finger and limits:
         kp = max(kp, 2 * FINGER_FORCE / (limits[1] - limits[0]))
+    stuck = STUCK_M if source.is_slide(joint) else STUCK_RAD
+    own = max(FOLLOWING * m.dof_damping[dof], m.dof_frictionloss[dof] / stuck)
+    kp = max(kp, min(own, inertia * MOST_FREQUENCY**2))
     servo = spec.add_actuator(name=_free_name(spec, name), target=name)
     servo.trntype = mujoco.mjtTrn.mjTRN_JOINT
-    servo.set_to_position(kp=_two_digits(kp), kv=_two_digits(2 * math.sqrt(kp * inertia)))
+    kv = max(2 * math.sqrt(kp * inertia), FINGER_SECONDS * kp if is_finger else 0.0)
+    servo.set_to_position(kp=_two_digits(kp), kv=_two_digits(kv))
     if limits:
         servo.ctrlrange = list(limits)
         servo.ctrllimited = mujoco.mjtLimited.mjLIMITED_TRUE
@@ -189,8 +199,7 @@ def _drop_others(source: SourceModel, spec: Any, roots: Roots) -> None:
     """Objects, tables and floors stay behind; keyframes come back when their numbers are known."""
     others = [b for b in source.children(0) if b not in roots.bodies]
     if others or len(roots.bodies) > 1:
-        for key in list(spec.keys):
-            spec.delete(key)
+        drop_keys(spec)
     for body in others:
         spec.delete(spec.body(source.body_name(body)))
     for elements in (spec.worldbody.geoms, spec.worldbody.sites, spec.worldbody.cameras):
@@ -198,7 +207,13 @@ def _drop_others(source: SourceModel, spec: Any, roots: Roots) -> None:
             spec.delete(element)
 
 
-def _add_keys(source: SourceModel, spec: Any, model: Any) -> None:
+def drop_keys(spec: Any) -> None:
+    """Deletes the keyframes of a model whose joints change."""
+    for key in list(spec.keys):
+        spec.delete(key)
+
+
+def add_keys(source: SourceModel, spec: Any, model: Any) -> None:
     """Adds the keyframes of the given model, for the remaining joints."""
     for key in range(source.model.nkey):
         qpos = np.array(model.qpos0)
@@ -214,7 +229,7 @@ def _add_keys(source: SourceModel, spec: Any, model: Any) -> None:
 def _with_base(text: str, source: SourceModel, roots: Roots) -> str:
     """Adds a body without joints around all bodies of the world, at the pose of the first.
 
-    Arms keep their places to each other; the first one stands at the origin.
+    Arms keep their places to each other; the first one stands at the origin if it is upright.
     """
     tree = ElementTree.fromstring(text)
     world = tree.find("worldbody")
@@ -234,19 +249,31 @@ def _with_base(text: str, source: SourceModel, roots: Roots) -> str:
 
 
 def _put_at_the_first(world: ElementTree.Element, source: SourceModel, roots: Roots) -> None:
-    """Writes the poses of the roots in the frame of the first."""
+    """Writes the poses of the roots in the frame of the first, if that stands upright.
+
+    Arms that hang sideways are held by something that the model leaves out, at a height that they
+    need: they are put above a frame on the floor below the first.
+    """
     m, first = source.model, roots.bodies[0]
     inverse = np.zeros(3), np.zeros(4)
-    mujoco.mju_negPose(*inverse, m.body_pos[first], m.body_quat[first])
+    pos, quat = m.body_pos[first].copy(), m.body_quat[first].copy()
+    if source.data.xmat[first][8] < UPRIGHT:
+        pos[2], quat = 0, np.array([1.0, 0, 0, 0])
+    mujoco.mju_negPose(*inverse, pos, quat)
     for body, name in zip(roots.bodies, roots.names, strict=True):
         pos, quat = np.zeros(3), np.zeros(4)
         mujoco.mju_mulPose(pos, quat, *inverse, m.body_pos[body], m.body_quat[body])
         for element in world.iter("body"):
             if element.get("name") == name:
-                for old in ("euler", "axisangle", "xyaxes", "zaxis"):
-                    element.attrib.pop(old, None)
-                element.set("pos", " ".join(f"{value:.9g}" for value in pos))
-                element.set("quat", " ".join(f"{value:.9g}" for value in quat))
+                write_pose(element, pos, quat)
+
+
+def write_pose(element: ElementTree.Element, pos: Vector, quat: Vector) -> None:
+    """Writes the pose of a body."""
+    for old in ("euler", "axisangle", "xyaxes", "zaxis"):
+        element.attrib.pop(old, None)
+    element.set("pos", " ".join(f"{value:.9g}" for value in pos))
+    element.set("quat", " ".join(f"{value:.9g}" for value in quat))
 
 
 def _with_files(spec: Any) -> list[Any]:
@@ -254,7 +281,8 @@ def _with_files(spec: Any) -> list[Any]:
     return [element for element in elements if element.file]
 
 
-def _make_paths_absolute(spec: Any, source: SourceModel) -> None:
+def make_paths_absolute(spec: Any, source: SourceModel) -> None:
+    """Names the files of a model from the root, so that it is read from any folder."""
     folder = source.path.parent
     for elements, kind in (
         ([*spec.meshes, *spec.hfields, *spec.skins], spec.meshdir),

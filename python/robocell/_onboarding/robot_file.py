@@ -26,7 +26,9 @@ def robot_text(guess: RobotGuess, file: Path) -> str:
     lines += _section("root_body", guess.root_body)
     lines += _section("base", guess.base)
     if guess.reset_root_pose:
-        lines += comment("the model's file puts the robot elsewhere; here it stands on its box")
+        lines += comment(
+            "the model's file puts the robot elsewhere; here it stands on its box or on the floor"
+        )
         lines += ["reset_root_pose: true"]
     lines += _list("edits", guess.edits)
     lines += _groups(guess)

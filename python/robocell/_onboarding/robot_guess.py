@@ -63,3 +63,11 @@ class RobotGuess:
     def of_kind(self, kind: str) -> list[Group]:
         """Returns the groups of a kind."""
         return [group for group in self.groups if group.kind == kind]
+
+    def free_name(self, name: str) -> str:
+        """Returns the name, with a number if a group has it already."""
+        taken = {group.name for group in self.groups}
+        free, number = name, 2
+        while free in taken:
+            free, number = f"{name}{number}", number + 1
+        return free

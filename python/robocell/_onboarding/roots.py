@@ -38,7 +38,7 @@ def find_roots(source: SourceModel, actuation: Actuation) -> Guess[Roots]:
     driven = [body for body in moving if _is_driven(source, actuation, body)]
     candidates = driven or moving
     anatomies = {body: anatomy_of(source, actuation, body) for body in candidates}
-    armed = [body for body in candidates if _is_armed(anatomies[body])]
+    armed = _bolted([body for body in candidates if _is_armed(anatomies[body])], source)
     chosen = armed or [max(candidates, key=lambda body: len(source.joints_below(body)))]
     others = [body for body in source.children(0) if body not in chosen]
     return Guess(
@@ -47,6 +47,14 @@ def find_roots(source: SourceModel, actuation: Actuation) -> Guess[Roots]:
         Confidence.HIGH if len(moving) == len(chosen) or driven else Confidence.MEDIUM,
         tuple(_roots(source, [body]) for body in moving if [body] != chosen),
     )
+
+
+def _bolted(bodies: list[int], source: SourceModel) -> list[int]:
+    """Returns those that can be one robot: a body that floats is another robot than the rest."""
+    fixed = [body for body in bodies if find_base(source, body).free_joint is None]
+    if fixed or len(bodies) < 2:
+        return fixed or bodies
+    return [max(bodies, key=lambda body: len(source.joints_below(body)))]
 
 
 def anatomy_of(source: SourceModel, actuation: Actuation, root: int) -> Anatomy:

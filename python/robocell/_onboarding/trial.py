@@ -26,6 +26,14 @@ TIMESTEP_S = 0.002
 ARMATURES = r"edits: \[((?:(?:, )?\{joint: '[^']*', armature: [-+.e\d]+\})+)\]"
 
 
+# Edits that a finding ends with, each of one number of a joint or its actuator.
+NUMBERS = r"\(edits: \[((?:(?:, )?\{(?:joint|actuator): '[^']*', \w+: [-+.e\d]+\})+)\]\)"
+
+# Parts that move end at least this high above the box of the base, m.
+CLEAR_M = 0.01
+TOUCHES_BOX = r"'mocap_base' and '|' and 'mocap_base' touch at home"
+
+
 @dataclass(frozen=True)
 class Trial:
     """Result of a trial.
@@ -127,13 +135,49 @@ def _first_sentence(problem: str) -> str:
     return re.sub(r"^\s*\S+\.yaml:\d+:\d+: ", "", line).strip()
 
 
+def _lift(guess: RobotGuess, robot: Robot) -> bool:
+    """Raises a robot whose moving parts reach into the box below it. Returns False if it cannot."""
+    scene = robot.scene
+    scene.reset()
+    model, data = scene.model, scene.data
+    box = model.body("mocap_base").id
+    depths = [
+        -float(contact.dist)
+        for contact in data.contact
+        if box in (model.geom_bodyid[geom] for geom in contact.geom if geom >= 0)
+    ]
+    root = int(guess.source.model.body(guess.root_body.value).rootid[0])
+    if not depths or max(depths) <= 0 or guess.reset_root_pose:
+        return False
+    name, lift = guess.source.body_name(root), max(depths) + CLEAR_M
+    for field in guess.edits:
+        value = field.value
+        if isinstance(value, dict) and value.get("body") == name and set(value) == {"body", "pos"}:
+            value["pos"][2] = round(value["pos"][2] + lift, 4)
+            return True
+    height = float(guess.source.model.body_pos[root][2])
+    edit = {"body": name, "pos": [0, 0, round(height + lift, 4)]}
+    guess.edits.append(Field(edit, "parts that move reach below the base; here they clear its box"))
+    return True
+
+
+def _edits_in(text: str) -> list[str]:
+    """Returns the edits of numbers that a finding proposes."""
+    found = re.search(NUMBERS, text)
+    return re.findall(r"\{[^}]*\}", found[1]) if found else []
+
+
 def _take_edits(guess: RobotGuess, robot: Robot) -> bool:
     """Adds the edits that findings name; False when there is none that is new."""
     known = {str(field.value) for field in guess.edits}
+    warnings = [each for each in check_robot(robot) if each.severity is Severity.WARNING]
+    touches_box = any(re.search(TOUCHES_BOX, warning.text) for warning in warnings)
+    if touches_box and _lift(guess, robot):
+        return True
     named = [
-        (finding.edit, finding.text)
-        for finding in check_robot(robot)
-        if finding.severity is Severity.WARNING and finding.edit
+        (edit, finding.text)
+        for finding in warnings
+        for edit in ([finding.edit] if finding.edit else _edits_in(finding.text))
     ]
     # Warnings of the model itself name theirs in the text.
     for warning in robot.scene.warnings:

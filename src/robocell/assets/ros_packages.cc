@@ -65,19 +65,33 @@ bool IsPackage(const fs::path& folder, const std::string& name) {
   return declared.empty() ? folder.filename() == name : declared == name;
 }
 
+std::vector<fs::path> SortedChildren(const fs::path& folder) {
+  std::error_code error;
+  std::vector<fs::path> children;
+  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
+    children.push_back(it->path());
+  std::sort(children.begin(), children.end());
+  return children;
+}
+
 // Returns the package in a folder of packages: the folder itself, a child, or a child of a
 // repository with several packages.
 std::optional<fs::path> PackageBelow(const fs::path& root, const std::string& name) {
   if (IsPackage(root, name)) return root;
   if (IsPackage(root / name, name)) return root / name;
-  std::error_code error;
-  std::vector<fs::path> children;
-  for (fs::directory_iterator it(root, error), end; !error && it != end; it.increment(error))
-    children.push_back(it->path());
-  std::sort(children.begin(), children.end());
-  for (const fs::path& child : children) {
+  for (const fs::path& child : SortedChildren(root)) {
     if (NameInManifest(child) == name) return child;
     if (IsPackage(child / name, name)) return child / name;
+  }
+  return std::nullopt;
+}
+
+// Returns the package that a manifest declares in a folder that nobody gave as one of packages.
+std::optional<fs::path> DeclaredBelow(const fs::path& root, const std::string& name) {
+  for (const fs::path& child : SortedChildren(root)) {
+    for (const fs::path& folder : {child, child / name}) {
+      if (NameInManifest(folder) == name) return folder;
+    }
   }
   return std::nullopt;
 }
@@ -214,6 +228,13 @@ fs::path RosPackages::InPackage(const std::string& package, const std::string& r
       if (!IsPackage(folder, package)) continue;
       Remember(folder);
       return Confined(folder, rest, name);
+    }
+  }
+  // Packages of other repositories of the same workspace.
+  for (const fs::path& parent : parents_) {
+    if (const auto found = DeclaredBelow(parent, package)) {
+      Remember(*found);
+      return Confined(*found, rest, name);
     }
   }
   // A package whose folder was renamed, such as a checkout or a copy, which may have only the file

@@ -253,7 +253,7 @@ class Reader {
     try {
       path = packages_.File(InMeshFolder(name));
     } catch (const Error& error) {
-      problems_.Add(line, fmt::format("{}: mesh {}", place, error.what()));
+      problems_.Add(line, fmt::format("{}: its mesh: {}", place, error.what()));
       return false;
     }
     path = ReadableMesh(path);

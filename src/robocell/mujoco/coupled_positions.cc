@@ -7,11 +7,14 @@
 #include <cstddef>
 #include <vector>
 
+#include "robocell/mujoco/closed_loops.h"
 #include "robocell/mujoco/couplings.h"
 #include "robocell/mujoco/joint_followers.h"
 
 namespace robocell::internal {
 namespace {
+
+constexpr double kLeastShare = 0.1;  // of offsets that a loop cannot follow
 
 bool IsScalar(const mjModel* m, int joint) {
   return m->jnt_type[joint] == mjJNT_HINGE || m->jnt_type[joint] == mjJNT_SLIDE;
@@ -192,6 +195,19 @@ void PlaceHeld(const mjModel* m, const Mechanisms& mechanisms, double* qpos) {
     qpos[m->jnt_qposadr[joint.joint]] = joint.of_leader.at(0);
 }
 
+// Moves joints by a share of their offsets, and what follows them.
+void Move(const mjModel* m, std::span<const int> joints, std::span<const double> offsets,
+          double share, const std::vector<double>& before, double* qpos) {
+  const Mechanisms mechanisms = MechanismsOf(m, joints);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (joints[i] < 0 || mechanisms.stuck[i] || !IsScalar(m, joints[i])) continue;
+    double& q = qpos[m->jnt_qposadr[joints[i]]];
+    q = Clamped(q + share * offsets[i], LimitsOf(m, joints[i]));
+  }
+  for (const Mechanism& mechanism : mechanisms.all)
+    MechanismPose(m, mechanism, joints, qpos).PlaceInsideLimits(before);
+}
+
 }  // namespace
 
 void PlaceFollowers(const mjModel* m, std::span<const int> joints, double* qpos) {
@@ -203,15 +219,14 @@ void PlaceFollowers(const mjModel* m, std::span<const int> joints, double* qpos)
 
 void MoveCoupled(const mjModel* m, std::span<const int> joints, std::span<const double> offsets,
                  double* qpos) {
-  const Mechanisms mechanisms = MechanismsOf(m, joints);
-  const std::vector<double> before(qpos, mechanisms.all.empty() ? qpos : qpos + m->nq);
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    if (joints[i] < 0 || mechanisms.stuck[i] || !IsScalar(m, joints[i])) continue;
-    double& q = qpos[m->jnt_qposadr[joints[i]]];
-    q = Clamped(q + offsets[i], LimitsOf(m, joints[i]));
+  const std::vector<double> before(qpos, m->neq > 0 ? qpos + m->nq : qpos);
+  Move(m, joints, offsets, 1, before, qpos);
+  if (std::ranges::all_of(offsets, [](double offset) { return offset == 0; })) return;
+  for (double share = 0.5; !CloseLoops(m, joints, qpos); share *= 0.5) {
+    std::copy(before.begin(), before.end(), qpos);
+    if (share < kLeastShare) return;
+    Move(m, joints, offsets, share, before, qpos);
   }
-  for (const Mechanism& mechanism : mechanisms.all)
-    MechanismPose(m, mechanism, joints, qpos).PlaceInsideLimits(before);
 }
 
 }  // namespace robocell::internal

@@ -1,4 +1,5 @@
-// Positions of joints that equality constraints couple (couplings.h): moves them together.
+// Positions of joints that equality constraints couple (couplings.h, closed_loops.h): moves them
+// together.
 #pragma once
 
 #include <span>
@@ -16,7 +17,8 @@ void PlaceFollowers(const mjModel* model, std::span<const int> joints, double* q
 // Moves the hinges and slides of the list by `offsets`, and all joints coupled with them, so that
 // they satisfy the constraints. Stops at the limits of each of them. These stay where they are:
 // mechanisms of which no joint is moved or that have no position inside all limits, joints that a
-// constraint holds, and joints whose couplings cannot be composed.
+// constraint holds, and joints whose couplings cannot be composed. Loops (closed_loops.h) close by
+// their other joints; if one cannot, all move by a smaller share of the offsets.
 void MoveCoupled(const mjModel* model, std::span<const int> joints, std::span<const double> offsets,
                  double* qpos);
 

@@ -9,6 +9,7 @@
 #include "robocell/base/log.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/actuators.h"
+#include "robocell/mujoco/closed_loops.h"
 #include "robocell/mujoco/joint_followers.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/tree.h"
@@ -53,6 +54,22 @@ std::vector<int> DrivenTogether(const mjModel* m, const std::vector<std::string>
   return FindMatrixDrive(m, ids);
 }
 
+// Explains the first joint without an actuator that a loop moves.
+std::string LoopAmong(const mjModel* m, const std::vector<std::string>& joints,
+                      const ArmDrive& drive) {
+  for (size_t i = 0; i < joints.size(); ++i) {
+    if (!drive.names[i].empty()) continue;
+    const std::string loop = DescribeLoopOf(m, FindId(m, mjOBJ_JOINT, joints[i]));
+    if (loop.empty()) continue;
+    return fmt::format(
+        ". '{0}' is {1}, and an arm's joints are commanded one by one or follow one other each: "
+        "put an actuator on '{0}', or write its coupling as <equality><joint joint1=\"{0}\" "
+        "joint2=\"LEADER\"/></equality>",
+        joints[i], loop);
+  }
+  return "";
+}
+
 FoundActuators ActuatorsOf(const mjModel* m, const std::vector<std::string>& joints) {
   ArmDrive drive = FindArmDrive(joints, JointActuators(m));
   const std::vector<int> together = DrivenTogether(m, joints, drive.complete());
@@ -74,9 +91,9 @@ FoundActuators ActuatorsOf(const mjModel* m, const std::vector<std::string>& joi
                                     "velocity servo and no motor") +
                         (others ? ": " + ListNames(without) : "")};
   }
-  return {.why_none = fmt::format("{} of its joints {} no {}: {}", without.size(),
+  return {.why_none = fmt::format("{} of its joints {} no {}: {}{}", without.size(),
                                   without.size() == 1 ? "has" : "have", ActuatorWord(*drive.kind),
-                                  ListNames(without)),
+                                  ListNames(without), LoopAmong(m, joints, drive)),
           .incomplete = true};
 }
 

@@ -146,6 +146,17 @@ bool AreGroupsApart(const RobotConfig& config, const Part& robot, CompileLog& lo
   return found.empty();
 }
 
+// A body that moves by hand hangs on the world; a base of robocell's carries the robot instead.
+void DropMocap(RobotPart& out, CompileLog& log) {
+  const BaseConfig& base = out.record.base;
+  if (!out.top->mocap || !BaseBodyName(base, out.record.prefix)) return;
+  out.top->mocap = false;
+  log.Note(out.part.place,
+           fmt::format("the model's root '{}' is a mocap body, and hangs on the robot's {} base "
+                       "instead",
+                       SpecName(out.top->element), ToString(base.kind)));
+}
+
 // Adds the parts of the robot's configuration to its model in `out`.
 void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSpec& scene,
                RobotPart& out, CompileLog& log) {
@@ -171,6 +182,7 @@ void FillRobot(const RobotSpec& robot, const Locations& locations, const SceneSp
   record.top_body = BaseBodyName(record.base, robot.prefix).value_or(robot.prefix + top);
   record.root_body = robot.prefix + root;
   if (config.attachment_site) record.attachment_site = robot.prefix + *config.attachment_site;
+  DropMocap(out, log);
   SettleBase(out, log);
   // In a model of several robots this robot is the subtree of its own root.
   if (!robot.model_prefix.empty()) record.top_body = record.base_body = record.root_body;

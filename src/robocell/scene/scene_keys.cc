@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
+#include <vector>
 
+#include "robocell/mujoco/closed_loops.h"
 #include "robocell/mujoco/coupled_positions.h"
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
@@ -152,10 +154,14 @@ class KeyFiller {
     const KeyRow row(m_, 0);
     std::copy_n(m_->qpos0, m_->nq, row.qpos());
     KeyRow(m_, 0).TakePositions(part);
+    std::vector<int> given;
     ForEachHome(robots_, [&](const auto& robot, const auto& group, const auto& values) {
       SetGroup(m_, row.qpos(), robot, group, values);
-      PlaceFollowers(m_, JointIds(m_, robot, group.joints), row.qpos());
+      const std::vector<int> joints = JointIds(m_, robot, group.joints);
+      PlaceFollowers(m_, joints, row.qpos());
+      given.insert(given.end(), joints.begin(), joints.end());
     });
+    CloseLoops(m_, given, row.qpos());
     for (int dof = 0; dof < m_->nv; ++dof) {
       if (configured_[static_cast<size_t>(dof)]) row.qvel()[dof] = 0;
     }

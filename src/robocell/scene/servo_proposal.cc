@@ -16,10 +16,13 @@ namespace {
 
 constexpr double kFrequency = 25, kFingerFrequency = 60;  // rad/s
 constexpr double kFingerForce = 30;                       // N
-constexpr double kFingerReach = 0.2;                      // m, of what a finger's slide moves
-constexpr double kLeastArmature = 0.01;                   // kg m2: rotors behind gears weigh more
-constexpr double kSagRad = 0.005, kSagM = 0.0005;         // under the largest weight
-constexpr double kMostFrequency = 250;                    // rad/s: stable with steps of 2 ms
+constexpr double kFingerSeconds = 0.08;  // light fingers that are faster pass through each other
+constexpr double kFingerReach = 0.2;     // m, of what a finger's slide moves
+constexpr double kLeastArmature = 0.01;  // kg m2: rotors behind gears weigh more
+constexpr double kSagRad = 0.005, kSagM = 0.0005;    // under the largest weight
+constexpr double kFollowing = 10;                    // 1/s, against the joint's own damping
+constexpr double kStuckRad = 0.01, kStuckM = 0.001;  // where friction holds the joint
+constexpr double kMostFrequency = 250;               // rad/s: stable with steps of 2 ms
 constexpr int kPoses = 12;
 
 bool IsScalar(const mjModel* m, int joint) {
@@ -135,9 +138,15 @@ ServoProposal ProposeServo(const mjModel* m, int joint) {
   if (finger && servo.ctrl_range)
     servo.kp =
         std::max(servo.kp, 2 * kFingerForce / ((*servo.ctrl_range)[1] - (*servo.ctrl_range)[0]));
-  const double stiffness = load.weight / (m->jnt_type[joint] == mjJNT_SLIDE ? kSagM : kSagRad);
-  servo.kp = std::max(servo.kp, std::min(stiffness, inertia * kMostFrequency * kMostFrequency));
-  servo.kv = TwoDigits(2 * std::sqrt(servo.kp * inertia));
+  const bool slides = m->jnt_type[joint] == mjJNT_SLIDE;
+  const double stiffness = load.weight / (slides ? kSagM : kSagRad);
+  const int dof = m->jnt_dofadr[joint];
+  const double needed = std::max({stiffness, kFollowing * m->dof_damping[dof],
+                                  m->dof_frictionloss[dof] / (slides ? kStuckM : kStuckRad)});
+  servo.kp = std::max(servo.kp, std::min(needed, inertia * kMostFrequency * kMostFrequency));
+  servo.kv = 2 * std::sqrt(servo.kp * inertia);
+  if (finger) servo.kv = std::max(servo.kv, kFingerSeconds * servo.kp);
+  servo.kv = TwoDigits(servo.kv);
   servo.kp = TwoDigits(servo.kp);
   return servo;
 }

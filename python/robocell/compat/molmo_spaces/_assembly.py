@@ -9,6 +9,7 @@ from typing import Any
 import mujoco
 
 import robocell as rc
+from robocell._suggestions import did_you_mean
 from robocell.compat.molmo_spaces.robots.robot_views.abstract import RobotView
 
 # Kinds of elements that have files, and the folder of the spec that their files are in.
@@ -109,11 +110,26 @@ def compile_alone(
     model = compiled(spec, robot_config.name)
     data = mujoco.MjData(model)
     view = view_of(robot_config, data, prefix)
-    for name, positions in robot_config.init_qpos.items():
-        if name in view.move_group_ids():
-            view.get_move_group(name).joint_pos = positions
+    set_init_qpos(robot_config, view)
     mujoco.mj_forward(model, data)
     return model, data, view
+
+
+def set_init_qpos(robot_config: Any, view: RobotView) -> None:
+    """Puts the groups where they begin. Raises NotFoundError for a group that the view lacks."""
+    for name, positions in robot_config.init_qpos.items():
+        if name not in view.move_group_ids():
+            raise rc.NotFoundError(no_group(robot_config, "init_qpos", name, view))
+        view.get_move_group(name).joint_pos = positions
+
+
+def no_group(robot_config: Any, field: str, name: str, view: RobotView) -> str:
+    """Returns the message about a group in a field of a configuration that the view lacks."""
+    groups = view.move_group_ids()
+    return (
+        f"{type(robot_config).__name__}.{field}: robot view '{view.name}' has no move group "
+        f"'{name}'.{did_you_mean(name, groups)} Its groups: {', '.join(groups)}"
+    )
 
 
 def view_of(robot_config: Any, data: mujoco.MjData, namespace: str) -> RobotView:

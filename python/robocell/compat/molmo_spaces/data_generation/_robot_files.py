@@ -25,11 +25,14 @@ from robocell._core import atomic_write
 from robocell._suggestions import shortened
 from robocell.compat.molmo_spaces._assembly import (
     compiled,
+    no_group,
     robot_alone,
+    set_init_qpos,
     view_of,
     write_inertias,
 )
 from robocell.compat.molmo_spaces._elements import name_of
+from robocell.compat.molmo_spaces.configs.robot_configs import BaseRobotConfig
 from robocell.compat.molmo_spaces.robots.robot_views.abstract import (
     FreeJointRobotBaseGroup,
     GripperGroup,
@@ -61,15 +64,14 @@ def write_robot(robot_config: Any, folder: Path) -> rc.RobotConfig:
     model = compiled(spec, robot_config.name)
     data = mujoco.MjData(model)
     view = view_of(robot_config, data, PREFIX)
-    for name, positions in robot_config.init_qpos.items():
-        if name in view.move_group_ids():
-            view.get_move_group(name).joint_pos = positions
+    set_init_qpos(robot_config, view)
     mujoco.mj_forward(model, data)
     base = own_name(model, "body", view.base.root_body_id)
     path = folder / f"{file_name(robot_config.name)}.xml"
     _write_model(spec, base, path)
     _require_same(model, path)
     groups = {_name_of_group(name): _group(view, name) for name in _groups_of(view)}
+    _warn_of_unused(robot_config, view, groups)
     return rc.RobotConfig(
         name=file_name(robot_config.name),
         model=str(path),
@@ -280,6 +282,30 @@ def _positions(given: dict[str, list[float]], groups: dict[str, Any]) -> dict[st
         for name, values in given.items()
         if _name_of_group(name) in groups and len(values)
     }
+
+
+def _warn_of_unused(robot_config: Any, view: RobotView, groups: dict[str, Any]) -> None:
+    """Warns of fields that are set and have no effect in a run of robocell."""
+    kind = type(robot_config).__name__
+    for field in ("init_qpos_noise_range", "command_mode"):
+        for name in getattr(robot_config, field) or {}:
+            if name not in view.move_group_ids():
+                warnings.warn(no_group(robot_config, field, name, view), stacklevel=4)
+    for field in ("init_qpos", "init_qpos_noise_range"):
+        for name, values in (getattr(robot_config, field) or {}).items():
+            if name in view.move_group_ids() and len(values) and _name_of_group(name) not in groups:
+                warnings.warn(
+                    f"{kind}.{field}['{name}'] has no effect in robocell: each start places the "
+                    "base, by the fields of the task sampler's configuration",
+                    stacklevel=4,
+                )
+    noise = robot_config.action_noise_config
+    if noise.enabled and noise != BaseRobotConfig().action_noise_config:
+        warnings.warn(
+            f"{kind}.action_noise_config has no effect on datasets of robocell: their actions have "
+            "no noise unless the run file has `noise:`. Robot.update_control adds it",
+            stacklevel=4,
+        )
 
 
 def _controls(robot_config: Any, groups: dict[str, Any]) -> dict[str, str]:
