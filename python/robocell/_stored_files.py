@@ -47,7 +47,7 @@ class _Part(io.RawIOBase):
         super().close()
 
 
-def open_stored(file: Path) -> io.BufferedIOBase:
+def open_stored(file: Path) -> io.BufferedReader:
     """Opens a file of an episode for reading. Raises OSError like `open`."""
     part = _core.packed_part(file)
     if part is None:
