@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import pickle
 import shutil
@@ -16,9 +17,11 @@ import typer
 import robocell
 from command_line import REPOSITORY
 from exported import hashes, three_episodes
+from robocell._cli.common import is_dataset
 from robocell._cli.pack import pack as pack_command
 from robocell._cli.unpack import unpack as unpack_command
 from robocell._cli.verify import verify as verify_command
+from robocell._generation.run_source import RunSource
 from robocell.data import pack as packing
 from robocell.data.derive import keep, merge, split
 from robocell.data.pack import is_packed, pack, read_packed, unpack
@@ -144,6 +147,18 @@ def test_datasets_are_made_from_packed_ones(
 def tmp_path_of_copy(dataset: robocell.Dataset, tmp_path: Path) -> Path:
     shutil.copytree(dataset.folder, tmp_path / "copy")
     return tmp_path / "copy"
+
+
+def test_sources_of_augmented_runs_may_be_packed(
+    dataset: robocell.Dataset, packed: Path, tmp_path: Path
+):
+    output = f"output={tmp_path / 'augmented'}"
+    run = RunSource(str(packed), augment=str(packed)).load([output])
+    robocell.generate.prepare_dataset(run)
+    stored = json.loads((tmp_path / "augmented/dataset.json").read_text())
+    own = hashlib.sha256((Path(dataset.folder) / dataset.ids[0] / "episode.json").read_bytes())
+    assert own.hexdigest() in json.dumps(stored), "the hash of a source"
+    assert is_dataset(packed)
 
 
 def test_packed_datasets_are_not_written_into(
