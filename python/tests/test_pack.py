@@ -337,6 +337,11 @@ def test_an_index_cannot_lead_out_of_the_dataset(packed: Path, tmp_path: Path, n
     (foreign / "packed.json").write_text(text.replace("shard-00000", "shard-00009", 1))
     with pytest.raises(robocell.IoError, match="is damaged"):
         unpack(foreign, tmp_path / "out")
+    with (foreign / "packed.json").open("r+b") as file:
+        file.truncate(2 << 30)  # a hole: it takes no space
+    for read in (lambda: unpack(foreign, tmp_path / "out"), lambda: robocell.Dataset(foreign)):
+        with pytest.raises(robocell.IoError, match="it has 2147483648 bytes"):
+            read()
 
 
 def test_the_commands_pack_and_unpack(

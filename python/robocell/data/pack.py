@@ -42,6 +42,7 @@ INDEX, FORMAT, VERSION = "packed.json", "robocell-packed", 2
 HASH, NO_HASH = "json_sha256", "0" * 64
 SHARD_BYTES = 1 << 30
 BLOCK = 1 << 20
+MOST_INDEX_BYTES = 1 << 30
 MODELS = "models"
 SHARD_NAME = re.compile(r"shard-\d+\.zip$")
 
@@ -383,9 +384,13 @@ def _index(folder: Path) -> dict[str, Any]:
             f"'{folder}' is not a packed dataset: it has no {INDEX}; `robocell pack` makes one"
         )
     try:
+        if (size := file.stat().st_size) > MOST_INDEX_BYTES:
+            raise IoError(f"cannot read '{file}': it has {size} bytes, of an index at most 1 GiB")
         text = file.read_text()
         damage = json_damage(text)
         index: dict[str, Any] = {} if damage else json.loads(text)
+    except IoError:
+        raise
     except (OSError, ValueError) as error:
         raise IoError(f"cannot read '{file}': {error}") from error
     if damage:
