@@ -6,8 +6,9 @@
 #include <optional>
 
 #include "bindings.h"
+#include "robocell/base/checked_json.h"
 #include "robocell/base/error.h"
-#include "robocell/data/checked_json.h"
+#include "robocell/base/stored_file.h"
 #include "robocell/data/dataset_folder.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/dataset_reports.h"
@@ -87,6 +88,20 @@ void BindVerify(nb::module_& m) {
       "dataset"_a, "name"_a,
       "Moves a damaged part of a dataset to the quarantine, as repair does. Returns its new name "
       "relative to the dataset.");
+  m.def(
+      "packed_part",
+      [](const std::filesystem::path& file) -> nb::object {
+        const auto part = PartAt(file);
+        if (!part) return nb::none();
+        return nb::make_tuple(part->shard, part->begin, part->bytes);
+      },
+      "file"_a,
+      nb::sig(
+          "def packed_part(file: str | os.PathLike[str]) -> tuple[pathlib.Path, int, int] | None"),
+      "Returns the shard, first byte and size of an episode's file in a packed dataset; None for a "
+      "file of its own.");
+  m.def("ffmpeg_input", &FfmpegInput, "video"_a,
+        "Returns the word by which ffmpeg opens a video of an episode.");
   m.def("require_dataset", &RequireDataset, "dataset"_a,
         "Raises ArgumentError for a folder that is not a dataset, with the nearest dataset.");
   m.def("json_damage", &JsonDamage, "text"_a,

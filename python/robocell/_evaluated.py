@@ -15,6 +15,7 @@ from robocell._generation.job import Job
 from robocell._generation.unstored import UnstoredRollout
 from robocell._policy_calls import error_of
 from robocell._spec_fields import fields_of, file_hashes
+from robocell._stored_files import is_stored
 from robocell._suggestions import shortened
 from robocell.policy import POLICY_ERROR
 
@@ -57,7 +58,7 @@ class RolloutEnd:
 def rollout_end(dataset: Path, rollout: str) -> RolloutEnd | None:
     """Returns how a rollout ended; None for one that was not made. Raises IoError if damaged."""
     error = error_of(dataset, rollout)
-    if not (dataset / rollout / "episode.json").is_file():
+    if not is_stored(dataset / rollout / "episode.json"):
         if (unstored := UnstoredRollout.find(dataset, rollout)) is not None:
             record, reason = unstored.record, unstored.failure or "success"
             is_error = reason.startswith(POLICY_ERROR)
@@ -80,7 +81,7 @@ def breakdown_of(dataset: Path, rollouts: Iterable[str]) -> dict[str, dict[str, 
     from robocell._report.rollouts import rates
 
     planned = list(rollouts)
-    there = [name for name in planned if (dataset / name / "episode.json").is_file()]
+    there = [name for name in planned if is_stored(dataset / name / "episode.json")]
     facts = [EpisodeFacts.of(Episode(dataset / name)) for name in there]
     stored = set(there)
     absent = [name for name in planned if name not in stored]

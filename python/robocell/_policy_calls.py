@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from robocell._core import IoError, atomic_write
+from robocell._stored_files import read_stored
 
 FOLDER = "policy_calls"
 
@@ -117,7 +118,7 @@ def result_of_rollout(dataset: Path, rollout: str) -> dict[str, Any] | None:
 def _read(dataset: Path, rollout: str) -> dict[str, Any]:
     """Returns the record of a rollout; {} without one, or if it is damaged."""
     try:
-        stored = json.loads((dataset / FOLDER / f"{rollout}.json").read_text())
+        stored = json.loads(read_stored(dataset / FOLDER / f"{rollout}.json"))
     except (OSError, ValueError):
         return {}
     calls = stored.get("calls") if isinstance(stored, dict) else None

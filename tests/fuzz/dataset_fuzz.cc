@@ -14,9 +14,9 @@
 #include <string>
 #include <vector>
 
+#include "robocell/base/checked_json.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/data/checked_json.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"

@@ -183,7 +183,8 @@ def is_dataset(path: Path) -> bool:
         return False
     try:
         first = itertools.islice(path.iterdir(), ENTRIES_LOOKED_AT)
-        return (path / "dataset.json").is_file() or any(
+        named = ("dataset.json", "packed.json")
+        return any((path / name).is_file() for name in named) or any(
             (entry / "episode.json").is_file() for entry in first
         )
     except OSError:  # no access

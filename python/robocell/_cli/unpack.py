@@ -14,6 +14,9 @@ from robocell._suggestions import counted
 def unpack(
     packed: Annotated[Path, typer.Argument(metavar="PACKED", help="Folder of a packed dataset.")],
     out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder to make.")],
+    skip_damaged: Annotated[
+        bool, typer.Option("--skip-damaged", help="Leave out damaged episodes.")
+    ] = False,
 ) -> None:
     """Make the dataset again that `robocell pack` packed, byte by byte.
 
@@ -27,5 +30,7 @@ def unpack(
     from robocell.data.pack import unpack as unpacked
 
     require_folder(packed, "packed dataset")
-    result = unpacked(packed, out)
+    result = unpacked(packed, out, skip_damaged=skip_damaged)
+    for id in result.skipped:
+        print(f"damaged, left out: {id}")
     print(f"{counted(result.episodes, 'episode')}, {counted(result.files, 'file')}: {out}")

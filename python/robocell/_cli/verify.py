@@ -11,7 +11,7 @@ import typer
 import robocell
 from robocell._cli.common import ExitCode, require_folder
 from robocell._dataset_run import runs_of_mixture
-from robocell.data.pack import damage_of_packed, is_packed
+from robocell.data.pack import is_packed
 
 
 def verify(
@@ -32,9 +32,6 @@ def verify(
     3  the only problems: files that this machine or version cannot read
     """
     require_folder(dataset, "dataset")
-    if not repair and is_packed(dataset):
-        _verify_packed(dataset)
-        return
     if repair:
         # The episodes of a mixture are links to those of its runs: damage is in both.
         repaired = [_repair(each, decode_videos) for each in (dataset, *runs_of_mixture(dataset))]
@@ -44,11 +41,7 @@ def verify(
     result = robocell.data.verify(dataset, decode_videos=decode_videos)
     print(str(result).rstrip())
     if not (result.ok or result.only_unreadable):
-        remedy = shlex.join(["robocell", "verify", "--repair", str(dataset)])
-        print(
-            f"To set damaged files aside: {remedy}; the command that made the dataset then makes "
-            "their episodes again"
-        )
+        print(_remedy(dataset))
     if not result.ok:
         raise typer.Exit(ExitCode.OUTPUT if result.only_unreadable else ExitCode.INCOMPLETE)
 
@@ -64,10 +57,15 @@ def _repair(dataset: Path, decode_videos: bool) -> bool:
     return not repaired.remaining
 
 
-def _verify_packed(folder: Path) -> None:
-    """Compares the files of a packed dataset with their hashes."""
-    if damaged := damage_of_packed(folder):
-        print("\n".join(damaged))
-        print("Copy the damaged shards again, or pack the dataset again")
-        raise typer.Exit(ExitCode.INCOMPLETE)
-    print(f"packed dataset, intact: {folder}")
+def _remedy(dataset: Path) -> str:
+    """Returns what to do about damage."""
+    if is_packed(dataset):
+        keep = shlex.join(["robocell", "unpack", "--skip-damaged", str(dataset)])
+        return (
+            f"Copy the damaged files again from where they came. To keep what is intact: {keep} OUT"
+        )
+    remedy = shlex.join(["robocell", "verify", "--repair", str(dataset)])
+    return (
+        f"To set damaged files aside: {remedy}; the command that made the dataset then makes "
+        "their episodes again"
+    )

@@ -10,6 +10,7 @@ import typer
 
 from robocell import EnvConfig, Robot, RobotConfig, RobotSpec, RunConfig, Scene, SceneSpec
 from robocell._cli.common import fail, fail_missing, is_dataset, is_yaml
+from robocell._stored_files import is_stored
 from robocell.control import CtrlMode
 from robocell.viewer import Viewer
 
@@ -97,7 +98,7 @@ def view(
             fail("--screenshot is of the window: leave out --web")
         view_in_browser(target, index, speed, host, port)
         return
-    if (target / "episode.json").is_file():
+    if is_stored(target / "episode.json"):
         from robocell._cli.episode_player import play
 
         play(target.parent, target.name, speed, screenshot)

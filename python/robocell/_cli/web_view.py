@@ -11,6 +11,7 @@ from pathlib import Path
 
 from robocell._cli.common import fail, is_dataset, print_warning
 from robocell._cli.view import load
+from robocell._stored_files import is_stored
 from robocell._web.dataset_page import DatasetPages
 from robocell._web.live_scene import LiveScene
 from robocell._web.web_server import Site, WebServer
@@ -20,7 +21,7 @@ def view_in_browser(target: Path, index: int, speed: float, host: str, port: int
     """Serves a page until Ctrl-C."""
     if target.name in ("", ".."):
         target = target.resolve()
-    if (target / "episode.json").is_file():
+    if is_stored(target / "episode.json"):
         wait_serving(DatasetPages(target.parent, target.name), host, port)
         return
     if is_dataset(target):

@@ -21,7 +21,7 @@ from robocell._generation.totals import Totals, Unmade, one_after_the_other, sid
 
 FORMAT = "robocell-report"
 FORMAT_VERSION = 1
-UNSIGNED = {"json_sha256": "0" * 64}  # becomes the hash, see data/checked_json.h
+UNSIGNED = {"json_sha256": "0" * 64}  # becomes the hash, see base/checked_json.h
 
 
 class DamagedReportError(Exception):

@@ -11,6 +11,7 @@ from typing import Any, cast
 
 from robocell._core import Dataset, Episode, IoError
 from robocell._generation.items import recorded_frames
+from robocell._stored_files import stored_bytes
 
 # With `keep: all` each attempt of an item is an episode of its own: s0000_e0017_a02.
 ATTEMPT = re.compile(r"_a\d+$")
@@ -105,7 +106,7 @@ class EpisodeFacts:
             rows=episode.rows(),
             rate=_rate(described, metadata),
             frames=recorded_frames(described),
-            bytes=files + (episode.folder / "episode.json").stat().st_size,
+            bytes=files + stored_bytes(episode.folder / "episode.json"),
             keep=kept[1] if kept else "",
             earlier=_earlier(metadata),
             scene=_text(metadata, "scene_spec"),

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from robocell import _core
 from robocell._core import Episode, Error
 from robocell._notebook import instruction_of
+from robocell._stored_files import is_stored, read_stored
 from robocell._web.packed import Packed
 from robocell._web.scene_geometry import body_poses, geometry_of
 from robocell._web.soft_parts import SoftParts
@@ -58,7 +59,7 @@ class EpisodePage:
                 "phases": phases_of(episode),
                 "columns": self._columns(packed, len(times)),
                 "cameras": [
-                    name for name in episode.cameras if (episode.folder / f"{name}.mp4").is_file()
+                    name for name in episode.cameras if is_stored(episode.folder / f"{name}.mp4")
                 ],
             }
         )
@@ -68,7 +69,7 @@ class EpisodePage:
         if camera not in self._episode.cameras:
             return None
         file = Path(self._episode.folder) / f"{camera}.mp4"
-        return file.read_bytes() if file.is_file() else None
+        return read_stored(file) if is_stored(file) else None
 
     def _poses(self, packed: Packed) -> tuple[dict[str, Any] | None, dict[str, Any] | None, str]:
         """Returns poses of bodies and points of soft parts in every row, or why there are none."""

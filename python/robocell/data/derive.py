@@ -24,6 +24,7 @@ from robocell import __version__, _core
 from robocell._core import ArgumentError, Dataset, Episode, IoError, json_damage, self_hashed_json
 from robocell._dataset_run import manifest_of_dataset
 from robocell._staging import Staging, flush_folder, staging
+from robocell._stored_files import open_stored, read_stored
 from robocell._suggestions import counted
 from robocell.data._where import Condition, Value, fields
 
@@ -387,6 +388,8 @@ def _add_folder(
     partial = place.scratch("folder")
     shutil.rmtree(partial, ignore_errors=True)
     copied = 0
+    if not source.is_dir():  # of a packed dataset
+        _extract(source, partial, replaced or {})
     for at, folders, files in os.walk(source):
         folders.sort()
         inner = partial / Path(at).relative_to(source)
@@ -400,6 +403,17 @@ def _add_folder(
     place.flush(partial)
     partial.rename(to)
     return copied
+
+
+def _extract(episode: Path, to: Path, replaced: Mapping[str, str]) -> None:
+    """Copies the files of an episode of a packed dataset."""
+    to.mkdir()
+    for name in (DESCRIPTION, *Episode(episode).files):
+        if name in replaced:
+            (to / name).write_text(replaced[name])
+            continue
+        with open_stored(episode / name) as content, (to / name).open("wb") as out:
+            shutil.copyfileobj(content, out)
 
 
 def _add_file(source: Path, to: Path, copy: bool) -> bool:
@@ -420,7 +434,7 @@ def _add_file(source: Path, to: Path, copy: bool) -> bool:
 def _renamed(episode: Episode, name: str) -> str:
     """Returns the content of episode.json with another id."""
     file = episode.folder / DESCRIPTION
-    text = file.read_text()
+    text = read_stored(file).decode()
     if (damage := json_damage(text)) is not None:
         raise IoError(f"'{file}' is damaged: {damage}")
     before = json.loads(text)

@@ -5,7 +5,8 @@
 
 A packed dataset is a folder of zip files without compression, `shard-00000.zip` and so on, and
 `packed.json` with their hashes and the place of every file in them. An episode is in one shard. Any
-zip program reads a shard; a file's bytes can also be read from its place without one.
+zip program reads a shard; a file's bytes can also be read from its place without one. dataset.json,
+reports and models lie beside the shards. Everything that reads datasets reads packed ones.
 """
 
 from __future__ import annotations
@@ -13,25 +14,37 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import re
+import shlex
 import shutil
 import zipfile
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 from typing import IO, Any, NoReturn
 
 from robocell import __version__
-from robocell._core import ArgumentError, Dataset, Episode, IoError, json_damage, self_hashed_json
+from robocell._core import (
+    ArgumentError,
+    Dataset,
+    Episode,
+    IoError,
+    json_damage,
+    self_hashed_json,
+    verify,
+)
 from robocell._staging import Staging, flush_path, staging
 
-__all__ = ["Packed", "damage_of_packed", "is_packed", "pack", "read_packed", "unpack"]
+__all__ = ["Packed", "is_packed", "pack", "read_packed", "unpack"]
 
-INDEX, FORMAT = "packed.json", "robocell-packed"
+INDEX, FORMAT, VERSION = "packed.json", "robocell-packed", 2
 HASH, NO_HASH = "json_sha256", "0" * 64
 SHARD_BYTES = 1 << 30
 BLOCK = 1 << 20
+MOST_INDEX_BYTES = 1 << 30
 MODELS = "models"
+SHARD_NAME = re.compile(r"shard-\d+\.zip$")
 
 
 @dataclass(frozen=True)
@@ -42,8 +55,9 @@ class Packed:
         folder: Where it is.
         episodes: Number of its episodes.
         shards: Number of its shards.
-        files: Number of files in them.
-        bytes: Their size.
+        files: Number of files of the dataset.
+        bytes: Their size, with the tables of the shards.
+        skipped: Ids of damaged episodes that `unpack` left out.
     """
 
     folder: Path
@@ -51,11 +65,12 @@ class Packed:
     shards: int
     files: int
     bytes: int
+    skipped: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
 class _Unit:
-    """Files that are in one shard: an episode, a model, or the dataset's own."""
+    """Files that are in one shard: an episode, or a folder of another kind."""
 
     files: dict[str, Path]  # name in the dataset -> file
     hashes: dict[str, str]  # those that are known
@@ -88,6 +103,11 @@ def pack(
         ArgumentError: There are no episodes, or `out` exists.
         IoError: A file is damaged, or reading or writing failed.
     """
+    if is_packed(dataset):
+        raise ArgumentError(
+            f"'{dataset}' is packed already. For shards of another size, unpack it first: "
+            f"`robocell unpack {shlex.quote(str(dataset))} OUT`"
+        )
     opened = Dataset(os.fspath(dataset))
     if not len(opened):
         raise ArgumentError(f"dataset '{opened.folder}' has no episodes")
@@ -105,12 +125,13 @@ def pack(
             f"'{out}' is inside the dataset '{opened.folder}'. Choose a folder beside it"
         )
     shards = list(_shards(list(_units(opened)), shard_bytes))
+    beside = _beside(Path(opened.folder))
     request = {
         "packed": str(Path(opened.folder).resolve()),
         "shard_bytes": shard_bytes,
         "files": [
             [name, unit.hashes.get(name), file.stat().st_size, file.stat().st_mtime_ns]
-            for units in shards
+            for units in (*shards, [_Unit(beside, {})])
             for unit in units
             for name, file in unit.files.items()
         ],
@@ -130,10 +151,11 @@ def pack(
                 on_episodes(done, len(opened))
         index = {
             "format": FORMAT,
-            "format_version": 1,
+            "format_version": VERSION,
             "robocell": __version__,
             "episodes": list(opened.ids),
             "shards": entries,
+            "files": {name: _copy(file, place.path(name)) for name, file in beside.items()},
             HASH: NO_HASH,
         }
         text = self_hashed_json(json.dumps(index, indent=1) + "\n")
@@ -146,6 +168,7 @@ def unpack(
     packed: str | os.PathLike[str],
     out: str | os.PathLike[str],
     *,
+    skip_damaged: bool = False,
     on_shards: Callable[[int, int], None] | None = None,
 ) -> Packed:
     """Makes the dataset again that was packed, with the same bytes.
@@ -153,6 +176,7 @@ def unpack(
     Args:
         packed: The folder of a packed dataset.
         out: The folder to make; it must not exist.
+        skip_damaged: Leave out damaged episodes, instead of raising IoError.
         on_shards: Is called with the number of shards that are unpacked, and of all.
 
     Raises:
@@ -163,21 +187,41 @@ def unpack(
     target = Path(out).parent.resolve() / Path(out).name
     if target.is_relative_to(folder.resolve()):
         raise ArgumentError(f"'{out}' is inside '{packed}'. Choose a folder beside it")
-    request = {"unpacked": str(folder.resolve()), "index": index[HASH]}
+    skipped = _damaged_episodes(folder, index) if skip_damaged else ()
+    request = {"unpacked": str(folder.resolve()), "index": index[HASH], "skipped": skipped}
     with _explaining(target), staging(target, request) as place:
         for number, shard in enumerate(index["shards"], start=1):
             if place.state(shard["file"]) is None:
-                for name, content in _contents(folder, shard):
-                    partial = place.scratch("file")
-                    with partial.open("wb") as file:
-                        shutil.copyfileobj(content, file, BLOCK)
-                    partial.rename(place.path(name))
-                _flush(place.folder, shard["files"])
+                made = []
+                for name, content in _contents(folder, shard, skipped):
+                    _write(content, place, name)
+                    made.append(name)
+                _flush(place.folder, made)
                 place.keep(shard["file"], True)  # a command that continues skips these files
             if on_shards is not None:
                 on_shards(number, len(index["shards"]))
+        for name, facts in index["files"].items():
+            with _opened(folder / name) as source:
+                _write(_Part(source, folder / name, name, facts | {"offset": 0}), place, name)
         place.commit()
-    return _packed(target, index)
+    return _packed(target, index, skipped)
+
+
+def _damaged_episodes(folder: Path, index: dict[str, Any]) -> tuple[str, ...]:
+    """Returns the ids of damaged episodes. Raises IoError if no episode would be left."""
+    found = verify(folder)
+    bad = tuple(sorted({*found.bad, *found.unjudged}))
+    if len(bad) == len(index["episodes"]):
+        raise IoError(f"all episodes of '{folder}' are damaged: {found.problems[0]}")
+    return bad
+
+
+def _write(content: _Part, place: Staging, name: str) -> None:
+    """Writes a file, which is there when all of it was compared with its hash."""
+    partial = place.scratch("file")
+    with partial.open("wb") as file:
+        shutil.copyfileobj(content, file, BLOCK)
+    partial.rename(place.path(name))
 
 
 def _flush(folder: Path, names: Iterable[str]) -> None:
@@ -189,7 +233,7 @@ def _flush(folder: Path, names: Iterable[str]) -> None:
 
 
 def read_packed(packed: str | os.PathLike[str], episode: str, file: str = "episode.json") -> bytes:
-    """Returns a file of an episode without unpacking the others.
+    """Returns a file of an episode, compared with its hash.
 
     Raises:
         ArgumentError: The folder is not a packed dataset, or has no such file.
@@ -205,60 +249,55 @@ def read_packed(packed: str | os.PathLike[str], episode: str, file: str = "episo
     raise ArgumentError(f"'{packed}' has no '{name}'; '{INDEX}' lists its files")
 
 
-def damage_of_packed(packed: str | os.PathLike[str]) -> list[str]:
-    """Compares every file with its hash; returns what is damaged, [] if nothing is.
-
-    Raises ArgumentError if the folder is not a packed dataset, IoError if its index is damaged.
-    """
-    folder, index = Path(packed), _index(Path(packed))
-    found = []
-    for shard in index["shards"]:
-        path = folder / shard["file"]
-        try:
-            with _opened(path) as source:
-                if (size := os.fstat(source.fileno()).st_size) != shard["bytes"]:
-                    found.append(f"'{path}' has {size} bytes instead of {shard['bytes']}")
-                for name, facts in shard["files"].items():
-                    found += _damage_of(source, path, name, facts)
-        except IoError as error:
-            found.append(str(error))
-    return found
-
-
 def is_packed(folder: str | os.PathLike[str]) -> bool:
     """Returns whether a folder is a packed dataset."""
     return (Path(folder) / INDEX).is_file()
 
 
-def _packed(folder: Path, index: dict[str, Any]) -> Packed:
-    shards = index["shards"]
+def _packed(folder: Path, index: dict[str, Any], skipped: tuple[str, ...] = ()) -> Packed:
+    shards, beside = index["shards"], index["files"]
+    left_out = tuple(f"{id}/" for id in skipped)
+    names = [name for shard in shards for name in shard["files"] if not name.startswith(left_out)]
     return Packed(
         folder,
-        len(index["episodes"]),
+        len(index["episodes"]) - len(skipped),
         len(shards),
-        sum(len(shard["files"]) for shard in shards),
-        sum(shard["bytes"] for shard in shards),
+        len(names) + len(beside),
+        sum(each["bytes"] for each in (*shards, *beside.values())),
+        skipped,
     )
 
 
 def _units(dataset: Dataset) -> Iterator[_Unit]:
-    """Yields the dataset's own files, its models and its episodes."""
+    """Yields the episodes and the other folders but the models."""
     root = Path(dataset.folder)
     ids = set(dataset.ids)
-    visible = sorted(path for path in root.iterdir() if not path.name.startswith("."))
-    own = {path.name: path for path in visible if path.is_file()}
-    for path in visible:
-        if path.is_dir() and path.name not in ids and path.name != MODELS:
-            own |= _files_of(root, path)
-    yield _Unit(own, {})
-    if (root / MODELS).is_dir():
-        for model in sorted((root / MODELS).iterdir()):
-            if not model.name.startswith("."):
-                yield _Unit(_files_of(root, model), {})
+    for path in sorted(root.iterdir()):
+        if path.is_dir() and not path.name.startswith(".") and path.name not in {*ids, MODELS}:
+            yield _Unit(_files_of(root, path), {})
     for id in dataset.ids:
         described: Any = Episode(root / id).json
         hashes = {f"{id}/{name}": facts["sha256"] for name, facts in described["files"].items()}
         yield _Unit(_files_of(root, root / id), hashes, is_episode=True)
+
+
+def _beside(root: Path) -> dict[str, Path]:
+    """Returns the files that stay beside the shards: simulators open models by their paths."""
+    own = [path for path in sorted(root.iterdir()) if path.is_file() or path.name == MODELS]
+    visible = [path for path in own if not path.name.startswith(".")]
+    if taken := [path for path in visible if path.name == INDEX or SHARD_NAME.match(path.name)]:
+        raise ArgumentError(f"a packed dataset has its own '{taken[0].name}'. Rename '{taken[0]}'")
+    return {name: file for path in visible for name, file in _files_of(root, path).items()}
+
+
+def _copy(source: Path, to: Path) -> dict[str, Any]:
+    """Copies a file; returns its entry in the index. `commit` flushes it."""
+    digest, size = hashlib.sha256(), 0
+    with source.open("rb") as content, to.open("wb") as out:
+        while block := content.read(BLOCK):
+            digest.update(block)
+            size += out.write(block)
+    return {"bytes": size, "sha256": digest.hexdigest()}
 
 
 def _files_of(root: Path, folder: Path) -> dict[str, Path]:
@@ -318,7 +357,23 @@ def _write_shard(place: Staging, name: str, units: Sequence[_Unit]) -> dict[str,
         os.fsync(out.fileno())
     size = partial.stat().st_size
     partial.rename(place.path(name))
-    return {"file": name, "bytes": size, "files": files}
+    return {
+        "file": name,
+        "bytes": size,
+        "rest_sha256": _rest(place.path(name), files),
+        "files": files,
+    }
+
+
+def _rest(shard: Path, files: dict[str, dict[str, Any]]) -> str:
+    """Returns the hash of the bytes that are of no file: the tables of the zip file."""
+    digest = hashlib.sha256()
+    with shard.open("rb") as source:
+        for facts in files.values():
+            digest.update(source.read(facts["offset"] - source.tell()))
+            source.seek(facts["bytes"], os.SEEK_CUR)
+        digest.update(source.read())
+    return digest.hexdigest()
 
 
 def _index(folder: Path) -> dict[str, Any]:
@@ -329,17 +384,24 @@ def _index(folder: Path) -> dict[str, Any]:
             f"'{folder}' is not a packed dataset: it has no {INDEX}; `robocell pack` makes one"
         )
     try:
+        if (size := file.stat().st_size) > MOST_INDEX_BYTES:
+            raise IoError(f"cannot read '{file}': it has {size} bytes, of an index at most 1 GiB")
         text = file.read_text()
         damage = json_damage(text)
         index: dict[str, Any] = {} if damage else json.loads(text)
+    except IoError:
+        raise
     except (OSError, ValueError) as error:
         raise IoError(f"cannot read '{file}': {error}") from error
     if damage:
         raise IoError(f"'{file}' is damaged: {damage}. Copy the packed dataset again")
-    if index.get("format") != FORMAT or index.get("format_version") != 1:
-        raise IoError(f"'{file}' is of another format than this robocell reads")
-    for shard in index["shards"]:
-        for name in (shard["file"], *shard["files"]):
+    if index.get("format") != FORMAT or index.get("format_version") != VERSION:
+        raise IoError(
+            f"'{file}' is not of format version {VERSION}, which this robocell reads. Unpack it "
+            "with the version that packed it"
+        )
+    for listed in (index, *index["shards"]):
+        for name in (listed.get("file", INDEX), *listed["files"]):
             parts = PurePosixPath(name).parts
             if not parts or parts[0].startswith(("/", ".")) or ".." in parts or "\0" in name:
                 raise IoError(f"'{file}' names '{name}', which is not inside a dataset")
@@ -373,22 +435,16 @@ class _Part:
             raise IoError(f"{self._name} is damaged: its hash does not match")
 
 
-def _damage_of(shard: IO[bytes], path: Path, name: str, facts: dict[str, Any]) -> list[str]:
-    """Returns what is damaged of a file in a shard; [] if nothing is."""
-    try:
-        content = _Part(shard, path, name, facts)
-        while content.read(BLOCK):
-            pass
-    except IoError as error:
-        return [str(error)]
-    return []
-
-
-def _contents(folder: Path, shard: dict[str, Any]) -> Iterator[tuple[str, _Part]]:
-    """Yields the files of a shard."""
+def _contents(
+    folder: Path, shard: dict[str, Any], skipped: Collection[str]
+) -> Iterator[tuple[str, _Part]]:
+    """Yields the files of a shard but those of some episodes."""
     path = folder / shard["file"]
+    wanted = {n: f for n, f in shard["files"].items() if n.partition("/")[0] not in skipped}
+    if not wanted:
+        return
     with _opened(path) as source:
-        for name, facts in shard["files"].items():
+        for name, facts in wanted.items():
             yield name, _Part(source, path, name, facts)
 
 

@@ -11,9 +11,10 @@ import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import BinaryIO
+from typing import IO
 
 from robocell._core import IoError
+from robocell._stored_files import open_stored, version_of
 
 VIDEO = b"vide"  # handler of a track
 # Boxes that contain boxes, on the way to the sample table.
@@ -61,15 +62,14 @@ class Mp4:
             IoError: It cannot be read, or is no MP4 file with one video.
         """
         try:
-            state = path.stat()
-            return _read(path, (state.st_ino, state.st_size, state.st_mtime_ns))
+            return _read(path, version_of(path))
         except IoError:
             raise
         except OSError as error:
             raise IoError(f"cannot read '{path}': {error.strerror}") from error
 
     @classmethod
-    def _of(cls, tracks: list[dict[bytes, bytes]], file: BinaryIO) -> Mp4:
+    def _of(cls, tracks: list[dict[bytes, bytes]], file: IO[bytes]) -> Mp4:
         boxes = tracks[0]
         (frames,) = struct.unpack_from(">I", boxes[b"stsz"], 8)
         entry = boxes[b"stsd"][8:]
@@ -102,7 +102,7 @@ class Mp4:
 @functools.lru_cache(maxsize=16)
 def _read(path: Path, version: tuple[int, ...]) -> Mp4:
     """Returns the facts of a file; those of a file that did not change are read once."""
-    with path.open("rb") as file:
+    with open_stored(path) as file:
         try:
             return Mp4._of(_video_tracks(_index(file)), file)
         except (KeyError, IndexError, StopIteration, OverflowError, struct.error) as error:
@@ -120,7 +120,7 @@ def packets(path: Path) -> Iterator[bytes]:
         IoError: The file cannot be read, or is damaged.
     """
     video = Mp4.read(path)
-    with path.open("rb") as file:
+    with open_stored(path) as file:
         try:
             boxes = _video_tracks(_index(file))[0]
             setup, length_bytes = _annex_b_setup(_boxes_of_entry(boxes))
@@ -146,7 +146,7 @@ def _video_tracks(index: bytes) -> list[dict[bytes, bytes]]:
 
 
 def _decodable(
-    marked: tuple[int, ...], boxes: dict[bytes, bytes], file: BinaryIO
+    marked: tuple[int, ...], boxes: dict[bytes, bytes], file: IO[bytes]
 ) -> tuple[int, ...]:
     """Returns the H.264 frames that a decoder can begin with, of those that are marked so."""
     length_bytes = (_boxes_of_entry(boxes)[4] & 3) + 1
@@ -158,7 +158,7 @@ def _decodable(
     )
 
 
-def _is_entry(file: BinaryIO, at: int, end: int, length_bytes: int) -> bool:
+def _is_entry(file: IO[bytes], at: int, end: int, length_bytes: int) -> bool:
     """Returns True for a frame with an IDR picture or a recovery point."""
     while at + length_bytes < end:
         file.seek(at)
@@ -242,7 +242,7 @@ def _places(boxes: dict[bytes, bytes]) -> Iterator[tuple[int, int]]:
             frame += 1
 
 
-def _index(file: BinaryIO) -> bytes:
+def _index(file: IO[bytes]) -> bytes:
     """Returns the content of the box moov."""
     read, seek = file.read, file.seek
     while len(header := read(8)) == 8:

@@ -20,7 +20,7 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
-from robocell._core import IoError
+from robocell._core import IoError, ffmpeg_input
 from robocell.export._mp4 import Mp4
 
 TICKS = 512  # per frame
@@ -43,6 +43,8 @@ STRICT_AV1 = "libaom-av1"
 # Key frames are those of the file's index. ffmpeg's parser calls every I frame of H.264 one, also
 # those that a decoder cannot begin with.
 AS_MARKED = ("-fflags", "+noparse")
+# A list may name files, and the parts of files that are the videos of a packed dataset.
+LISTED = ("-protocol_whitelist", "file,subfile")
 LONGEST_MESSAGE = 500  # bytes of what ffmpeg says
 LARGEST_SIDE = 150  # pixels of the images that statistics look at
 # Robocell's own reader scales in this way, so statistics are those of its frames.
@@ -107,10 +109,10 @@ def join(
     base = fps * TICKS
     with tempfile.NamedTemporaryFile("w", suffix=".txt") as listing:
         for source in sources:
-            quoted = str(source.resolve()).replace("'", "'\\''")
-            print(f"file 'file:{quoted}'", file=listing)
+            quoted = ffmpeg_input(source.absolute()).replace("'", "'\\''")
+            print(f"file '{quoted}'", file=listing)
         listing.flush()
-        arguments = ["-y", *(() if encode else AS_MARKED), "-f", "concat", "-safe", "0"]
+        arguments = ["-y", *(() if encode else AS_MARKED), "-f", "concat", "-safe", "0", *LISTED]
         arguments += ["-i", f"file:{listing.name}", "-an"]
         if encode:
             longer = f"tpad=stop={repeats}:stop_mode=clone," if repeats else ""
@@ -156,7 +158,7 @@ def cut(
     start = (first + (Fraction(1, 4) if is_copy else -Fraction(1, 4))) / fps
     arguments = ["-y", *STRICT, *(["-ss", f"{float(start):.6f}"] if first else [])]
     arguments += [*_strict_decoder(facts.codec), *(AS_MARKED if is_copy else ())]
-    arguments += ["-f", "mov", "-i", f"file:{source}"]
+    arguments += ["-f", "mov", "-i", ffmpeg_input(source)]
     if is_copy:
         arguments += ["-an", "-frames:v", str(frames), "-f", "null", "-"]
     arguments += ["-an", "-frames:v", str(frames)]
@@ -266,7 +268,7 @@ def require_frames(path: Path, video: Mp4, rows: int) -> None:
 
 def require_decodable(video: Path, facts: Mp4) -> None:
     """Raises IoError if a frame of a video is damaged."""
-    arguments = [*STRICT, *_strict_decoder(facts.codec), "-i", f"file:{video}"]
+    arguments = [*STRICT, *_strict_decoder(facts.codec), "-i", ffmpeg_input(video)]
     arguments += ["-map", "0:v:0", "-f", "null", "-"]
     with _ffmpeg(arguments, f"decode '{video}'", subprocess.DEVNULL):
         pass
@@ -286,7 +288,7 @@ def images(video: Path, facts: Mp4, size: Size | None = None) -> Iterator[NDArra
     width, height = size or (facts.width, facts.height)
     one = width * height * 3
     scaled = f"{_fitted(size)}scale={FLAGS}" if size else EXACT[1]
-    arguments = ["-threads", "1", "-i", f"file:{video}", "-an", "-vf", scaled]
+    arguments = ["-threads", "1", "-i", ffmpeg_input(video), "-an", "-vf", scaled]
     arguments += ["-fps_mode", "passthrough", "-f", "rawvideo", "-pix_fmt", "rgb24", "pipe:1"]
     done = 0
     with _ffmpeg(arguments, f"decode '{video}'", subprocess.PIPE) as output:
@@ -320,7 +322,7 @@ def key_images(video: Path, facts: Mp4) -> Iterator[tuple[int, NDArray[np.uint8]
     """
     step = max(1, -(-max(facts.width, facts.height) // LARGEST_SIDE))
     size = facts.width * facts.height * 3
-    arguments = ["-skip_frame", "nokey", "-threads", "1", "-i", f"file:{video}", "-an"]
+    arguments = ["-skip_frame", "nokey", "-threads", "1", "-i", ffmpeg_input(video), "-an"]
     arguments += [
         "-fps_mode",
         "passthrough",

@@ -7,14 +7,15 @@
 #include <utility>
 #include <nlohmann/json.hpp>
 
+#include "robocell/base/checked_json.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/log.h"
+#include "robocell/base/packed_index.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
 #include "robocell/base/suggestions.h"
-#include "robocell/data/checked_json.h"
 #include "robocell/data/dataset_folder.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
@@ -59,7 +60,10 @@ void Dataset::Refresh() {
   misnamed_.clear();
   std::error_code error;
   if (!fs::exists(folder_, error) && !error) ThrowNoDataset(folder_);
-  for (fs::directory_iterator it(folder_, error), end; !error && it != end; it.increment(error)) {
+  const auto packed = internal::PackedIndexOf(folder_);
+  if (packed) ids_ = packed->episodes;
+  for (fs::directory_iterator it(folder_, error), end; !packed && !error && it != end;
+       it.increment(error)) {
     const std::string name = it->path().filename().string();
     const bool committed = IsEpisodeId(name) && internal::IsCommitted(it->path());
     if (auto id = committed ? internal::OtherIdIn(it->path()) : std::nullopt)
@@ -123,7 +127,12 @@ std::optional<std::string> ReadManifest(const fs::path& dataset) {
   if (type == fs::file_type::none)
     ThrowIoError("look at the dataset's folder", dataset, error.value());
   std::string text = internal::ReadRealFile(path);
-  if (const auto damage = JsonDamage(text))
+  const auto damage = JsonDamage(text);
+  if (damage && internal::IsPacked(dataset))
+    throw IoError(
+        fmt::format("'{}' is damaged: {}. Copy it again from where the packed dataset came",
+                    path.string(), *damage));
+  if (damage)
     throw IoError(
         fmt::format("'{}' is damaged: {}. `robocell verify --repair {}` sets it aside, `robocell "
                     "generate` with the run's file writes it again",

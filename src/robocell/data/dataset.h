@@ -1,5 +1,6 @@
 // A dataset: a folder of committed episodes. The episodes on the disk are the dataset; dataset.json
-// describes the run that made it and is never used to count episodes.
+// describes the run that made it and is never used to count episodes. A packed dataset (`robocell
+// pack`) is read like any other; its index counts.
 //
 //   for (const Episode& episode : Dataset("out/pick_v1")) Use(episode.Read<double>("reward"));
 //
@@ -85,7 +86,7 @@ class Dataset {
   std::map<std::string, std::string> misnamed_;
 };
 
-// Writes dataset.json: a JSON object as text, stored with a hash of itself (checked_json.h) and
+// Writes dataset.json: a JSON object as text, stored with a hash of itself (base/checked_json.h) and
 // replaced in one step. Throws ArgumentError if the text is not a JSON object.
 void WriteManifest(const std::filesystem::path& dataset, const std::string& json);
 // Returns the text with its hash. Unset if there is none; throws IoError if it was changed after

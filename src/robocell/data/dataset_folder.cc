@@ -11,6 +11,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
+#include "robocell/base/packed_index.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
 #include "robocell/base/suggestions.h"
@@ -24,8 +25,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kShown = 5;                             // names in a message
-constexpr std::string_view kPackedFile = "packed.json";  // of `robocell pack`
+constexpr size_t kShown = 5;  // names in a message
 
 bool Is(const fs::path& path, std::initializer_list<fs::file_type> types) {
   std::error_code ignored;
@@ -37,8 +37,9 @@ bool Is(const fs::path& path, std::initializer_list<fs::file_type> types) {
 }
 
 bool IsOfDataset(const fs::path& folder, const std::string& name) {
-  return name == kManifestFile || name == kQuarantineFolder || name == kModelsFolder ||
-         IsReportFile(name) || IsTemporaryName(name) || internal::IsEpisodeFolder(folder / name);
+  return name == kManifestFile || name == internal::kPackedFile || name == kQuarantineFolder ||
+         name == kModelsFolder || IsReportFile(name) || IsTemporaryName(name) ||
+         internal::IsEpisodeFolder(folder / name);
 }
 
 // Finds the dataset that the user probably meant: around the folder, or one below.
@@ -95,11 +96,6 @@ void RequireDataset(const fs::path& folder) {
   if (std::any_of(names.begin(), names.end(),
                   [&](const std::string& name) { return IsOfDataset(folder, name); }))
     return;
-  if (fs::exists(folder / kPackedFile)) {
-    throw ArgumentError(fmt::format(
-        "'{}' is a packed dataset. `robocell unpack {} OUT` makes the dataset again in OUT",
-        folder.string(), internal::ShellWord(folder.string())));
-  }
   const std::string holds =
       names.empty() ? "it is empty" : fmt::format("it holds {}", ListNames(names, kShown));
   throw ArgumentError(

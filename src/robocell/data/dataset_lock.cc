@@ -17,6 +17,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/host.h"
 #include "robocell/base/io_error.h"
+#include "robocell/base/packed_index.h"
 #include "robocell/base/real_file.h"
 #include "robocell/data/dataset_folder.h"
 #include "robocell/data/episode_files.h"
@@ -120,6 +121,7 @@ std::optional<FileLock> TryPatiently(const fs::path& path, LockKind kind, int tr
 
 FileLock Take(const fs::path& dataset, const std::string& name, LockKind kind, int tries = kTries) {
   const fs::path path = dataset / name;
+  internal::RequireNotPacked(dataset, "write");
   RequireOwnFolders(dataset);
   CreateIfMissing(path);
   std::optional<FileLock> lock = TryPatiently(path, kind, tries);

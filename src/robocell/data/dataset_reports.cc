@@ -5,11 +5,12 @@
 #include <string_view>
 #include <nlohmann/json.hpp>
 
+#include "robocell/base/checked_json.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/hash.h"
+#include "robocell/base/packed_index.h"
 #include "robocell/base/real_file.h"
-#include "robocell/data/checked_json.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_state.h"
@@ -61,6 +62,7 @@ bool AnyOf(const std::vector<std::string>& names, const std::string& id, const F
 class Present {
  public:
   explicit Present(const fs::path& dataset) : dataset_(dataset), names_(FolderNames(dataset)) {
+    if (const auto packed = internal::PackedIndexOf(dataset)) names_ = packed->episodes;
     if (fs::is_directory(fs::symlink_status(dataset / kQuarantineFolder)))
       aside_ = FolderNames(dataset / kQuarantineFolder);
   }

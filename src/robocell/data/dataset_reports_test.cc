@@ -6,8 +6,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "robocell/base/checked_json.h"
 #include "robocell/base/hash.h"
-#include "robocell/data/checked_json.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/testing/dataset_of_three.h"
 #include "robocell/data/verify.h"

@@ -1,19 +1,22 @@
 #include "robocell/data/episode_commit.h"
 
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <chrono>
 #include <ctime>
 
+#include "robocell/base/checked_json.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/hash.h"
 #include "robocell/base/host.h"
+#include "robocell/base/io_error.h"
 #include "robocell/base/version.h"
-#include "robocell/data/checked_json.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/hdf5.h"
 #include "robocell/media/ffmpeg.h"
@@ -138,6 +141,21 @@ EpisodeResults::EpisodeResults(const std::string& name, const std::string& start
   run[kJsonHash] = kHashPlaceholder;
 }
 
+void WriteNewFile(const fs::path& path, std::string_view bytes) {
+  int file = -1;
+  do {
+    file = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  } while (file < 0 && errno == EINTR);
+  if (file < 0) ThrowIoError("write", path, errno, bytes.size());
+  try {
+    WriteAll(file, bytes, path);
+  } catch (...) {
+    ::close(file);
+    throw;
+  }
+  if (::close(file) != 0) ThrowIoError("write", path, errno, bytes.size());
+}
+
 void DescribeEpisode(const EpisodeContent& content, const EpisodeSummary& summary,
                      const EpisodeResults& results) {
   Json description = {{"format", kEpisodeFormat},
@@ -159,7 +177,7 @@ void DescribeEpisode(const EpisodeContent& content, const EpisodeSummary& summar
   if (HasSegmentation(content.schema)) description["segmentation"] = LabelsOf(content.schema);
   if (!content.features.empty()) description["features"] = content.features;
   const std::string text = description.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
-  AtomicWrite(content.folder / kEpisodeFile, InsertSelfHash(text));
+  WriteNewFile(content.folder / kEpisodeFile, InsertSelfHash(text));
 }
 
 void PutInPlace(WorkFolder& work, const fs::path& final) {

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 #include <nlohmann/json.hpp>
 
@@ -51,6 +52,10 @@ struct EpisodeResults {
   nlohmann::ordered_json results;
   nlohmann::ordered_json run;
 };
+
+// Writes a new file into the episode's folder. It is not on the disk before PutInPlace, which
+// flushes all files at once.
+void WriteNewFile(const std::filesystem::path& path, std::string_view bytes);
 
 // Writes episode.json into the episode's folder.
 void DescribeEpisode(const EpisodeContent& content, const EpisodeSummary& summary,

@@ -3,18 +3,20 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstring>
 #include <mutex>
 #include <numeric>
 #include <optional>
 #include <type_traits>
 #include <nlohmann/json.hpp>
 
+#include "robocell/base/checked_json.h"
 #include "robocell/base/error.h"
 #include "robocell/base/idle_pool.h"
+#include "robocell/base/packed_index.h"
 #include "robocell/base/paths.h"
-#include "robocell/base/real_file.h"
+#include "robocell/base/stored_file.h"
 #include "robocell/base/suggestions.h"
-#include "robocell/data/checked_json.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/hdf5.h"
 #include "robocell/data/model_store.h"
@@ -92,6 +94,12 @@ struct OpenSteps {
   std::string sha256;    // hash that it was compared with, or just written with
   internal::hdf5::File file;
 };
+
+internal::hdf5::File OpenStored(const fs::path& path) {
+  const auto part = PartAt(path);
+  if (!part) return internal::hdf5::File::OpenReadOnly(path);
+  return internal::hdf5::File::OpenBytes(internal::ReadStoredFile(path, part->bytes), path);
+}
 
 // Open files cost memory and descriptors; opening one takes at least a tenth of a millisecond.
 internal::IdlePool<OpenSteps>& StepsPool() {
@@ -192,6 +200,12 @@ struct Episode::Impl {
 
   std::string Advice() const {
     const std::string dataset = internal::ShellWord(folder.parent_path().string());
+    if (internal::IsPacked(folder.parent_path())) {
+      return fmt::format(
+          ". `robocell verify {}` names all that is damaged, `robocell unpack --skip-damaged {} "
+          "OUT` keeps the rest",
+          dataset, dataset);
+    }
     return fmt::format(
         ". `robocell verify {}` names all that is damaged, `robocell verify "
         "--repair {}` sets it aside",
@@ -200,20 +214,24 @@ struct Episode::Impl {
 
   void RequireFiles() const {
     for (const auto& [file, facts] : json.at("files").items()) {
-      std::error_code error;
       if (!internal::ValidFileName(file))
         throw IoError(fmt::format("{}: episode.json lists a file '{}'", Name(), file));
-      const std::string what = internal::WhatIsAt(folder / file);
-      if (what != "nothing" && !internal::CanReadFile(folder / file))
+      const std::string what = internal::WhatIsStoredAt(folder / file);
+      if (what != "nothing" && !internal::CanReadStoredFile(folder / file))
         throw IoError(fmt::format("{}: '{}' is {}, not a file{}", Name(), file, what, Advice()));
-      const auto size = fs::file_size(folder / file, error);
-      if (error)
-        throw IoError(fmt::format("{}: '{}': {}{}", Name(), file, error.message(), Advice()));
+      const uint64_t size = SizeOf(file);
       const auto written = JsonCount<uint64_t>(facts.at("bytes"));
       if (size == written) continue;
       throw IoError(fmt::format("{}: '{}' has {} bytes, expected {}{}", Name(), file, size, written,
                                 Advice()));
     }
+  }
+
+  uint64_t SizeOf(const std::string& file) const try {
+    return internal::StoredFileBytes(folder / file);
+  } catch (const IoError& error) {
+    throw IoError(
+        fmt::format("{}: '{}': {}{}", Name(), file, std::strerror(error.system_error()), Advice()));
   }
 
   void RequireModels() const {
@@ -231,7 +249,7 @@ struct Episode::Impl {
     if (!internal::ValidFileName(name))
       throw IoError(fmt::format(
           "{}: episode.json names a file '{}', which is not one of its folder", Name(), name));
-    return internal::RequireReadable(folder / name);
+    return internal::RequireStoredFile(folder / name);
   }
 
   fs::path VideoOf(const CameraInfo& camera, ImageKind kind) const {
@@ -264,7 +282,7 @@ struct Episode::Impl {
   // The HDF5 library ends the process on some files with a single flipped bit.
   void RequireUndamagedSteps() const {
     const std::string name(kStepsFile), written = WrittenHash();
-    if (!written.empty() && written == internal::Sha256RealFile(folder / name)) return;
+    if (!written.empty() && written == internal::Sha256StoredFile(folder / name)) return;
     throw IoError(
         fmt::format("{}: '{}' is damaged: its hash does not match{}", Name(), name, Advice()));
   }
@@ -286,8 +304,8 @@ struct Episode::Impl {
   // Opens the file on first use: lists of episodes need episode.json only.
   template <typename Use>
   void WithSteps(const Use& use) const {
-    const fs::path path = internal::RequireReadable(folder / kStepsFile);
-    const std::string identity = internal::FileIdentity(path), hash = WrittenHash();
+    const fs::path path = internal::RequireStoredFile(folder / kStepsFile);
+    const std::string identity = internal::StoredFileIdentity(path), hash = WrittenHash();
     const auto same_path = [&](const OpenSteps& open) { return open.path == path; };
     auto steps = StepsPool().Take(same_path);
     // A file that was overwritten is closed before it is opened anew: HDF5 treats a file that it
@@ -298,7 +316,7 @@ struct Episode::Impl {
     }
     if (!steps) {
       CompareOnce(identity);
-      steps.emplace(OpenSteps{path, identity, hash, internal::hdf5::File::OpenReadOnly(path)});
+      steps.emplace(OpenSteps{path, identity, hash, OpenStored(path)});
     }
     use(steps->file);
     StepsPool().Give(std::move(*steps));
@@ -329,7 +347,7 @@ struct Episode::Impl {
 Episode::Episode(const fs::path& folder, StepsBytes steps) : impl_(std::make_unique<Impl>()) {
   impl_->folder = folder;
   impl_->steps_bytes = steps;
-  impl_->text = internal::ReadRealFile(folder / kEpisodeFile);
+  impl_->text = internal::ReadStoredFile(folder / kEpisodeFile);
   impl_->Parse();
 }
 

@@ -12,9 +12,9 @@
 #include <vector>
 #include <nlohmann/json.hpp>
 
+#include "robocell/base/checked_json.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/data/checked_json.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/media/testing/videos.h"
 #include "robocell/testing/expect_throw.h"

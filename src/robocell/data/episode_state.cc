@@ -9,6 +9,8 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/io_error.h"
+#include "robocell/base/packed_index.h"
+#include "robocell/base/stored_file.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/episode_writer.h"
@@ -43,6 +45,18 @@ std::string IdLine(std::string_view beginning) {
   return std::string(value.substr(0, value[end - 1] == ',' ? end - 1 : end));
 }
 
+EpisodeLook LookInside(const fs::path& folder) {
+  if (!IsCommitted(folder)) return {};
+  try {
+    const Episode episode(folder);
+    if (episode.id() != folder.filename().string())
+      return Broken(MisnamedText(folder, episode.id()));
+    return {.state = EpisodeState::kWhole, .success = episode.success()};
+  } catch (const Error& damage) {
+    return Broken(damage.what());
+  }
+}
+
 }  // namespace
 
 std::optional<std::string> OtherIdIn(const fs::path& folder) {
@@ -62,18 +76,18 @@ std::string MisnamedText(const fs::path& folder, const std::string& id) {
       folder.string(), id);
 }
 
-bool IsCommitted(const fs::path& folder) {
-  std::error_code ignored;
-  return fs::is_regular_file(folder / kEpisodeFile, ignored);
-}
+bool IsCommitted(const fs::path& folder) { return CanReadStoredFile(folder / kEpisodeFile); }
 
 bool IsEpisodeFolder(const fs::path& folder) {
   std::error_code error;
+  if (const auto packed = PackedIndexOf(folder.parent_path()))
+    return packed->Contains(folder.filename().string());
   return IsEpisodeId(folder.filename().string()) && fs::is_directory(folder, error) &&
          LooksLikeEpisode(folder);
 }
 
 EpisodeLook LookAtEpisode(const fs::path& folder) {
+  if (PackedIndexOf(folder.parent_path())) return LookInside(folder);
   std::error_code error;
   const fs::file_status status = fs::symlink_status(folder, error);
   if (status.type() == fs::file_type::not_found) return {};
@@ -92,14 +106,7 @@ EpisodeLook LookAtEpisode(const fs::path& folder) {
             : fmt::format("'{}' has an episode's name and contains something else: {}",
                           folder.string(), kLeftAlone));
   }
-  try {
-    const Episode episode(folder);
-    if (episode.id() != folder.filename().string())
-      return Broken(MisnamedText(folder, episode.id()));
-    return {.state = EpisodeState::kWhole, .success = episode.success()};
-  } catch (const Error& damage) {
-    return Broken(damage.what());
-  }
+  return LookInside(folder);
 }
 
 }  // namespace robocell::internal

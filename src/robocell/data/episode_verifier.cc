@@ -7,13 +7,13 @@
 #include <system_error>
 #include <nlohmann/json.hpp>
 
+#include "robocell/base/checked_json.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/paths.h"
-#include "robocell/base/real_file.h"
+#include "robocell/base/stored_file.h"
 #include "robocell/base/suggestions.h"
-#include "robocell/data/checked_json.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/isolated_reader.h"
@@ -69,7 +69,7 @@ class EpisodeVerification {
 
   std::vector<VerifyProblem> Run() {
     try {
-      FolderNames(folder_);  // a missing folder is only a problem in a readable one
+      StoredNames(folder_);  // a missing folder is only a problem in a readable one
       if (ReadDescription()) VerifyEverything();
     } catch (const std::exception& error) {
       Report("", error.what(), KindOf(error));
@@ -86,16 +86,16 @@ class EpisodeVerification {
   // Returns false if no other check is possible.
   bool ReadDescription() {
     const std::string file(kEpisodeFile);
-    const std::string what = WhatIsAt(folder_ / file);
+    const std::string what = WhatIsStoredAt(folder_ / file);
     if (what == "nothing") {
       Report(file, "it is missing: the episode was never finished, or it was removed");
       return false;
     }
-    if (!CanReadFile(folder_ / file)) {
+    if (!CanReadStoredFile(folder_ / file)) {
       Report(file, fmt::format("it is {}, not a file", what));
       return false;
     }
-    const std::string text = ReadRealFile(folder_ / file);
+    const std::string text = ReadStoredFile(folder_ / file);
     if (const auto damage = JsonDamage(text)) {
       Report(file, *damage);
       return false;
@@ -133,9 +133,9 @@ class EpisodeVerification {
     if (!ValidFileName(name))
       return Report(std::string(kEpisodeFile), "it lists a file '" + name + "'");
     const fs::path path = folder_ / name;
-    const std::string what = WhatIsAt(path);
+    const std::string what = WhatIsStoredAt(path);
     if (what == "nothing") return Report(name, "it is missing");
-    if (!CanReadFile(path)) return Report(name, fmt::format("it is {}, not a file", what));
+    if (!CanReadStoredFile(path)) return Report(name, fmt::format("it is {}, not a file", what));
     try {
       if (const auto reason = WrongBytes(path, facts)) Report(name, *reason);
     } catch (const IoError& error) {
@@ -145,19 +145,17 @@ class EpisodeVerification {
 
   static std::optional<std::string> WrongBytes(const fs::path& path, const Json& facts) {
     const auto expected = JsonCount<uint64_t>(facts.at("bytes"));
-    std::error_code error;
-    const uint64_t size = fs::file_size(path, error);
-    if (error) ThrowIoError("look at", path, error.value());
+    const uint64_t size = StoredFileBytes(path);
     if (size < expected)
       return fmt::format("it is cut short: {} of {} bytes are there", size, expected);
     if (size > expected) return fmt::format("{} bytes, expected {}", size, expected);
-    if (Sha256RealFile(path) != facts.at("sha256").get<std::string>())
+    if (Sha256StoredFile(path) != facts.at("sha256").get<std::string>())
       return "its hash does not match its bytes";
     return std::nullopt;
   }
 
   void VerifyNothingElse() {
-    for (const std::string& name : FolderNames(folder_)) {
+    for (const std::string& name : StoredNames(folder_)) {
       if (name == kEpisodeFile || description_.at("files").contains(name)) continue;
       Report(name, "it does not belong to the episode: episode.json does not list it",
              ProblemKind::kForeign);

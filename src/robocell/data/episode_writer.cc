@@ -14,9 +14,9 @@
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
-#include "robocell/base/files.h"
 #include "robocell/base/forks.h"
 #include "robocell/base/io_error.h"
+#include "robocell/base/packed_index.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/data/episode_commit.h"
@@ -263,6 +263,7 @@ EpisodeWriter::EpisodeWriter(const fs::path& dataset, const std::string& id,
                     "models, dataset.json and report.json are the dataset's own",
                     id));
   }
+  internal::RequireNotPacked(dataset, "write an episode");
   impl_->id = id;
   impl_->name = fmt::format("episode '{}'", id);
   impl_->dataset = dataset;
@@ -403,7 +404,7 @@ void EpisodeWriter::AddFile(const std::string& name, std::string_view bytes) {
             fmt::format("{}: '{}' is the video of camera '{}'", impl_->name, name, stream));
       }
     }
-    AtomicWrite(impl_->work->path() / name, bytes);
+    internal::WriteNewFile(impl_->work->path() / name, bytes);
     impl_->extra_files.push_back(name);
   });
 }

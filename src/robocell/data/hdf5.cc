@@ -321,6 +321,18 @@ File File::OpenReadOnly(const std::filesystem::path& path) {
   return file;
 }
 
+File File::OpenBytes(std::string bytes, const std::filesystem::path& path) {
+  const Lock lock;
+  const Id access = FileAccess();
+  constexpr size_t kIncrement = 1 << 16;  // for files that grow; this one does not
+  const bool ready = H5Pset_fapl_core(access.get(), kIncrement, false) >= 0 &&
+                     H5Pset_file_image(access.get(), bytes.data(), bytes.size()) >= 0;
+  File file(ready ? Own(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose) : Id(),
+            path.string());
+  if (Bad(file.id_)) file.Fail("open it");
+  return file;
+}
+
 Id File::Group(const std::string& name) {
   if (name != "/") MakeParents(name + "/");
   Id group = Own(H5Gopen2(id_.get(), name.c_str(), H5P_DEFAULT), H5Gclose);

@@ -90,6 +90,8 @@ class File {
   // Fails if the file exists.
   static File Create(const std::filesystem::path& path);
   static File OpenReadOnly(const std::filesystem::path& path);
+  // Opens the bytes of a file, which the library copies; `path` is for messages.
+  static File OpenBytes(std::string bytes, const std::filesystem::path& path);
 
   File(File&&) = default;
   File& operator=(File&&) = default;

@@ -7,9 +7,9 @@
 #include <vector>
 #include <nlohmann/json.hpp>
 
+#include "robocell/base/checked_json.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/data/checked_json.h"
 #include "robocell/data/episode_reader.h"
 #include "robocell/data/episode_writer.h"
 #include "robocell/data/verify.h"

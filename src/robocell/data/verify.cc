@@ -8,12 +8,13 @@
 #include <system_error>
 #include <nlohmann/json.hpp>
 
+#include "robocell/base/checked_json.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
+#include "robocell/base/packed_index.h"
 #include "robocell/base/real_file.h"
 #include "robocell/base/suggestions.h"
-#include "robocell/data/checked_json.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_folder.h"
 #include "robocell/data/dataset_lock.h"
@@ -25,6 +26,7 @@
 #include "robocell/data/episode_writer.h"
 #include "robocell/data/leftovers.h"
 #include "robocell/data/model_store.h"
+#include "robocell/data/packed_verifier.h"
 #include "robocell/media/ffmpeg.h"
 
 namespace robocell {
@@ -126,7 +128,8 @@ void VerifyStoredModel(const fs::path& dataset, const std::string& model, Verify
     result.problems.push_back({"", place.string(), reason});
   }
   if (!damage.empty()) return result.bad_parts.push_back(model);
-  if (internal::HasModelList(dataset, model)) return;
+  // That of a packed dataset is one of its files, which are compared later.
+  if (internal::HasModelList(dataset, model) || internal::IsPacked(dataset)) return;
   result.problems.push_back({"", model + "/" + std::string(internal::kModelListFile),
                              "it is missing or damaged; the model's files are intact, and "
                              "`robocell verify --repair` lists them again"});
@@ -175,6 +178,25 @@ void VerifyLostEpisodes(const fs::path& dataset, VerifyResult& result) {
         {id, "",
          "a report says that it was made, and it is gone. `robocell generate` "
          "with the run's file makes it again"});
+}
+
+bool IsOfPack(const std::string& name, const internal::PackedIndex& packed) {
+  return name == internal::kPackedFile || packed.files.contains(name) ||
+         std::ranges::any_of(packed.shards, [&](const auto& shard) { return shard.file == name; });
+}
+
+void VerifyPackedFiles(const fs::path& dataset, const internal::PackedIndex& packed,
+                       VerifyResult& result) {
+  internal::VerifyPack(
+      dataset, packed,
+      [&](const std::string& file, const std::string& reason, const std::exception* error) {
+        const bool known = std::ranges::any_of(result.problems, [&](const VerifyProblem& problem) {
+          return problem.episode.empty() && problem.file == file;
+        });
+        if (!known)
+          result.problems.push_back(
+              {"", file, reason, error ? KindOf(*error) : ProblemKind::kDamage});
+      });
 }
 
 // Finds models that good episodes were made in and that are not in the dataset.
@@ -235,10 +257,12 @@ bool IsOfARun(const fs::path& episode) {
 
 VerifyResult Verify(const fs::path& dataset, const VerifyOptions& options) {
   RequireDataset(dataset);
+  const auto packed = internal::PackedIndexOf(dataset);
   if (options.decode_videos) FindFfmpeg();  // once, and not as a problem of every episode
   VerifyResult result;
-  std::vector<std::string> episodes;
+  std::vector<std::string> episodes = packed ? packed->episodes : std::vector<std::string>();
   for (const std::string& name : FolderNames(dataset)) {
+    if (packed && IsOfPack(name, *packed)) continue;
     if (IsTemporaryName(name) || name == kManifestFile || name == kQuarantineFolder ||
         name == kModelsFolder || IsReportFile(name)) {
       continue;
@@ -273,11 +297,13 @@ VerifyResult Verify(const fs::path& dataset, const VerifyOptions& options) {
     VerifyMissingModels(dataset, result);
   }
   VerifyLostEpisodes(dataset, result);
+  if (packed) VerifyPackedFiles(dataset, *packed, result);
   return result;
 }
 
 RepairResult Repair(const fs::path& dataset, const VerifyOptions& options) {
   RequireDataset(dataset);  // before the lock's file is written
+  internal::RequireNotPacked(dataset, "set damaged parts aside");
   const DatasetLock lock = DatasetLock::Alone(dataset);
   RepairResult result{.found = Verify(dataset, options), .remaining = {}, .moved = {}};
   const VerifyResult& found = result.found;

@@ -8,10 +8,10 @@
 
 #include <tuple>
 
+#include "robocell/base/checked_json.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/hash.h"
-#include "robocell/data/checked_json.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/testing/dataset_of_three.h"
 #include "robocell/data/testing/sample_episode.h"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "robocell/base/idle_pool.h"
-#include "robocell/base/real_file.h"
+#include "robocell/base/stored_file.h"
 #include "robocell/media/video_reader.h"
 
 namespace robocell::internal {
@@ -58,7 +58,7 @@ struct StreamDecoder {
 template <typename Pixel>
 void ReadFrom(IdlePool<StreamDecoder<Pixel>>& pool, const std::filesystem::path& video,
               int64_t index, std::span<Pixel> pixels, size_t recent_bytes) {
-  std::string identity = FileIdentity(video);
+  std::string identity = StoredFileIdentity(video);
   auto decoder = pool.Take([&](const StreamDecoder<Pixel>& d) { return d.identity == identity; });
   if (!decoder) decoder.emplace(StreamDecoder<Pixel>{std::move(identity), VideoReader(video)});
   decoder->Read(index, pixels, recent_bytes);

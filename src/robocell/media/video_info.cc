@@ -8,12 +8,13 @@
 #include <filesystem>
 #include <fstream>
 #include <numeric>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "robocell/base/error.h"
-#include "robocell/base/real_file.h"
+#include "robocell/base/stored_file.h"
 
 namespace robocell {
 namespace {
@@ -154,12 +155,13 @@ VideoInfo Parse(Bytes moov, uint64_t file_size) {
 
 struct File {
   std::ifstream stream;
+  uint64_t begin = 0;  // where the video begins in it: that of a packed dataset is in a shard
   uint64_t size = 0;
 
   std::vector<uint8_t> Read(uint64_t offset, uint64_t count) {
     std::vector<uint8_t> bytes(std::min(count, size - std::min(offset, size)));
     stream.clear();
-    stream.seekg(static_cast<std::streamoff>(offset));
+    stream.seekg(static_cast<std::streamoff>(begin + offset));
     stream.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     bytes.resize(static_cast<size_t>(std::max<std::streamsize>(stream.gcount(), 0)));
     return bytes;
@@ -214,13 +216,14 @@ size_t FrameBytes(VideoKind kind, int width, int height) {
 VideoInfo ReadVideoInfo(const std::filesystem::path& path) {
   File file;
   std::error_code ignored;
-  if (std::filesystem::exists(path, ignored))
-    internal::RequireReadable(path);  // a pipe may never end
-  file.stream.open(path, std::ios::binary | std::ios::ate);
+  const std::optional<internal::FilePart> part = PartAt(path);
+  if (part || std::filesystem::exists(path, ignored))
+    internal::RequireStoredFile(path);  // a pipe may never end
+  file.stream.open(part ? part->shard : path, std::ios::binary);
   if (!file.stream)
     throw IoError(fmt::format("video '{}': {}", path.string(), std::strerror(errno)), errno);
-  const auto end = file.stream.tellg();
-  file.size = end > 0 ? static_cast<uint64_t>(end) : 0;
+  file.begin = part ? part->begin : 0;
+  file.size = internal::StoredFileBytes(path);
   try {
     if (file.size == 0) throw Malformed{"it is empty"};
     const Found found = Scan(file);

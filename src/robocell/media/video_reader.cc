@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "robocell/base/error.h"
+#include "robocell/base/stored_file.h"
 #include "robocell/media/child_process.h"
 #include "robocell/media/ffmpeg.h"
 
@@ -49,8 +50,8 @@ struct VideoReader::Impl {
     add({"-threads", "1", "-noautorotate"});
     add(SeekArguments(index));
     // Named, so that a file from elsewhere cannot pass for a playlist of other files.
-    add({"-f", "mov", "-i", "file:" + path.string(), "-an", "-fps_mode", "passthrough",
-         "-filter_threads", "1"});
+    add({"-f", "mov", "-i", FfmpegInput(path), "-an", "-fps_mode", "passthrough", "-filter_threads",
+         "1"});
     const bool gray = info.kind == VideoKind::kGray16;
     if (!gray) add({"-vf", "scale=flags=bicubic+accurate_rnd+full_chroma_int+bitexact"});
     add({"-f", "rawvideo", "-pix_fmt", gray ? "gray16le" : "rgb24", "pipe:1"});

@@ -5,9 +5,9 @@
 
 #include <filesystem>
 
+#include "robocell/base/checked_json.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/data/checked_json.h"
 #include "robocell/data/testing/sample_episode.h"
 #include "robocell/rollout/plan.h"
 #include "robocell/rollout/prepare.h"

@@ -9,10 +9,10 @@
 #include <vector>
 #include <nlohmann/json.hpp>
 
+#include "robocell/base/checked_json.h"
 #include "robocell/base/error.h"
 #include "robocell/base/hash.h"
 #include "robocell/base/units.h"
-#include "robocell/data/checked_json.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/episode_files.h"
 #include "robocell/data/episode_writer.h"

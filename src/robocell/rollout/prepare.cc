@@ -18,6 +18,7 @@
 #include "robocell/base/function_name.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/log.h"
+#include "robocell/base/packed_index.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
 #include "robocell/data/episode_files.h"
@@ -139,7 +140,7 @@ std::string InFile(const RunConfig& run, const InputDifference& difference) {
 }
 
 void RequireOutput(const RunConfig& run) {
-  if (!run.output.empty()) return;
+  if (!run.output.empty()) return internal::RequireNotPacked(run.output, "generate");
   ThrowOfOutput(run,
                 "output: where should the dataset go? Give the folder, for example `output: "
                 "experiment_output/" +

@@ -18,6 +18,7 @@
 #include "robocell/base/file_set.h"
 #include "robocell/base/hash.h"
 #include "robocell/base/rng.h"
+#include "robocell/base/stored_file.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/base/version.h"
 #include "robocell/expert/expert_kind.h"
@@ -62,6 +63,11 @@ std::vector<fs::path> TexturesOf(const RunConfig& run) {
        internal::TextureFiles(*run.randomize, run.source_dir, "run '" + run.run + "'"))
     files.push_back(fs::absolute(file).lexically_normal());
   return files;
+}
+
+// The source episodes of `augment` may be in a packed dataset.
+std::string HashOf(const fs::path& path) {
+  return PartAt(path) ? internal::Sha256StoredFile(path) : HashOfFile(path);
 }
 
 // Names begin with the model's folder, so they are the same on every machine. Files with equal
@@ -173,7 +179,7 @@ std::string WordsFor(const std::string& name) {
 
 bool IsUnchanged(const std::filesystem::path& path, const std::string& hash) {
   try {
-    return HashOfFile(path) == hash;
+    return HashOf(path) == hash;
   } catch (const IoError&) {  // the file is gone
     return false;
   }
@@ -210,7 +216,7 @@ std::map<std::string, std::string> VersionsNow() {
 RunInputs InputsOf(const RunConfig& run) {
   RunInputs inputs{.identity = RunIdentity(run), .versions = VersionsNow(), .files = {}};
   inputs.paths = FilesOf(run);
-  for (const auto& [name, path] : inputs.paths) inputs.files[name] = HashOfFile(path);
+  for (const auto& [name, path] : inputs.paths) inputs.files[name] = HashOf(path);
   return inputs;
 }
 

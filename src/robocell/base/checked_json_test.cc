@@ -3,8 +3,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "robocell/base/checked_json.h"
 #include "robocell/base/error.h"
-#include "robocell/data/checked_json.h"
 #include "robocell/testing/expect_throw.h"
 
 namespace robocell {

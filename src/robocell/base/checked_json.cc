@@ -1,4 +1,4 @@
-#include "robocell/data/checked_json.h"
+#include "robocell/base/checked_json.h"
 
 #include <fmt/format.h>
 

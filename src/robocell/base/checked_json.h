@@ -28,7 +28,7 @@ std::string InsertSelfHash(std::string text);
 std::optional<std::string> JsonDamage(const std::string& text);
 
 // Returns a whole number from 0 to the largest Count (int, int64_t or uint64_t). The parser's own
-// conversion also accepts 5e81 as an integer, with an undefined result. Private to data.
+// conversion also accepts 5e81 as an integer, with an undefined result.
 //
 //   const uint64_t bytes = JsonCount<uint64_t>(facts.at("bytes"));
 //
