@@ -46,7 +46,7 @@ TEST(HeldMotions, AnArmOfFiveJointsTurnsTheObjectALittle) {
   scene.Forward();
   const Robot robot = Robot::Of(scene, "desk5");
   ASSERT_EQ(robot.chain().n_joints(), 5);
-  const auto shape = GripperShape::Of(config, spec.options, spec.timestep);
+  const auto shape = GripperShape::Of(config, spec.options, scene.timestep());
   PlanningScene planning(scene, robot, scene.compiled()->object("target").root_body, shape);
   const JointVector home(robot.arm().joint_pos());
   const Pose tcp = robot.tcp_in_world(), object_in_tcp(Eigen::Vector3d(0, 0, 0.01));
