@@ -3,8 +3,9 @@
 The open bottle to pour from and the receiver are made like the mesh objects (make_objects.py): what
 is seen is a turned mesh, what collides is a bottom and rings of boxes around the hollow, so that
 small things can be poured. The rings end above the underside: the bottom alone touches what the
-vessel stands on, in a few contacts. Each has a site `mouth` in the middle of its opening, z outwards.
-object_models/furniture.py describes what has joints. The other equipment is written by hand.
+vessel stands on, in a few contacts. Each has a site `mouth` in the middle of its opening, z
+outwards. object_models/furniture.py describes what has joints. The other equipment is written by
+hand.
 
     python scripts/make_equipment.py [--out models/equipment]
 """

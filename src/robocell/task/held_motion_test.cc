@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <memory>
 #include <optional>
 #include <Eigen/Core>
 
@@ -16,6 +15,7 @@
 #include "robocell/robot/robot.h"
 #include "robocell/scene/scene.h"
 #include "robocell/spec/robot_config.h"
+#include "robocell/spec/scene_spec.h"
 #include "robocell/testing/pick_scene.h"
 #include "robocell/testing/source_dir.h"
 
