@@ -2,8 +2,10 @@
 
 The open bottle to pour from and the receiver are made like the mesh objects (make_objects.py): what
 is seen is a turned mesh, what collides is a bottom and rings of boxes around the hollow, so that
-small things can be poured. Each has a site `mouth` in the middle of its opening, z outwards.
-object_models/furniture.py describes what has joints. The other equipment is written by hand.
+small things can be poured. The rings end above the underside: the bottom alone touches what the
+vessel stands on, in a few contacts. Each has a site `mouth` in the middle of its opening, z
+outwards. object_models/furniture.py describes what has joints. The other equipment is written by
+hand.
 
     python scripts/make_equipment.py [--out models/equipment]
 """
@@ -79,7 +81,7 @@ def open_bottle() -> Model:
     ]
     collision = [
         cylinder("open_bottle_bottom", r - 0.001, -h, -h + bottom, 0.015),
-        *ring("open_bottle_wall", (r, -h), (r, 0.026), wall, 0.07),
+        *ring("open_bottle_wall", (r, -h + bottom / 2), (r, 0.026), wall, 0.07),
         *ring("open_bottle_shoulder", (r, 0.025), (neck, 0.051), wall, 0.015),
         *ring("open_bottle_neck", (neck, 0.050), (neck, h), wall, 0.015),
         mouth(h),
@@ -98,9 +100,11 @@ def receiver() -> Model:
         (foot - wall, -h + bottom),
         (0, -h + bottom),
     ]
+    low = -h + bottom / 2
+    low_radius = foot + (rim - foot) * (low + h) / (2 * h)
     collision = [
         cylinder("receiver_bottom", foot - 0.001, -h, -h + bottom, 0.06),
-        *ring("receiver_wall", (foot, -h), (rim, h), wall, 0.12),
+        *ring("receiver_wall", (low_radius, low), (rim, h), wall, 0.12),
         mouth(h),
     ]
     about = "A vessel to pour into."

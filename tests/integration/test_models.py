@@ -51,6 +51,22 @@ def pad_gap(model: mujoco.MjModel, data: mujoco.MjData) -> float:
     return mujoco.mj_geomDistance(model, data, *pads, 0.2, None)
 
 
+@pytest.mark.parametrize("vessel", ["open_bottle", "receiver"])
+def test_a_vessel_stands_on_its_bottom_alone(vessel: str):
+    spec = mujoco.MjSpec.from_file(str(MODELS / "equipment" / vessel / f"{vessel}.xml"))
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[1, 1, 0.1])
+    model = spec.compile()
+    data = mujoco.MjData(model)
+    data.qpos[2] = 0.08
+    for _ in range(150):
+        mujoco.mj_step(model, data)
+    upright = data.xmat[1].reshape(3, 3)[2, 2]
+    assert upright > 0.9999
+    # A ring of walls on the ground would make ten times as many contacts, each of which costs time.
+    assert {model.geom(g).name for c in data.contact for g in c.geom if g} == {f"{vessel}_bottom"}
+    assert 3 <= data.ncon <= 4
+
+
 def test_the_generator_reproduces_the_objects_of_the_repository(tmp_path, monkeypatch):
     monkeypatch.setattr("sys.argv", ["make_objects.py", "--out", str(tmp_path)])
     make_objects.main()

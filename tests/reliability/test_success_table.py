@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from concurrent.futures import ThreadPoolExecutor
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -13,15 +14,30 @@ import success_table
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize("kind", success_table.KINDS)
-@pytest.mark.parametrize("robot", success_table.ROBOTS)
-def test_an_expert_succeeds_from_most_starts(robot: str, kind: str):
-    cell = success_table.measure(robot, kind, starts=20)
+@pytest.mark.parametrize(
+    ("kind", "robot"),
+    [
+        pair
+        for pair in product(success_table.KINDS, success_table.ROBOTS)
+        if success_table.is_measured(*pair)
+    ],
+)
+def test_an_expert_succeeds_from_most_starts(kind: str, robot: str):
+    starts = 10 if kind == "pour" else 50  # 20 grains take the engine seconds
+    cell = success_table.measure(robot, kind, starts=starts)
     if kind in success_table.TWO_ARM_KINDS and robot not in success_table.TWO_ARMED:
         assert "is for two" in cell.why_not
         return
     assert not cell.why_not + cell.error, cell
     assert cell.successes >= success_table.LEAST.get(kind, 0.9) * cell.starts, cell
+
+
+@pytest.mark.parametrize(
+    ("robot", "kind"), [("rc7", "press"), ("desk6", "push"), ("desk5", "pick")]
+)
+def test_an_expert_succeeds_from_one_start(robot: str, kind: str):
+    cell = success_table.measure(robot, kind, starts=1)
+    assert cell.successes == 1, cell
 
 
 @pytest.mark.proof
@@ -46,10 +62,12 @@ def test_the_interval_is_wilsons():
 def test_a_row_has_failures_by_reason_or_why_it_does_not_apply():
     cell = success_table.Cell(20, successes=17, failures=Counter({"timeout": 1, "it slipped": 2}))
     assert cell.row("open", "rc7") == (
-        "| `open` | rc7 | 17/20 | 64–95 % | 2 it slipped, 1 timeout |"
+        "| `open` | rc7 | 17/20 | 64–95 % |  | 2 it slipped, 1 timeout |"
     )
+    cell = success_table.Cell(20, successes=20, seconds=0.25)
+    assert cell.row("open", "rc7") == "| `open` | rc7 | 20/20 | 84–100 % | 14400 |  |"
     cell = success_table.Cell(20, why_not="it has no gripper")
-    assert cell.row("open", "arm") == "| `open` | arm | – | | it has no gripper |"
+    assert cell.row("open", "arm") == "| `open` | arm | – | | | it has no gripper |"
 
 
 def test_a_robot_without_a_gripper_gets_its_reason(tmp_path: Path):
@@ -107,6 +125,6 @@ def test_an_error_of_a_pair_is_its_row_and_the_others_are_measured(
     with pytest.raises(SystemExit, match="1 of 2 pairs ended with an error"):
         success_table.main()
     text = page.read_text()
-    assert "| `open` | rc7 | error | | ArgumentError: no free place for the cupboard |" in text
+    assert "| `open` | rc7 | error | | | ArgumentError: no free place for the cupboard |" in text
     assert "| `close` | rc7 | 1/1 |" in text
     capsys.readouterr()

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <optional>
 #include <utility>
 
 #include "robocell/kinematics/ik.h"
@@ -19,9 +21,9 @@ constexpr int kMostTransfers = 6;  // paths to whose start a way is searched
 constexpr double kCarriedSpeed = 0.8, kCarriedLineSpeed = 0.6;  // of the fastest joint, rad/s (m/s)
 constexpr double kLeastCarry = 0.3, kMostCarry = 6, kLeastRetreat = 0.5;  // seconds
 constexpr double kRetreat = 0.1;                                          // m
-constexpr double kOpenSpeed = 0.15;                    // m/s of the distance between the fingers
-constexpr double kMostRelease = 1.5;                   // seconds
-constexpr double kReturnSpeed = 0.1, kReturnTurn = 1;  // m/s and rad/s
+constexpr double kOpenSpeed = 0.15;                      // m/s of the distance between the fingers
+constexpr double kMostRelease = 1.5;                     // seconds
+constexpr double kReturnSpeed = 0.2, kReturnTurn = 1.5;  // m/s and rad/s
 // Share of an error that is corrected in one tick, and the largest correction, m and rad.
 constexpr double kGain = 0.12, kMostShift = 0.03, kMostTurn = 0.3;
 constexpr double kMostJump = 0.25;   // rad (m) of a joint in one tick
@@ -53,6 +55,18 @@ Pose PathWalk::place() const {
   const auto from = static_cast<size_t>(at_);
   const size_t to = std::min(from + 1, path_->size() - 1);
   return (*path_)[from].interpolate((*path_)[to], at_ - std::floor(at_));
+}
+
+HeldPath BackAlong(const HeldPath& path, std::optional<double> at) {
+  const double from = at.value_or(static_cast<double>(path.size() - 1));
+  const auto passed = static_cast<std::ptrdiff_t>(from);
+  HeldPath back;
+  if (const double share = from - std::floor(from); share > 0) {
+    const auto next = path.begin() + passed;
+    back.push_back(next->interpolate(*(next + 1), share));
+  }
+  back.insert(back.end(), path.rend() - passed - 1, path.rend());
+  return back;
 }
 
 HeldObjectSkill::HeldObjectSkill(SkillSettings settings, const RelationTask::Goal& goal)
@@ -234,8 +248,8 @@ void HeldObjectSkill::Advance(const Scene& scene, Rng& rng) {
           setback_.empty() ? Guide(scene) : std::optional<Guidance>();
       if (next) return Follow(*next);
       if (!returns() || !setback_.empty()) return Enter(Phase::kRelease);
-      // Back on the path, then down to where it was.
-      back_ = {path_.rbegin(), path_.rend()};
+      // Back on the path from where it is, then down to where it was.
+      back_ = BackAlong(path_, last_ ? last_->at : std::nullopt);
       AppendStraight(back_, Pose(Eigen::Vector3d(0, 0, kDropFrom)) * at_rest_);
       walk_.emplace(back_, kReturnSpeed, kReturnTurn);
       return Enter(Phase::kReturn);

@@ -39,6 +39,9 @@ class PathWalk {
   double at_ = 0;  // an index, and the share of the way to the next pose
 };
 
+// Returns the way back to the start of a path from a place on it (PathWalk::at); unset: from its end.
+HeldPath BackAlong(const HeldPath& path, std::optional<double> at);
+
 class HeldObjectSkill : public Skill {
  public:
   HeldObjectSkill(SkillSettings settings, const RelationTask::Goal& goal);

@@ -26,6 +26,26 @@ TEST(PathWalk, ReachesTheEndAtItsSpeed) {
   EXPECT_NEAR(walk.place().translation().x(), 0, 1e-12);
 }
 
+TEST(PathWalk, TheWayBackBeginsWhereTheWalkIs) {
+  HeldPath path = {Pose()};
+  AppendStraight(path, Pose(Eigen::Vector3d(0.1, 0, 0)));
+  PathWalk walk(path, 0.05, 1);
+  const HeldPath whole = BackAlong(path, std::nullopt);
+  ASSERT_EQ(whole.size(), path.size());
+  EXPECT_TRUE(whole.front().is_close(path.back(), 1e-12, 1e-12));
+  for (int i = 0; i < 20; ++i) {
+    const HeldPath back = BackAlong(path, walk.at());
+    EXPECT_TRUE(back.front().is_close(walk.place(), 1e-12, 1e-12));
+    EXPECT_TRUE(back.back().is_close(path.front(), 1e-12, 1e-12));
+    for (size_t k = 1; k < back.size(); ++k) {
+      const double step = back[k - 1].translation().x() - back[k].translation().x();
+      EXPECT_GE(step, 0);
+      EXPECT_LE(step, 0.005 + 1e-9);  // as fine as the path
+    }
+    walk.Move(0.113);
+  }
+}
+
 // The object slips twice: first it falls to where it was, then out of reach.
 TEST(HeldObjectSkill, PicksUpAgainWhatSlippedAndStaysWhenThatIsOutOfReach) {
   std::optional<Pose> start;

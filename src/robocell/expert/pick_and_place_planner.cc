@@ -36,16 +36,20 @@ std::shared_ptr<const PickAndPlaceTask> TaskOf(const RunConfig& run, const Episo
                   run.run, run.task.kind()));
 }
 
+PickPlannerOptions With(PickPlannerOptions options, GraspUse usable) {
+  options.usable = std::move(usable);
+  return options;
+}
+
 }  // namespace
 
 PickAndPlacePlanner::PickAndPlacePlanner(std::string robot, std::string target_object,
                                          std::shared_ptr<const PickAndPlaceTask> task,
                                          SimOptions sim, const PickPlannerOptions& options)
-    : robot_name_(std::move(robot)),
-      target_object_(std::move(target_object)),
-      task_(std::move(task)),
-      options_(options),
-      pick_(robot_name_, target_object_, std::move(sim), options) {}
+    : PickAndPlacePlanner(std::move(robot), std::move(target_object), PlacePoses(), std::move(sim),
+                          options) {
+  task_ = std::move(task);
+}
 
 PickAndPlacePlanner::PickAndPlacePlanner(std::string robot, std::string target_object,
                                          PlacePoses places, SimOptions sim,
@@ -54,7 +58,15 @@ PickAndPlacePlanner::PickAndPlacePlanner(std::string robot, std::string target_o
       target_object_(std::move(target_object)),
       places_(std::move(places)),
       options_(options),
-      pick_(robot_name_, target_object_, std::move(sim), options) {}
+      // It grasps the object so that it can put it down: of several arms the nearest one may reach
+      // the object and not the goal.
+      pick_(robot_name_, target_object_, std::move(sim),
+            With(options, [this](PlanningScene& planning, const GraspMotion& motion) {
+              const Pose in_tcp = motion.grasp.tcp_in_world.inverse() * ObjectInWorld();
+              PlaceMotions places(planning, in_tcp, GoalsFor(at_rest_), motion.up.back(),
+                                  {.above = options_.above, .gap = motion.grasp.width});
+              return places.Next().has_value();
+            })) {}
 
 PickAndPlacePlanner::PickAndPlacePlanner(const RunConfig& run, const EpisodeStart& start)
     : PickAndPlacePlanner(internal::FirstArmOfRun(run), start.target_object, TaskOf(run, start),

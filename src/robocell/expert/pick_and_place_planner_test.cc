@@ -134,6 +134,18 @@ TEST(PickAndPlacePlanner, GivesUpIfTheGoalIsOutOfReach) {
   EXPECT_EQ(outcome.failure, "no way to put the object down");
 }
 
+// One of several arms that reaches the object and not the goal leaves the object to the others.
+TEST(PickAndPlacePlanner, GraspsNothingThatItCannotPutDown) {
+  const RunConfig run = RunOf("box");
+  EpisodeStart start = StartWith(run, 3);
+  start.scene.SetBodyPose(start.scene.compiled()->object("goal").root_body,
+                          Pose(Eigen::Vector3d(5, 0, 0.009)));
+  start.scene.Forward();
+  const PlaceOutcome outcome = RollOutPlace(run, start);
+  EXPECT_EQ(outcome.rows, 0);
+  EXPECT_EQ(outcome.failure, "no grasp from which the goal can be reached");
+}
+
 TEST(PickAndPlacePlanner, RequiresATaskOfItsKind) {
   const RunConfig run = RunOf("box");
   EpisodeStart start = StartWith(run, 3);

@@ -12,9 +12,9 @@
 namespace robocell {
 namespace {
 
-constexpr double kUprightSpeed = 0.12;  // m/s
-constexpr double kTiltSpeed = 0.7;      // rad/s
-constexpr double kPourSeconds = 1.2;    // with the vessel tilted
+constexpr double kUprightSpeed = 0.16;  // m/s
+constexpr double kTiltSpeed = 0.9;      // rad/s
+constexpr double kPourSeconds = 1.2;    // with the vessel tilted, while grains may still come
 
 class PourSkill final : public internal::HeldObjectSkill {
  public:
@@ -33,7 +33,9 @@ class PourSkill final : public internal::HeldObjectSkill {
     waited_ = 0;
   }
 
-  std::optional<Guidance> Guide(const Scene& /*scene*/) override {
+  std::optional<Guidance> Guide(const Scene& scene) override {
+    scene.SyncPoses();
+    if (goal().bound->Progress() >= 1) return std::nullopt;  // every grain is in the other vessel
     if (walk_->at_end()) {
       waited_ += settings().tick;
       if (waited_ >= kPourSeconds) return std::nullopt;

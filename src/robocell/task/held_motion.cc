@@ -71,12 +71,22 @@ HeldMotions::HeldMotions(PlanningScene& planning, const Pose& object_in_tcp,
       starts_.push_back({searched[static_cast<size_t>(b)], JointVector(result.row(b))});
     }
   }
+  // An arm that cannot take every pose may turn the object a little.
+  const TaskSpace task = TaskSpaceOf(planning_.robot());
+  for (size_t i = 0; i < targets.size() && task.is_partial(chain); ++i) {
+    if (solved[i]) continue;
+    const IkResult near = task.SolveWithin(chain, targets[i], start, kMostTilt);
+    if (!near.success) continue;
+    solved[i] = true;
+    starts_.push_back({searched[i], near.q});
+  }
   out_of_reach_ = static_cast<int>(std::ranges::count(solved, false));
   std::ranges::stable_sort(starts_, {}, &Start::path);
 }
 
 std::optional<HeldMotion> HeldMotions::Try(size_t path, const JointVector& q) {
   const Chain& chain = planning_.robot().chain();
+  const TaskSpace task = TaskSpaceOf(planning_.robot());
   HeldMotion motion{.path = path, .along = {q}};
   const auto is_free = [&](const JointVector& at) {
     if (planning_.IsFree(at, {.gap = options_.gap})) return true;
@@ -86,9 +96,12 @@ std::optional<HeldMotion> HeldMotions::Try(size_t path, const JointVector& q) {
   };
   // The whole way first: it costs less than the collisions.
   for (size_t i = 1; i < paths_[path].size(); ++i) {
-    const IkResult ik =
-        Ik(chain, world_in_base_ * paths_[path][i] * tcp_in_object_,
+    const Pose next = world_in_base_ * paths_[path][i] * tcp_in_object_;
+    IkResult ik =
+        Ik(chain, next,
            {.tolerance = kLineIkTolerance, .seed = motion.along.back(), .max_restarts = 0});
+    if (!ik.success && task.is_partial(chain))
+      ik = task.SolveWithin(chain, next, motion.along.back(), kMostTilt);
     if (!ik.success || JointDistance(ik.q, motion.along.back()) > kMostHeldStep) {
       ++no_way_;
       return std::nullopt;
