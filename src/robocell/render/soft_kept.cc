@@ -21,6 +21,10 @@ constexpr int64_t kMostPixels = 1 << 20;
 // Numbers of cameras that are none of the model, and of all that draw large images.
 constexpr int kFree = -1, kLarge = -2;
 
+// If nearly all blocks are touched, parts cost more than the whole: that many pictures are then drawn
+// without a try.
+constexpr int kPause = 8;
+
 // 0 and -0 are different: they may lead to different bytes.
 bool HasSameBits(std::span<const float> a, std::span<const float> b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](float x, float y) {
@@ -161,12 +165,18 @@ SoftKept::Way SoftKept::Begin(const SoftScene& scene, const CameraModel& camera,
   const bool was_whole = std::exchange(is_whole_, false);
   view_ = view;
   pose_ = PoseOf(camera);
-  if (!may_keep || !is_same_view) {
+  if (!is_same_view) pause_ = 0;
+  if (!may_keep || !is_same_view || pause_ > 0) {
     way_ = Way::kOnce;
+    pause_ = std::max(0, pause_ - 1);
     if (may_keep) Reserve(scene, colours);
   } else if (was_whole && HasSameElements(scene) && (!colours || HasSameLights(scene))) {
     way_ = Way::kParts;
     FindTouched(scene);
+    if (IsMostlyTouched()) {
+      way_ = Way::kOnce;
+      pause_ = kPause;
+    }
   } else {
     way_ = Way::kWhole;
     NoteAll(scene, colours);
@@ -257,6 +267,11 @@ void SoftKept::FindTouched(const SoftScene& scene) {
     Touch(places_[at]);
   }
   sums_.Build(buffer.columns, buffer.rows, [&](size_t i) { return touched_[i]; });
+}
+
+bool SoftKept::IsMostlyTouched() const {
+  const int32_t touched = sums_.Of(0, 0, buffer.columns, buffer.rows);
+  return 4 * static_cast<size_t>(touched) > 3 * blocks();
 }
 
 bool SoftKept::ShowsMoved(const SoftPicture& picture, const SoftIds& ids) const {

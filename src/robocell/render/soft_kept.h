@@ -73,7 +73,10 @@ class SoftSums {
 class SoftKept {
  public:
   // Forgets the last picture, but not its memory.
-  void Forget() { has_view_ = is_whole_ = false; }
+  void Forget() {
+    has_view_ = is_whole_ = false;
+    pause_ = 0;
+  }
 
   // Returns true if the last picture was of this camera, at this place.
   bool IsOf(const CameraModel& camera) const;
@@ -124,6 +127,7 @@ class SoftKept {
   void Reserve(const SoftScene& scene, bool colours);
   void NoteAll(const SoftScene& scene, bool colours);
   void FindTouched(const SoftScene& scene);
+  bool IsMostlyTouched() const;
   void Touch(const SoftBlocks& blocks);
   bool ShowsMoved(const SoftPicture& picture, const SoftIds& ids) const;
   void FindRuns();
@@ -133,6 +137,7 @@ class SoftKept {
 
   bool has_view_ = false, is_whole_ = false;
   Way way_ = Way::kOnce;
+  int pause_ = 0;  // pictures until parts are tried again
   SoftView view_;
   Eigen::Matrix<double, 3, 4> pose_;
   // Of the last picture.
