@@ -21,8 +21,9 @@ constexpr int64_t kMostPixels = 1 << 20;
 // Numbers of cameras that are none of the model, and of all that draw large images.
 constexpr int kFree = -1, kLarge = -2;
 
-// If nearly all blocks are touched, parts cost more than the whole: that many pictures are then drawn
-// without a try.
+// If a larger share of the blocks is touched, parts cost more than the whole: that many pictures are
+// then drawn without a try.
+constexpr double kMostTouched = 1.0 / 3;
 constexpr int kPause = 8;
 
 // 0 and -0 are different: they may lead to different bytes.
@@ -173,7 +174,7 @@ SoftKept::Way SoftKept::Begin(const SoftScene& scene, const CameraModel& camera,
   } else if (was_whole && HasSameElements(scene) && (!colours || HasSameLights(scene))) {
     way_ = Way::kParts;
     FindTouched(scene);
-    if (IsMostlyTouched()) {
+    if (AreManyTouched()) {
       way_ = Way::kOnce;
       pause_ = kPause;
     }
@@ -269,9 +270,9 @@ void SoftKept::FindTouched(const SoftScene& scene) {
   sums_.Build(buffer.columns, buffer.rows, [&](size_t i) { return touched_[i]; });
 }
 
-bool SoftKept::IsMostlyTouched() const {
+bool SoftKept::AreManyTouched() const {
   const int32_t touched = sums_.Of(0, 0, buffer.columns, buffer.rows);
-  return 4 * static_cast<size_t>(touched) > 3 * blocks();
+  return kMostTouched * static_cast<double>(blocks()) < touched;
 }
 
 bool SoftKept::ShowsMoved(const SoftPicture& picture, const SoftIds& ids) const {

@@ -127,7 +127,7 @@ class SoftKept {
   void Reserve(const SoftScene& scene, bool colours);
   void NoteAll(const SoftScene& scene, bool colours);
   void FindTouched(const SoftScene& scene);
-  bool IsMostlyTouched() const;
+  bool AreManyTouched() const;
   void Touch(const SoftBlocks& blocks);
   bool ShowsMoved(const SoftPicture& picture, const SoftIds& ids) const;
   void FindRuns();
