@@ -155,6 +155,14 @@ struct SoftShadowMap {
   std::vector<float> nearest, farthest;
   int32_t level_start[kSoftTileLevels] = {}, level_columns[kSoftTileLevels] = {},
           level_rows[kSoftTileLevels] = {};
+  // Counts the drawings, and the one that last changed each tile.
+  uint32_t drawings = 0;
+  std::vector<uint32_t> changed;
+};
+
+// The tiles of a map on which the colours of a block depend: columns and rows.
+struct SoftReach {
+  int16_t begin[2] = {0, 0}, end[2] = {0, 0};
 };
 
 // A light's view.

@@ -29,11 +29,17 @@ void Exact(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows, 
            int32_t* bodies) {
   ReadExactHere(picture, buffer, rows, metres, bodies);
 }
-void Shade(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows, SoftIds* colours,
-           uint8_t* rgb) {
-  ShadePictureHere(picture, buffer, rows, colours, rgb);
+void Shade(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
+           const uint8_t* wanted, SoftIds* colours, uint8_t* rgb) {
+  ShadePictureHere(picture, buffer, rows, wanted, colours, rgb);
 }
-int Edges(const SoftBuffer& buffer, SoftSamples* samples) { return FindEdgesHere(buffer, samples); }
+void Reach(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
+           const uint8_t* wanted, const SoftShadow& shadow, SoftReach* reach) {
+  FindReachHere(picture, buffer, rows, wanted, shadow, reach);
+}
+int Edges(const SoftBuffer& buffer, const uint8_t* wanted, SoftSamples* samples) {
+  return FindEdgesHere(buffer, wanted, samples);
+}
 void Summarise(SoftShadowMap* map, SoftRows rows) { SummariseMapHere(map, rows); }
 void DrawBeside(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,
                 SoftSamples* samples) {
@@ -63,6 +69,7 @@ HWY_EXPORT(Instructions);
 HWY_EXPORT(Draw);
 HWY_EXPORT(Exact);
 HWY_EXPORT(Shade);
+HWY_EXPORT(Reach);
 HWY_EXPORT(Edges);
 HWY_EXPORT(Summarise);
 HWY_EXPORT(DrawBeside);
@@ -117,6 +124,16 @@ void FitBuffer(const SoftView& view, SoftBuffer* buffer) {
   buffer->ids.resize(buffer->nearness.size());
 }
 
+void ClearBlocks(const SoftView& view, std::span<const uint8_t> wanted, SoftBuffer* buffer) {
+  const SoftNumbers farthest = Farthest(view);
+  const SoftIds nothing = NoIds();
+  for (size_t block = 0; block < wanted.size(); ++block) {
+    if (!wanted[block]) continue;
+    buffer->nearness[block] = farthest;
+    buffer->ids[block] = nothing;
+  }
+}
+
 void ClearRows(const SoftView& view, SoftRows rows, SoftBuffer* buffer) {
   const auto fill = [&](auto& of_blocks, const auto& value) {
     if (of_blocks.empty()) return;
@@ -144,21 +161,27 @@ void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows ro
 }
 
 void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
-                  std::span<SoftIds> colours) {
-  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, rows, colours.data(), nullptr);
+                  const uint8_t* wanted, std::span<SoftIds> colours) {
+  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, rows, wanted, colours.data(), nullptr);
 }
 
 void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
                   std::span<uint8_t> rgb) {
-  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, rows, nullptr, rgb.data());
+  HWY_DYNAMIC_DISPATCH(Shade)(picture, buffer, rows, nullptr, nullptr, rgb.data());
 }
 
-void FindEdges(const SoftView& view, const SoftBuffer& buffer, SoftSamples* samples) {
+void FindReach(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
+               const uint8_t* wanted, const SoftShadow& shadow, std::span<SoftReach> reach) {
+  HWY_DYNAMIC_DISPATCH(Reach)(picture, buffer, rows, wanted, shadow, reach.data());
+}
+
+void FindEdges(const SoftView& view, const SoftBuffer& buffer, const uint8_t* wanted,
+               SoftSamples* samples) {
   samples->columns = buffer.columns;
   samples->slots.resize(buffer.ids.size());
   samples->before.resize(static_cast<size_t>(buffer.columns + 1) *
                          static_cast<size_t>(buffer.rows + 1));
-  const int slots = HWY_DYNAMIC_DISPATCH(Edges)(buffer, samples);
+  const int slots = HWY_DYNAMIC_DISPATCH(Edges)(buffer, wanted, samples);
   const size_t size = samples->At(slots, 0);
   samples->nearness.assign(size, Farthest(view));
   samples->ids.assign(size, NoIds());

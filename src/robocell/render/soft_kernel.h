@@ -27,6 +27,8 @@ std::string SoftInstructions();
 void FitBuffer(const SoftView& view, SoftBuffer* buffer);
 // Makes a buffer without ids as large as the view.
 void FitNearness(const SoftView& view, SoftBuffer* buffer);
+// Empties the blocks that have a flag.
+void ClearBlocks(const SoftView& view, std::span<const uint8_t> wanted, SoftBuffer* buffer);
 // Empties the rows.
 void ClearRows(const SoftView& view, SoftRows rows, SoftBuffer* buffer);
 
@@ -41,16 +43,23 @@ void SummariseMap(SoftShadowMap* map, SoftRows rows);
 void ReadExact(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
                std::span<float> metres, std::span<int32_t> bodies);
 
-// Computes the colours of the buffer: red, green, blue from the lowest byte on.
+// Computes the colours of the buffer: red, green, blue from the lowest byte on. `wanted` here and
+// below: null, or a flag of each block; the colours of others stay as they are.
 void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
-                  std::span<SoftIds> colours);
+                  const uint8_t* wanted, std::span<SoftIds> colours);
 // Computes the colours into rows of 3 bytes a pixel.
 void ShadePicture(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
                   std::span<uint8_t> rgb);
 
+// Finds the tiles of a map on which the colours of blocks depend: if none of them changes, the block
+// has the same shadows, bit by bit.
+void FindReach(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
+               const uint8_t* wanted, const SoftShadow& shadow, std::span<SoftReach> reach);
+
 // Reserves empty samples for blocks that show an edge between surfaces. The number and positions of
 // a pixel's samples stay unchanged.
-void FindEdges(const SoftView& view, const SoftBuffer& buffer, SoftSamples* samples);
+void FindEdges(const SoftView& view, const SoftBuffer& buffer, const uint8_t* wanted,
+               SoftSamples* samples);
 
 // Draws the instance into those of the view's rows.
 void DrawSamples(const SoftView& view, const SoftInstance& instance, SoftScratch* scratch,

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 
 #include "robocell/render/soft_frame.h"
 #include "robocell/render/soft_shade-inl.h"
@@ -434,13 +435,32 @@ inline HWY_NOINLINE bool ShadeRun(const SoftPicture& picture, const SoftBuffer& 
   return true;
 }
 
+// The same for those blocks of a run that have a flag, if there are flags: each block's colours are
+// the same in any part of its run.
+template <class PutBlock>
+HWY_INLINE bool ShadeWanted(const SoftPicture& picture, const SoftBuffer& buffer, int bx, int by,
+                            int count, const uint8_t* in_row, SoftFace* face, const PutBlock& put) {
+  if (!in_row) return ShadeRun(picture, buffer, bx, by, count, face, put);
+  for (int begin = bx; begin < bx + count; ++begin) {
+    if (!in_row[begin]) continue;
+    int end = begin + 1;
+    while (end < bx + count && in_row[end]) ++end;
+    if (!ShadeRun(picture, buffer, begin, by, end - begin, face, put)) return false;
+    begin = end;
+  }
+  return true;
+}
+
+// `wanted`: null, or a flag of each block; the colours of the others stay as they are.
 inline void ShadePictureHere(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
-                             SoftIds* colours, uint8_t* rgb) {
+                             const uint8_t* wanted, SoftIds* colours, uint8_t* rgb) {
   SoftFace face, mirrored;
   alignas(64) int32_t pixels[kSoftPixels];
   const int width = picture.view->width, height = picture.view->height;
   for (int by = rows.begin; by < rows.end; ++by) {
     const size_t start = static_cast<size_t>(by) * static_cast<size_t>(buffer.columns);
+    const uint8_t* in_row = wanted ? wanted + start : nullptr;
+    if (in_row && !std::memchr(in_row, 1, static_cast<size_t>(buffer.columns))) continue;
     const auto put = [&](int bx, const int32_t* from) HWY_ATTR {
       if (rgb) {
         PutColours(from, bx, by, width, height, rgb);
@@ -454,11 +474,12 @@ inline void ShadePictureHere(const SoftPicture& picture, const SoftBuffer& buffe
       const auto id = static_cast<int32_t>(buffer.ids[block].at[0]);
       if (id >= 0) {
         const int run = RunLength(buffer, block, bx, id);
-        if (run >= kShortestRun && ShadeRun(picture, buffer, bx, by, run, &face, put)) {
+        if (run >= kShortestRun && ShadeWanted(picture, buffer, bx, by, run, in_row, &face, put)) {
           bx += run - 1;
           continue;
         }
       }
+      if (in_row && !in_row[bx]) continue;
       for (int part = 0; part < kSoftPixels; part += kLanes) {
         const I ids = LoadIds(buffer, block, part);
         const V nearness = LoadNearness(buffer, block, part);

@@ -140,8 +140,9 @@ HWY_INLINE void MarkEdges(const SoftBuffer& buffer, size_t block, bool has_right
   if (at_beyond && has_right && has_below) marks[beyond] = 1;
 }
 
-// Gives each block that shows an edge a slot; returns their number.
-inline int FindEdgesHere(const SoftBuffer& buffer, SoftSamples* samples) {
+// Gives each block that shows an edge a slot; returns their number. `wanted`: null, or a flag of each
+// block; the others get none.
+inline int FindEdgesHere(const SoftBuffer& buffer, const uint8_t* wanted, SoftSamples* samples) {
   int32_t* slots = samples->slots.data();
   const size_t blocks = buffer.ids.size();
   std::fill_n(slots, blocks, 0);
@@ -149,6 +150,13 @@ inline int FindEdgesHere(const SoftBuffer& buffer, SoftSamples* samples) {
     for (int bx = 0; bx < buffer.columns; ++bx) {
       const size_t block = static_cast<size_t>(by) * buffer.columns + bx;
       const bool has_right = bx + 1 < buffer.columns, has_below = by + 1 < buffer.rows;
+      if (wanted) {  // it may mark these
+        const size_t below = has_below ? block + static_cast<size_t>(buffer.columns) : block;
+        const size_t right = has_right ? 1 : 0;
+        if (!(wanted[block] | wanted[block + right] | wanted[below] | wanted[below + right])) {
+          continue;
+        }
+      }
       if (ShowsOne(buffer, block, has_right, has_below) ||
           ShowsOneSurface(buffer, block, has_right, has_below)) {
         continue;
@@ -163,10 +171,12 @@ inline int FindEdgesHere(const SoftBuffer& buffer, SoftSamples* samples) {
   for (int by = 0; by < buffer.rows; ++by, before += stride, slots += buffer.columns) {
     int32_t in_row = before[stride] = 0;
     for (int bx = 0; bx < buffer.columns; ++bx) {
+      if (wanted) slots[bx] &= wanted[bx];
       in_row += slots[bx];
       before[stride + bx + 1] = before[bx + 1] + in_row;
       slots[bx] = slots[bx] ? used++ : kSoftNoSlot;
     }
+    if (wanted) wanted += buffer.columns;
   }
   return used;
 }

@@ -48,6 +48,13 @@ class SoftScene {
   // none in view.
   bool DrawReflection(SoftThreads* threads, SoftReflection* reflection);
   std::span<const SoftInstance> instances() const { return now_.instances; }
+  std::span<const SoftLight> lights() const { return now_.lights; }
+  // Returns true if the mesh has another shape in each picture, as those of skins and flexes.
+  bool Bends(const SoftMesh* mesh) const {
+    return !own_.empty() && mesh >= own_.data() && mesh < own_.data() + own_.size();
+  }
+  const SoftSky& sky() const { return sky_; }
+  bool has_mirror() const { return mirror_.in_view; }
   // Returns indices of instances: opaque ones, and groups of transparent ones, the nearest first. A
   // group is one element of the list.
   std::span<const int> opaque() const { return now_.opaque; }

@@ -14,6 +14,7 @@
 #include <cstdint>
 
 #include "robocell/render/soft_frame.h"
+#include "robocell/render/soft_pixels-inl.h"
 #include "robocell/render/soft_vectors-inl.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -193,6 +194,66 @@ struct PlaneInMap {
   float most() const { return std::max(2 * right, -right) + std::max(2 * down, -down) + 1e-6f; }
   float least() const { return std::min(2 * right, -right) + std::min(2 * down, -down) - 1e-6f; }
 };
+
+// Finds the tiles of the map that the colours of blocks depend on. `wanted`: null, or a flag of each
+// block; the others keep theirs.
+inline void FindReachHere(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
+                          const uint8_t* wanted, const SoftShadow& shadow, SoftReach* reach) {
+  // Points are lifted by up to 2.5 pixels and read up to three beside theirs.
+  constexpr float kBeside = 7, kTilePixels = kSoftTile * kSoftBlock;
+  const SoftView& view = shadow.view;
+  const float* m = shadow.to_map;
+  const auto side = static_cast<float>(view.width);
+  const int limit[2] = {shadow.map->tile_columns, shadow.map->tile_rows};
+  for (int by = rows.begin; by < rows.end; ++by) {
+    for (int bx = 0; bx < buffer.columns; ++bx) {
+      const size_t block =
+          static_cast<size_t>(by) * static_cast<size_t>(buffer.columns) + static_cast<size_t>(bx);
+      if (wanted && !wanted[block]) continue;
+      V low[2] = {Num(3e38f), Num(3e38f)}, high[2] = {Num(-3e38f), Num(-3e38f)};
+      for (int part = 0; part < kSoftPixels; part += kLanes) {
+        const I ids =
+            hn::Load(kInts, reinterpret_cast<const int32_t*>(buffer.ids[block].at) + part);
+        const Pixels p = PixelsAt(*picture.view, bx, by, part,
+                                  hn::Load(kFloats, buffer.nearness[block].at + part));
+        const auto row = [&](int k) HWY_ATTR {
+          return hn::Add(Dot(Set3(m + 4 * k), p.at), Num(m[4 * k + 3]));
+        };
+        M read = hn::RebindMask(kFloats, hn::Gt(ids, hn::Set(kInts, -1)));
+        V at[2] = {row(0), row(1)};
+        if (!view.orthographic) {
+          const V depth = row(2);
+          read = hn::And(read, hn::Gt(depth, Num(0.5f * view.near)));
+          const V nearness = hn::Div(Num(1), hn::Max(depth, Num(0.5f * view.near)));
+          at[0] = hn::Add(hn::Mul(at[0], nearness), Num(view.cx - 0.5f));
+          at[1] = hn::Add(hn::Mul(at[1], nearness), Num(view.cy - 0.5f));
+        }
+        for (int c = 0; c < 2; ++c) {
+          low[c] = hn::Min(low[c], hn::IfThenElse(read, at[c], Num(3e38f)));
+          high[c] = hn::Max(high[c], hn::IfThenElse(read, at[c], Num(-3e38f)));
+        }
+      }
+      SoftReach& to = reach[block];
+      to = {};
+      float from[2], until[2];
+      for (int c = 0; c < 2; ++c) {
+        from[c] = hn::GetLane(hn::MinOfLanes(kFloats, low[c]));
+        until[c] = hn::GetLane(hn::MaxOfLanes(kFloats, high[c]));
+      }
+      if (from[0] > until[0]) continue;
+      // Limits of larger tiles decide for blocks that are large on the map.
+      const float extent = std::max(until[0] - from[0], until[1] - from[1]);
+      const float around = std::max(kTilePixels, 2 * extent) + kBeside;
+      for (int c = 0; c < 2; ++c) {
+        to.begin[c] =
+            static_cast<int16_t>(std::clamp(from[c] - around, 0.0f, side) * (1 / kTilePixels));
+        to.end[c] = static_cast<int16_t>(std::min(
+            limit[c],
+            static_cast<int>(std::clamp(until[c] + around, 0.0f, side) * (1 / kTilePixels)) + 1));
+      }
+    }
+  }
+}
 
 // Returns the offset in metres, for light from far away.
 HWY_INLINE float LiftOf(const SoftShadow& shadow, float facing) {

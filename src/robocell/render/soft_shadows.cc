@@ -96,6 +96,7 @@ void FitMap(const SoftView& view, SoftShadowMap* map) {
   map->tile_rows = (buffer.rows + kSoftTile - 1) / kSoftTile;
   const auto tiles = static_cast<size_t>(map->tile_columns) * static_cast<size_t>(map->tile_rows);
   map->drawn.assign(tiles, 1);
+  map->changed.assign(tiles, 0);
   int32_t size = 0;
   for (int level = 0, columns = map->tile_columns, rows = map->tile_rows; level < kSoftTileLevels;
        ++level, columns = (columns + 1) / 2, rows = (rows + 1) / 2) {
@@ -191,11 +192,13 @@ SoftTiles TilesOf(const SoftView& view, const SoftInstance& instance, const Soft
   return tiles;
 }
 
-void MarkTiles(const SoftTiles& tiles, SoftShadowMap* map) {
+// Sets the value of some tiles.
+template <class T>
+void MarkTiles(const SoftTiles& tiles, const SoftShadowMap& map, T value, std::vector<T>* values) {
   for (int y = tiles.begin[1]; y < tiles.end[1]; ++y) {
     for (int x = tiles.begin[0]; x < tiles.end[0]; ++x) {
-      map->drawn[static_cast<size_t>(y) * static_cast<size_t>(map->tile_columns) +
-                 static_cast<size_t>(x)] = 1;
+      (*values)[static_cast<size_t>(y) * static_cast<size_t>(map.tile_columns) +
+                static_cast<size_t>(x)] = value;
     }
   }
 }
@@ -304,16 +307,21 @@ void SoftShadows::DrawMap(SoftThreads* threads, bool is_same_light, Map* map) co
   FitMap(whole, &pixels);
   const bool is_partial = is_same_light && casters_.size() == map->drawn_casters.size();
   SoftTiles part;  // what is drawn again
+  ++pixels.drawings;
+  const auto changes = [&](const SoftTiles& tiles) {
+    part.Extend(tiles);
+    MarkTiles(tiles, pixels, pixels.drawings, &pixels.changed);
+  };
   map->instances.resize(casters_.size());
   map->tiles.resize(casters_.size());
   for (size_t i = 0; i < casters_.size(); ++i) {
     if (is_partial && casters_[i] == map->drawn_casters[i]) continue;
-    part.Extend(map->tiles[i]);
+    if (is_partial) changes(map->tiles[i]);
     map->instances[i] = InLight(casters_[i], *map);
     map->tiles[i] = TilesOf(whole, map->instances[i], pixels);
-    part.Extend(map->tiles[i]);
+    changes(map->tiles[i]);
   }
-  if (!is_partial) part = {{0, 0}, {pixels.tile_columns, pixels.tile_rows}};
+  if (!is_partial) changes({{0, 0}, {pixels.tile_columns, pixels.tile_rows}});
   if (part.empty()) return;
   // Bands count from 0.
   const int tile_rows = part.end[1] - part.begin[1];
@@ -323,7 +331,7 @@ void SoftShadows::DrawMap(SoftThreads* threads, bool is_same_light, Map* map) co
   threads->InBands(
       tile_rows, [&](SoftRows rows, int) { ClearTiles(from(rows, part.begin[1]), part, &pixels); });
   if (!is_partial) std::ranges::fill(pixels.drawn, uint8_t{0});
-  for (const SoftTiles& tiles : map->tiles) MarkTiles(tiles, &pixels);
+  for (const SoftTiles& tiles : map->tiles) MarkTiles(tiles, pixels, uint8_t{1}, &pixels.drawn);
   const int first_row = kSoftTile * part.begin[1];
   const int end_row = std::min(pixels.buffer.rows, kSoftTile * part.end[1]);
   threads->InBands(end_row - first_row, [&](SoftRows rows, int band) {
