@@ -183,7 +183,8 @@ soak-reliability: build
 soak-tests: build
 	@$(call headline,soak: long tests)
 	@scripts/fetch_test_robots
-	@$(PYTHON) -m pytest -m soak --ignore tests/reliability
+	@mkdir -p build/soak
+	@ROBOCELL_FIGURES=$(ROOT)/build/soak/figures.jsonl $(PYTHON) -m pytest -m soak --ignore tests/reliability
 
 # What optimisation hides: nothing is inlined, so that two things of one name meet in the linker.
 soak-debug: setup

@@ -23,6 +23,17 @@ NOTES = [
         "children": 0,
         "heap_each": -3,
     },
+    {
+        "what": "houses",
+        "houses": 100,
+        "kept": 99,
+        "objects": 4000,
+        "slots": 2800,
+        "openings": 2700,
+        "penetration": 0.00013,
+        "moved": 0.002,
+        "opened": 1.0,
+    },
 ]
 
 
@@ -43,6 +54,8 @@ def test_figures_are_summed_and_gaps_are_named():
     assert "| files cut short, each found | not run |  |" in text
     assert "| 1000: 0 descriptors, 0 processes, 0 bytes each stay |" in text
     assert "| resets | not run |  |" in text
+    assert "| 99 of 100: 4000 objects, 2800 surfaces and containers, 2700 doors" in text
+    assert "the deepest overlap 0.13 mm, the farthest move 2.00 mm | 2026-01-02 |" in text
     assert "| fuzzed: yaml | 12 345 inputs in 61 s | 2026-01-03 |" in text
     assert "| fuzzed: names | not run |  |" in text
 

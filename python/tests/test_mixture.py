@@ -166,3 +166,35 @@ def test_what_belongs_to_all_runs_is_not_replaced_in_each(tmp_path: Path):
     assert not is_mixture(str(tmp_path / "nowhere.yaml"))
     mixture = load_mixture(str(write(tmp_path)), output="elsewhere", workers=3)
     assert (mixture.output, mixture.workers) == (Path("elsewhere"), 3)
+
+
+HOUSES = Path(__file__).parents[2] / "examples/houses"
+
+
+def test_the_example_in_houses_has_what_its_first_line_says():
+    parts = load_mixture(str(HOUSES / "houses.yaml")).parts
+    runs = [part.source.load(list(part.overrides)) for part in parts]
+    plans = [robocell.generate.make_plan(run) for run in runs]
+    assert sum(len(plan) for plan in plans) == 200
+    assert len({run.robot.name for run in runs}) == 3
+    assert len({run.task.kind for run in runs}) == 4
+    for run, plan in zip(runs, plans, strict=True):
+        assert {item.scene for item in plan} == set(range(20))
+        assert [stream.name for stream in run.cameras.streams] == ["wrist", "side", "high"]
+
+
+@pytest.mark.proof
+def test_the_example_in_houses_makes_episodes_of_all_its_runs(tmp_path: Path):
+    """One of each run, with a page of pictures; and what slept in them changes no replay."""
+    names = ("pick", "place", "next_to", "stack")
+    runs = [{"run": str(HOUSES / f"{name}.yaml"), "episodes": 1} for name in names]
+    file = tmp_path / "houses.yaml"
+    out = tmp_path / "out"
+    file.write_text(yaml.safe_dump({"run": "houses", "runs": runs, "output": str(out)}))
+    assert robocell_command("generate", file, "--render-kept").returncode == 0
+    dataset = robocell.Dataset(out)
+    assert len(dataset) == 4
+    assert all(episode.success for episode in dataset)
+    assert robocell_command("replay", out, "--tolerance", "0").returncode == 0
+    assert robocell_command("report", out, "-o", tmp_path / "page.html").returncode == 0
+    assert (tmp_path / "page.html").stat().st_size > 50_000

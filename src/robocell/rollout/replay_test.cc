@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 
@@ -52,6 +53,10 @@ class ReplayTest : public ::testing::Test {
   ReplayTest() {
     run = RunConfig::Load(SourceDir() + "/examples/demo.yaml");
     run.cameras.streams = {};
+    MakeStart();
+  }
+  void MakeStart() {
+    start.reset();
     Rng rng = Rng::Stream(1, "start");
     for (int attempt = 0; !start; ++attempt)
       start = std::move(StartSampler(run).Sample({0, 0, attempt}, rng).start);
@@ -80,6 +85,16 @@ TEST_F(ReplayTest, ReplayingControlsReproducesAnEpisodeBitwise) {
   EXPECT_EQ(result.ticks, episode.rows("control"));
   EXPECT_GT(result.rows, 20);
   EXPECT_THAT(result.Text(), HasSubstr("control ticks: identical"));
+}
+
+TEST_F(ReplayTest, BodiesThatSleepWhenTheEpisodeBeginsDoNotMatter) {
+  run.options.enable = {"sleep"};
+  MakeStart();
+  const int* trees = start->scene.data()->tree_asleep;
+  ASSERT_TRUE(
+      std::any_of(trees, trees + start->scene.model()->ntree, [](int t) { return t >= 0; }));
+  const ReplayResult result = VerifyReplay(Record(), {.tolerance = 0});
+  EXPECT_TRUE(result.ok()) << result.Text();
 }
 
 TEST_F(ReplayTest, ReportsAPushedObjectAndItsRow) {

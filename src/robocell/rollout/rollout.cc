@@ -1,6 +1,7 @@
 #include "robocell/rollout/rollout.h"
 
 #include <fmt/format.h>
+#include <mujoco/mujoco.h>
 
 #include <optional>
 #include <string>
@@ -105,6 +106,12 @@ void NoteNoIkSolution(const StepOutcome& step, double time, const std::string& p
                            step.ik.position_error, step.ik.rotation_error);
 }
 
+// Wakes all bodies: a recorded state does not say which ones sleep, and its replay begins with all
+// of them awake.
+void WakeAll(Scene& scene) {
+  if (scene.model()->opt.enableflags & mjENBL_SLEEP) scene.SetState(scene.state());
+}
+
 // Returns the result of a rollout that ends before it is done.
 RolloutResult Stopped(RolloutResult result) {
   result.stopped = true;
@@ -118,6 +125,7 @@ RolloutResult RunRollout(const RunConfig& run, EpisodeStart& start, Expert& expe
   const SceneUse::Claim claim(start.scene.use(), "RunRollout");
   const PortableScene portable =
       options.stores ? MakePortable(start.scene.spec()) : PortableScene();
+  WakeAll(start.scene);
   RunCell in(run, start, options.renderer);
   ExpertCalls calls(expert, options.expert_errors_fail);
   calls.Do("begin", [&] { expert.Begin(start.scene, rng); });

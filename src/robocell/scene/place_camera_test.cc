@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
+
 #include "robocell/base/error.h"
 #include "robocell/base/rng.h"
 #include "robocell/mujoco/names.h"
@@ -43,6 +45,29 @@ TEST(PlaceCamera, ASceneBuiltFromTheSpecHasTheCameraThereToo) {
       EXPECT_EQ(m->cam_fovy[i], n->cam_fovy[k]);
       EXPECT_TRUE(scene.camera_pose(name).is_close(again.camera_pose(name), 1e-12, 1e-12));
     }
+  }
+}
+
+// The engine leaves out what sleeps and, then, what never moves.
+TEST(PlaceCamera, MovesCamerasOnBodiesThatSleepOrNeverMove) {
+  SceneSpec spec = SceneWithCameras();
+  spec.options.enable = {"sleep"};
+  Scene scene = Scene::Build(spec);
+  EXPECT_TRUE(scene.StepN(1000).ok());
+  const int* trees = scene.data()->tree_asleep;
+  ASSERT_TRUE(std::all_of(trees, trees + scene.model()->ntree, [](int t) { return t >= 0; }));
+  const Pose box = scene.body_pose("box");
+  const Pose place = Pose::FromRpy({0.4, -0.3, 1.2}, {0.1, 0.2, 0.3});
+  for (const bool forward : {false, true}) {
+    const Pose pose = forward ? place : place * place;
+    PlaceCamera(scene, "side", pose, 50);
+    PlaceCamera(scene, "on_box", pose, 50);
+    if (forward)
+      scene.Forward();
+    else
+      scene.SyncPoses();
+    EXPECT_TRUE(scene.camera_pose("side").is_close(pose, 1e-12, 1e-12));
+    EXPECT_TRUE(scene.camera_pose("on_box").is_close(box * pose, 1e-12, 1e-12));
   }
 }
 

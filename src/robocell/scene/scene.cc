@@ -45,6 +45,15 @@ class StepEnd {
   std::span<internal::StepGate* const> gates_;
 };
 
+// Cameras and lights follow their places in the model, also those on bodies that sleep or never move,
+// which the engine leaves out once something sleeps. Bodies stay as they are.
+void UpdateCamerasAndLights(const mjModel* model, mjData* data) {
+  if (!(model->opt.enableflags & mjENBL_SLEEP)) return mj_camlight(model, data);
+  mjModel view = *model;  // shallow
+  view.opt.enableflags &= ~mjENBL_SLEEP;
+  mj_camlight(&view, data);
+}
+
 }  // namespace
 
 Scene Scene::Build(const SceneSpec& spec, const DataFactory& factory) {
@@ -152,6 +161,9 @@ void Scene::Forward() {
   State& s = open();
   s.LookAtSolver();
   robocell::Forward(s.model(), s.data.data, s.context);
+  if (s.model()->opt.enableflags & mjENBL_SLEEP)
+    internal::Guarded(s.context, s.data.data,
+                      [&] { UpdateCamerasAndLights(s.model(), s.data.data); });
   s.poses_at = s.data.data->time;
   for (size_t i = 0; i < s.observers.size(); ++i) {  // a copy would allocate
     if (const auto observer = s.observers[i].observer.lock()) observer->OnForward();
@@ -166,7 +178,7 @@ void Scene::SyncPoses() const {
   internal::Guarded(s.context, data, [&] {
     mj_kinematics(model, data);
     mj_comPos(model, data);
-    mj_camlight(model, data);
+    UpdateCamerasAndLights(model, data);
   });
   s.poses_at = data->time;
 }

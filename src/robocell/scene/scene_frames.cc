@@ -3,6 +3,7 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <string>
@@ -86,6 +87,15 @@ std::string DescribeStateNumber(const mjModel* m, size_t index) {
 }
 
 constexpr int kState = mjSTATE_INTEGRATION;
+
+// Wakes all bodies; the state is then set. The engine has no call for it alone, and counts its
+// warnings on.
+void WakeAll(const mjModel* m, mjData* d) {
+  std::array<mjWarningStat, mjNWARNING> warnings;
+  std::copy_n(d->warning, mjNWARNING, warnings.begin());
+  mj_resetData(m, d);
+  std::copy_n(warnings.begin(), mjNWARNING, d->warning);
+}
 
 std::vector<std::string> Named(const mjModel* model, mjtObj kind) {
   std::vector<std::string> names = ElementNames(model, kind);
@@ -307,6 +317,9 @@ void Scene::SetState(std::span<const double> state) {
   }
   s.FollowPool(state.data() + mj_stateSize(s.model(), mjSTATE_TIME));  // positions come next
   const auto set = [&] { mj_setState(s.model(), s.data.data, state.data(), kState); };
+  // A state does not say which bodies sleep, and what it does not say must not matter.
+  if (s.model()->opt.enableflags & mjENBL_SLEEP)
+    internal::Guarded(s.context, s.data.data, [&] { WakeAll(s.model(), s.data.data); });
   internal::Guarded(s.context, s.data.data, set);
   ++s.states_set;
   Forward();

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <limits>
 
 #include "robocell/assets/resolve.h"
@@ -98,6 +99,31 @@ TEST(SceneFrames, ContinuesBitwiseFromASavedState) {
   EXPECT_EQ(scene.state(), expected);
   ExpectThrow<ArgumentError>([&] { scene.SetState(std::vector<double>(3)); },
                              "numbers, got 3; states fit only the model they were taken from");
+}
+
+int AsleepIn(const Scene& scene) {
+  const int* trees = scene.data()->tree_asleep;
+  return static_cast<int>(
+      std::count_if(trees, trees + scene.model()->ntree, [](int tree) { return tree >= 0; }));
+}
+
+// A state does not say which bodies sleep.
+TEST(SceneFrames, WhatSleptBeforeAStateWasSetDoesNotMatter) {
+  SceneSpec spec = Workplace();
+  spec.options.enable = {"sleep"};
+  Scene rested = Scene::Build(spec), fresh = Scene::Build(spec);
+  EXPECT_TRUE(rested.StepN(1000).ok());
+  ASSERT_GT(AsleepIn(rested), 0);
+  const std::vector<double> state = rested.state();
+  for (Scene* scene : {&rested, &fresh}) {
+    scene->SetState(state);
+    EXPECT_EQ(AsleepIn(*scene), 0);
+    EXPECT_EQ(scene->state(), state);
+    EXPECT_TRUE(scene->StepN(300).ok());
+    scene->SetBodyWrench("cube", {0.3, 0, 0});
+    EXPECT_TRUE(scene->StepN(200).ok());
+  }
+  EXPECT_EQ(rested.state(), fresh.state());
 }
 
 TEST(SceneFrames, RejectsNonFiniteStates) {

@@ -28,21 +28,22 @@ bool IsFree(const Disc& disc, const std::vector<Disc>& taken) {
   });
 }
 
-bool IsClearOf(const Disc& disc, std::span<const Eigen::AlignedBox2d> occupied) {
-  return std::ranges::none_of(occupied, [&](const Eigen::AlignedBox2d& box) {
-    return box.exteriorDistance(disc.at) < disc.radius + kObjectGap;
+// What hangs higher than `room` is in nobody's way.
+bool IsClearOf(const Disc& disc, std::span<const OverSupport> over, double room) {
+  return std::ranges::none_of(over, [&](const OverSupport& each) {
+    return each.bottom <= room && each.outline.exteriorDistance(disc.at) < disc.radius + kObjectGap;
   });
 }
 
 // Returns a free place on the support, in its frame.
 std::optional<Disc> FindPlace(const Support& support, double radius, const std::vector<Disc>& taken,
-                              std::span<const Eigen::AlignedBox2d> occupied, Rng& rng) {
+                              std::span<const OverSupport> over, double room, Rng& rng) {
   const double x = support.half_x - kEdgeMargin - radius, y = support.half_y - kEdgeMargin - radius;
   if (x <= 0 || y <= 0) return std::nullopt;
   for (int t = 0; t < kTries; ++t) {
     const double across = rng.Uniform(-y, y), along = rng.Uniform(-x, x);  // in this order
     const Disc disc{{along, across}, radius};
-    if (IsFree(disc, taken) && IsClearOf(disc, occupied)) return disc;
+    if (IsFree(disc, taken) && IsClearOf(disc, over, room)) return disc;
   }
   return std::nullopt;
 }
@@ -72,28 +73,26 @@ StillBox StillBoxOf(const mjModel* m, const mjData* d, int geom) {
   return box;
 }
 
-std::vector<Eigen::AlignedBox2d> OccupiedOn(const Support& support,
-                                            std::span<const StillBox> boxes) {
+std::vector<OverSupport> FindOver(const Support& support, std::span<const StillBox> boxes) {
   constexpr double kSunk = 0.005;  // metres; what ends there is the support itself
   const Pose world_to_support = support.frame_to_world.inverse();
   const Eigen::AlignedBox2d face(Eigen::Vector2d(-support.half_x, -support.half_y),
                                  Eigen::Vector2d(support.half_x, support.half_y));
-  std::vector<Eigen::AlignedBox2d> occupied;
+  std::vector<OverSupport> over;
   for (const StillBox& box : boxes) {
     const Pose on = world_to_support * box.frame_to_world;
     const Eigen::Vector3d& middle = on.translation();
     const Eigen::Vector3d half = on.rotation().cwiseAbs() * box.half;
-    if (middle.z() + half.z() < kSunk || middle.z() - half.z() > kRoomAbove) continue;
-    const Eigen::AlignedBox2d flat(Eigen::Vector2d((middle - half).head<2>()),
-                                   Eigen::Vector2d((middle + half).head<2>()));
-    if (flat.intersects(face)) occupied.push_back(flat);
+    if (middle.z() + half.z() < kSunk) continue;
+    const Eigen::AlignedBox2d outline(Eigen::Vector2d((middle - half).head<2>()),
+                                      Eigen::Vector2d((middle + half).head<2>()));
+    if (outline.intersects(face)) over.push_back({outline, middle.z() - half.z()});
   }
-  return occupied;
+  return over;
 }
 
 bool PlaceOn(const Support& support, std::span<const ObjectSize> sizes,
-             std::vector<SceneObject>& objects, Rng& rng,
-             std::span<const Eigen::AlignedBox2d> occupied) {
+             std::vector<SceneObject>& objects, Rng& rng, std::span<const OverSupport> over) {
   std::vector<Disc> taken;
   std::vector<size_t> loose;
   for (size_t i = 0; i < objects.size(); ++i) {
@@ -105,7 +104,10 @@ bool PlaceOn(const Support& support, std::span<const ObjectSize> sizes,
     taken.push_back({at.head<2>(), sizes[i].radius});
   }
   for (const size_t i : loose) {
-    const auto place = FindPlace(support, sizes[i].radius, taken, occupied, rng);
+    const double own = sizes[i].height + sizes[i].top + kGapAbove;
+    auto place = FindPlace(support, sizes[i].radius, taken, over, std::max(own, kRoomAbove), rng);
+    if (!place && own < kRoomAbove && !over.empty())
+      place = FindPlace(support, sizes[i].radius, taken, over, own, rng);
     if (!place) return false;
     taken.push_back(*place);
     const Pose pose = support.frame_to_world *

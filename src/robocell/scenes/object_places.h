@@ -35,17 +35,23 @@ struct StillBox {
 };
 // Returns the box around a geom, whose pose is up to date; not for planes.
 StillBox StillBoxOf(const mjModel* model, const mjData* data, int geom);
-inline constexpr double kRoomAbove = 0.2;  // metres that an object has above its support
-// Returns the rectangles of a support, in its frame, on which something stands, or above which
-// something hangs lower than kRoomAbove.
-std::vector<Eigen::AlignedBox2d> OccupiedOn(const Support& support,
-                                            std::span<const StillBox> boxes);
+// Metres that are free above a support where an object stands: for a hand too, where there is such a
+// place, and else for the object alone.
+inline constexpr double kRoomAbove = 0.2, kGapAbove = 0.02;
 
-// Sets the poses of objects; `sizes` are theirs, in the same order. Those with a pose
-// keep it, and the others keep clear of them and of what is `occupied`. False when no place was found
-// for one of them; the objects before it have been moved.
+// Something that stands on a support or hangs over it.
+struct OverSupport {
+  Eigen::AlignedBox2d outline;  // in the support's frame
+  double bottom;                // metres above it
+};
+std::vector<OverSupport> FindOver(const Support& support, std::span<const StillBox> boxes);
+
+// Sets the poses of objects; `sizes` are theirs, in the same order. Those with a pose keep it, and
+// the others keep clear of them and of what is `over` the support: of what hangs lower than
+// kRoomAbove, or than the object needs if that is more. An object without such a place is put where
+// just itself fits. False when no place was found for one of them; the objects before it have been
+// moved.
 bool PlaceOn(const Support& support, std::span<const ObjectSize> sizes,
-             std::vector<SceneObject>& objects, Rng& rng,
-             std::span<const Eigen::AlignedBox2d> occupied = {});
+             std::vector<SceneObject>& objects, Rng& rng, std::span<const OverSupport> over = {});
 
 }  // namespace robocell::internal

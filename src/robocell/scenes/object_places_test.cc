@@ -68,7 +68,7 @@ TEST(ObjectPlaces, KeepClearOfWhatStandsOrHangsLow) {
            Eigen::Vector3d(0.05, 0.1, 0.02)});
     }
     for (SceneObject& object : objects) ForgetPose(object);
-    if (!PlaceOn(kTable, sizes, objects, rng, OccupiedOn(kTable, boxes))) continue;
+    if (!PlaceOn(kTable, sizes, objects, rng, FindOver(kTable, boxes))) continue;
     ++placed;
     for (size_t i = 0; i < objects.size(); ++i) {
       // Points of the boxes over or beside the object, in the support's frame.
@@ -79,13 +79,47 @@ TEST(ObjectPlaces, KeepClearOfWhatStandsOrHangsLow) {
           const Eigen::Vector3d inside(rng.Uniform(-1, 1), rng.Uniform(-1, 1), rng.Uniform(-1, 1));
           const Eigen::Vector3d point =
               world_to_support * (box.frame_to_world * box.half.cwiseProduct(inside));
-          if (point.z() < 0.006 || point.z() > kRoomAbove) continue;
+          if (point.z() < 0.006 || point.z() > 2 * sizes[i].radius + kGapAbove) continue;
           EXPECT_GT((point - at).head<2>().norm(), sizes[i].radius) << k;
         }
       }
     }
   }
   EXPECT_GT(placed, 50);
+}
+
+// A box with this height that hangs over the whole table.
+StillBox CeilingAt(double height) {
+  return {kTable.frame_to_world * Pose::FromRpy({0, 0, height + 0.01}, {0, 0, 0}),
+          Eigen::Vector3d(0.4, 0.3, 0.01)};
+}
+
+TEST(ObjectPlaces, AnObjectNeedsRoomForItselfAbove) {
+  for (const double height : {0.04, 0.1, 0.3, 0.5}) {
+    const std::vector<SceneObject> column = {
+        {.name = "a", .shape = Shape::kBox, .size = Vec3{0.02, 0.02, height / 2}}};
+    const std::vector<ObjectSize> sizes = SizesOf(column);
+    for (const double room : {0.05, 0.15, 0.25, 0.35, 0.55}) {
+      std::vector<SceneObject> objects = column;
+      Rng rng = Rng::Stream(1, "room", 0);
+      const std::vector<StillBox> ceiling = {CeilingAt(room)};
+      const bool fits = height + kGapAbove < room;
+      EXPECT_EQ(PlaceOn(kTable, sizes, objects, rng, FindOver(kTable, ceiling)), fits)
+          << height << " below " << room;
+    }
+  }
+}
+
+TEST(ObjectPlaces, PlacesWithRoomForAHandComeFirst) {
+  const std::vector<StillBox> shelf = {
+      {kTable.frame_to_world * Pose::FromRpy({-0.15, 0, 0.15}, {0, 0, 0}),
+       Eigen::Vector3d(0.15, 0.2, 0.01)}};  // over one half of the table
+  for (int k = 0; k < 20; ++k) {
+    std::vector<SceneObject> objects = Spheres(1);
+    Rng rng = Rng::Stream(1, "hand", k);
+    ASSERT_TRUE(PlaceOn(kTable, SizesOf(objects), objects, rng, FindOver(kTable, shelf)));
+    EXPECT_GT((kTable.frame_to_world.inverse() * objects[0].pose()).translation().x(), 0);
+  }
 }
 
 // The axes of this mesh's inertia are tilted.
@@ -105,7 +139,7 @@ TEST(ObjectPlaces, AMeshTakesUpTheBoxAlongTheAxesOfItsBody) {
       Pose::FromRpy({1, 2, 0}, {0, 0, M_PI / 6}) * Pose(Eigen::Vector3d(0, 0, 0.35)), 1e-6, 1e-6));
   EXPECT_TRUE(desk.half.isApprox(Eigen::Vector3d(0.5, 0.3, 0.35), 1e-6));
   const Support top{Pose::FromRpy({1, 2, 0.7}, {0, 0, 0.5}), 0.3, 0.2, 0.02};
-  EXPECT_TRUE(OccupiedOn(top, std::vector{desk}).empty()) << "it ends at its top";
+  EXPECT_TRUE(FindOver(top, std::vector{desk}).empty()) << "it ends at its top";
   const StillBox box = StillBoxOf(model.get(), data.get(), 1);
   EXPECT_TRUE(box.half.isApprox(Eigen::Vector3d(0.1, 0.2, 0.3), 1e-9));
 }

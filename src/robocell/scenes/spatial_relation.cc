@@ -4,14 +4,19 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "robocell/base/error.h"
 #include "robocell/motion/geom_extent.h"
+#include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/mujoco/owners.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/scene/body_handle.h"
 #include "robocell/scenes/hollows.h"
@@ -42,6 +47,12 @@ struct SpatialRelation::Impl {
   Relation relation;
   double most_gap;
   std::vector<HollowOf> hollows;
+  struct AtRest {
+    uint64_t generation;
+    std::array<Pose, 2> poses;
+    bool is_on_top;
+  };
+  mutable std::optional<AtRest> at_rest = {};
 
   // An object that is taller than a tray is in it all the same: it reaches below the rim, with its
   // centre over the hollow.
@@ -65,10 +76,36 @@ struct SpatialRelation::Impl {
     });
   }
 
+  bool IsOnTop() const { return AreAtRest() ? WasOnTop() : IsOnTop(scene.data()); }
+
+  // The engine has no contacts between what sleeps and what does not move.
+  bool AreAtRest() const {
+    if (!(scene.model()->opt.enableflags & mjENBL_SLEEP)) return false;
+    const int* awake = scene.data()->body_awake;
+    return awake[object.id()] != mjS_AWAKE && awake[reference.id()] != mjS_AWAKE;
+  }
+
+  // Finds the contacts of the two once for each place where they are at rest.
+  bool WasOnTop() const {
+    const std::array<Pose, 2> poses = {object.pose_in_world(), reference.pose_in_world()};
+    if (!at_rest || at_rest->generation != scene.generation() || at_rest->poses != poses) {
+      mjModel view = *scene.model();  // shallow
+      view.opt.enableflags &= ~mjENBL_SLEEP;
+      const DataPtr data = MakeData(&view);
+      mj_copyState(&view, scene.data(), data.get(), mjSTATE_INTEGRATION);
+      internal::Guarded("SpatialRelation", data.get(), [&] {
+        mj_kinematics(&view, data.get());
+        mj_comPos(&view, data.get());
+        mj_collision(&view, data.get());
+      });
+      at_rest = AtRest{scene.generation(), poses, IsOnTop(data.get())};
+    }
+    return at_rest->is_on_top;
+  }
+
   // Finds contacts between the two whose normal, from the reference to the object, points up.
-  bool IsOnTop() const {
+  bool IsOnTop(const mjData* d) const {
     const mjModel* m = scene.model();
-    const mjData* d = scene.data();
     for (int c = 0; c < d->ncon; ++c) {
       const mjContact& contact = d->contact[c];
       if (contact.exclude != 0 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;

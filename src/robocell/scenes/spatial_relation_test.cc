@@ -2,8 +2,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
 #include "robocell/base/error.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/testing/expect_throw.h"
 
@@ -39,6 +41,28 @@ TEST_F(SpatialRelationTest, OnTopOfMeansContactFromAbove) {
   EXPECT_FALSE(Holds(Relation::kOnTopOf, "board", {1, 0, 0.25}));         // above it
   EXPECT_FALSE(Holds(Relation::kOnTopOf, "board", {0.8801, 0, 0.0199}));  // at its side
   EXPECT_FALSE(Holds(Relation::kOnTopOf, "dish", {1, 0, 0.2199}));
+}
+
+// The engine has no contacts between bodies that sleep.
+TEST_F(SpatialRelationTest, OnTopOfHoldsWhileBothSleep) {
+  SceneSpec spec = scene.spec();
+  spec.options.enable = {"sleep"};
+  for (const bool is_fixed : {true, false}) {
+    spec.objects[2].fixed = is_fixed;
+    scene = Scene::Build(spec);
+    const SpatialRelation on(scene, "cube", Relation::kOnTopOf, "board");
+    const auto is_on = [&](const Eigen::Vector3d& at) {
+      scene.SetBodyPose("cube", Pose(at));
+      EXPECT_TRUE(scene.StepN(1000).ok());
+      EXPECT_GE(scene.data()->tree_asleep[scene.model()->body_treeid[RequireId(
+                    scene.model(), mjOBJ_BODY, "cube", "")]],
+                0);
+      return on.Holds();
+    };
+    EXPECT_TRUE(is_on({1, 0, 0.22}));
+    EXPECT_FALSE(is_on({0.5, 0, 0.02}));
+    EXPECT_TRUE(is_on({1.05, 0.05, 0.22}));
+  }
 }
 
 TEST_F(SpatialRelationTest, InsideMeansInAHollow) {

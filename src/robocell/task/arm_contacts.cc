@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "robocell/mujoco/names.h"
+#include "robocell/mujoco/sleeping.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/acting_arms.h"
 
@@ -50,6 +51,7 @@ ArmContacts::Seen ArmContacts::Look() const {
   const mjData* d = scene_.data();
   Seen seen{.touches = std::vector<char>(arms_.size(), 0),
             .grasps = std::vector<char>(arms_.size(), 0)};
+  seen.other = Sleeps(m, d, body_.id());
   for (int c = 0; c < d->ncon; ++c) {
     const mjContact& contact = d->contact[c];
     if (contact.exclude != 0 || contact.geom[0] < 0 || contact.geom[1] < 0) continue;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "robocell/mujoco/names.h"
+#include "robocell/mujoco/sleeping.h"
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/gripper_group.h"
 #include "robocell/robot/robot.h"
@@ -42,6 +43,7 @@ Partners PartnersOf(const Scene& scene, const std::vector<int>& roots, const std
   const mjData* d = scene.data();
   const int object = RequireId(m, mjOBJ_BODY, body, "scene '" + scene.name() + "'");
   Partners partners;
+  partners.other = Sleeps(m, d, object);  // on something, without a contact
   for (int c = 0; c < d->ncon; ++c) {
     if (d->contact[c].exclude != 0 || d->contact[c].geom[0] < 0 || d->contact[c].geom[1] < 0)
       continue;

@@ -1,7 +1,10 @@
 #include "robocell/task/held.h"
 
 #include <gtest/gtest.h>
+#include <mujoco/mujoco.h>
 
+#include "robocell/mujoco/names.h"
+#include "robocell/mujoco/sleeping.h"
 #include "robocell/scene/testing/scenes.h"
 
 namespace robocell::internal {
@@ -52,6 +55,20 @@ TEST_F(HeldTest, AnObjectWithoutContactsIsNotHeld) {
 
 TEST_F(HeldTest, AnObjectOnAShelfIsNotHeld) {
   Put({0, 0, 0.5399});
+  EXPECT_FALSE(Touches().robot);
+  EXPECT_TRUE(Touches().other);
+  EXPECT_FALSE(IsHeld(*scene_, "cube"));
+}
+
+// The engine has no contacts between bodies that sleep.
+TEST_F(HeldTest, AnObjectThatSleepsOnAShelfTouchesIt) {
+  SceneSpec spec = scene_->spec();
+  spec.options.enable = {"sleep"};
+  scene_ = Scene::Build(spec);
+  Put({0, 0, 0.54});
+  EXPECT_TRUE(scene_->StepN(1000).ok());
+  ASSERT_TRUE(
+      Sleeps(scene_->model(), scene_->data(), RequireId(scene_->model(), mjOBJ_BODY, "cube", "")));
   EXPECT_FALSE(Touches().robot);
   EXPECT_TRUE(Touches().other);
   EXPECT_FALSE(IsHeld(*scene_, "cube"));

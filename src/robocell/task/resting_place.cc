@@ -16,6 +16,7 @@
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
+#include "robocell/mujoco/sleeping.h"
 #include "robocell/mujoco/step.h"
 #include "robocell/mujoco/tree.h"
 
@@ -169,6 +170,7 @@ class Trial {
   }
 
   bool IsTouching() const {
+    if (Sleeps(model_.get(), data_.get(), object_)) return true;  // without a contact
     for (int c = 0; c < data_->ncon; ++c) {
       const mjContact& contact = data_->contact[c];
       if (contact.exclude == 0 && IsObjects(contact.geom[0]) != IsObjects(contact.geom[1]))

@@ -191,7 +191,7 @@ bool StartSampler::PlaceObjects(const Support& support, std::vector<SceneObject>
   std::vector<ObjectSize> own_sizes;
   for (const SceneObject& object : objects) own_sizes.push_back(sizes_->Of(object));
   return internal::PlaceOn(support, own_sizes, objects, rng,
-                           internal::OccupiedOn(support, still_boxes_));
+                           internal::FindOver(support, still_boxes_));
 }
 
 std::shared_ptr<const SceneAnnotations> StartSampler::AnnotationsOf(int scene_index) {

@@ -27,6 +27,7 @@ constexpr double kSupportCell = 0.02;         // metres, of a support
 constexpr int kMostCells = 600;               // along each side of a support
 constexpr double kOnFace = 0.002;             // metres; lower geoms are part of the face
 constexpr double kMostHalfOfContainer = 0.8;  // metres; larger hollows are rooms
+constexpr double kLeastShareOfMap = 0.5;      // of a map's free floor, in its house's
 
 // Marks the cells of a face that geoms above it cover.
 std::vector<bool> TakenCells(const Scene& scene, const Support& face, int nx, int ny) {
@@ -92,6 +93,28 @@ std::string CategoryOfRoom(const std::string& name) {
   return WordsOfCategory(name.substr(rest + 1));
 }
 
+// Returns the share of some areas that is on the floor of others, by points on a grid.
+double ShareOn(const std::vector<FloorArea>& areas, const std::vector<FloorArea>& others) {
+  constexpr int kPoints = 8;  // along each side
+  double all = 0, on = 0;
+  for (const FloorArea& area : areas) {
+    const double each = 4 * area.half_x * area.half_y / (kPoints * kPoints);
+    for (int k = 0; k < kPoints * kPoints; ++k) {
+      const Eigen::Vector3d at((2 * (k % kPoints) + 1.0) / kPoints - 1,
+                               (2 * (k / kPoints) + 1.0) / kPoints - 1, 0);
+      const Eigen::Vector3d point =
+          area.frame_to_world * at.cwiseProduct(Eigen::Vector3d(area.half_x, area.half_y, 0));
+      all += each;
+      if (std::ranges::any_of(others, [&](const FloorArea& other) {
+            const Eigen::Vector3d in = other.frame_to_world.inverse() * point;
+            return std::abs(in.x()) <= other.half_x && std::abs(in.y()) <= other.half_y;
+          }))
+        on += each;
+    }
+  }
+  return all > 0 ? on / all : 1;
+}
+
 // Reads a file of a house, or notes why there is none.
 template <class Read>
 auto ReadOrNote(const std::filesystem::path& path, const char* what, const char* instead,
@@ -138,7 +161,7 @@ std::vector<SupportFace> FreeSupports(const Scene& scene, const std::vector<Supp
 SceneAnnotations AnnotateHouse(const Scene& scene, const HouseFiles& files,
                                std::vector<std::string>& notes) {
   SceneAnnotations house = DeriveAnnotations(scene);
-  const std::optional<HouseMap> map =
+  std::optional<HouseMap> map =
       ReadOrNote(files.map, "map", "its free floor comes from the geometry, and it has no rooms",
                  notes, ReadHouseMap);
   std::erase_if(house.supports, [&](const SupportFace& support) {
@@ -153,10 +176,21 @@ SceneAnnotations AnnotateHouse(const Scene& scene, const HouseFiles& files,
   });
   const double floor_height =
       house.free_floor.empty() ? 0 : house.free_floor.front().frame_to_world.translation().z();
+  std::vector<FloorArea> areas;
+  if (map) areas = FreeFloorOf(*map, floor_height);
+  // A map of another house, or of another size. A floor that the geometry does not show is in doubt.
+  if (const double share = house.free_floor.empty() ? 1 : ShareOn(areas, house.free_floor);
+      share < kLeastShareOfMap) {
+    notes.push_back(
+        fmt::format("its map is not one of this house: only {:.0f} % of its free floor is free; "
+                    "the free floor comes from the geometry, and it has no rooms",
+                    100 * share));
+    map.reset();
+  }
   if (map) {
     house.rooms = RoomsOf(*map, floor_height);
     for (Room& room : house.rooms) room.category = CategoryOfRoom(room.name);
-    if (std::vector<FloorArea> areas = FreeFloorOf(*map, floor_height); !areas.empty()) {
+    if (!areas.empty()) {
       const std::string floor = house.free_floor.empty() ? "" : house.free_floor.front().floor;
       for (FloorArea& area : areas) area.floor = floor;
       house.free_floor = std::move(areas);

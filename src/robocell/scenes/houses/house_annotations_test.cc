@@ -1,11 +1,17 @@
 #include "robocell/scenes/houses/house_annotations.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <string>
+#include <vector>
 
+#include "robocell/base/files.h"
+#include "robocell/scenes/houses/house_map.h"
 #include "robocell/testing/source_dir.h"
+#include "robocell/testing/temp_dir.h"
 
 namespace robocell::internal {
 namespace {
@@ -39,6 +45,33 @@ TEST(HouseAnnotations, MissingFilesAreNoted) {
   EXPECT_EQ(notes.size(), 2U);
   EXPECT_TRUE(house.rooms.empty());
   EXPECT_FALSE(house.free_floor.empty());
+}
+
+// The map of a house, and the same one beside it.
+TEST(HouseAnnotations, AMapOfAnotherHouseIsNotUsed) {
+  const HouseFolder folder =
+      HouseFolder::Find({.root = SourceDir() + "/tests/houses/scenes/procthor-10k-train"}, "");
+  const HouseFiles& files = folder.houses().at(0);
+  const Scene scene = Scene::Build({.base = files.model.string(), .timestep = 0.002});
+  const HouseMap map = ReadHouseMap(files.map);
+  const TempDir folder_of_map;
+  for (const double shift : {0.0, 40.0}) {  // metres
+    HouseMap moved = map;
+    for (auto& row : moved.world_to_map) row[3] -= row[0] * shift;
+    const std::vector<uint8_t> bytes = EncodeHouseMap(moved);
+    AtomicWrite(folder_of_map / "map.png", std::string(bytes.begin(), bytes.end()));
+    std::vector<std::string> notes;
+    const SceneAnnotations house = AnnotateHouse(
+        scene, {.model = files.model, .map = folder_of_map / "map.png", .metadata = files.metadata},
+        notes);
+    EXPECT_FALSE(house.free_floor.empty());
+    EXPECT_EQ(house.rooms.empty(), shift > 0);
+    if (shift > 0)
+      EXPECT_THAT(notes,
+                  testing::ElementsAre(testing::HasSubstr("not one of this house: only 0 %")));
+    else
+      EXPECT_TRUE(notes.empty());
+  }
 }
 
 }  // namespace

@@ -28,6 +28,7 @@
 #include "robocell/mujoco/engine_exception.h"
 #include "robocell/scene/scene_cache.h"
 #include "robocell/scenes/houses/house_metadata.h"
+#include "robocell/scenes/support.h"
 
 namespace robocell::internal {
 namespace {
@@ -285,6 +286,15 @@ class PreparedOnDisk {
   fs::path file_;
 };
 
+// Throws SpecError for a house in which no object and no robot can stand.
+void RequirePlace(const fs::path& model) {
+  try {
+    FindSupport({.name = model.stem().string(), .base = model.string(), .timestep = 0.002});
+  } catch (const NotFoundError&) {
+    throw SpecError("it has neither a level face for objects nor a free floor");
+  }
+}
+
 // `does_compile` becomes false if the model's own content is why the house cannot be used.
 PreparedHouse Prepare(const HouseFiles& files, const HouseFolder& folder, Watched& watched,
                       bool& does_compile) {
@@ -302,6 +312,7 @@ PreparedHouse Prepare(const HouseFiles& files, const HouseFolder& folder, Watche
       house.model = WriteMended(spec.get(), files, context, mending.changes());
     else
       Compile(spec.get(), nullptr, context, nullptr, JacobianGuard::kOff);
+    RequirePlace(house.model);
   } catch (const SpecError& error) {
     does_compile = false;
     house.why_not = error.what();

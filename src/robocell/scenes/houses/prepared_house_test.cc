@@ -40,6 +40,8 @@ TEST(PreparedHouse, BalancesInertiasInACopy) {
   Scene::Build({.base = mended.model.string(), .timestep = 0.002});
 }
 
+constexpr const char* kFloor = R"(<geom type="plane" size="5 5 0.1"/>)";
+
 // The bodies of house 0 in a folder.
 std::vector<std::string> BodiesOf(const std::filesystem::path& folder,
                                   std::vector<std::string> without) {
@@ -63,7 +65,7 @@ struct FiveObjects {
     WriteLast("e");
   }
   void WriteHouse() {
-    std::string bodies;
+    std::string bodies = kFloor;
     for (const char* name : {"a", "b", "c", "d"})
       bodies += fmt::format(R"(<body name="{}"><geom size="0.1"/></body>)", name);
     AtomicWrite(folder / "train_0.xml",
@@ -113,7 +115,7 @@ TEST(PreparedHouse, IsReadFromTheDiskWhileItsAssetsStay) {
 TEST(PreparedHouse, EntriesAreWholeNamesOrHashesOfAssets) {
   const TempDir folder;
   const std::string hash = "0123456789abcdef0123456789abcdef";
-  std::string bodies;
+  std::string bodies = kFloor;
   for (const std::string& name :
        {std::string("dining_table_1_0_2"), std::string("dining_table_1_0_21"), "mug_" + hash + "_1",
         "mug_" + hash + "0_1", "bowl_" + hash})
@@ -147,6 +149,26 @@ TEST(PreparedHouse, OneThatDoesNotCompileIsRememberedUntilAFileChanges) {
   EXPECT_THAT(why_not(), HasSubstr("from the disk: "));
   house.WriteLast("e");
   EXPECT_EQ(why_not(), "");
+}
+
+TEST(PreparedHouse, OneWithoutAnyPlaceIsLeftOut) {
+  const TempDir cache, houses;
+  const ScopedEnv env("ROBOCELL_CACHE_DIR", cache.path().string());
+  const std::string wall = R"(<geom type="box" size="3 0.05 1" pos="0 3 1"/>)";
+  const std::string table =
+      R"(<body name="table" pos="0 0 0.4"><geom type="box" size="0.4 0.4 0.4"/></body>)";
+  const std::vector<std::string> contents = {"", wall, wall + kFloor, wall + table};
+  for (size_t i = 0; i < contents.size(); ++i) {
+    AtomicWrite(houses / fmt::format("train_{}.xml", i),
+                "<mujoco><worldbody>" + contents[i] + "</worldbody></mujoco>");
+  }
+  const HouseFolder folder = HouseFolder::Find({.root = houses.path().string()}, "");
+  for (const int index : {0, 1}) {
+    EXPECT_EQ(PrepareHouse(folder.houses().at(index), folder).why_not,
+              "it has neither a level face for objects nor a free floor");
+  }
+  for (const int index : {2, 3})
+    EXPECT_EQ(PrepareHouse(folder.houses().at(index), folder).why_not, "") << index;
 }
 
 }  // namespace
