@@ -23,7 +23,8 @@ from typing import IO, Any, NoReturn
 
 from robocell import __version__
 from robocell._core import ArgumentError, Dataset, Episode, IoError, json_damage, self_hashed_json
-from robocell._staging import Staging, flush_path, staging
+from robocell._durable import flush_path
+from robocell._staging import Staging, staging
 
 __all__ = ["Packed", "damage_of_packed", "is_packed", "pack", "read_packed", "unpack"]
 
