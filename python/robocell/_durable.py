@@ -7,13 +7,14 @@ needs a flush of its own. `_core.atomic_write` does both for a small file.
 from __future__ import annotations
 
 import errno
+import itertools
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 # Disks and journals take what several threads flush at once in one go.
-THREADS = 8
+THREADS, BATCH = 8, 1024
 # Some network file systems have no flush for folders: their entries need none.
 NO_FLUSH = (errno.EINVAL, errno.ENOTSUP)
 
@@ -32,23 +33,30 @@ def flush_path(path: Path) -> None:
 
 def flush_all(paths: Iterable[Path]) -> None:
     """Brings files and folders to the disk. Raises OSError."""
-    several = list(paths)
-    if len(several) < THREADS:
-        for path in several:
+    rest = iter(paths)
+    some = list(itertools.islice(rest, THREADS))
+    if len(some) < THREADS:
+        for path in some:
             flush_path(path)
         return
     with ThreadPoolExecutor(THREADS) as threads:
-        for _ in threads.map(flush_path, several):
-            pass
+        while some:  # not all at once: there may be millions
+            for _ in threads.map(flush_path, some):
+                pass
+            some = list(itertools.islice(rest, BATCH))
 
 
 def flush_folder(folder: Path, without: str = "") -> None:
     """Brings every byte below a folder to the disk, apart from a folder in it. Raises OSError."""
+    flush_all(_tree(folder, without))
+
+
+def _tree(folder: Path, without: str) -> Iterator[Path]:
     for place, folders, files in os.walk(folder):
         if Path(place) == folder and without in folders:
             folders.remove(without)
-        flush_all(Path(place) / name for name in files)
-        flush_path(Path(place))
+        yield from (Path(place) / name for name in files)
+        yield Path(place)
 
 
 def make_folders(folder: Path) -> None:

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import shutil
 import subprocess
 import sys
@@ -55,9 +54,9 @@ run.rates.max_steps = 40
 options = OperatorOptions(countdown_s=0, asks=False, real_time=False)
 record(run, Says(), options, on_recorded=acknowledge)
 """
-SOAK_CUTS = {"generate": 1, "generate --render-kept": 1, "augment": 1, "teleop": 1}
-MANY = int(os.environ.get("POWER_CUTS", "80"))  # of every other command
-RERUN = 4  # in `make test` every so many folders are finished by the command
+SOAK_CUTS = {"generate": 40, "generate --render-kept": 30, "augment": 30, "teleop": 40}
+MANY = 75  # of every other command
+RERUN = 10  # in `make test` every so many folders are finished by the command
 
 
 @dataclass(frozen=True)
@@ -323,7 +322,7 @@ def strike(name: str, sources: Sources, folder: Path, count: int, rerun: int = 1
     """Builds so many different folders of a command."""
     struck = Struck(name, sources, folder)
     done = seed = 0
-    while done < count and seed < 20 * count:
+    while done < count and seed < 40 * count:
         done += struck.check(seed, again=seed % rerun == 0)
         seed += 1
     figures.note("power cuts", command=name, times=done)
