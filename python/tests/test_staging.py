@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from robocell import ArgumentError, IoError
+from robocell import _durable as durable
 from robocell._staging import Staging, staging
 
 
@@ -51,6 +52,34 @@ def test_episodes_stay_for_the_command_that_continues(tmp_path: Path):
     with pytest.raises(ArgumentError):
         fail(tmp_path / "out", ArgumentError("another request has none of them"))
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("way", ["keep", "put"])
+def test_what_was_written_is_on_the_disk_before_it_counts(
+    way: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    flushed: list[Path] = []
+    flush = durable.flush_path
+    for module in ("_durable", "_staging"):
+        monkeypatch.setattr(
+            f"robocell.{module}.flush_path", lambda path: (flushed.append(path), flush(path))
+        )
+    with staging(tmp_path / "out", {}) as place:
+        written = [place.path("data/deep/a"), place.scratch("b")]
+        for path in written:
+            path.write_text("whole")
+        flushed.clear()
+        if way == "keep":
+            place.keep("a", 1)
+        else:
+            place.put(written[1], place.path("b"))
+        folders = [place.folder / "data/deep", place.folder / "data", place.folder]
+        assert {*written, *folders} <= set(flushed)
+        flushed.clear()
+        place.keep("more", 1)
+        assert len(flushed) <= 2, "nothing is flushed twice but the name of what was put"
+        place.commit()
+        assert {tmp_path, place.folder, place.folder / "data/deep/a"} <= set(flushed)
 
 
 def test_a_folder_of_another_process_stays(tmp_path: Path):

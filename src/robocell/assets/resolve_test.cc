@@ -47,8 +47,8 @@ class Resolving : public ::testing::Test {
 TEST(UserCacheFolder, IsInTheHomeOfTheListOfUsersWithoutTheVariable) {
   const ScopedEnv cache("XDG_CACHE_HOME", "");
   {
-    const ScopedEnv home("HOME", "/home/somebody");
-    EXPECT_EQ(internal::UserCacheFolder(), "/home/somebody/.cache");
+    const ScopedEnv home("HOME", "/nowhere/somebody");
+    EXPECT_EQ(internal::UserCacheFolder(), "/nowhere/somebody/.cache");
   }
   const ScopedEnv home("HOME", "");
   EXPECT_TRUE(internal::UserCacheFolder().is_absolute());

@@ -9,7 +9,7 @@
 #include "robocell/base/files.h"
 #include "robocell/base/io_error.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 namespace fs = std::filesystem;
 
@@ -27,4 +27,4 @@ void MakeDirectories(const fs::path& path, std::string_view what) {
   }
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string_view>
 
-namespace robocell {
+namespace robocell::internal {
 
 // Creates a folder and the missing ones above it, and flushes the folders that they are entries of:
 // a durable file below a new folder is lost with the folder's own entry. Folders that cannot be
@@ -12,4 +12,4 @@ namespace robocell {
 // "the dataset's folder". Throws IoError.
 void MakeDirectories(const std::filesystem::path& path, std::string_view what = "the folder");
 
-}  // namespace robocell
+}  // namespace robocell::internal

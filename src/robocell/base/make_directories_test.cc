@@ -9,7 +9,7 @@
 #include "robocell/testing/expect_throw.h"
 #include "robocell/testing/temp_dir.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
@@ -33,4 +33,4 @@ TEST(MakeDirectoriesTest, NamesAFolderBelowAFile) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -316,7 +316,7 @@ void RequireNoRun(const fs::path& dataset) {
 }
 
 void PrepareFolder(const fs::path& dataset, const Env& env) {
-  MakeDirectories(dataset, "the dataset's folder");
+  internal::MakeDirectories(dataset, "the dataset's folder");
   const std::vector<std::string> names = FolderNames(dataset);
   const bool is_new = std::ranges::all_of(
       names, [](const std::string& name) { return name.starts_with(kLockFile); });

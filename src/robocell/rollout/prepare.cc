@@ -64,7 +64,7 @@ RunInputs InputsIn(const std::string& manifest) {
 }
 
 void CreateFolder(const fs::path& folder) {
-  MakeDirectories(folder, "the dataset's folder");
+  internal::MakeDirectories(folder, "the dataset's folder");
   std::error_code error;
   // Only an attempt shows whether the folder can be written.
   fs::remove(MakeTempDirectory(folder, "probe"), error);

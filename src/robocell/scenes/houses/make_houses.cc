@@ -183,7 +183,7 @@ FurnishedHouse PlanHouse(const HouseOptions& options, int index) {
 
 void PrepareHouseFolder(const fs::path& folder, const HouseOptions& options) {
   options.Validate();
-  MakeDirectories(folder / internal::kTextureFolder);
+  internal::MakeDirectories(folder / internal::kTextureFolder);
   const fs::path file = folder / kOptionsFile;
   const std::string text = OptionsText(options);
   if (internal::CanReadFile(file) && internal::ReadRealFile(file) != text)
