@@ -99,6 +99,7 @@ class Staging:
     def commit(self) -> None:
         """Gives the folder its final name, when every byte is on the disk."""
         flush_folder(self.folder, without=STATE)
+        _forget(self.folder)
         shutil.rmtree(self.folder / STATE)
         flush_path(self.folder)
         _require_absent(self.out)
@@ -136,6 +137,7 @@ def staging(out: Path, request: dict[str, Any]) -> Iterator[Staging]:
         whole = Staging(hidden, out)
         whole.has_episodes = whole.state("request") == digest
         if not whole.has_episodes:
+            _forget(hidden)
             for entry in hidden.iterdir():
                 shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
             (hidden / STATE).mkdir()
@@ -153,6 +155,14 @@ def staging(out: Path, request: dict[str, Any]) -> Iterator[Staging]:
             raise
     finally:
         os.close(lock)
+
+
+def _forget(hidden: Path) -> None:
+    """Makes what is kept worthless before it is removed, piece by piece and in any order."""
+    request = hidden / STATE / "request.json"
+    if request.exists():
+        request.unlink()
+        flush_path(request.parent)
 
 
 def _require_absent(out: Path) -> None:

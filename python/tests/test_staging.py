@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -80,6 +81,28 @@ def test_what_was_written_is_on_the_disk_before_it_counts(
         assert len(flushed) <= 2, "nothing is flushed twice but the name of what was put"
         place.commit()
         assert {tmp_path, place.folder, place.folder / "data/deep/a"} <= set(flushed)
+
+
+def test_what_is_removed_halfway_is_not_continued(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    """A kill may leave a value that says that a part is complete, and not the part."""
+    remove = shutil.rmtree
+
+    def killed(folder: Path, **options: bool) -> None:
+        if Path(folder).name == ".state":
+            (folder / "part").unlink(missing_ok=True)
+            raise KeyboardInterrupt
+        remove(folder, **options)
+
+    monkeypatch.setattr(shutil, "rmtree", killed)
+    for request in ({"of": 1}, {"of": 2}):  # at its end, and when another one begins
+        with pytest.raises(KeyboardInterrupt), staging(tmp_path / "out", request) as place:
+            place.scratch("part").write_text("whole")
+            place.keep("part", 1)
+            place.commit()
+    monkeypatch.undo()
+    with staging(tmp_path / "out", {"of": 1}) as place:
+        assert not place.has_episodes
+        assert place.state("part") is None
 
 
 def test_a_folder_of_another_process_stays(tmp_path: Path):
