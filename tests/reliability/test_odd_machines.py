@@ -55,6 +55,7 @@ def shim(name: str) -> dict[str, str]:
     return {"LD_PRELOAD": str(BUILD / f"lib{name}.so")}
 
 
+@pytest.mark.proof
 def test_an_odd_machine_makes_the_same_episodes(ordinary: dict[str, bytes], tmp_path: Path):
     """No home, an umask for one, a long path in several scripts, a jumping clock."""
     name = "a b'ü\N{GREEK SMALL LETTER ALPHA}漢字 🤖 $(touch injected) "
@@ -137,6 +138,7 @@ except rc.Error as error:
 """
 
 
+@pytest.mark.proof
 def test_numbers_are_the_same_where_commas_divide_them(tmp_path: Path):
     if not shutil.which("localedef"):
         pytest.skip("no localedef here")

@@ -56,6 +56,7 @@ record(run, Says(), options, on_recorded=acknowledge)
 """
 SOAK_CUTS = {"generate": 40, "generate --render-kept": 30, "augment": 30, "teleop": 40}
 MANY = 75  # of every other command
+FEW = 100  # in `make test`
 RERUN = 10  # in `make test` every so many folders are finished by the command
 
 
@@ -331,10 +332,16 @@ def strike(name: str, sources: Sources, folder: Path, count: int, rerun: int = 1
     assert done == count, f"{name}: only {done} different folders"
 
 
-@pytest.mark.parametrize("name", ["merge --copy", "export aloha"])
-def test_a_power_cut_loses_nothing(name: str, sources: Sources, tmp_path: Path):
+def test_a_power_cut_loses_nothing(sources: Sources, tmp_path: Path):
     with quick_folder(tmp_path) as folder:
-        strike(name, sources, folder, 50, RERUN)
+        strike("merge --copy", sources, folder, FEW, RERUN)
+
+
+@pytest.mark.proof
+@pytest.mark.parametrize("name", ["export aloha", "pack", "generate"])
+def test_no_power_cut_loses_anything_at_a_few_instants(name: str, sources: Sources, tmp_path: Path):
+    with quick_folder(tmp_path) as folder:
+        strike(name, sources, folder, FEW // 5, RERUN)
 
 
 @pytest.mark.soak
