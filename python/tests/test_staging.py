@@ -31,6 +31,14 @@ def fail(out: Path, error: BaseException) -> None:
         raise error
 
 
+def complete(out: Path, request: dict[str, int]) -> None:
+    """Makes a part and the result."""
+    with staging(out, request) as place:
+        place.scratch("part").write_text("whole")
+        place.keep("part", 1)
+        place.commit()
+
+
 @pytest.mark.parametrize("error", [ArgumentError("x"), IoError("x"), ZeroDivisionError("x")])
 def test_a_refusal_before_the_first_episode_leaves_nothing(tmp_path: Path, error: Exception):
     with pytest.raises(type(error)):
@@ -95,10 +103,8 @@ def test_what_is_removed_halfway_is_not_continued(tmp_path: Path, monkeypatch: p
 
     monkeypatch.setattr(shutil, "rmtree", killed)
     for request in ({"of": 1}, {"of": 2}):  # at its end, and when another one begins
-        with pytest.raises(KeyboardInterrupt), staging(tmp_path / "out", request) as place:
-            place.scratch("part").write_text("whole")
-            place.keep("part", 1)
-            place.commit()
+        with pytest.raises(KeyboardInterrupt):
+            complete(tmp_path / "out", request)
     monkeypatch.undo()
     with staging(tmp_path / "out", {"of": 1}) as place:
         assert not place.has_episodes
