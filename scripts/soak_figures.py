@@ -98,7 +98,7 @@ def figures(notes: Notes, logs: Mapping[str, str]) -> dict[str, str]:
             notes, ("fail", "full")
         ),
         "deaths at a call, nothing lost": calls(notes, ("kill_before", "kill_after")),
-        "power cuts, simulated, each finished by the same command": power_cuts(notes),
+        "power cuts simulated, nothing acknowledged lost": power_cuts(notes),
         "disks that filled up in a run, finished after they grew": full_disks(notes),
         "bits flipped, each found": damage(notes, "flip_bit"),
         "files cut short, each found": damage(notes, "cut"),

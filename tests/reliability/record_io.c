@@ -189,14 +189,14 @@ ssize_t write(int file, const void* bytes, size_t size) {
   return WriteHere(file, &part, 1);
 }
 
-#define WRITE_AT(name, offset)                                           \
-  ssize_t name(int file, const void* bytes, size_t size, offset at) {    \
-    if (!WatchedFile(file)) return REAL(name)(file, bytes, size, at);    \
-    Enter();                                                             \
-    const ssize_t result = REAL(name)(file, bytes, size, at);            \
-    if (result > 0) NoteWritten(file, bytes, (size_t)result, at);        \
-    Leave();                                                             \
-    return result;                                                       \
+#define WRITE_AT(name, offset)                                        \
+  ssize_t name(int file, const void* bytes, size_t size, offset at) { \
+    if (!WatchedFile(file)) return REAL(name)(file, bytes, size, at); \
+    Enter();                                                          \
+    const ssize_t result = REAL(name)(file, bytes, size, at);         \
+    if (result > 0) NoteWritten(file, bytes, (size_t)result, at);     \
+    Leave();                                                          \
+    return result;                                                    \
   }
 WRITE_AT(pwrite, off_t)
 WRITE_AT(pwrite64, off64_t)
@@ -212,14 +212,14 @@ static void NoteCopied(int file, ssize_t size, int64_t at) {
   free(bytes);
   syscall(SYS_close, again);
 }
-#define SEND(name, offset)                                             \
-  ssize_t name(int to, int from, offset* at, size_t size) {            \
-    if (!WatchedFile(to)) return REAL(name)(to, from, at, size);       \
-    Enter();                                                           \
-    const ssize_t result = REAL(name)(to, from, at, size);             \
+#define SEND(name, offset)                                                   \
+  ssize_t name(int to, int from, offset* at, size_t size) {                  \
+    if (!WatchedFile(to)) return REAL(name)(to, from, at, size);             \
+    Enter();                                                                 \
+    const ssize_t result = REAL(name)(to, from, at, size);                   \
     if (result > 0) NoteCopied(to, result, lseek(to, 0, SEEK_CUR) - result); \
-    Leave();                                                           \
-    return result;                                                     \
+    Leave();                                                                 \
+    return result;                                                           \
   }
 SEND(sendfile, off_t)
 SEND(sendfile64, off64_t)
@@ -239,28 +239,28 @@ static void NoteSize(int file, int64_t size) {
   Note("size", path, "", "", 0, InodeOf(file), size);
 }
 
-#define TRUNCATE(name, offset)                                            \
-  int name(int file, offset size) {                                       \
-    if (!WatchedFile(file)) return REAL(name)(file, size);                \
-    Enter();                                                              \
-    const int result = REAL(name)(file, size);                            \
-    if (result == 0) NoteSize(file, size);    \
-    Leave();                                                              \
-    return result;                                                        \
+#define TRUNCATE(name, offset)                             \
+  int name(int file, offset size) {                        \
+    if (!WatchedFile(file)) return REAL(name)(file, size); \
+    Enter();                                               \
+    const int result = REAL(name)(file, size);             \
+    if (result == 0) NoteSize(file, size);                 \
+    Leave();                                               \
+    return result;                                         \
   }
 TRUNCATE(ftruncate, off_t)
 TRUNCATE(ftruncate64, off64_t)
 
 // Flushing.
 
-#define FLUSH(name)                                                     \
-  int name(int file) {                                                  \
-    if (!WatchedFile(file)) return REAL(name)(file);                    \
-    Enter();                                                            \
-    const int result = REAL(name)(file);                                \
-    if (result == 0) Note("sync", "", "", "", 0, InodeOf(file), 0);     \
-    Leave();                                                            \
-    return result;                                                      \
+#define FLUSH(name)                                                 \
+  int name(int file) {                                              \
+    if (!WatchedFile(file)) return REAL(name)(file);                \
+    Enter();                                                        \
+    const int result = REAL(name)(file);                            \
+    if (result == 0) Note("sync", "", "", "", 0, InodeOf(file), 0); \
+    Leave();                                                        \
+    return result;                                                  \
   }
 FLUSH(fsync)
 FLUSH(fdatasync)
@@ -283,21 +283,21 @@ static int OpenAt(int folder, const char* given, int flags, mode_t mode) {
 static mode_t ModeOf(int flags, va_list rest) {
   return flags & (O_CREAT | __O_TMPFILE) ? va_arg(rest, mode_t) : 0;
 }
-#define OPEN(name)                               \
-  int name(const char* path, int flags, ...) {   \
-    va_list rest;                                \
-    va_start(rest, flags);                       \
-    const mode_t mode = ModeOf(flags, rest);     \
-    va_end(rest);                                \
-    return OpenAt(AT_FDCWD, path, flags, mode);  \
+#define OPEN(name)                              \
+  int name(const char* path, int flags, ...) {  \
+    va_list rest;                               \
+    va_start(rest, flags);                      \
+    const mode_t mode = ModeOf(flags, rest);    \
+    va_end(rest);                               \
+    return OpenAt(AT_FDCWD, path, flags, mode); \
   }
-#define OPEN_AT(name)                                        \
-  int name(int folder, const char* path, int flags, ...) {   \
-    va_list rest;                                            \
-    va_start(rest, flags);                                   \
-    const mode_t mode = ModeOf(flags, rest);                 \
-    va_end(rest);                                            \
-    return OpenAt(folder, path, flags, mode);                \
+#define OPEN_AT(name)                                      \
+  int name(int folder, const char* path, int flags, ...) { \
+    va_list rest;                                          \
+    va_start(rest, flags);                                 \
+    const mode_t mode = ModeOf(flags, rest);               \
+    va_end(rest);                                          \
+    return OpenAt(folder, path, flags, mode);              \
   }
 OPEN(open)
 OPEN(open64)
@@ -308,17 +308,17 @@ int creat(const char* path, mode_t mode) {
 }
 
 // The bytes of a stream of C are not seen, those of C++ are.
-#define STREAM(name)                                                                      \
-  FILE* name(const char* given, const char* mode) {                                       \
-    char path[2 * PATH_MAX];                                                              \
-    if (mode[0] == 'r' || !Full(AT_FDCWD, given, path)) return REAL(name)(given, mode);   \
-    Enter();                                                                              \
-    const int is_there = InodeAt(path) != 0;                                              \
-    FILE* const file = REAL(name)(given, mode);                                           \
-    if (file && !is_there) Note("make", path, "", "", 0, InodeOf(fileno(file)), 0);       \
-    if (file && is_there && mode[0] == 'w') NoteSize(fileno(file), 0);                    \
-    Leave();                                                                              \
-    return file;                                                                          \
+#define STREAM(name)                                                                    \
+  FILE* name(const char* given, const char* mode) {                                     \
+    char path[2 * PATH_MAX];                                                            \
+    if (mode[0] == 'r' || !Full(AT_FDCWD, given, path)) return REAL(name)(given, mode); \
+    Enter();                                                                            \
+    const int is_there = InodeAt(path) != 0;                                            \
+    FILE* const file = REAL(name)(given, mode);                                         \
+    if (file && !is_there) Note("make", path, "", "", 0, InodeOf(fileno(file)), 0);     \
+    if (file && is_there && mode[0] == 'w') NoteSize(fileno(file), 0);                  \
+    Leave();                                                                            \
+    return file;                                                                        \
   }
 STREAM(fopen)
 STREAM(fopen64)
