@@ -53,6 +53,12 @@ def calls(notes: Notes, do: Sequence[str]) -> str:
     return str(count) if count else NOT_RUN
 
 
+def power_cuts(notes: Notes) -> str:
+    """Simulated: folders that were built, checked, and finished by the command."""
+    found = {note["command"]: note["times"] for note in of(notes, "power cuts")}
+    return f"{sum(found.values())} (of {len(found)} commands and formats)" if found else NOT_RUN
+
+
 def full_disks(notes: Notes) -> str:
     """Real ones, or those of the shim where none may be mounted."""
     found = [f"{note['kilobytes']} kB ({note['how']})" for note in of(notes, "full_disk")]
@@ -105,6 +111,7 @@ def figures(notes: Notes, logs: Mapping[str, str]) -> dict[str, str]:
             notes, ("fail", "full")
         ),
         "deaths at a call, nothing lost": calls(notes, ("kill_before", "kill_after")),
+        "power cuts simulated, nothing acknowledged lost": power_cuts(notes),
         "disks that filled up in a run, finished after they grew": full_disks(notes),
         "bits flipped, each found": damage(notes, "flip_bit"),
         "files cut short, each found": damage(notes, "cut"),

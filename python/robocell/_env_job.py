@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from robocell._core import ArgumentError, Dataset, SpecError, atomic_write
+from robocell._durable import make_folders
 from robocell._env_rollouts import (
     MODELS,
     EnvRollouts,
@@ -100,7 +101,7 @@ class EnvJob(SupervisedJob):
         if (self.dataset / "dataset.json").exists():
             raise SpecError(f"'{self.dataset}' belongs to a run; choose another --output")
         # Makes it a dataset before its first episode.
-        (self.dataset / MODELS).mkdir(parents=True, exist_ok=True)
+        make_folders(self.dataset / MODELS)
         return {}
 
     def claim(self) -> None:

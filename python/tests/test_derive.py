@@ -184,7 +184,7 @@ KILLED = """
     import os, signal
     from robocell.data import derive
 
-    add = derive._add_file
+    add, derive.BATCH = derive._add_file, 1
 
     def killed(source, to, copy):
         if {id!r} in str(source) and to.name == "steps.h5":

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 
 from robocell import _core
-from robocell._generation.disk import disk_trouble, flush, require_writable
+from robocell._durable import flush_path
+from robocell._generation.disk import disk_trouble, require_writable
 from robocell.data import remove_leftovers
 
 
@@ -53,7 +54,7 @@ def test_accepts_a_file_system_that_cannot_flush_folders(
 
     monkeypatch.setattr(os, "fsync", refuse)
     if number != errno.EIO:
-        flush(tmp_path)
+        flush_path(tmp_path)
         return
     with pytest.raises(OSError, match=f"cannot flush '{tmp_path}': Input/output error"):
-        flush(tmp_path)
+        flush_path(tmp_path)

@@ -25,6 +25,7 @@ from exported import hashes, three_episodes
 from robocell.export import _hdf5 as hdf5
 from robocell.export import _videos as videos
 from robocell.export import export_dataset
+from robocell.export._replay_buffer import _remove_remains
 from robocell.export._robomimic import masks, scaled
 
 ROBOT = "robots/rc7"
@@ -389,3 +390,14 @@ def test_the_zip_of_umi_has_the_same_bytes_again(dataset: robocell.Dataset, tmp_
     for out in (one, again):
         export_dataset(dataset, out, "umi")
     assert hashes(one)["dataset.zarr.zip"] == hashes(again)["dataset.zarr.zip"]
+
+
+def test_a_replay_buffer_keeps_only_images_of_a_killed_export(tmp_path: Path):
+    """Numbers are written again, and half files of zarr have no place in a result."""
+    images = {"data/wrist/.zarray", "data/wrist/0.0.0.0", "data/side/wide/3.0.0.0", ".zgroup"}
+    others = {"data/wrist/1.0.0.0.77.partial", "data/action/.zarray", "meta/episode_ends/0"}
+    for name in images | others:
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    _remove_remains(tmp_path, ["wrist", "side/wide"])
+    assert {str(f.relative_to(tmp_path)) for f in tmp_path.rglob("*") if f.is_file()} == images

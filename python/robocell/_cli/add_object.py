@@ -14,6 +14,7 @@ from rich.table import Table
 
 from robocell import Error, models
 from robocell._cli.common import ExitCode, fail, print_error, print_warning, print_wide
+from robocell._durable import flush_folder, flush_path, make_folders
 from robocell._extras import needed_by
 from robocell._suggestions import counted
 from robocell.tasks import object_categories
@@ -172,7 +173,7 @@ def _add(
     assert isinstance(words, Words)
     objects = root / "objects"
     if not dry_run:
-        objects.mkdir(parents=True, exist_ok=True)
+        make_folders(objects)
     with tempfile.TemporaryDirectory(
         prefix=".adding-", dir=None if dry_run else objects
     ) as temporary:
@@ -213,6 +214,7 @@ def _add(
 
 def _put(folder: Path, target: Path) -> None:
     """Renames a new entry; the one that it replaces is deleted after that, with `folder`'s."""
+    flush_folder(folder)
     former = folder.parent / ".former"
     is_replaced = target.exists()
     if is_replaced:
@@ -223,6 +225,7 @@ def _put(folder: Path, target: Path) -> None:
         if is_replaced:
             former.rename(target)
         raise
+    flush_path(target.parent)
 
 
 def _files_of(given: Path) -> list[Path]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import errno
 import os
 import shutil
 from collections.abc import Callable
@@ -75,22 +74,6 @@ def _probe(folder: Path, make: Callable[[Path], Made]) -> tuple[Path, Made]:
         path = _core.temporary_path(folder, "probe")
         with contextlib.suppress(FileExistsError):
             return path, make(path)
-
-
-def flush(folder: Path) -> None:
-    """Flushes the folder's entries to the disk. Raises OSError on failure.
-
-    Some file systems do not flush folders; their error is ignored.
-    """
-    descriptor = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
-    try:
-        os.fsync(descriptor)
-    except OSError as error:
-        if error.errno in (errno.EINVAL, errno.ENOTSUP):
-            return
-        raise OSError(f"cannot flush '{folder}': {error.strerror or error}") from error
-    finally:
-        os.close(descriptor)
 
 
 def with_trouble(message: str, trouble: str) -> str:

@@ -24,7 +24,7 @@ from typing import Any
 from robocell import ArgumentError, SpecError
 from robocell._core import Dataset
 from robocell._dataset_run import PARTS, manifest_of_dataset
-from robocell._generation.disk import flush
+from robocell._durable import flush_path
 from robocell._generation.items import Item, ItemRecord
 from robocell._generation.job import Job
 from robocell._generation.observer import Observer
@@ -251,7 +251,7 @@ class MixtureJob(SupervisedJob):
     def flush(self) -> None:
         """Flushes the folders that hold the episodes. Raises OSError on failure."""
         for part in self.parts.values():
-            flush(part.dataset)
+            flush_path(part.dataset)
 
     @contextmanager
     def elsewhere(self) -> Iterator[StartWorker | None]:

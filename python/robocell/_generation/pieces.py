@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from robocell import _core
-from robocell._generation.disk import flush
+from robocell._durable import flush_path
 
 PIECE_BYTES = 4 << 20
 DESCRIPTION = "episode.json"
@@ -108,7 +108,7 @@ def receive(folder: Folder, read_there: Read, dataset: Path, staging: Path) -> N
         except OSError:
             if not target.exists():  # not even by another worker's hand
                 raise
-        flush(target.parent)
+        flush_path(target.parent)
     finally:
         shutil.rmtree(partial, ignore_errors=True)
 
@@ -156,7 +156,7 @@ def _write(folder: Folder, pieces: Iterator[bytes], partial: Path) -> None:
         if digest.hexdigest() != file.sha256:
             raise DamagedPieceError(f"'{folder.name}/{file.path}' arrived with other bytes")
     for each in folders:
-        flush(each)
+        flush_path(each)
 
 
 def _require_described(folder: Folder, partial: Path) -> None:

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from robocell import Error
-from robocell._generation.disk import disk_trouble, flush
+from robocell._durable import flush_path
+from robocell._generation.disk import disk_trouble
 from robocell._generation.items import Item, ItemRecord
 from robocell._generation.observer import Observer, Unfailing
 from robocell._generation.report import utc_now
@@ -90,7 +91,7 @@ class SupervisedJob(ABC):
 
     def flush(self) -> None:
         """Flushes the folders that hold the episodes. Raises OSError on failure."""
-        flush(self.dataset)
+        flush_path(self.dataset)
 
     @contextmanager
     def elsewhere(self) -> Iterator[StartWorker | None]:

@@ -29,6 +29,7 @@ from robocell._core import (
     make_plan,
     prepare_dataset,
 )
+from robocell._durable import make_folders
 from robocell._teleop.device import Device, Motion
 from robocell._teleop.follower import FollowOptions
 from robocell._teleop.operator import Operator, OperatorOptions, Screen, Teleoperator
@@ -190,7 +191,7 @@ def save_session(folder: Path, episode: str, operator: Operator, seed: int | Non
     """Writes what the device said in an episode, which began with a seed. Raises IoError."""
     place = folder / FOLDER
     try:
-        place.mkdir(exist_ok=True)
+        make_folders(place)
     except OSError as error:
         raise IoError(f"cannot make '{place}': {error.strerror}") from error
     content = {

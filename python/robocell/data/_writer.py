@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from robocell._arguments import show
 from robocell._core import ArgumentError, IoError, _EpisodeWriter, remove_leftovers
+from robocell._durable import make_folders
 from robocell.data._declarations import (
     STEPS,
     CameraStream,
@@ -102,7 +103,7 @@ class EpisodeWriter:
                 "into another folder"
             )
         try:
-            folder.mkdir(parents=True, exist_ok=True)
+            make_folders(folder)
         except OSError as error:
             raise IoError(f"cannot create '{folder}': {error.strerror}") from error
         _remove_leftovers_of(folder, id)

@@ -12,6 +12,7 @@ every episode comes from.
 from __future__ import annotations
 
 import errno
+import itertools
 import json
 import os
 import shutil
@@ -23,7 +24,8 @@ from typing import Any
 from robocell import __version__, _core
 from robocell._core import ArgumentError, Dataset, Episode, IoError, json_damage, self_hashed_json
 from robocell._dataset_run import manifest_of_dataset
-from robocell._staging import Staging, flush_folder, staging
+from robocell._durable import flush_folder
+from robocell._staging import Staging, staging
 from robocell._stored_files import open_stored, read_stored
 from robocell._suggestions import counted
 from robocell.data._where import Condition, Value, fields
@@ -33,6 +35,8 @@ __all__ = ["Derived", "keep", "merge", "split"]
 MANIFEST, DESCRIPTION, MODELS = "dataset.json", "episode.json", "models"
 HASH = "json_sha256"
 NO_HASH = "0" * 64
+# Under this name it is kept how many episodes are on the disk, after so many or so many bytes.
+ADDED, BATCH, BATCH_BYTES = "added", 256, 256 << 20
 # Links are impossible between file systems, on some of them, and beyond a number of links.
 UNLINKABLE = (errno.EXDEV, errno.EPERM, errno.EOPNOTSUPP, errno.EMLINK)
 
@@ -224,9 +228,10 @@ class _Durable(Staging):
         """Returns a path that no reader sees."""
         return self.folder / f".{name}.partial"
 
-    def flush(self, partial: Path) -> None:
-        """Flushes a folder."""
+    def add(self, partial: Path, folder: Path) -> None:
+        """Gives a folder its name when its files are on the disk."""
         flush_folder(partial)
+        partial.rename(folder)
 
 
 def _open(dataset: Dataset | str | os.PathLike[str]) -> Dataset:
@@ -341,12 +346,27 @@ def _make(
     done = copied = 0
     try:
         with staging(target, request) as place:
+            kept = int(place.state(ADDED) or 0)
+            safe = {
+                (part, model)
+                for part, item in itertools.islice(_each(parts), kept)
+                for model in _models_of(item)
+            }
             for part, items in parts.items():
                 folder = place.path(str(Path(part) / MANIFEST)).parent
                 for item in items:
-                    copied += _add(place, folder, item, copy)
-                    place.has_episodes = True
+                    if done >= kept:
+                        for model in _models_of(item):
+                            if (part, model) not in safe:
+                                safe.add((part, model))
+                                _remove(folder / model)
+                        _remove(folder / item.name)
+                        copied += _add(place, folder, item, copy)
+                        place.has_episodes = True
                     done += 1
+                    is_full = done % BATCH == 0 or place.unflushed_bytes >= BATCH_BYTES
+                    if is_full and done > kept:
+                        place.keep(ADDED, done)
                     if on_episodes is not None:
                         on_episodes(done, whole)
                 (folder / MANIFEST).write_text(_manifest(items, made))
@@ -361,13 +381,28 @@ def _make(
     return copied
 
 
+def _each(parts: Mapping[str, Sequence[_Item]]) -> Iterator[tuple[str, _Item]]:
+    return ((part, item) for part, items in parts.items() for item in items)
+
+
+def _models_of(item: _Item) -> list[Path]:
+    """Returns the models of an episode, each a folder: models/rc7-<hash>/rc7.xml."""
+    paths = item.dataset[item.id].models.values()
+    return sorted({Path(*Path(path).parts[:2]) for path in paths})
+
+
+def _remove(folder: Path) -> None:
+    """Removes what a killed command added; after a power cut its files may be empty."""
+    if folder.exists():
+        shutil.rmtree(folder)
+
+
 def _add(place: Staging, folder: Path, item: _Item, copy: bool) -> int:
     """Adds an episode and its models, unless they are there; returns the number of copied files."""
     episode = item.dataset[item.id]
     root = item.dataset.folder
     copied = 0
-    # A model is in a folder of its own: models/rc7-<hash>/rc7.xml.
-    for model in sorted({Path(*Path(path).parts[:2]) for path in episode.models.values()}):
+    for model in _models_of(item):
         if not (folder / model).exists():
             copied += _add_folder(place, root / model, folder / model, copy)
     if not (folder / item.name).exists():
@@ -400,8 +435,7 @@ def _add_folder(
             else:
                 copied += _add_file(Path(at) / name, inner / name, copy)
     to.parent.mkdir(parents=True, exist_ok=True)
-    place.flush(partial)
-    partial.rename(to)
+    place.add(partial, to)
     return copied
 
 

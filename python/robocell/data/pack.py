@@ -34,7 +34,8 @@ from robocell._core import (
     self_hashed_json,
     verify,
 )
-from robocell._staging import Staging, flush_path, staging
+from robocell._durable import flush_path
+from robocell._staging import Staging, staging
 
 __all__ = ["Packed", "is_packed", "pack", "read_packed", "unpack"]
 

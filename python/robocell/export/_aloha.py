@@ -6,7 +6,6 @@ ACT, RDT and the converters of openpi and LeRobot read `observations/qpos`, `obs
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -38,7 +37,7 @@ def write(
         else:
             partial = staging.scratch("episode.hdf5")
             _write_episode(source, item, partial)
-            os.replace(partial, file)
+            staging.put(partial, file)
         on_episode(index + 1)
     lengths = sorted({item.rows for item in source.items})
     notes = [

@@ -12,7 +12,7 @@ from robocell._placeholders import OPENING
 from robocell._report.facts import ATTEMPT
 from robocell._suggestions import counted
 from robocell.export._formats import Format, Written
-from robocell.export._source import Source
+from robocell.export._source import Item, Source
 
 FRONT = """\
 ---
@@ -90,8 +90,10 @@ def episodes_json(source: Source) -> str:
 
 def _success(source: Source) -> str:
     rows = []
-    for task, robots in dict.fromkeys((item.task, item.robots) for item in source.items):
-        own = [item for item in source.items if (item.task, item.robots) == (task, robots)]
+    groups: dict[tuple[str, str], list[Item]] = {}
+    for item in source.items:
+        groups.setdefault((item.task, item.robots), []).append(item)
+    for (task, robots), own in groups.items():
         good = sum(item.success for item in own)
         reasons = Counter(item.end_reason for item in own)
         ends = ", ".join(f"{reason} {count}" for reason, count in reasons.most_common())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable
 from pathlib import Path
 
@@ -43,7 +42,7 @@ def write_logs(
             partial = staging.scratch(f"episode.{ending}")
             reasons = write_episode(source, item, partial, staging.scratch("video.mp4"))
             staging.keep(item.id, reasons)
-            os.replace(partial, file)
+            staging.put(partial, file)
         encoded |= reasons
         on_episode(index + 1)
     return resumed, encoded

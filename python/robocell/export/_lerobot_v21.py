@@ -40,10 +40,10 @@ def write(
     source: Source, staging: Staging, options: Options, on_episode: Callable[[int], None]
 ) -> Written:
     """Writes a dataset into a staging folder; see `lerobot_v3.write`."""
-    tasks = {task: index for index, task in enumerate(source.tasks)}
+    tasks = source.task_indices
 
     def write_part(number: int, items: Sequence[Item], before: int) -> dict[str, Any]:
-        first = sum(item.rows for item in source.items[:before])
+        first = source.first_rows[before]
         return _write_episode(source, staging, options, number, first, tasks[items[0].task])
 
     parts = ([item] for item in source.items)

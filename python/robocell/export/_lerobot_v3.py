@@ -121,16 +121,14 @@ def write_shard(
         items: Its episodes.
         before: Number of episodes before them.
     """
-    first = sum(item.rows for item in source.items[:before])
     place = place_of(number)
-    task_indices = {task: index for index, task in enumerate(source.tasks)}
     rows: list[dict[str, Any]] = []
-    at = first
+    at = source.first_rows[before]
     with pq.ParquetWriter(
         path_of(DATA_PATH.format(**place)), schema(source), compression="snappy"
     ) as writer:
         for index, item in enumerate(items, before):
-            columns = columns_of(source, item, index, at, task_indices[item.task])
+            columns = columns_of(source, item, index, at, source.task_indices[item.task])
             writer.write_table(table_of(source, columns), row_group_size=item.rows)
             rows.append(
                 {

@@ -8,7 +8,6 @@ states repeat the last one of the episode. Readers drop these.
 from __future__ import annotations
 
 import json
-import os
 from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -89,7 +88,7 @@ def write(
                 _write_video(source, item, camera, video)
             partial = staging.scratch("trajectory.h5")
             _write_trajectory(source, item, place, partial)
-            os.replace(partial, file)
+            staging.put(partial, file)
         on_episode(index + 1)
     index_of: dict[str, dict[str, dict[str, int]]] = {}
     for item, place in zip(source.items, places, strict=True):

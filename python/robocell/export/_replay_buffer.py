@@ -6,8 +6,9 @@ version 2 of the zarr format, which the zarr package reads in its versions 2 and
 
 from __future__ import annotations
 
+import os
 import shutil
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -24,6 +25,7 @@ with needed_by("robocell.export", "export"):
     import zarr
 
 NAME = "replay_buffer.zarr"
+DESCRIPTIONS = (".zarray", ".zattrs", ".zgroup")
 CHUNK_BYTES = 1 << 20  # of numbers; an image is a chunk of its own
 
 
@@ -80,6 +82,8 @@ def _write_chunks(
     if done is None:
         shutil.rmtree(place, ignore_errors=True)
         done = 0
+    names = [camera.feature for camera in source.cameras]
+    _remove_remains(place, [*names, *map(depth_name, names)])
     root = zarr.open_group(str(place), mode="a", zarr_format=2)
     data, meta = root.require_group("data"), root.require_group("meta")
     _write_numbers(source, data)  # first: numbers that are refused cost no images
@@ -98,10 +102,38 @@ def _write_chunks(
         for camera, array in zip(source.depths, depths, strict=True):
             for row, depth in depth_blocks(source, item, camera):
                 array[first + row : first + row + len(depth)] = depth
+        for array in (*images, *depths):
+            staging.wrote(_files_of(place, array, first, item.rows))
         staging.keep("images", index + 1)
         on_episode(index + 1)
     write_array(meta, "episode_ends", (len(ends),), np.dtype(np.int64))[:] = ends
     return done
+
+
+def _remove_remains(place: Path, images: Sequence[str]) -> None:
+    """Removes what a killed export left half, and arrays of numbers, which are written again.
+
+    After a power cut, their files may be empty.
+    """
+    for folder, _, files in os.walk(place):
+        for name in files:
+            if name.endswith(".partial"):  # zarr's own temporary files
+                (Path(folder) / name).unlink()
+    shutil.rmtree(place / "meta", ignore_errors=True)
+    data = place / "data"
+    for entry in data.iterdir() if data.is_dir() else ():
+        is_kept = any((data / name).is_relative_to(entry) for name in images)
+        if entry.is_dir() and not is_kept:
+            shutil.rmtree(entry)
+
+
+def _files_of(place: Path, array: Any, first: int, rows: int) -> list[Path]:
+    """Returns the files of rows of images, each a chunk, and those that describe the array."""
+    folder = place / array.path
+    above = [each for each in folder.parents if each.is_relative_to(place)]
+    described = [each / name for each in (folder, *above) for name in DESCRIPTIONS]
+    chunks = [folder / f"{row}.0.0.0" for row in range(first, first + rows)]
+    return [*described, *chunks]
 
 
 def _image_array(data: Any, source: Source, camera: Any, codec: Any) -> Any:

@@ -8,7 +8,6 @@ keeps their own numbers.
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -58,7 +57,7 @@ def write(
         else:
             partial = staging.scratch("demo.hdf5")
             _write_demo(source, item, partial, low, high)
-            os.replace(partial, file)
+            staging.put(partial, file)
         on_episode(index + 1)
     without_states = _join(source, staging, low, high)
     notes = [

@@ -9,6 +9,8 @@ import os
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
+from itertools import accumulate
 from pathlib import Path
 from typing import Any, cast
 
@@ -16,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from robocell._core import ArgumentError, Dataset, Episode, NotFoundError
+from robocell._durable import flush_path
 from robocell._placeholders import AS_RECORDED, Gripper
 from robocell._suggestions import did_you_mean, shortened
 from robocell.export._features import Resolved
@@ -104,7 +107,7 @@ class Source:
         """The whole number of frames per second that is nearest to the rate."""
         return max(1, round(self.rate))
 
-    @property
+    @cached_property
     def rows(self) -> int:
         """The rows of all episodes."""
         return sum(item.rows for item in self.items)
@@ -114,10 +117,20 @@ class Source:
         """The robots of all episodes; None without any."""
         return ", ".join(dict.fromkeys(item.robots for item in self.items if item.robots)) or None
 
-    @property
+    @cached_property
     def tasks(self) -> list[str]:
         """The instructions, in the order in which they first appear."""
         return list(dict.fromkeys(item.task for item in self.items))
+
+    @cached_property
+    def task_indices(self) -> dict[str, int]:
+        """The number of each instruction."""
+        return {task: index for index, task in enumerate(self.tasks)}
+
+    @cached_property
+    def first_rows(self) -> list[int]:
+        """The number of rows before each episode."""
+        return list(accumulate((item.rows for item in self.items), initial=0))
 
     def recorded(self, item: Item) -> Episode:
         """Opens an episode as it was recorded."""
@@ -161,6 +174,7 @@ class Source:
             made.parent.mkdir(parents=True, exist_ok=True)
             partial = made.with_suffix(".partial.mp4")
             resample(recorded, rows.tolist(), self.rate, partial)
+            flush_path(partial)  # a file of this name is complete, also after a power cut
             os.replace(partial, made)
         return made
 

@@ -38,7 +38,7 @@ def write(
     done = write_buffer(source, staging, on_episode, folder, JpegXl(), _write_ends_of_demos)
     partial = staging.scratch(NAME)
     _zip(folder, partial)
-    os.replace(partial, staging.path(NAME))
+    staging.put(partial, staging.path(NAME))
     cameras = ", ".join(f"`{each.feature}` is {each.name}" for each in source.cameras) or "none"
     notes = (
         f"`{NAME}` is a replay buffer of UMI: `data/<name>` has the rows of all episodes, "

@@ -25,15 +25,10 @@ namespace fs = std::filesystem;
 
 constexpr size_t kVersionDigits = 16;
 
-fs::path UserCache() {
-  const std::string cache = internal::Environment("XDG_CACHE_HOME");
-  return cache.empty() ? fs::path(internal::Environment("HOME")) / ".cache" : fs::path(cache);
-}
-
 fs::path CacheModels() {
   if (const std::string dir = internal::Environment("MENAGERIE_CACHE_DIR"); !dir.empty())
     return fs::path(dir) / "models";
-  return UserCache() / "mujoco_menagerie" / "models";
+  return internal::UserCacheFolder() / "mujoco_menagerie" / "models";
 }
 
 bool IsVersionOf(const std::string& folder, const std::string& robot) {
@@ -44,7 +39,7 @@ bool IsVersionOf(const std::string& folder, const std::string& robot) {
 // is requested; empty without one. It need not exist. `robocell fetch` reports problems of the
 // record.
 fs::path RecordedFolder(const std::string& robot) {
-  const fs::path record = UserCache() / "robocell/menagerie.json";
+  const fs::path record = internal::UserCacheFolder() / "robocell/menagerie.json";
   if (!internal::CanReadFile(record)) return {};
   const auto json = nlohmann::json::parse(internal::ReadRealFile(record), nullptr, false);
   if (json.is_discarded() || robot.find_first_of("~/") != std::string::npos) return {};

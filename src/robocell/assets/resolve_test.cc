@@ -9,6 +9,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "robocell/assets/roots.h"
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
 #include "robocell/base/log.h"
@@ -42,6 +43,17 @@ class Resolving : public ::testing::Test {
 
   fs::path folder_;
 };
+
+TEST(UserCacheFolder, IsInTheHomeOfTheListOfUsersWithoutTheVariable) {
+  const ScopedEnv cache("XDG_CACHE_HOME", "");
+  {
+    const ScopedEnv home("HOME", "/nowhere/somebody");
+    EXPECT_EQ(internal::UserCacheFolder(), "/nowhere/somebody/.cache");
+  }
+  const ScopedEnv home("HOME", "");
+  EXPECT_TRUE(internal::UserCacheFolder().is_absolute());
+  EXPECT_NE(internal::UserCacheFolder(), "/.cache");
+}
 
 TEST_F(Resolving, AnAbsolutePathIsThatFile) {
   const std::string file = Write("a/arm.xml");

@@ -1,8 +1,12 @@
 #include "robocell/assets/roots.h"
 
+#include <pwd.h>
+#include <unistd.h>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <array>
 #include <cstdlib>
 
 #include "robocell/base/error.h"
@@ -15,6 +19,16 @@ namespace fs = std::filesystem;
 std::string Environment(const char* variable) {
   const char* value = std::getenv(variable);
   return value ? value : "";
+}
+
+fs::path UserCacheFolder() {
+  if (const std::string cache = Environment("XDG_CACHE_HOME"); !cache.empty()) return cache;
+  if (const std::string home = Environment("HOME"); !home.empty()) return fs::path(home) / ".cache";
+  passwd entry = {};
+  passwd* found = nullptr;
+  std::array<char, 4096> text = {};
+  ::getpwuid_r(::getuid(), &entry, text.data(), text.size(), &found);
+  return fs::path(found ? found->pw_dir : "/") / ".cache";
 }
 
 std::optional<fs::path> FindBelow(const fs::path& root, const std::string& name) {

@@ -115,6 +115,8 @@ std::string Quarantine(const fs::path& dataset, const std::string& name) {
     target = fmt::format("{}.{}", own, i);
   fs::rename(dataset / name, folder / target, error);
   if (error) ThrowIoError("move aside", dataset / name, error.value());
+  FsyncDirectory(folder);
+  FsyncDirectory((dataset / name).parent_path());
   return target;
 }
 

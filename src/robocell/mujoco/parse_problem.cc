@@ -5,6 +5,7 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -136,9 +137,12 @@ bool HasNan(const std::string& text) {
   bool found = false;
   std::istringstream words(text);
   for (std::string word; words >> word;) {
-    char* end = nullptr;
-    found |= std::isnan(std::strtod(word.c_str(), &end));
-    if (*end != '\0') return false;
+    const char* const begin = word.data() + (word.starts_with('+') ? 1 : 0);
+    const char* const end = word.data() + word.size();
+    double number = 0;  // std::strtod would follow the locale of the program
+    const auto [rest, error] = std::from_chars(begin, end, number);
+    if (error == std::errc::invalid_argument || rest != end) return false;
+    found |= std::isnan(number);
   }
   return found;
 }

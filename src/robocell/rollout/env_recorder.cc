@@ -13,8 +13,8 @@
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
-#include "robocell/base/io_error.h"
 #include "robocell/base/log.h"
+#include "robocell/base/make_directories.h"
 #include "robocell/base/ratio.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/data/dataset.h"
@@ -316,9 +316,7 @@ void RequireNoRun(const fs::path& dataset) {
 }
 
 void PrepareFolder(const fs::path& dataset, const Env& env) {
-  std::error_code error;
-  fs::create_directories(dataset, error);
-  if (error) ThrowIoError("create the dataset's folder", dataset, error.value());
+  internal::MakeDirectories(dataset, "the dataset's folder");
   const std::vector<std::string> names = FolderNames(dataset);
   const bool is_new = std::ranges::all_of(
       names, [](const std::string& name) { return name.starts_with(kLockFile); });

@@ -18,6 +18,7 @@
 #include "robocell/base/function_name.h"
 #include "robocell/base/io_error.h"
 #include "robocell/base/log.h"
+#include "robocell/base/make_directories.h"
 #include "robocell/base/packed_index.h"
 #include "robocell/data/dataset.h"
 #include "robocell/data/dataset_lock.h"
@@ -64,9 +65,8 @@ RunInputs InputsIn(const std::string& manifest) {
 }
 
 void CreateFolder(const fs::path& folder) {
+  internal::MakeDirectories(folder, "the dataset's folder");
   std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) ThrowIoError("create the dataset's folder", folder, error.value());
   // Only an attempt shows whether the folder can be written.
   fs::remove(MakeTempDirectory(folder, "probe"), error);
 }

@@ -237,9 +237,7 @@ void Keep(const CompiledScene& scene, const fs::path& folder, const fs::path& fi
 fs::path SceneCacheFolder() {
   if (const std::string own = internal::Environment("ROBOCELL_CACHE_DIR"); !own.empty())
     return fs::path(own) / "scenes";
-  std::string cache = internal::Environment("XDG_CACHE_HOME");
-  if (cache.empty()) cache = internal::Environment("HOME") + "/.cache";
-  return fs::path(cache) / "robocell" / "scenes";
+  return internal::UserCacheFolder() / "robocell" / "scenes";
 }
 
 std::string SceneKey(const SceneSpec& spec) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -62,7 +63,9 @@ int Ticks(double whole_ms, double part_ms) {
 std::string Exactly(double value) {
   constexpr int64_t kLargest = 1'000'000;  // longer fractions do not help a reader
   std::string digits = fmt::format("{:.6g}", value);
-  if (std::stod(digits) == value) return digits;
+  double read = 0;  // std::stod would follow the locale of the program
+  std::from_chars(digits.data(), digits.data() + digits.size(), read);
+  if (read == value) return digits;
   if (!(value > 0) || value > kLargest) return fmt::format("{}", value);
   const Ratio ratio = RatioOf(value);
   return ratio.num <= kLargest && ratio.den <= kLargest ? ratio.Text() : fmt::format("{}", value);

@@ -6,12 +6,12 @@
 #include <array>
 #include <map>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <nlohmann/json.hpp>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
+#include "robocell/base/make_directories.h"
 #include "robocell/base/paths.h"
 #include "robocell/base/real_file.h"
 #include "robocell/base/rng.h"
@@ -183,10 +183,7 @@ FurnishedHouse PlanHouse(const HouseOptions& options, int index) {
 
 void PrepareHouseFolder(const fs::path& folder, const HouseOptions& options) {
   options.Validate();
-  std::error_code error;
-  fs::create_directories(folder / internal::kTextureFolder, error);
-  if (error)
-    throw IoError(fmt::format("cannot make the folder '{}': {}", folder.string(), error.message()));
+  internal::MakeDirectories(folder / internal::kTextureFolder);
   const fs::path file = folder / kOptionsFile;
   const std::string text = OptionsText(options);
   if (internal::CanReadFile(file) && internal::ReadRealFile(file) != text)

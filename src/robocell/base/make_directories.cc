@@ -1,0 +1,30 @@
+#include "robocell/base/make_directories.h"
+
+#include <unistd.h>
+
+#include <fmt/format.h>
+
+#include <system_error>
+
+#include "robocell/base/files.h"
+#include "robocell/base/io_error.h"
+
+namespace robocell::internal {
+
+namespace fs = std::filesystem;
+
+void MakeDirectories(const fs::path& path, std::string_view what) {
+  std::error_code error;
+  if (fs::is_directory(path, error)) return;
+  const fs::path full = fs::absolute(path / "").lexically_normal().parent_path();
+  fs::path there = full;
+  while (!fs::exists(there, error) && there != there.root_path()) there = there.parent_path();
+  fs::create_directories(full, error);
+  if (error) ThrowIoError(fmt::format("create {}", what), path, error.value());
+  for (fs::path made = full; made != there; made = made.parent_path()) {
+    const fs::path parent = made.parent_path();
+    if (::access(parent.c_str(), R_OK) == 0) FsyncDirectory(parent);
+  }
+}
+
+}  // namespace robocell::internal

@@ -1,0 +1,36 @@
+#include "robocell/base/make_directories.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "robocell/base/files.h"
+#include "robocell/base/io_error.h"
+#include "robocell/testing/expect_throw.h"
+#include "robocell/testing/temp_dir.h"
+
+namespace robocell::internal {
+namespace {
+
+namespace fs = std::filesystem;
+
+TEST(MakeDirectoriesTest, MakesFoldersBelowFoldersAndKeepsThoseThatExist) {
+  const TempDir temp;
+  for (const fs::path& path : {temp.path() / "a/b/c", temp.path() / "a/b/d/"}) {
+    MakeDirectories(path);
+    EXPECT_TRUE(fs::is_directory(path)) << path;
+  }
+  AtomicWrite(temp.path() / "a/b/c/file", "x");
+  MakeDirectories(temp.path() / "a/b/c");
+  EXPECT_EQ(ReadFile(temp.path() / "a/b/c/file"), "x");
+}
+
+TEST(MakeDirectoriesTest, NamesAFolderBelowAFile) {
+  const TempDir temp;
+  AtomicWrite(temp.path() / "file", "x");
+  ExpectThrow<IoError>([&] { MakeDirectories(temp.path() / "file/d", "the dataset's folder"); },
+                       "cannot create the dataset's folder '" + temp.path().native());
+}
+
+}  // namespace
+}  // namespace robocell::internal
