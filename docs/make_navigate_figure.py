@@ -1,4 +1,7 @@
-"""Draws docs/navigate.png: ways of the mobile manipulator through built-in houses, from above.
+"""Draws docs/navigate.png: ways through built-in houses, from above.
+
+The mobile manipulator and the differential drive go to rooms and objects; then the mobile
+manipulator drives to an object and picks it up.
 
 Dots are the base every 0.4 s, from blue at the start to red at the end.
 """
@@ -12,9 +15,9 @@ from figures import DOCS, save, sheet
 
 import robocell as rc
 
-RUN = DOCS.parent / "examples" / "tasks" / "navigate.yaml"
-HOUSES = (3, 8)
-WIDTH, HEIGHT = 620, 460
+EXAMPLES = DOCS.parent / "examples"
+RUNS = ("tasks/navigate.yaml", 3), ("mobile/cart.yaml", 8), ("mobile/pick.yaml", 5)
+WIDTH, HEIGHT = 560, 460
 ROWS = 6  # of an episode, from dot to dot
 
 
@@ -25,13 +28,13 @@ def way(run: rc.RunConfig) -> tuple[np.ndarray, str]:
     for item in rc.generate.make_plan(run):
         runner.run(item)
     episode = rc.Dataset(run.output)[0]
-    column = f"robots/{run.robot.name}/base/joint_pos"
+    column = f"robots/{run.robot.name}/base_pose"
     return np.asarray(episode[column])[:, :2], episode.instruction
 
 
-def from_above(index: int, folder: str) -> np.ndarray:
+def from_above(file: str, index: int, folder: str) -> np.ndarray:
     """A house without its ceiling, with the way."""
-    run = rc.RunConfig.load(RUN)
+    run = rc.RunConfig.load(EXAMPLES / file)
     run.cameras.streams.clear()
     run.scenes = rc.scenes.SceneSourceSpec(source="houses", ceiling=False, houses=[index])
     run.output, run.episodes, run.max_attempts = f"{folder}/{index}", 1, 40
@@ -73,9 +76,10 @@ def from_above(index: int, folder: str) -> np.ndarray:
 
 
 def main() -> None:
-    """Draws both houses."""
+    """Draws the houses."""
     with tempfile.TemporaryDirectory() as folder:
-        save(sheet([[from_above(index, folder) for index in HOUSES]]), "navigate.png", 1000)
+        row = [from_above(file, index, folder) for file, index in RUNS]
+        save(sheet([row]), "navigate.png", 1200)
 
 
 if __name__ == "__main__":

@@ -9,13 +9,16 @@
 #include "robocell/base/error.h"
 #include "robocell/base/units.h"
 #include "robocell/math/pose.h"
+#include "robocell/robot/planar_motion.h"
+#include "robocell/task/floor_ways.h"
 #include "robocell/task/navigate_kind.h"
 
 namespace robocell {
 namespace {
 
 constexpr double kPeakOverMean = 1.875;  // of a leg, relative to its mean speed
-constexpr double kMostBaseLag = 0.25;    // m and rad behind the target: the base is blocked
+constexpr double kMostOfSpeeds = 0.9;    // of what the base can do, that is asked of it
+constexpr double kMostBaseLag = 0.3, kMostTurnLag = 0.6;  // m and rad: the base is blocked
 constexpr double kBaseLagSeconds = 0.4;
 constexpr double kBaseArrived = 0.03;    // m and rad
 constexpr double kBaseAtRest = 0.02;     // m/s and rad/s
@@ -36,57 +39,64 @@ std::shared_ptr<const NavigateTask> NavigateTaskOf(const RunConfig& run,
 
 GuidedBase::GuidedBase(const Robot& robot, std::span<const FloorPlace> way, const Speeds& speeds,
                        double tick)
-    : robot_(robot), tick_(tick), present_(robot_.base().joint_pos()) {
-  // From the world to the frame in which the joints x, y and yaw move the base.
-  const BaseGroup& base = robot_.base();
-  const Pose joints = Pose::FromRpy({present_[0], present_[1], 0}, {0, 0, present_[2]});
-  const Pose mount = base.pose() * joints.inverse();
-  const double mount_yaw = internal::PlaceOf(mount).yaw;
-  const Pose world_in_mount = mount.inverse();
-  std::vector<double> from = present_;
-  for (const FloorPlace& place : way) {
-    const Eigen::Vector3d at =
-        world_in_mount * Eigen::Vector3d(place.x, place.y, base.pose().translation().z());
-    const std::vector<double> to = {
-        at.x(), at.y(),
-        from[2] + std::remainder(place.yaw - mount_yaw - from[2], 2 * internal::kPi)};
-    const double length = std::hypot(to[0] - from[0], to[1] - from[1]);
-    const double angle = std::abs(to[2] - from[2]);
-    const double seconds = kPeakOverMean * std::max(length / speeds.drive, angle / speeds.turn);
+    : robot_(robot), tick_(tick), joints_(robot_.base().joint_pos()) {
+  const internal::PlanarMotion* motion = internal::PlanarMotion::Of(robot_.base());
+  if (!motion) throw ArgumentError("robot '" + robot.name() + "' has no base that drives");
+  const BaseSpeeds most = motion->most_speeds();
+  const double drive = std::min(speeds.drive, kMostOfSpeeds * most.linear),
+               turn = std::min(speeds.turn, kMostOfSpeeds * most.angular);
+  present_ = robot_.base().pose();
+  const double height = present_.translation().z();
+  const Pose drive_frame = motion->drive_frame();
+  FloorPlace from = internal::PlaceOf(present_ * drive_frame);
+  std::vector<double> joints = joints_;
+  for (const FloorPlace& to : way) {
+    const double length = std::hypot(to.x - from.x, to.y - from.y);
+    const double turned = std::remainder(to.yaw - from.yaw, 2 * internal::kPi);
+    const double angle = std::abs(turned);
+    const double seconds = kPeakOverMean * std::max(length / drive, angle / turn);
     const int ticks = static_cast<int>(std::ceil(seconds / tick - 1e-9));
     for (int i = 1; i <= ticks; ++i) {
       const double s = RestToRest(static_cast<double>(i) / ticks);
-      Target target{.joints = {}, .turns = angle / speeds.turn > length / speeds.drive};
-      for (size_t j = 0; j < 3; ++j) target.joints.push_back(std::lerp(from[j], to[j], s));
-      targets_.push_back(std::move(target));
+      const FloorPlace at{std::lerp(from.x, to.x, s), std::lerp(from.y, to.y, s),
+                          from.yaw + s * turned};
+      const Pose pose = internal::PoseOf(at, height) * drive_frame.inverse();
+      joints = motion->JointsAt(pose, joints);
+      targets_.push_back({joints, pose, angle / turn > length / drive});
     }
-    from = to;
+    from = {to.x, to.y, from.yaw + turned};
   }
 }
 
 const std::vector<double>& GuidedBase::Next() {
-  if (!finished()) present_ = targets_[next_++].joints;
-  return present_;
+  if (finished()) return joints_;
+  const Target& target = targets_[next_++];
+  present_ = target.pose;
+  joints_ = target.joints;
+  return joints_;
 }
 
 bool GuidedBase::turns() const {
   return !targets_.empty() && targets_[std::min(next_, targets_.size() - 1)].turns;
 }
 
+GuidedBase::Lag GuidedBase::lag() const {
+  const FloorPlace at = internal::PlaceOf(robot_.base().pose()), to = internal::PlaceOf(present_);
+  return {.place = std::hypot(at.x - to.x, at.y - to.y),
+          .turn = std::abs(std::remainder(at.yaw - to.yaw, 2 * internal::kPi))};
+}
+
 bool GuidedBase::Blocked() {
-  const std::vector<double> at = robot_.base().joint_pos();
-  bool lags = false;
-  for (size_t j = 0; j < 3; ++j) lags = lags || std::abs(at[j] - present_[j]) > kMostBaseLag;
-  lagging_ = lags ? lagging_ + 1 : 0;
+  const auto [place, turn] = lag();
+  lagging_ = place > kMostBaseLag || turn > kMostTurnLag ? lagging_ + 1 : 0;
   return lagging_ * tick_ > kBaseLagSeconds;
 }
 
 bool GuidedBase::AtRest() const {
-  const std::vector<double> at = robot_.base().joint_pos(), speed = robot_.base().joint_vel();
-  for (size_t j = 0; j < 3; ++j)
-    if (std::abs(at[j] - present_[j]) > kBaseArrived || std::abs(speed[j]) > kBaseAtRest)
-      return false;
-  return finished();
+  const auto [place, turn] = lag();
+  const std::vector<double> speed = robot_.base().joint_vel();
+  return finished() && place < kBaseArrived && turn < kBaseArrived &&
+         std::ranges::all_of(speed, [](double v) { return std::abs(v) < kBaseAtRest; });
 }
 
 NavigateExpert::NavigateExpert(std::string robot, std::shared_ptr<const NavigateTask> task,

@@ -13,6 +13,7 @@
 
 #include "robocell/expert/expert.h"
 #include "robocell/expert/expert_kind.h"
+#include "robocell/math/pose.h"
 #include "robocell/motion/floor_map.h"
 #include "robocell/robot/robot.h"
 #include "robocell/spec/run_config.h"
@@ -21,7 +22,8 @@
 
 namespace robocell {
 
-// The targets of a planar base along a way, one per policy tick.
+// The targets of a planar base along a way of its drive frame (robot/planar_motion.h), one per
+// policy tick.
 class GuidedBase {
  public:
   // Largest speeds, m/s and rad/s; `tick`: seconds between targets.
@@ -41,12 +43,19 @@ class GuidedBase {
  private:
   struct Target {
     std::vector<double> joints;
+    Pose pose;  // of the base
     bool turns;
   };
+  struct Lag {
+    double place, turn;  // m and rad, of the base behind its target
+  };
+  Lag lag() const;
+
   Robot robot_;
   double tick_;
   std::vector<Target> targets_;
-  std::vector<double> present_;
+  std::vector<double> joints_;  // the present target
+  Pose present_;
   size_t next_ = 0;
   int lagging_ = 0;
 };

@@ -9,6 +9,7 @@
 #include <vector>
 #include <Eigen/Core>
 
+#include "robocell/assets/resolve.h"
 #include "robocell/base/rng.h"
 #include "robocell/expert/expert_kind.h"
 #include "robocell/motion/clearance.h"
@@ -119,6 +120,12 @@ void ExpectArrival(const RunConfig& run, int seed) {
 
 TEST(NavigateExpert, DrivesTheMobileManipulatorToTheTableWithoutTouchingAnything) {
   for (const int seed : {1, 2}) ExpectArrival(DrivesToTheTable(), seed);
+}
+
+TEST(NavigateExpert, DrivesADifferentialDrive) {
+  RunConfig run = DrivesToTheTable();
+  run.robot = {.file = "", .config = RobotConfig::Load(assets::BuiltinRobotFile("cart"))};
+  for (const int seed : {1, 2}) ExpectArrival(run, seed);
 }
 
 TEST(NavigateExpert, DrivesRobotsOfAnySize) {

@@ -23,8 +23,8 @@ constexpr double kTightCost = 1;  // more for a metre along an obstacle
 constexpr double kAmple = 0.35;   // metres beside the robot's circle, from where more is no better
 constexpr double kSlice = 0.04;   // metres between places of a straight drive that are checked
 constexpr double kTurnSlice = 0.12;  // rad
-constexpr double kSame = 1e-6;
-constexpr size_t kMostCells = 4000000;
+constexpr double kSameOnFloor = 1e-6;
+constexpr size_t kMostFloorCells = 4000000;
 
 double AngleOf(int heading) { return 2 * kPi * heading / kHeadings; }
 double Wrapped(double angle) { return std::remainder(angle, 2 * kPi); }
@@ -78,7 +78,7 @@ FloorMap::FloorMap(const FloorMapOptions& options, IsFree is_free)
     : options_(options), is_free_(std::move(is_free)) {
   const Eigen::Vector2d size = options_.bounds.sizes();
   const double area = std::max(size.x(), 0.0) * std::max(size.y(), 0.0);
-  options_.cell = std::max(options_.cell, std::sqrt(area / kMostCells));
+  options_.cell = std::max(options_.cell, std::sqrt(area / kMostFloorCells));
   nx_ = std::max(1, static_cast<int>(std::ceil(size.x() / options_.cell)));
   ny_ = std::max(1, static_cast<int>(std::ceil(size.y() / options_.cell)));
   const size_t cells = static_cast<size_t>(nx_) * static_cast<size_t>(ny_);
@@ -294,7 +294,7 @@ std::vector<FloorPlace> FloorMap::Shortened(const std::vector<FloorPlace>& way) 
   const double ample = options_.radius + kAmple / 2;
   const auto turn_to = [&](double yaw) {
     const FloorPlace& last = out.back();
-    if (std::abs(Wrapped(yaw - last.yaw)) > kSame) out.push_back({last.x, last.y, yaw});
+    if (std::abs(Wrapped(yaw - last.yaw)) > kSameOnFloor) out.push_back({last.x, last.y, yaw});
   };
   const auto least_room = [&](const FloorPlace& a, const FloorPlace& b) {
     double least = ample;
@@ -325,8 +325,8 @@ std::vector<FloorPlace> FloorMap::Shortened(const std::vector<FloorPlace>& way) 
     }
     const FloorPlace &a = way[i], &b = way[next];
     if (next > i + 1) turn_to(std::atan2(b.y - a.y, b.x - a.x));
-    if (next == i + 1 && std::abs(Wrapped(a.yaw - out.back().yaw)) > kSame) turn_to(a.yaw);
-    if (std::hypot(b.x - a.x, b.y - a.y) > kSame) out.push_back({b.x, b.y, out.back().yaw});
+    if (next == i + 1 && std::abs(Wrapped(a.yaw - out.back().yaw)) > kSameOnFloor) turn_to(a.yaw);
+    if (std::hypot(b.x - a.x, b.y - a.y) > kSameOnFloor) out.push_back({b.x, b.y, out.back().yaw});
     if (next == i + 1) turn_to(b.yaw);
     i = next;
   }
@@ -337,9 +337,9 @@ std::vector<FloorPlace> FloorMap::Shortened(const std::vector<FloorPlace>& way) 
     while (joined.size() >= 2) {
       const FloorPlace &a = joined[joined.size() - 2], &b = joined.back();
       const Eigen::Vector2d u(b.x - a.x, b.y - a.y), v(place.x - b.x, place.y - b.y);
-      const bool is_on = u.norm() > kSame && v.norm() > kSame &&
-                         std::abs(u.x() * v.y() - u.y() * v.x()) < kSame && u.dot(v) > 0 &&
-                         std::abs(Wrapped(place.yaw - a.yaw)) < kSame;
+      const bool is_on = u.norm() > kSameOnFloor && v.norm() > kSameOnFloor &&
+                         std::abs(u.x() * v.y() - u.y() * v.x()) < kSameOnFloor && u.dot(v) > 0 &&
+                         std::abs(Wrapped(place.yaw - a.yaw)) < kSameOnFloor;
       if (!is_on) break;
       joined.pop_back();
     }

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <limits>
 
+#include "robocell/base/error.h"
 #include "robocell/base/units.h"
 #include "robocell/motion/geom_extent.h"
+#include "robocell/robot/planar_motion.h"
 #include "robocell/scenes/free_rectangles.h"
 
 namespace robocell::internal {
@@ -30,15 +32,20 @@ std::vector<Eigen::Vector3d> BoxCornersOf(const mjModel* m, const mjData* d, int
   return corners;
 }
 
-// What the robot takes up around its base's origin.
+const PlanarMotion& MotionOf(const Robot& robot) {
+  if (const PlanarMotion* motion = PlanarMotion::Of(robot.base())) return *motion;
+  throw ArgumentError("robot '" + robot.name() +
+                      "' does not move over the floor. Give it `base: {kind: planar}`");
+}
+
+// What the robot takes up around the origin of its drive frame.
 struct FloorExtent {
   double radius = 0, height = 0;  // metres; height above the plane
 };
 
-FloorExtent FloorExtentOf(const Robot& robot) {
+FloorExtent FloorExtentOf(const Robot& robot, const Eigen::Vector3d& base) {
   const mjModel* m = robot.scene().model();
   const mjData* d = robot.scene().data();
-  const Eigen::Vector3d base = robot.base().pose().translation();
   FloorExtent extent;
   for (const int g : robot.collision_geom_ids()) {
     if (!IsCollisionGeom(m, g)) continue;
@@ -50,11 +57,11 @@ FloorExtent FloorExtentOf(const Robot& robot) {
   return extent;
 }
 
-FloorMap FloorMapOf(const Robot& robot, BaseStances& stances, bool drives_sideways) {
+FloorMap FloorMapOf(const Robot& robot, const Pose& drive_frame, BaseStances& stances) {
   const mjModel* m = robot.scene().model();
   const mjData* d = robot.scene().data();
-  const FloorExtent extent = FloorExtentOf(robot);
-  const Eigen::Vector3d base = robot.base().pose().translation();
+  const Eigen::Vector3d base = (robot.base().pose() * drive_frame).translation();
+  const FloorExtent extent = FloorExtentOf(robot, base);
   std::vector<char> own(static_cast<size_t>(m->ngeom), 0);
   for (const int g : robot.geom_ids()) own[static_cast<size_t>(g)] = 1;
   Eigen::AlignedBox2d bounds(base.head<2>());
@@ -78,9 +85,9 @@ FloorMap FloorMapOf(const Robot& robot, BaseStances& stances, bool drives_sidewa
   const double height = base.z();
   FloorMap map({.bounds = bounds,
                 .radius = extent.radius + kWayClearance,
-                .drives_sideways = drives_sideways},
-               [&stances, height](const FloorPlace& place) {
-                 const Pose pose = PoseOf(place, height);
+                .drives_sideways = MotionOf(robot).drives_sideways()},
+               [&stances, height, to_base = drive_frame.inverse()](const FloorPlace& place) {
+                 const Pose pose = PoseOf(place, height) * to_base;
                  return bool{stances.AreFree({&pose, 1}).front()};
                });
   for (const auto& outline : outlines) map.Block(outline);
@@ -122,19 +129,20 @@ bool IsInRoom(const Room& room, const Eigen::Vector2d& at) {
   return inside;
 }
 
-FloorWays::FloorWays(const Robot& robot, bool drives_sideways)
+FloorWays::FloorWays(const Robot& robot)
     : robot_(robot),
+      drive_frame_(MotionOf(robot).drive_frame()),
       height_(robot.base().pose().translation().z()),
       stances_(robot, kWayClearance),
-      map_(FloorMapOf(robot, stances_, drives_sideways)) {}
+      map_(FloorMapOf(robot, drive_frame_, stances_)) {}
 
-std::vector<FloorPlace> FloorWays::FreeOf(const std::vector<FloorPlace>& places) {
+std::vector<FloorPlace> FloorWays::FreeOf(std::span<const FloorPlace> bases) {
   std::vector<Pose> poses;
-  for (const FloorPlace& place : places) poses.push_back(PoseOf(place, height_));
+  for (const FloorPlace& base : bases) poses.push_back(PoseOf(base, height_));
   const std::vector<bool> free = stances_.AreFree(poses);
   std::vector<FloorPlace> left;
-  for (size_t i = 0; i < places.size(); ++i)
-    if (free[i]) left.push_back(places[i]);
+  for (size_t i = 0; i < bases.size(); ++i)
+    if (free[i]) left.push_back(PlaceOf(poses[i] * drive_frame_));
   return left;
 }
 
@@ -185,7 +193,7 @@ std::vector<FloorPlace> FloorWays::PlacesIn(const Room& room, size_t most) {
 }
 
 std::optional<std::vector<FloorPlace>> FloorWays::FindWay(std::span<const FloorPlace> goals) {
-  return map_.FindWay(PlaceOf(robot_.base().pose()), goals);
+  return map_.FindWay(PlaceOf(robot_.base().pose() * drive_frame_), goals);
 }
 
 }  // namespace robocell::internal

@@ -4,11 +4,11 @@
 #include <utility>
 #include <vector>
 
-#include "robocell/base/units.h"
 #include "robocell/spec/robot_config.h"
 #include "robocell/task/base_stances.h"
 #include "robocell/task/door_swings.h"
 #include "robocell/task/navigate_task.h"
+#include "robocell/task/work_stances.h"
 
 namespace robocell::internal {
 namespace {
@@ -38,17 +38,16 @@ void ValidateDrivenPlanarBase(const RobotConfig& robot, Problems& problems) {
   if (robot.base.kind != BaseKind::kPlanar) {
     problems.AddAt(
         "base.kind",
-        "this task drives a base that moves in a plane, by joints x, y and yaw and their "
-        "actuators. Set `base: {kind: planar}`, or take the built-in robot `rc7_mobile`");
+        "this task drives a base that moves in a plane, by joints x, y and yaw or on wheels. Set "
+        "`base: {kind: planar}`, or take one of the built-in robots `rc7_mobile` and `cart`");
     return;
   }
-  const auto drives = [](const auto& entry) {
-    return entry.second->kind == MoveGroupKind::kBase && !entry.second->actuators.empty();
-  };
-  if (std::ranges::any_of(robot.move_groups.entries(), drives)) return;
-  problems.AddAt("move_groups",
-                 "has no group of kind `base` with the actuators that drive the planar base: "
-                 "`base: {kind: base, actuators: [drive_x, drive_y, drive_yaw]}`");
+  if (DrivesItself(robot)) return;
+  problems.AddAt(
+      "move_groups",
+      "has no group of kind `base` with the actuators that drive the planar base: `base: "
+      "{kind: base, actuators: [drive_x, drive_y, drive_yaw]}`, or `base: {kind: base, "
+      "joints: [left_wheel, right_wheel], actuators: [left_motor, right_motor]}`");
 }
 
 SampleResult FloorStartSampler::Sample(const SampleRequest& request, Rng& rng) {
@@ -62,25 +61,9 @@ std::optional<Pose> FloorStartSampler::ProposeBasePose(const Robot& robot,
                                                        const BasePlacement& /*placement*/,
                                                        Rng& rng) {
   const std::shared_ptr<const SceneAnnotations> known = AnnotationsOf(scene_);
-  double floor = 0;  // square metres
-  for (const FloorArea& area : known->free_floor) floor += area.half_x * area.half_y;
-  if (floor <= 0) return std::nullopt;
-  const double height = robot.base().pose().translation().z();
-  std::vector<Pose> bases;
-  for (int draw = 0; draw < kFloorDraws; ++draw) {
-    double at = rng.Uniform(0, floor);
-    size_t chosen = 0;
-    while (chosen + 1 < known->free_floor.size() &&
-           at > known->free_floor[chosen].half_x * known->free_floor[chosen].half_y) {
-      at -= known->free_floor[chosen].half_x * known->free_floor[chosen].half_y;
-      ++chosen;
-    }
-    const FloorArea& area = known->free_floor[chosen];
-    const double x = rng.Uniform(-area.half_x, area.half_x);
-    const double y = rng.Uniform(-area.half_y, area.half_y);
-    const Eigen::Vector3d on = area.frame_to_world * Eigen::Vector3d(x, y, 0);
-    bases.push_back(Pose::FromRpy({on.x(), on.y(), height}, {0, 0, rng.Uniform(-kPi, kPi)}));
-  }
+  const std::vector<Pose> bases =
+      DrawOnFloor(known->free_floor, robot.base().pose().translation().z(), kFloorDraws, rng);
+  if (bases.empty()) return std::nullopt;
   const Scene scene = robot.scene();
   scene.SyncPoses();
   const std::vector<Articulation> doors =

@@ -162,13 +162,19 @@ double NavigateTask::Distance(const Scene& scene, const Robot& robot) const {
   return nearest;
 }
 
+bool NavigateTask::IsNear(const Scene& scene, const Robot& robot) const {
+  const Destination& to = destination();
+  const Eigen::Vector2d at = robot.base().pose().translation().head<2>();
+  if (to.room && !internal::IsInRoom(*to.room, at)) return false;
+  return to.body.empty() || Distance(scene, robot) <= fields_.within;
+}
+
 bool NavigateTask::IsThere(const Scene& scene, const Robot& robot) const {
+  if (!IsNear(scene, robot)) return false;
   const Destination& to = destination();
   const Pose base = robot.base().pose();
   const Eigen::Vector2d at = base.translation().head<2>();
-  if (to.room && !internal::IsInRoom(*to.room, at)) return false;
   if (!to.body.empty()) {
-    if (Distance(scene, robot) > fields_.within) return false;
     const int body = RequireId(scene.model(), mjOBJ_BODY, to.body, place_);
     const Eigen::Vector2d ahead = internal::FootprintOf(scene, body).center() - at;
     const double bearing = std::atan2(ahead.y(), ahead.x());
@@ -193,6 +199,8 @@ TaskVerdict NavigateTask::Judge(const Scene& scene) {
   const double share = first_distance_ > 0 ? std::clamp(1 - left / first_distance_, 0.0, 1.0) : 0;
   verdict.progress = verdict.success ? 1 : 0.99 * share;
   verdict.reward = verdict.progress;
+  verdict.subtask =
+      std::ranges::all_of(robots_, [&](const Robot& robot) { return IsNear(scene, robot); });
   return verdict;
 }
 

@@ -37,6 +37,7 @@ class NavigateTask : public Task {
   void Begin(const Scene& scene) override;
   TaskVerdict Judge(const Scene& scene) override;
   std::string instruction() const override { return "go to the " + word_; }
+  std::vector<std::string> subtasks() const override { return {"drive there", "face it and stop"}; }
   std::string why_not_done() const override { return "not there"; }
   std::vector<double> memory() const override;
   void Recall(std::span<const double> memory) override;
@@ -54,6 +55,8 @@ class NavigateTask : public Task {
   const Destination& destination() const;
   void Choose(size_t number);
   double Distance(const Scene& scene, const Robot& robot) const;
+  // Returns true near the object, or in the room.
+  bool IsNear(const Scene& scene, const Robot& robot) const;
   bool IsThere(const Scene& scene, const Robot& robot) const;
 
   NavigateTaskConfig fields_;
