@@ -29,7 +29,7 @@ def way(run: rc.RunConfig) -> tuple[np.ndarray, str]:
         runner.run(item)
     episode = rc.Dataset(run.output)[0]
     column = f"robots/{run.robot.name}/base_pose"
-    return np.asarray(episode[column])[:, :2], episode.instruction
+    return np.asarray(episode[column])[:, :2], episode.metadata["instruction"]
 
 
 def from_above(file: str, index: int, folder: str) -> np.ndarray:

