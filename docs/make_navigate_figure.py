@@ -3,7 +3,7 @@
 The mobile manipulator and the differential drive go to rooms and objects; then the mobile
 manipulator drives to an object and picks it up.
 
-Dots are the base every 0.4 s, from blue at the start to red at the end.
+Dots are the base every 0.25 m, from blue at the start to red at the end.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ import robocell as rc
 EXAMPLES = DOCS.parent / "examples"
 RUNS = ("tasks/navigate.yaml", 3), ("mobile/cart.yaml", 8), ("mobile/pick.yaml", 5)
 WIDTH, HEIGHT = 560, 460
-ROWS = 6  # of an episode, from dot to dot
+APART = 0.25  # m from dot to dot
 
 
 def way(run: rc.RunConfig) -> tuple[np.ndarray, str]:
@@ -42,7 +42,8 @@ def from_above(file: str, index: int, folder: str) -> np.ndarray:
     print(index, instruction, len(places))
     spec = rc.scenes.make_scene_source(run).make(index)
     spec.timestep = 0.002
-    dots = places[::ROWS]
+    driven = np.r_[0, np.cumsum(np.hypot(*np.diff(places, axis=0).T))]
+    dots = places[np.searchsorted(driven, np.arange(0, driven[-1], APART))]
     for i, (x, y) in enumerate(dots):
         share = i / max(1, len(dots) - 1)
         spec.objects.append(
