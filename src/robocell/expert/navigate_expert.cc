@@ -13,7 +13,7 @@
 #include "robocell/task/floor_ways.h"
 #include "robocell/task/navigate_kind.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 constexpr double kPeakOverMean = 1.875;  // of a leg, relative to its mean speed
@@ -40,7 +40,7 @@ std::shared_ptr<const NavigateTask> NavigateTaskOf(const RunConfig& run,
 GuidedBase::GuidedBase(const Robot& robot, std::span<const FloorPlace> way, const Speeds& speeds,
                        double tick)
     : robot_(robot), tick_(tick), joints_(robot_.base().joint_pos()) {
-  const internal::PlanarMotion* motion = internal::PlanarMotion::Of(robot_.base());
+  const PlanarMotion* motion = PlanarMotion::Of(robot_.base());
   if (!motion) throw ArgumentError("robot '" + robot.name() + "' has no base that drives");
   const BaseSpeeds most = motion->most_speeds();
   const double drive = std::min(speeds.drive, kMostOfSpeeds * most.linear),
@@ -48,11 +48,11 @@ GuidedBase::GuidedBase(const Robot& robot, std::span<const FloorPlace> way, cons
   present_ = robot_.base().pose();
   const double height = present_.translation().z();
   const Pose drive_frame = motion->drive_frame();
-  FloorPlace from = internal::PlaceOf(present_ * drive_frame);
+  FloorPlace from = PlaceOf(present_ * drive_frame);
   std::vector<double> joints = joints_;
   for (const FloorPlace& to : way) {
     const double length = std::hypot(to.x - from.x, to.y - from.y);
-    const double turned = std::remainder(to.yaw - from.yaw, 2 * internal::kPi);
+    const double turned = std::remainder(to.yaw - from.yaw, 2 * kPi);
     const double angle = std::abs(turned);
     const double seconds = kPeakOverMean * std::max(length / drive, angle / turn);
     const int ticks = static_cast<int>(std::ceil(seconds / tick - 1e-9));
@@ -60,7 +60,7 @@ GuidedBase::GuidedBase(const Robot& robot, std::span<const FloorPlace> way, cons
       const double s = RestToRest(static_cast<double>(i) / ticks);
       const FloorPlace at{std::lerp(from.x, to.x, s), std::lerp(from.y, to.y, s),
                           from.yaw + s * turned};
-      const Pose pose = internal::PoseOf(at, height) * drive_frame.inverse();
+      const Pose pose = PoseOf(at, height) * drive_frame.inverse();
       joints = motion->JointsAt(pose, joints);
       targets_.push_back({joints, pose, angle / turn > length / drive});
     }
@@ -81,9 +81,9 @@ bool GuidedBase::turns() const {
 }
 
 GuidedBase::Lag GuidedBase::lag() const {
-  const FloorPlace at = internal::PlaceOf(robot_.base().pose()), to = internal::PlaceOf(present_);
+  const FloorPlace at = PlaceOf(robot_.base().pose()), to = PlaceOf(present_);
   return {.place = std::hypot(at.x - to.x, at.y - to.y),
-          .turn = std::abs(std::remainder(at.yaw - to.yaw, 2 * internal::kPi))};
+          .turn = std::abs(std::remainder(at.yaw - to.yaw, 2 * kPi))};
 }
 
 bool GuidedBase::Blocked() {
@@ -143,7 +143,6 @@ Action NavigateExpert::Act(const Scene& /*scene*/, Rng& /*rng*/) {
   return {{robot_name_, std::move(action)}};
 }
 
-namespace internal {
 namespace {
 
 class KindOfNavigateExpert final : public ExpertKind {
@@ -168,5 +167,4 @@ std::shared_ptr<const ExpertKind> MakeNavigateExpert() {
   return std::make_shared<KindOfNavigateExpert>();
 }
 
-}  // namespace internal
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -20,7 +20,7 @@
 #include "robocell/task/navigate_task.h"
 #include "robocell/task/task_sampler.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 // The targets of a planar base along a way of its drive frame (robot/planar_motion.h), one per
 // policy tick.
@@ -89,8 +89,6 @@ class NavigateExpert final : public Expert {
   std::string failure_;
 };
 
-namespace internal {
 std::shared_ptr<const ExpertKind> MakeNavigateExpert();
-}
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -15,23 +15,10 @@
 #include "robocell/motion/clearance.h"
 #include "robocell/scene/testing/scenes.h"
 #include "robocell/task/navigate_kind.h"
-#include "robocell/testing/pick_scene.h"
+#include "robocell/task/testing/driving_runs.h"
 
 namespace robocell {
 namespace {
-
-// A run in the room of the table, in which robots drive to it.
-RunConfig DrivesToTheTable() {
-  RunConfig run = ExampleRun("tasks/navigate.yaml");
-  run.scenes = SceneSourceSpec("tabletop");
-  run.cameras.streams.clear();
-  NavigateTaskConfig task;
-  task.to = "table";
-  task.within = 0.6;
-  task.facing = 0.4;
-  run.task = TaskSpec(task);
-  return run;
-}
 
 // A robot of random size without an arm.
 RobotConfig RandomCart(ModelFolder& folder, Rng& rng) {

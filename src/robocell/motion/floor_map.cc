@@ -9,10 +9,8 @@
 
 #include "robocell/base/units.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
-
-using internal::kPi;
 
 constexpr int kHeadings = 32;  // the base drives along every fourth one
 constexpr int kDriveEvery = kHeadings / 8;
@@ -348,4 +346,4 @@ std::vector<FloorPlace> FloorMap::Shortened(const std::vector<FloorPlace>& way) 
   return joined;
 }
 
-}  // namespace robocell
+}  // namespace robocell::internal

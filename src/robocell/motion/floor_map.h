@@ -18,7 +18,7 @@
 #include <vector>
 #include <Eigen/Geometry>
 
-namespace robocell {
+namespace robocell::internal {
 
 struct FloorPlace {
   double x = 0, y = 0, yaw = 0;
@@ -76,4 +76,4 @@ class FloorMap {
 // Returns the length of a way in metres, without its turns.
 double LengthOf(std::span<const FloorPlace> way);
 
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -11,7 +11,7 @@
 
 #include "robocell/base/rng.h"
 
-namespace robocell {
+namespace robocell::internal {
 namespace {
 
 using Box = Eigen::AlignedBox2d;
@@ -150,4 +150,4 @@ TEST(FloorMap, TheRoomIsNeverMoreThanTheDistanceToWhatStandsThere) {
 }
 
 }  // namespace
-}  // namespace robocell
+}  // namespace robocell::internal

@@ -200,6 +200,26 @@ void WheeledBase::GetJointVel(std::span<double> out) const {
   std::ranges::copy(v, out.begin());
 }
 
+void WheeledBase::GetJointTorque(std::span<double> out) const {
+  Bind();
+  const mjModel* m = core().model();
+  const Pose root = leaf_frame_to_world();
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  double torque = 0;
+  for (size_t w = 0; w < wheels_.size(); ++w) {
+    const Wheel& wheel = wheels_[w];
+    const int dof = m->jnt_dofadr[core().joint_ids()[w]];
+    const Eigen::Vector3d push = core().data()->qfrc_actuator[dof] / wheel.radius * wheel.ahead;
+    force += push;
+    torque += wheel.at.cross(push).z();
+  }
+  force = root.rotation() * force;
+  const std::array<double, 3> all{force.x(), force.y(), torque};
+  RequireValues([&] { return place(); }, "joint", std::span<const double>(all),
+                static_cast<int>(out.size()));
+  std::ranges::copy(all, out.begin());
+}
+
 void WheeledBase::SetJointPos(std::span<const double> q) {
   RequireValues([&] { return place(); }, "joint", q, 3);
   SetPose(Pose::FromRpy({q[0], q[1], pose().translation().z()}, {0, 0, q[2]}));

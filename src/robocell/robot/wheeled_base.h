@@ -15,6 +15,7 @@
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
@@ -42,11 +43,18 @@ class WheeledBase : public JointGroupOf<BaseGroup>, public PlanarMotion {
   int nv() const override { return 3; }
   void GetJointPos(std::span<double> out) const override;
   void GetJointVel(std::span<double> out) const override;
+  // Returns the force of the wheels in the world's x and y, N, and their torque about z, N m.
+  void GetJointTorque(std::span<double> out) const override;
   void SetJointPos(std::span<const double> q) override;
   void SetJointVel(std::span<const double> v) override;
   std::vector<Interval> joint_pos_limits() const override;
   void GetJointPosLimits(std::span<Interval> out) const override;
   void CtrlForJointPos(std::span<const double> q, std::span<double> ctrl) const override;
+  std::optional<CutCtrl> FindCutCtrl(std::span<const double>, std::span<const double>,
+                                     size_t) const override {
+    return std::nullopt;
+  }
+  void SettleLags(std::span<const double>) override {}
   void Integrate(std::span<double> q, std::span<const double> v) const override;
   void Jacobian(Eigen::Ref<Eigen::Matrix<double, 6, Eigen::Dynamic>> out) const override;
 

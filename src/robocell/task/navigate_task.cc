@@ -18,6 +18,17 @@
 #include "robocell/task/door_swings.h"
 
 namespace robocell {
+
+template <>
+std::string ToYaml(const NavigateTaskConfig& fields) {
+  return internal::yaml::TextOf(fields);
+}
+template <>
+NavigateTaskConfig FromYamlUnchecked(std::string_view text) {
+  return internal::yaml::SpecOf<NavigateTaskConfig>(text);
+}
+
+namespace internal {
 namespace {
 
 constexpr double kSpeedAtRest = 0.05;  // m/s and rad/s
@@ -32,15 +43,6 @@ std::string BodyNamed(const Scene& scene, const std::string& object) {
 }
 
 }  // namespace
-
-template <>
-std::string ToYaml(const NavigateTaskConfig& fields) {
-  return internal::yaml::TextOf(fields);
-}
-template <>
-NavigateTaskConfig FromYamlUnchecked(std::string_view text) {
-  return internal::yaml::SpecOf<NavigateTaskConfig>(text);
-}
 
 // The annotations are read here, while they can be.
 void NavigateTask::Prepare(SceneSpec& /*spec*/, Rng& /*rng*/) { known_ = &annotations(); }
@@ -214,4 +216,5 @@ void NavigateTask::Recall(std::span<const double> memory) {
   first_distance_ = memory[1];
 }
 
+}  // namespace internal
 }  // namespace robocell

@@ -17,7 +17,7 @@
 #include "robocell/task/navigate_task_config.h"
 #include "robocell/task/task.h"
 
-namespace robocell {
+namespace robocell::internal {
 
 class NavigateTask : public Task {
  public:
@@ -68,4 +68,4 @@ class NavigateTask : public Task {
   double first_distance_ = 0;
 };
 
-}  // namespace robocell
+}  // namespace robocell::internal
