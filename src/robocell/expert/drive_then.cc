@@ -86,22 +86,30 @@ void DriveThen::PlanDrive(const Scene& scene, Rng& rng) {
   const double height = robot_->base().pose().translation().z();
   failure_ = NavigateTask::kNoWay;
   int least = static_cast<int>(std::ceil(kFewGraspsShare * stances.front().grasps));
+  std::vector<char> is_out(stances.size(), 0);  // no way leads there
   for (int tried = 0; tried < kPlacesTried;) {
     std::vector<FloorPlace> goals;
-    for (const WorkStance& stance : stances) {
+    std::vector<size_t> numbers;
+    for (size_t i = 0; i < stances.size() && goals.size() < kMostWayGoals; ++i) {
+      const WorkStance& stance = stances[i];
       const bool is_rejected = std::ranges::any_of(rejected_, [&](const FloorPlace& other) {
         return std::hypot(stance.base.x - other.x, stance.base.y - other.y) < kSameStance &&
                std::abs(std::remainder(stance.base.yaw - other.yaw, 2 * kPi)) < kSameStanceTurn;
       });
-      if (is_rejected || stance.grasps < least || goals.size() >= kMostWayGoals) continue;
+      if (is_out[i] || is_rejected || stance.grasps < least) continue;
       goals.push_back(PlaceOf(PoseOf(stance.base, height) * drive_frame));
+      numbers.push_back(i);
     }
-    const auto way = goals.empty() ? std::nullopt : ways.FindWay(goals);
-    if (!way && least > 1) {
+    if (goals.empty() && least <= 1) return;
+    if (goals.empty()) {
       least = 1;
       continue;
     }
-    if (!way) return;
+    const auto way = ways.FindWay(goals);
+    if (!way) {
+      for (const size_t i : numbers) is_out[i] = 1;
+      continue;
+    }
     ++tried;
     const Pose base = PoseOf(way->back(), height) * drive_frame.inverse();
     goal_ = PlaceOf(base);
