@@ -34,6 +34,7 @@ RUNS = (
     rc.tasks.PourTaskConfig,
     rc.tasks.HandoverTaskConfig,
     rc.tasks.CarryTaskConfig,
+    rc.tasks.NavigateTaskConfig,
     rc.tasks.StartConfig,
     rc.tasks.RandomizeConfig,
     rc.tasks.RandomLights,

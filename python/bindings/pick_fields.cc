@@ -6,6 +6,7 @@
 #include "spec_kinds.h"
 #include "spec_parts.h"
 #include "robocell/task/held_task_config.h"
+#include "robocell/task/navigate_task_config.h"
 #include "robocell/task/pick_task_config.h"
 #include "robocell/task/relation_task_config.h"
 #include "robocell/task/two_arm_task_config.h"
@@ -62,6 +63,7 @@ void BindPickSpecs(nb::module_& m) {
   BindFields<PourTaskConfig>(m, "The fields of a task of kind `pour`.");
   BindFields<HandoverTaskConfig>(m, "The fields of a task of kind `handover`.");
   BindFields<CarryTaskConfig>(m, "The fields of a task of kind `carry`.");
+  BindFields<NavigateTaskConfig>(m, "The fields of a task of kind `navigate`.");
 }
 
 }  // namespace robocell::python

@@ -427,8 +427,10 @@ def test_generated_houses_are_scenes_with_rooms_and_words(made: Path):
     }
     assert all(joint.handle_geoms for joint in known.articulations)
     assert known.supports
-    # Nothing stands on the free floor.
+    # Nothing stands on the free floor, which lies under the rooms, not on the roof over them.
+    assert all(abs(room.floor_height) < 1e-3 for room in known.rooms)
     for area in known.free_floor:
+        assert abs(area.frame_to_world.translation[2]) < 1e-3
         for point in corners(area, 0.05):
             geom = np.zeros(1, np.int32)
             distance = mujoco.mj_ray(model, data, [*point[:2], 1.2], [0, 0, -1], None, 1, -1, geom)

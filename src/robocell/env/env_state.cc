@@ -17,6 +17,7 @@
 #include "robocell/mujoco/tree.h"
 #include "robocell/robot/controller.h"
 #include "robocell/robot/joint_pos_for_ctrl.h"
+#include "robocell/robot/planar_motion.h"
 #include "robocell/robot/robot.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/hold_ctrl.h"
@@ -33,6 +34,11 @@ void RecallTarget(Robot& robot, const std::string& name) {
       controller.mode() != CtrlMode::kPosition)
     return;
   const MoveGroup& group = robot.group(name);
+  if (const auto* base = dynamic_cast<const BaseGroup*>(&group)) {
+    // The joint values of a base on wheels are not those of the wheels.
+    const internal::PlanarMotion* motion = internal::PlanarMotion::Of(*base);
+    if (motion && !motion->drives_sideways()) return;
+  }
   const mjModel* m = robot.scene().model();
   const mjData* d = robot.scene().data();
   const std::vector<std::string>& joints = group.joint_names();

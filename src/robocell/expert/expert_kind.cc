@@ -7,9 +7,11 @@
 #include "robocell/base/error.h"
 #include "robocell/base/registry.h"
 #include "robocell/base/suggestions.h"
+#include "robocell/expert/navigate_expert.h"
 #include "robocell/expert/pick_expert.h"
 #include "robocell/expert/skill_expert_kind.h"
 #include "robocell/task/held_task_config.h"
+#include "robocell/task/navigate_task_config.h"
 #include "robocell/task/pick_task_config.h"
 #include "robocell/task/relation_task_config.h"
 #include "robocell/task/task_kind.h"
@@ -25,6 +27,7 @@ ExpertRegistry& RegisteredExperts() {
   static ExpertRegistry registry(
       "expert", {{PickTaskConfig::kKind, internal::MakePickExpert()},
                  {PickAndPlaceTaskConfig::kKind, internal::MakePickAndPlaceExpert()},
+                 {NavigateTaskConfig::kKind, internal::MakeNavigateExpert()},
                  {RelationsTaskConfig::kKind, skills},
                  {StackTaskConfig::kKind, skills},
                  {PlaceNextToTaskConfig::kKind, skills},

@@ -8,6 +8,7 @@
 
 #include "robocell/base/error.h"
 #include "robocell/expert/any_arm.h"
+#include "robocell/expert/drive_then.h"
 #include "robocell/expert/pick_and_place_planner.h"
 #include "robocell/expert/pick_planner.h"
 #include "robocell/motion/gripper_shape.h"
@@ -22,6 +23,7 @@
 #include "robocell/task/grasp_motion.h"
 #include "robocell/task/pick_task_config.h"
 #include "robocell/task/run_arms.h"
+#include "robocell/task/work_stances.h"
 
 namespace robocell::internal {
 namespace {
@@ -38,14 +40,16 @@ void AsProblem(Problems& problems, const F& check) {
   }
 }
 
-// Each episode puts the robot at another height, and the scripted expert knows no other starts.
+// Each episode puts the robot at another height, or beside another object, and the scripted expert
+// knows no other starts. Robots that drive go there by themselves.
 void ValidateBaseMoves(const RobotConfig& config, Problems& problems) {
+  if (DrivesItself(config)) return;
   const auto why = [](BaseKind kind) {
     switch (kind) {
       case BaseKind::kFixed:
         return "a fixed base cannot be moved";
       case BaseKind::kPlanar:
-        return "a planar base moves in its plane only";
+        return "no actuators drive this planar base";
       case BaseKind::kFree:
         return "a free base falls from there";
       case BaseKind::kMocap:
@@ -91,7 +95,8 @@ class PickRunValidator {
     }
     const std::optional<PickRun> pick = PickRunOf(run_.task);
     if (!pick) return;
-    ValidateLift(pick->lift_height, BaseRangeOf(run_.start, {}), robot_, problems_);
+    if (!DrivesItself(robot_.config()))
+      ValidateLift(pick->lift_height, BaseRangeOf(run_.start, {}), robot_, problems_);
     Problems::Scope scope(problems_, "task");
     AsProblem(problems_, [&] { ValidateGraspable(*pick); });
   }
@@ -142,6 +147,9 @@ template <class Planner>
 class KindOfPicker final : public ExpertKind {
  public:
   std::shared_ptr<Expert> Make(const RunConfig& run, const EpisodeStart& start) const override {
+    return WithDrive(run, start, [run, start] { return MakePicker(run, start); });
+  }
+  static std::shared_ptr<Expert> MakePicker(const RunConfig& run, const EpisodeStart& start) {
     const std::vector<std::string> arms = ArmsOfRun(run, start.scene);
     if (arms.size() == 1) return std::make_shared<Planner>(WithArm(run, arms.front()), start);
     std::vector<AnyArm::Candidate> candidates;

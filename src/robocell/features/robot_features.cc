@@ -11,6 +11,7 @@
 #include "robocell/base/error.h"
 #include "robocell/base/suggestions.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/robot/planar_motion.h"
 
 namespace robocell {
 namespace {
@@ -28,8 +29,21 @@ const char* UnitOfJoint(const mjModel* m, int joint, bool rate) {
   }
 }
 
+// Returns true for a base whose joint values are its place on the floor, not those of its wheels.
+bool IsOnWheels(const MoveGroup& group) {
+  const auto* base = dynamic_cast<const BaseGroup*>(&group);
+  const internal::PlanarMotion* motion = base ? internal::PlanarMotion::Of(*base) : nullptr;
+  return motion && !motion->drives_sideways();
+}
+
+std::string UnitsOf(const Robot& robot, const MoveGroup& group, bool rate) {
+  if (IsOnWheels(group)) return rate ? "m/s, m/s, rad/s" : "m, m, rad";
+  return UnitsOfJoints(robot.scene().model(), group.joint_names(), rate);
+}
+
 // Returns the names of joints that have one position each; empty otherwise.
 std::vector<std::string> NamesOf(const Robot& robot, const MoveGroup& group, int count) {
+  if (IsOnWheels(group)) return {"x", "y", "yaw"};
   const bool has_one_each = count == static_cast<int>(group.joint_names().size());
   return has_one_each ? OwnNames(robot, group.joint_names()) : std::vector<std::string>{};
 }
@@ -74,9 +88,7 @@ Feature TargetFeature(const Robot& robot, MoveGroup& group, const std::string& n
       static_cast<int64_t>(robot.controller(group.name()).commanded_joint_pos().size());
   Feature feature{.column = {.name = name,
                              .shape = {size},
-                             .units = gripper ? "1"
-                                              : UnitsOfJoints(robot.scene().model(),
-                                                              group.joint_names(), false),
+                             .units = gripper ? "1" : UnitsOf(robot, group, false),
                              .names = gripper ? std::vector<std::string>{"opening"}
                                               : NamesOf(robot, group, group.nq()),
                              .description = description},
@@ -144,21 +156,20 @@ RobotFeatures::RobotFeatures(Robot robot) : FeatureSource(robot.scene()), robot_
 void RobotFeatures::AddGroup(const std::string& name) {
   MoveGroup& group = robot_.group(name);
   const std::string own = PathOf(robot_) + name + "/";
-  const mjModel* m = robot_.scene().model();
   has_arm_ |= group.kind() == MoveGroupKind::kArm;
   has_gripper_ |= group.kind() == MoveGroupKind::kGripper;
   Group entry{name, robot_.shared_group(name), group.nq(), group.nv(), 0};
   if (group.nq() > 0) {
     Feature qpos{.column = {.name = own + "qpos",
                             .shape = {group.nq()},
-                            .units = UnitsOfJoints(m, group.joint_names(), false),
+                            .units = UnitsOf(robot_, group, false),
                             .names = NamesOf(robot_, group, group.nq())},
                  .source = SourceOf(robot_)};
     SetRange(qpos, group.joint_pos_limits());
     Add(Measured(std::move(qpos)));
     Add({.column = {.name = own + "qvel",
                     .shape = {group.nv()},
-                    .units = UnitsOfJoints(m, group.joint_names(), true),
+                    .units = UnitsOf(robot_, group, true),
                     .names = NamesOf(robot_, group, group.nv())},
          .source = SourceOf(robot_)});
   }

@@ -3,16 +3,26 @@
 #include <fmt/format.h>
 #include <mujoco/mujoco.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+#include <Eigen/LU>
 
 #include "robocell/base/error.h"
 #include "robocell/base/log.h"
+#include "robocell/base/units.h"
 #include "robocell/math/rotation.h"
+#include "robocell/mujoco/names.h"
 #include "robocell/robot/driven_base.h"
 #include "robocell/robot/joint_group.h"
+#include "robocell/robot/planar_motion.h"
 #include "robocell/robot/robot.h"
+#include "robocell/robot/wheeled_base.h"
 
 namespace robocell::internal {
 namespace {
@@ -55,58 +65,128 @@ class MovableBody : public JointGroupOf<BaseGroup> {
   BaseKind base_;
 };
 
-// Two slides (x, y) and a hinge about z in the frame that the base is attached to.
-class PlanarBase : public JointGroupOf<BaseGroup> {
+// Two slides and a hinge about z, in any order, in the frame that the base is attached to.
+class PlanarBase : public JointGroupOf<BaseGroup>, public PlanarMotion {
  public:
   PlanarBase(const Scene& scene, GroupNames names)
       : JointGroupOf(scene, std::move(names), MoveGroupKind::kBase) {
-    if (nq() == 3) return;
+    const mjModel* m = core().model();
+    int hinges = 0;
+    for (const int joint : core().joint_ids()) hinges += m->jnt_type[joint] == mjJNT_HINGE;
+    if (nq() == 3 && hinges == 1) return;
     throw ArgumentError(
-        fmt::format("{}: a planar base has the joints x, y and yaw, this one has {} joint values",
-                    core().place(), nq()));
+        fmt::format("{}: a planar base has the joints x, y and yaw, this one has {} joint values{}",
+                    core().place(), nq(), nq() == 3 ? ", and not one of a hinge" : ""));
   }
   Pose pose() const override { return leaf_frame_to_world(); }
   void SetPose(const Pose& pose) override {
-    std::array<double, 3> q;
-    GetJointPos(q);
-    const mjModel* m = core().model();
-    std::array<double, 3> zero;  // the joint values of the model's own pose
-    for (size_t i = 0; i < 3; ++i) zero[i] = m->qpos0[m->jnt_qposadr[core().joint_ids()[i]]];
-    const Pose pivot(Eigen::Vector3d(m->jnt_pos + 3 * core().joint_ids()[2]));
-    const Pose moved = Pose(Eigen::Vector3d(q[0] - zero[0], q[1] - zero[1], 0)) * pivot *
-                       Pose::FromRpy({0, 0, 0}, {0, 0, q[2] - zero[2]}) * pivot.inverse();
-    const Pose mount = this->pose() * moved.inverse();
-    const Pose wanted = mount.inverse() * pose;
-    const Eigen::Vector3d at = wanted * pivot.translation() - pivot.translation();
-    const Eigen::Vector3d rpy = wanted.rpy();
-    if (std::abs(at.z()) > kInPlane || std::hypot(rpy[0], rpy[1]) > kInPlane) {
-      throw ArgumentError(
-          fmt::format("{}: a planar base moves in its plane only; the pose is "
-                      "{:.4g} m above it and tilted by {:.4g} rad",
-                      core().place(), at.z(), std::hypot(rpy[0], rpy[1])));
-    }
-    const std::array wanted_q{at.x() + zero[0], at.y() + zero[1], rpy[2] + zero[2]};
-    for (size_t i = 0; i < 3; ++i) {
-      const int joint = core().joint_ids()[i];
-      const mjtNum* range = m->jnt_range + 2 * joint;
-      if (!m->jnt_limited[joint] ||
-          (wanted_q[i] >= range[0] - kInPlane && wanted_q[i] <= range[1] + kInPlane))
-        continue;
-      throw ArgumentError(fmt::format(
-          "{}: for this pose joint '{}' would be at {:.4g}, outside its range [{:.4g}, {:.4g}]. "
-          "Widen the range in the model, or put the robot nearer in the scene",
-          core().place(), joint_names()[i], wanted_q[i], range[0], range[1]));
-    }
+    std::array<double, 3> present;
+    GetJointPos(present);
+    const std::vector<double> q = JointsAt(pose, present);
     leaving_.Warn(core().scene(), core().names().robot, place(), BaseKind::kPlanar, this->pose(),
                   pose);
     SetJointVel(std::array{0.0, 0.0, 0.0});
-    SetJointPos(wanted_q);
+    SetJointPos(q);
   }
   bool is_mobile() const override { return true; }
 
+  std::vector<double> JointsAt(const Pose& pose, std::span<const double> near) const override {
+    const mjModel* m = core().model();
+    const std::vector<int>& joints = core().joint_ids();
+    size_t hinge = 0;
+    std::vector<double> q(3);
+    std::vector<size_t> slides;
+    for (size_t i = 0; i < 3; ++i) {
+      q[i] = m->qpos0[m->jnt_qposadr[joints[i]]];
+      if (m->jnt_type[joints[i]] == mjJNT_HINGE)
+        hinge = i;
+      else
+        slides.push_back(i);
+    }
+    std::array<double, 3> present;
+    GetJointPos(present);
+    const Pose mount = this->pose() * Moved(present).inverse();
+    const Pose wanted = mount.inverse() * pose;
+    const Eigen::Vector3d rpy = wanted.rpy();
+    const double up = m->jnt_axis[3 * joints[hinge] + 2] < 0 ? -1 : 1;
+    q[hinge] += up * rpy[2];
+    // The slides move along straight lines, whose directions the turn may change.
+    const Eigen::Vector3d from = Moved(q).translation();
+    Eigen::Matrix2d along;
+    for (size_t i = 0; i < 2; ++i) {
+      std::vector<double> moved = q;
+      moved[slides[i]] += 1;
+      along.col(static_cast<Eigen::Index>(i)) = (Moved(moved).translation() - from).head<2>();
+    }
+    const Eigen::Vector3d way = wanted.translation() - from;
+    const Eigen::Vector2d slid = along.inverse() * way.head<2>();
+    for (size_t i = 0; i < 2; ++i) q[slides[i]] += slid[static_cast<Eigen::Index>(i)];
+    if (std::abs(way.z()) > kInPlane || std::hypot(rpy[0], rpy[1]) > kInPlane) {
+      throw ArgumentError(
+          fmt::format("{}: a planar base moves in its plane only; the pose is "
+                      "{:.4g} m above it and tilted by {:.4g} rad",
+                      core().place(), way.z(), std::hypot(rpy[0], rpy[1])));
+    }
+    q[hinge] = NearestTurn(joints[hinge], q[hinge], near[hinge]);
+    for (size_t i = 0; i < 3; ++i) RequireInRange(joints[i], joint_names()[i], q[i]);
+    return q;
+  }
+
  private:
+  // Returns what joint values make of the base's pose in the frame that it is attached to.
+  Pose Moved(std::span<const double> q) const {
+    const mjModel* m = core().model();
+    const std::vector<int>& joints = core().joint_ids();
+    Pose moved;
+    const int body = m->jnt_bodyid[joints.front()];
+    for (int k = 0; k < m->body_jntnum[body]; ++k) {
+      const int joint = m->body_jntadr[body] + k;
+      const auto at = std::ranges::find(joints, joint);
+      if (at == joints.end()) continue;
+      const double by =
+          q[static_cast<size_t>(at - joints.begin())] - m->qpos0[m->jnt_qposadr[joint]];
+      const Eigen::Vector3d axis(m->jnt_axis + 3 * joint);
+      if (m->jnt_type[joint] == mjJNT_HINGE) {
+        const Pose pivot(Eigen::Vector3d(m->jnt_pos + 3 * joint));
+        moved = moved * pivot * Pose::FromRotvec({0, 0, 0}, by * axis) * pivot.inverse();
+      } else {
+        moved = moved * Pose(Eigen::Vector3d(by * axis));
+      }
+    }
+    return moved;
+  }
+
+  bool IsInRange(int joint, double q) const {
+    const mjModel* m = core().model();
+    const mjtNum* range = m->jnt_range + 2 * joint;
+    return !m->jnt_limited[joint] || (q >= range[0] - kInPlane && q <= range[1] + kInPlane);
+  }
+
+  // Returns the same angle a whole number of turns away, within the range if it has one there.
+  double NearestTurn(int joint, double angle, double near) const {
+    const double nearest = near + std::remainder(angle - near, 2 * kPi);
+    for (const int turns : {0, 1, -1}) {
+      if (IsInRange(joint, nearest + 2 * kPi * turns)) return nearest + 2 * kPi * turns;
+    }
+    return angle;
+  }
+
+  void RequireInRange(int joint, const std::string& name, double q) const {
+    if (IsInRange(joint, q)) return;
+    const mjtNum* range = core().model()->jnt_range + 2 * joint;
+    throw ArgumentError(fmt::format(
+        "{}: for this pose joint '{}' would be at {:.4g}, outside its range [{:.4g}, {:.4g}]. "
+        "Widen the range in the model, or put the robot nearer in the scene",
+        core().place(), name, q, range[0], range[1]));
+  }
+
   LeavesObject leaving_;
 };
+
+bool HasFreeJoint(const mjModel* m, const std::string& name) {
+  const int body = FindId(m, mjOBJ_BODY, name);
+  return body > 0 && m->body_jntnum[body] > 0 && m->jnt_type[m->body_jntadr[body]] == mjJNT_FREE;
+}
 
 // Returns the name of the held object, among those that the scene knows.
 std::string ObjectHeldBy(const Scene& scene, const GripperGroup& gripper) {
@@ -128,6 +208,8 @@ std::unique_ptr<BaseGroup> MakeBaseGroup(const Scene& scene, const RobotRecord& 
       return std::make_unique<DrivenBase>(scene, std::move(names), robot.base, robot.base_target(),
                                           robot.base_weld());
     case BaseKind::kPlanar:
+      if (HasFreeJoint(scene.model(), robot.base_body))
+        return std::make_unique<WheeledBase>(scene, std::move(names));
       return std::make_unique<PlanarBase>(scene, std::move(names));
     case BaseKind::kFixed:
       break;

@@ -1,5 +1,5 @@
-// The bases of robots: fixed, mocap (teleported), free (floating), planar and driven (follows a
-// target). A teleported base leaves behind objects that the robot's grippers hold, with a warning.
+// The bases of robots: fixed, mocap (teleported), free (floating), planar (by joints, or by wheels:
+// wheeled_base.h) and driven (follows a target). A teleported base leaves behind objects that the robot's grippers hold, with a warning.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,8 @@
 namespace robocell::internal {
 
 // `names.leaf`: the body whose pose is pose(). `names.joints`: those of a free, planar or driven
-// base. Throws ArgumentError if a planar base has other joints than x, y and yaw.
+// base, the wheels of a wheeled one. Throws ArgumentError if a planar base has other joints than x, y
+// and yaw, or wheels that cannot drive it.
 std::unique_ptr<BaseGroup> MakeBaseGroup(const Scene& scene, const RobotRecord& robot,
                                          GroupNames names);
 

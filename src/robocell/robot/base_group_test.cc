@@ -153,6 +153,37 @@ TEST(PlanarBase, IsPutWhereItIsToldWhateverTheZeroAndThePivotOfItsJoints) {
   EXPECT_EQ(base.pose(), before);
 }
 
+// Joints in any order: slides after the hinge move along turned axes.
+TEST(PlanarBase, MayHaveItsJointsInAnyOrderAndAlongAnyLevelAxes) {
+  const std::string x = R"(<joint name="x" type="slide" axis="-1 0 0"/>)",
+                    y = R"(<joint name="y" type="slide" axis="0.6 0.8 0"/>)",
+                    yaw = R"(<joint name="yaw" axis="0 0 -1" pos="0.1 0.2 0" ref="0.3"/>)";
+  for (const std::string& joints : {x + y + yaw, yaw + y + x, y + yaw + x}) {
+    ModelFolder folder;
+    RobotConfig config{.name = "cart",
+                       .model = folder.Write("cart",
+                                             "<compiler angle=\"radian\"/><worldbody><body "
+                                             "name=\"cart\">" +
+                                                 joints +
+                                                 "<geom type=\"box\" size=\".2 .1 .1\"/>"
+                                                 "</body></worldbody>"),
+                       .root_body = "cart",
+                       .base = {.kind = BaseKind::kPlanar}};
+    config.move_groups["wheels"] = {.kind = MoveGroupKind::kBase, .joints = {"yaw", "x", "y"}};
+    Robot robot = RobotAlone(config);
+    BaseGroup& base = robot.base();
+    ASSERT_EQ(robot.scene().model()->nq, 3) << joints;
+    Rng rng = Rng::Stream(8, "order");
+    for (int i = 0; i < 10; ++i) {
+      const Pose placed =
+          Pose::FromRpy({rng.Uniform(-2, 2), rng.Uniform(-2, 2), base.pose().translation().z()},
+                        {0, 0, rng.Uniform(-3, 3)});
+      base.SetPose(placed);
+      EXPECT_TRUE(base.pose().is_close(placed, 1e-9, 1e-9)) << joints;
+    }
+  }
+}
+
 TEST(AnyMovableBase, IsAtRestAfterPlacement) {
   for (const BaseKind kind : {BaseKind::kPlanar, BaseKind::kFree}) {
     Robot robot = OnBase({.kind = kind, .size = Vec3{0.4, 0.4, 0.3}});

@@ -11,6 +11,7 @@
 #include "robocell/robot/joint_position_controller.h"
 #include "robocell/robot/joint_torque_controller.h"
 #include "robocell/robot/joint_velocity_controller.h"
+#include "robocell/robot/wheeled_base.h"
 #include "robocell/spec/group_controls.h"
 
 namespace robocell {
@@ -27,7 +28,8 @@ Registry<ControllerKind>& RegisteredControllers() {
       {{"base_pose", {internal::MakeBasePoseController}},
        {"joint_position", {MakeJointPositionController}},
        {"joint_velocity", {internal::MakeJointVelocityController, CtrlMode::kVelocity}},
-       {"joint_torque", {internal::MakeJointTorqueController, CtrlMode::kTorque}}});
+       {"joint_torque", {internal::MakeJointTorqueController, CtrlMode::kTorque}},
+       {"unicycle", {internal::MakeUnicycleController}}});
   return registry;
 }
 

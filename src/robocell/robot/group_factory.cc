@@ -18,6 +18,7 @@
 #include "robocell/robot/gripper_group.h"
 #include "robocell/robot/joint_group.h"
 #include "robocell/robot/suction_gripper.h"
+#include "robocell/robot/wheeled_base.h"
 #include "robocell/scene/actuator_kind.h"
 #include "robocell/scene/drive_matrix.h"
 #include "robocell/scene/element_lookup.h"
@@ -148,6 +149,8 @@ class GroupMaker {
     MadeGroup made{MakeBaseGroup(scene_, robot_, names_)};
     if (base == BaseKind::kDriven) {
       made.own_controller = kBasePoseController;
+    } else if (dynamic_cast<const WheeledBase*>(made.group.get()) && !names_.actuators.empty()) {
+      made.own_controller = UnicycleController::kKind;
     } else if (names_.actuators.empty()) {
       made.why_no_actuators = fmt::format(
           "it has no actuators. With `base: {{kind: driven}}` it moves to the poses that are "

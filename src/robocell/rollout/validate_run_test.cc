@@ -417,7 +417,7 @@ class ValidateRobotFile : public ::testing::Test {
 
 TEST_F(ValidateRobotFile, ReportsTheLineOfABaseThatCannotBePlaced) {
   for (const auto& [kind, why] : {std::pair{"fixed", "a fixed base cannot be moved"},
-                                  {"planar", "a planar base moves in its plane only"},
+                                  {"planar", "no actuators drive this planar base"},
                                   {"free", "a free base falls from there"}}) {
     const RunConfig run = WithRobot("kind: mocap", fmt::format("kind: {}", kind));
     const std::string text = ExpectThrow<SpecError>([&] { ValidateRun(run); }, why);

@@ -4,6 +4,9 @@
 #include <mujoco/mujoco.h>
 
 #include <algorithm>
+#include <cmath>
+#include <vector>
+#include <Eigen/Geometry>
 
 #include "robocell/scene/spec_tree.h"
 
@@ -37,18 +40,34 @@ void AddPlanarJoints(mjsBody* body, const std::string& prefix, const std::string
   }
 }
 
-// Returns true if a body moves in a plane by joints of its own: slides along x and y and a hinge about
-// z, in this order.
+// Returns true if a body moves in a plane by joints of its own: two level slides in different
+// directions and an upright hinge, in any order.
 bool HasPlanarJoints(mjsBody* body) {
-  int found = 0;
+  constexpr double kLevel = 1e-6, kApart = 1e-3;  // of unit axes
+  std::vector<Eigen::Vector3d> slides, hinges;
   for (mjsElement* e = mjs_firstChild(body, mjOBJ_JOINT, 0); e; e = mjs_nextChild(body, e, 0)) {
     const mjsJoint* joint = mjs_asJoint(e);
-    if (found == 3 || joint->type != (found < 2 ? mjJNT_SLIDE : mjJNT_HINGE)) return false;
-    for (int i = 0; i < 3; ++i)
-      if (std::abs(joint->axis[i] - (i == found ? 1 : 0)) > 1e-9) return false;
-    ++found;
+    if (joint->type != mjJNT_SLIDE && joint->type != mjJNT_HINGE) return false;
+    const Eigen::Vector3d axis = Eigen::Vector3d(joint->axis).normalized();
+    (joint->type == mjJNT_SLIDE ? slides : hinges).push_back(axis);
   }
-  return found == 3;
+  return slides.size() == 2 && hinges.size() == 1 && std::abs(slides[0].z()) < kLevel &&
+         std::abs(slides[1].z()) < kLevel && hinges[0].head<2>().norm() < kLevel &&
+         slides[0].cross(slides[1]).norm() > kApart;
+}
+
+// Returns true if a model that can move freely drives over the floor on wheels of its own.
+bool HasWheels(const RobotPart& robot, const BaseConfig& base) {
+  if (base.kind != BaseKind::kPlanar || base.size || !FreeJointOf(robot.top)) return false;
+  return std::ranges::any_of(robot.record.config.move_groups.entries(), [](const auto& entry) {
+    return entry.second->kind == MoveGroupKind::kBase && entry.second->joints.size() >= 2;
+  });
+}
+
+// Returns true if the model moves in a plane by itself, so that no base is made for it.
+bool MovesInPlane(const RobotPart& robot, const BaseConfig& base) {
+  if (base.kind != BaseKind::kPlanar || base.size) return false;
+  return HasPlanarJoints(robot.top) || HasWheels(robot, base);
 }
 
 // The weld is so stiff that a base sags by less than 0.1 mm under a hand and its load: at rest the
@@ -106,14 +125,13 @@ void FitWeld(mjSpec* scene, const RobotRecord& robot) {
 void SettleBase(RobotPart& robot, CompileLog& log) {
   RobotRecord& record = robot.record;
   // A model that moves itself does so also where the spec takes the base away.
-  if (record.base.kind == BaseKind::kFixed && record.config.base.kind == BaseKind::kPlanar &&
-      !record.config.base.size && HasPlanarJoints(robot.top))
+  if (record.base.kind == BaseKind::kFixed && MovesInPlane(robot, record.config.base))
     record.base = record.config.base;
   if (record.base.size) record.pedestal_height = (*record.base.size)[2];
   const auto made = BaseBodyName(record.base, record.prefix);
   if (record.base.kind == BaseKind::kMocap) record.mocap_body = made;
   const std::string top = SpecName(robot.top->element);
-  if (record.base.kind == BaseKind::kPlanar && !record.base.size && HasPlanarJoints(robot.top)) {
+  if (MovesInPlane(robot, record.base)) {
     record.top_body = record.base_body = top.empty() ? record.root_body : record.prefix + top;
     return;
   }
@@ -123,8 +141,12 @@ void SettleBase(RobotPart& robot, CompileLog& log) {
     log.Problem(
         robot.part.place,
         fmt::format("the model's root '{}' has a free joint of its own, so its base cannot be {}; "
-                    "delete the joint in `edits` or leave the base out",
-                    SpecName(robot.top->element), ToString(record.base.kind)),
+                    "delete the joint in `edits` or leave the base out{}",
+                    SpecName(robot.top->element), ToString(record.base.kind),
+                    record.base.kind == BaseKind::kPlanar && !record.base.size
+                        ? ". For a base on wheels, name their joints and actuators in a group of "
+                          "kind `base`"
+                        : ""),
         "base");
   }
   record.base.kind = BaseKind::kFree;
@@ -135,8 +157,7 @@ std::optional<Placement> AddBase(const RobotSpec& robot, const RobotPart& loaded
   const BaseConfig& base = loaded.record.base;
   const std::string& place = loaded.part.place;
   const bool free_root = FreeJointOf(loaded.top) != nullptr;
-  const bool moves_itself =
-      free_root || (base.kind == BaseKind::kPlanar && !base.size && HasPlanarJoints(loaded.top));
+  const bool moves_itself = free_root || MovesInPlane(loaded, base);
   const auto name = moves_itself ? std::nullopt : BaseBodyName(base, robot.prefix);
   std::optional<Placement> at = placement;
   if (base.kind != BaseKind::kFixed) {

@@ -3,7 +3,8 @@
 // root hangs at the pedestal's top.
 //   mocap   a mocap body of the world
 //   free    with the free joint <prefix>base_free
-//   planar  with the joints <prefix>base_x, <prefix>base_y, <prefix>base_yaw; nothing drives them
+//   planar  with the joints <prefix>base_x, <prefix>base_y, <prefix>base_yaw; nothing drives them. A
+//           model that moves in the plane by itself, by such joints or on wheels, is not changed
 //   driven  with the free joint <prefix>base_free, welded (<prefix>base_weld) to the mocap body
 //           <prefix>base_target, which has no geoms and starts at the base
 #pragma once

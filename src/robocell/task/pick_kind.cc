@@ -18,6 +18,7 @@
 #include "robocell/scenes/scene_source.h"
 #include "robocell/spec/validate.h"
 #include "robocell/task/drawn_objects.h"
+#include "robocell/task/driving_starts.h"
 #include "robocell/task/pick_and_place_task.h"
 #include "robocell/task/pick_task.h"
 #include "robocell/task/pick_task_config.h"
@@ -182,6 +183,9 @@ template <class Config, class T>
 class KindOfPick : public TaskKindOf<Config, T> {
  public:
   bool is_built_in() const override { return true; }
+  std::shared_ptr<TaskSampler> MakeSampler(const RunConfig& run) const override {
+    return MakeSamplerOfWork(run);
+  }
 
   void ValidateRun(const RunConfig& run, Problems& problems) const override {
     const Problems::Scope scope(problems, "task");

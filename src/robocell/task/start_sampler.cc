@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <set>
 #include <utility>
@@ -15,6 +16,7 @@
 #include "robocell/motion/clearance.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/mujoco/names.h"
+#include "robocell/robot/planar_motion.h"
 #include "robocell/scene/scene_cache.h"
 #include "robocell/scenes/free_floor.h"
 #include "robocell/scenes/joint_opening.h"
@@ -107,6 +109,15 @@ std::vector<Articulation> DoorsLeftAlone(const std::vector<Articulation>& doors,
   std::vector<Articulation> others = doors;
   std::erase_if(others, [&](const Articulation& door) { return moved.contains(door.joint); });
   return others;
+}
+
+// The root of a base on wheels may lie anywhere above the floor.
+void PutOnFloor(const Robot& robot, double floor) {
+  const internal::PlanarMotion* motion = internal::PlanarMotion::Of(robot.base());
+  if (!motion || motion->drives_sideways()) return;
+  Pose base = robot.base().pose();
+  const Eigen::Vector3d at(base.translation().x(), base.translation().y(), floor);
+  internal::PutBase(robot, Pose(at, base.quaternion()));
 }
 
 bool IsPlanar(const Robot& robot) { return robot.config().base.kind == BaseKind::kPlanar; }
@@ -370,11 +381,14 @@ void StartSampler::FindStillBoxes(const Setup& setup) {
   }
 }
 
-// Returns the height of the largest free floor of a scene.
+// Returns the height of the lowest free floor of a scene: above it, roofs and landings may be free too.
 double StartSampler::FloorHeight(int scene_index) {
   if (run_.robot.config.base.kind != BaseKind::kPlanar) return 0;
   const std::shared_ptr<const SceneAnnotations> known = AnnotationsOf(scene_index);
-  return known->free_floor.empty() ? 0 : known->free_floor.front().frame_to_world.translation().z();
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const FloorArea& area : known->free_floor)
+    lowest = std::min(lowest, area.frame_to_world.translation().z());
+  return std::isfinite(lowest) ? lowest : 0;
 }
 
 std::optional<Refusal> StartSampler::ArrangeOnce(Setup& setup, const BasePlacement& placement,
@@ -622,6 +636,7 @@ SampleResult StartSampler::Sample(const SampleRequest& request, Rng& rng) {
               cameras};
   setup.base_scene = base_scene;
   setup.scene_index = request.scene;
+  if (IsPlanar(setup.robot)) PutOnFloor(setup.robot, FloorHeight(request.scene));
   scene.SyncPoses();
   FindStillBoxes(setup);
   doors_ = known && !run_.start.base_blocks_doors ? internal::DoorsOf(*known, scene)

@@ -8,6 +8,8 @@
 
 #include "robocell/base/error.h"
 #include "robocell/scenes/scene_source.h"
+#include "robocell/task/navigate_kind.h"
+#include "robocell/task/navigate_task_config.h"
 #include "robocell/task/pick_kind.h"
 #include "robocell/task/pick_task_config.h"
 #include "robocell/task/relation_kinds.h"
@@ -25,6 +27,8 @@ KindRegistry& TaskKindRegistry() {
         {PickAndPlaceTaskConfig::kKind,
          {std::make_shared<KindFieldsOf<PickAndPlaceTaskConfig>>(),
           internal::MakePickAndPlaceKind()}}};
+    kinds[NavigateTaskConfig::kKind] = {std::make_shared<KindFieldsOf<NavigateTaskConfig>>(),
+                                        internal::MakeNavigateKind()};
     internal::AddRelationKinds(kinds);
     return kinds;
   }());

@@ -80,6 +80,22 @@ double FloorUnder(const std::vector<FloorArea>& floors, const Eigen::Vector3d& a
   return std::isfinite(lowest) ? lowest : 0;
 }
 
+// Returns the area that lies lowest of those in rooms of the map, else of all; null without any. Above
+// the floor of a room there may be others: the roof over it is one.
+const FloorArea* FloorOfRooms(const std::vector<FloorArea>& areas, const HouseMap* map) {
+  const FloorArea *lowest = nullptr, *lowest_inside = nullptr;
+  const auto is_lower = [](const FloorArea& area, const FloorArea* than) {
+    return !than || area.frame_to_world.translation().z() < than->frame_to_world.translation().z();
+  };
+  for (const FloorArea& area : areas) {
+    const Eigen::Vector3d& at = area.frame_to_world.translation();
+    if (is_lower(area, lowest)) lowest = &area;
+    if (map && !map->RoomNameAt(at.x(), at.y()).empty() && is_lower(area, lowest_inside))
+      lowest_inside = &area;
+  }
+  return lowest_inside ? lowest_inside : lowest;
+}
+
 Eigen::Vector3d BodyPosition(const Scene& scene, int body) {
   return Eigen::Vector3d(scene.data()->xpos + 3 * body);
 }
@@ -174,8 +190,8 @@ SceneAnnotations AnnotateHouse(const Scene& scene, const HouseFiles& files,
   std::erase_if(house.containers, [](const Container& container) {
     return std::ranges::max(container.half_extents) > kMostHalfOfContainer;
   });
-  const double floor_height =
-      house.free_floor.empty() ? 0 : house.free_floor.front().frame_to_world.translation().z();
+  const FloorArea* const lowest = map ? FloorOfRooms(house.free_floor, &*map) : nullptr;
+  const double floor_height = lowest ? lowest->frame_to_world.translation().z() : 0;
   std::vector<FloorArea> areas;
   if (map) areas = FreeFloorOf(*map, floor_height);
   // A map of another house, or of another size. A floor that the geometry does not show is in doubt.
@@ -191,7 +207,7 @@ SceneAnnotations AnnotateHouse(const Scene& scene, const HouseFiles& files,
     house.rooms = RoomsOf(*map, floor_height);
     for (Room& room : house.rooms) room.category = CategoryOfRoom(room.name);
     if (!areas.empty()) {
-      const std::string floor = house.free_floor.empty() ? "" : house.free_floor.front().floor;
+      const std::string floor = lowest ? lowest->floor : "";
       for (FloorArea& area : areas) area.floor = floor;
       house.free_floor = std::move(areas);
     } else {

@@ -1,0 +1,75 @@
+#include "robocell/task/driving_starts.h"
+
+#include <array>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "robocell/robot/planar_motion.h"
+#include "robocell/robot/robot.h"
+#include "robocell/task/base_stances.h"
+#include "robocell/task/door_swings.h"
+#include "robocell/task/floor_ways.h"
+#include "robocell/task/refusal.h"
+#include "robocell/task/work_stances.h"
+
+namespace robocell::internal {
+namespace {
+
+constexpr int kStartDraws = 48;  // places of the robot, of which a few are tried
+constexpr int kStartsTried = 4;
+
+}  // namespace
+
+std::optional<Pose> DrivingStartSampler::ProposeBasePose(const Robot& robot, const Support& support,
+                                                         const Pose& target,
+                                                         const BasePlacement& placement, Rng& rng) {
+  if (!StartsAnywhere(run()))
+    return StartSampler::ProposeBasePose(robot, support, target, placement, rng);
+  const std::optional<Vec2> distances = DistancesInReach(robot, target.translation());
+  if (!distances) return std::nullopt;
+  BasePlacement here = placement;
+  here.distance = rng.Uniform((*distances)[0], (*distances)[1]);
+  return StartSampler::ProposeBasePose(robot, support, target, here, rng);
+}
+
+SampleResult DrivingStartSampler::Sample(const SampleRequest& request, Rng& rng) {
+  SampleResult result = StartSampler::Sample(request, rng);
+  if (!result.start || !StartsAnywhere(run())) return result;
+  EpisodeStart& start = *result.start;
+  Scene& scene = start.scene;
+  const Robot robot = Robot::Of(scene, run().robot.config.name);
+  Rng draws = rng.Fork("start of the way");
+  scene.SyncPoses();
+  const std::shared_ptr<const SceneAnnotations> known = AnnotationsOf(request.scene);
+  const std::vector<Articulation> doors =
+      run().start.base_blocks_doors ? std::vector<Articulation>() : DoorsOf(*known, scene);
+  const std::vector<Pose> bases =
+      DrawOnFloor(known->free_floor, robot.base().pose().translation().z(), kStartDraws, draws);
+  const std::vector<bool> free =
+      BaseStances(robot, std::max(run().start.base_clearance, kWayClearance), doors).AreFree(bases);
+  FloorWays ways(robot);
+  int tried = 0;
+  for (size_t i = 0; i < bases.size() && tried < kStartsTried; ++i) {
+    if (!free[i]) continue;
+    ++tried;
+    // A way there is one back.
+    const std::array<FloorPlace, 1> place{PlaceOf(bases[i])};
+    if (!ways.FindWay(ways.FreeOf(place))) continue;
+    PutBase(robot, bases[i]);
+    scene.Forward();
+    start.base_in_world = robot.base().pose();
+    return result;
+  }
+  Refusal refusal{kNoWay, "from anywhere on the floor to the object"};
+  refusal.redrawn = std::move(start.redrawn);
+  refusal.object_kind = start.object_kinds.empty() ? "" : start.object_kinds.front();
+  return {.start = {}, .refusal = std::move(refusal).MadeBy(Refusal::kBaseStage)};
+}
+
+std::shared_ptr<TaskSampler> MakeSamplerOfWork(const RunConfig& run) {
+  if (DrivesItself(run.robot.config)) return std::make_shared<DrivingStartSampler>(run);
+  return std::make_shared<StartSampler>(run);
+}
+
+}  // namespace robocell::internal
