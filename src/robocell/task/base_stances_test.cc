@@ -21,7 +21,7 @@ namespace robocell::internal {
 namespace {
 
 // A room with a door, a mat and boxes that stand, hang and lie about, and a robot.
-Scene Room(ModelFolder& folder, const RobotConfig& robot, Rng& rng) {
+Scene RandomRoom(ModelFolder& folder, const RobotConfig& robot, Rng& rng) {
   SceneSpec spec = EmptyScene();
   spec.add_floor = true;
   spec.objects.push_back({.name = "mat",
@@ -65,7 +65,7 @@ TEST(BaseStances, AreFreeExactlyWhereTheConditionsOfStartsAccept) {
     const bool is_mobile = seed >= 4;
     ModelFolder folder;
     Rng rng = Rng::Stream(seed, "stances");
-    Scene scene = Room(folder, is_mobile ? mobile : on_pedestal, rng);
+    Scene scene = RandomRoom(folder, is_mobile ? mobile : on_pedestal, rng);
     Robot robot = Robot::Of(scene, "arm");
     const double clearance = seed == 0 ? 0 : 0.03;
     const std::vector<Articulation> doors = DoorsOf(DeriveAnnotations(scene), scene);

@@ -13,7 +13,7 @@ namespace {
 using ::testing::HasSubstr;
 
 // A cube on the floor, and a table of 0.4 m with its middle in (1, 0).
-Scene Room() {
+Scene TableRoom() {
   SceneSpec spec{.name = "room", .timestep = 0.002, .add_floor = true, .add_skybox = true};
   spec.objects.push_back(BoxObject("cube", {0, 0, 0.02}));
   SceneObject table = BoxObject("table", {1, 0, 0.2});
@@ -26,7 +26,7 @@ Scene Room() {
 }
 
 std::string WhyNoRestAt(const Eigen::Vector3d& at) {
-  const Scene scene = Room();
+  const Scene scene = TableRoom();
   const int cube = FindId(scene.model(), mjOBJ_BODY, "cube");
   const RestPlace place{.frame = 0, .at = at};
   return WhyNoRest(scene, cube, {&place, 1}, 0.03);
@@ -43,7 +43,7 @@ TEST(RestingPlace, AnObjectDoesNotRestInTheAirOrInsideOfATable) {
 }
 
 TEST(RestingPlace, HeightsAreMeasuredFromTheSupport) {
-  const Scene scene = Room();
+  const Scene scene = TableRoom();
   const int cube = FindId(scene.model(), mjOBJ_BODY, "cube");
   EXPECT_NEAR(HeightOverSupport(scene, {0.5, 0.5, 0.3}, cube), 0.3, 1e-6);
   EXPECT_NEAR(HeightOverSupport(scene, {1, 0, 0.5}, cube), 0.1, 1e-6);
