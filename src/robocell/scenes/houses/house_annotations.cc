@@ -116,8 +116,8 @@ double ShareOn(const std::vector<FloorArea>& areas, const std::vector<FloorArea>
   for (const FloorArea& area : areas) {
     const double each = 4 * area.half_x * area.half_y / (kPoints * kPoints);
     for (int k = 0; k < kPoints * kPoints; ++k) {
-      const Eigen::Vector3d at((2 * (k % kPoints) + 1.0) / kPoints - 1,
-                               (2 * (k / kPoints) + 1.0) / kPoints - 1, 0);
+      const int row = k / kPoints, column = k % kPoints;
+      const Eigen::Vector3d at((2 * column + 1.0) / kPoints - 1, (2 * row + 1.0) / kPoints - 1, 0);
       const Eigen::Vector3d point =
           area.frame_to_world * at.cwiseProduct(Eigen::Vector3d(area.half_x, area.half_y, 0));
       all += each;
