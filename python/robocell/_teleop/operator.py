@@ -253,8 +253,7 @@ class Performance:
         operator, options, scene = self._operator, self._operator.options, self._scene()
         operator.row = {}
         operator.forget_commands()
-        arms = arms_of(scene)
-        self._tie(arms)  # the person sees where the real arms are
+        arms = self._tie(arms_of(scene))  # the person sees where the real arms are
         self._arms = DrivenArms(arms, options.robot, options.follow)
         operator.note(
             instruction=self._instruction, success=False, blocked="", ended="", **self._names()
@@ -264,9 +263,10 @@ class Performance:
             operator.wait_for(scene, "record")
             operator.phase = COUNTDOWN
             operator.wait_for(scene, seconds=options.countdown_s)
-            self._tie(arms)  # they may have been moved by hand meanwhile
+            arms = self._tie(arms)  # they may have been moved by hand meanwhile
             self._arms = DrivenArms(arms, options.robot, options.follow)
         operator.phase = RECORDING
+        operator.note(dropped="")
         operator.call("begin")
         operator.forget_commands()
         self._due = time.monotonic()
@@ -295,8 +295,8 @@ class Performance:
             self.failure = MARKED if self.marked == "failure" else ""
         operator.note(success=self.succeeded)
         self.succeeded = False
-        if operator.real_arms is not None and motion is not None and motion.clutch:
-            operator.real_arms.renew()
+        if operator.real_arms is not None:
+            operator.real_arms.renew(arms.held_by(motion))
         arms.follow(motion, self._seconds)
         operator.note(blocked=arms.blocked, **self._names())
         return arms
@@ -336,9 +336,10 @@ class Performance:
         assert self._arms is not None
         return {"arms": self._arms.names, "arm": self._arms.name}
 
-    def _tie(self, arms: list[Arm]) -> None:
-        if self._operator.real_arms is not None and not self._operator.stop.is_set:
-            self._operator.real_arms.tie(arms)
+    def _tie(self, arms: list[Arm]) -> list[Arm]:
+        if self._operator.real_arms is None or self._operator.stop.is_set:
+            return arms
+        return self._operator.real_arms.tie(arms)
 
     def _wait(self) -> None:
         """Waits until the next action is due; a slow computer begins to count again."""
