@@ -229,7 +229,13 @@ class TestMountedParts:
 
     @pytest.mark.parametrize("hand_first", [False, True])
     @pytest.mark.parametrize(
-        "weld", [WELD, "<weld body1='hand' body2='l6' relpose='0 0 -.06 .8 0 0 .6'/>"]
+        "weld",
+        [
+            WELD,
+            "<weld body1='hand' body2='l6' relpose='0 0 -.06 .8 0 0 .6'/>",
+            "<weld body1='l6' body2='hand' anchor='.1 .02 .03'/>",
+            "<weld body1='hand' body2='l6' anchor='.1 .02 .03' relpose='.1 0 .2 .8 0 0 .6'/>",
+        ],
     )
     def test_a_welded_tool_hangs_on_the_arm(self, tmp_path: Path, weld: str, hand_first: bool):
         file = tmp_path / "arm.xml"
@@ -260,6 +266,27 @@ class TestMountedParts:
         again = tmp_path / "m.xml"
         again.write_text(model_text(guess.source, guess.prepared, guess.original))
         assert load_model(again).model.nq == made.nq
+
+    def test_a_welded_tool_keeps_its_own_defaults(self, tmp_path: Path):
+        text = self.changer().replace(
+            "<worldbody>",
+            "<default><default class='heavy'><joint damping='7'/><geom contype='0'/></default>"
+            "</default><worldbody>",
+            1,
+        )
+        text = text.replace("<body name='base'", "<body name='base' childclass='heavy'", 1)
+        file = tmp_path / "arm.xml"
+        file.write_text(text)
+        stock = mujoco.MjModel.from_xml_path(str(file))
+        made = detect(file, tmp_path / "m.xml", "arm").source.model
+        for name in ("j6", "left_finger"):
+            assert made.joint(name).damping == stock.joint(name).damping
+        for name in ("l6", "hand", "left_finger"):
+            ours, theirs = (
+                model.geom_contype[model.geom_bodyid == model.body(name).id].tolist()
+                for model in (made, stock)
+            )
+            assert ours == theirs, name
 
     def test_welded_bodies_without_a_robot_are_an_error_of_the_file(self, tmp_path: Path):
         body = "<body name='{0}'><freejoint/><geom size='.1'/></body>"
