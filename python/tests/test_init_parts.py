@@ -14,7 +14,7 @@ import hand_models
 import init_models
 import robot_models
 from robocell import SpecError
-from robocell._onboarding import Confidence, Guess, detect, model_text, robot_text
+from robocell._onboarding import Confidence, Guess, detect, model_text, pick_run, robot_text
 from robocell._onboarding.actuation import Actuation, Drive
 from robocell._onboarding.arm_control import drive_of
 from robocell._onboarding.geometry import nearest_points
@@ -514,6 +514,36 @@ class TestFindings:
     def test_what_a_gripper_cannot_hold_is_read_from_a_finding(self):
         text = "gripper 'g' cannot hold 'mug' (it is 0.06 m wide): such starts are refused. Leave"
         assert re.findall(CANNOT_HOLD, text) == [("mug", "it is 0.06 m wide")]
+
+
+class TestObjects:
+    @pytest.mark.parametrize(
+        ("found", "kinds", "why"),
+        [
+            ([{}], (), ""),
+            ([None], (), ""),
+            ([{"a": "wide"}], ("b",), ""),
+            ([{"a": "wide", "b": "wide"}, {}], ("c", "d"), ""),
+            ([{"a": "wide", "b": "wide"}, {"c": "low"}], ("d",), ""),
+            ([{"a": "wide", "b": "wide"}, {"c": "low", "d": "low"}], (), "wide"),
+            ([{"a": "wide", "b": "wide"}, None], (), "wide"),
+        ],
+    )
+    def test_the_usual_kinds_go_before_the_others_of_the_catalogue(
+        self,
+        found: list[dict[str, str] | None],
+        kinds: tuple[str, ...],
+        why: str,
+        tmp_path: Path,
+        monkeypatch: pytest.MonkeyPatch,
+    ):
+        guess = RobotGuess("a", None, Path("a"), [], Field("base"), Field({}))
+        monkeypatch.setattr(pick_run, "default_object_kinds", lambda: ["a", "b"])
+        monkeypatch.setattr(pick_run, "object_kinds", lambda: ["a", "b", "c", "d"])
+        monkeypatch.setattr(pick_run, "run_text", lambda *_: "")
+        monkeypatch.setattr(pick_run, "_refused", lambda _: found.pop(0))
+        held = pick_run.objects_held(guess, tmp_path / "a.yaml", tmp_path / "a_pick.yaml")
+        assert (held.kinds, held.why_none) == (kinds, why)
 
 
 class TestText:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import init_models
 import robocell as rc
 from command_line import RC7, REPOSITORY, write_run
 from robocell import hardware
@@ -296,6 +297,31 @@ def test_a_real_gripper_keeps_its_opening_until_the_person_says_another(tmp_path
     np.testing.assert_allclose(episode["robots/robot/action/gripper"], closed, atol=0.02)
 
 
+def test_a_gripper_that_is_a_robot_of_its_own_obeys_and_stays_a_simulation(tmp_path: Path):
+    drives = f"<actuator>{init_models.servos(init_models.SIX_GAINS)}</actuator>"
+    text = init_models.model("six", init_models.six_axis(), drives)
+    (tmp_path / "six.xml").write_text(text)
+    (tmp_path / "six.yaml").write_text(
+        "name: six\nmodel: six.xml\nattachment_site: flange\n"
+        "move_groups: {arm: {kind: arm, joints: [j1, j2, j3, j4, j5, j6]}}\n"
+        "home: {arm: [0, 0.5, 1, 0, 1, 0]}\n"
+    )
+    hand = REPOSITORY / "models" / "equipment" / "parallel_hand" / "parallel_hand.yaml"
+    cell = rc.EnvConfig(
+        robots={"left": tmp_path / "six.yaml"}, grippers={"left": hand}, add_floor=True
+    )
+    cell.sim.frequency = 15
+    says = Says([Motion(opening=0.3), UP, UP])
+    record_cell(cell, tmp_path / "out", says, FAST)
+    [episode] = rc.Dataset(tmp_path / "out")
+    assert episode["robots/gripperleft/action/gripper"][-1] == pytest.approx(0.3)
+    assert moved(episode, "left")[2] > 0.003
+    robot = rc.Env(cell).scene.robot("left")
+    real = RealArms({"": simulated(robot)}, safety=SAFETY)
+    with pytest.warns(UserWarning, match="is the robot 'gripperleft'.*stays a simulation"):
+        record_cell(cell, tmp_path / "real", Says([UP]), FAST, real_arms=real)
+
+
 class Switch:
     """Stands for a link: counts how often its dead man's switch is pressed."""
 
@@ -504,6 +530,14 @@ def test_the_command_takes_robots_and_cells(tmp_path: Path, monkeypatch: pytest.
         assert result.exit_code == 0, result.output
         assert "success" in result.output
         assert len(rc.Dataset(tmp_path / target.parent.name)) == 1
+
+
+def test_a_session_is_replayed_for_all_its_arms(tmp_path: Path):
+    record_cell(two_arms(), tmp_path / "out", Says([UP]), FAST)
+    [session] = (tmp_path / "out" / "device_sessions").iterdir()
+    result = invoke(RC7, "--device", f"robot=replay:{session}")
+    assert result.exit_code == 2
+    assert "a session moves all its arms; give replay:FILE alone" in result.output
 
 
 @pytest.mark.parametrize(
