@@ -270,7 +270,7 @@ class TestMountedParts:
     def test_a_welded_tool_keeps_its_own_defaults(self, tmp_path: Path):
         text = self.changer().replace(
             "<worldbody>",
-            "<default><default class='heavy'><joint damping='7'/><geom contype='0'/></default>"
+            "<default><default class='heavy'><joint frictionloss='.7'/><geom contype='2'/></default>"
             "</default><worldbody>",
             1,
         )
@@ -280,7 +280,7 @@ class TestMountedParts:
         stock = mujoco.MjModel.from_xml_path(str(file))
         made = detect(file, tmp_path / "m.xml", "arm").source.model
         for name in ("j6", "left_finger"):
-            assert made.joint(name).damping == stock.joint(name).damping
+            assert made.joint(name).frictionloss == stock.joint(name).frictionloss
         for name in ("l6", "hand", "left_finger"):
             ours, theirs = (
                 model.geom_contype[model.geom_bodyid == model.body(name).id].tolist()
