@@ -171,6 +171,13 @@ def test_a_device_for_each_arm_moves_both_at_once(tmp_path: Path):
     ]
 
 
+def test_a_device_of_an_unknown_arm_is_an_error_before_anything_moves(tmp_path: Path):
+    devices = {"lft": Says([UP]), "right": Says([UP])}
+    with pytest.raises(rc.NotFoundError, match=r"no arm 'lft'.*mean 'left'"):
+        record_cell(two_arms(), tmp_path / "out", DeviceForEach(devices), FAST)
+    assert not any(device.is_recording for device in devices.values())
+
+
 def test_motions_of_several_arms_survive_their_file():
     motion = Motion(commands=("success",), arms={"left": UP, "duo/right": Motion(opening=0.5)})
     assert Motion.of_json(json.loads(json.dumps(motion.as_json()))) == motion

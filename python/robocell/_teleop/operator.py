@@ -16,7 +16,7 @@ from typing import Any, Protocol
 from robocell._core import EpisodeStart, Error, GroupCommand, Rng, RunConfig, Scene, StopFlag
 from robocell._own_code import RAISED, raise_interrupt
 from robocell._raised import place_of
-from robocell._teleop.arms import Arm, DrivenArms, arms_of
+from robocell._teleop.arms import Arm, DrivenArms, arm_named, arms_of
 from robocell._teleop.device import Device, DeviceLostError, Motion
 from robocell._teleop.follower import FollowOptions
 from robocell._teleop.real_arms import ArmStoppedError, RealArms
@@ -253,7 +253,10 @@ class Performance:
         operator, options, scene = self._operator, self._operator.options, self._scene()
         operator.row = {}
         operator.forget_commands()
-        arms = self._tie(arms_of(scene))  # the person sees where the real arms are
+        arms = arms_of(scene)
+        for name in operator.device.arms:
+            arm_named(arms, name)  # raises for an unknown one
+        arms = self._tie(arms)  # the person sees where the real arms are
         self._arms = DrivenArms(arms, options.robot, options.follow)
         operator.note(
             instruction=self._instruction, success=False, blocked="", ended="", **self._names()
@@ -332,8 +335,10 @@ class Performance:
         return not operator.stop.is_set
 
     def _names(self) -> dict[str, Any]:
-        """Returns which arms there are, and which one the device moves."""
+        """Returns which arms there are to choose from, and which one the device moves."""
         assert self._arms is not None
+        if self._operator.device.arms:
+            return {"arms": [], "arm": ""}
         return {"arms": self._arms.names, "arm": self._arms.name}
 
     def _tie(self, arms: list[Arm]) -> list[Arm]:
