@@ -174,10 +174,10 @@ def teleop(
         most = max(1, round(max_seconds * cell.sim.frequency))
         options = dataclasses.replace(options, max_steps=most)
     if dead_man:
-        for each in by_arm(device or ["web"], "--device").values():
-            if each.partition(":")[0] in WITHOUT_CLUTCH:
+        for given in by_arm(device or ["web"], "--device").values():
+            if given.partition(":")[0] in WITHOUT_CLUTCH:
                 fail(
-                    f"--dead-man: {each} cannot be let go of; use web, gamepad or a device of "
+                    f"--dead-man: {given} cannot be let go of; use web, gamepad or a device of "
                     "yours, or leave out --dead-man"
                 )
     real = _real_arms(
