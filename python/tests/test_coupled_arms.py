@@ -221,6 +221,22 @@ class TestLoops:
         assert np.ptp(seen, axis=0).min() > 0.1
         assert np.abs(np.array(seen) - home).max() <= 0.2 + 1e-12
 
+    def test_a_home_that_a_loop_does_not_allow_is_a_warning(
+        self, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    ):
+        rod = '<joint name="rod" axis="0 1 0" range="{}"/>'
+        text = robot_models.parallel_links()
+        assert rod.format("-3 3") in text
+        narrow = text.replace(rod.format("-3 3"), rod.format("-.1 .1"))
+        monkeypatch.setattr(robot_models, "parallel_links", lambda: narrow)
+        for elbow, count in ((0.05, 0), (0.6, 1)):
+            scene = self.scene(tmp_path, home={"arm": [0.3, elbow, 0.2]})
+            found = [each for each in scene.warnings if "part of the loop that 'close'" in each]
+            assert len(found) == count, scene.warnings
+            if count:
+                assert "home: 'shoulder' is part of" in found[0]
+                assert "choose a home that the loop allows" in found[0]
+
     def test_a_joint_that_only_a_loop_moves_is_explained(self, tmp_path: Path):
         (tmp_path / "arm.xml").write_text(robot_models.parallel_links())
         (tmp_path / "arm.yaml").write_text(

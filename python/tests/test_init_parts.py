@@ -14,7 +14,7 @@ import hand_models
 import init_models
 import robot_models
 from robocell import SpecError
-from robocell._onboarding import Confidence, Guess, detect, model_text, robot_text
+from robocell._onboarding import Confidence, Guess, detect, model_text, pick_run, robot_text
 from robocell._onboarding.actuation import Actuation, Drive
 from robocell._onboarding.arm_control import drive_of
 from robocell._onboarding.geometry import nearest_points
@@ -229,7 +229,13 @@ class TestMountedParts:
 
     @pytest.mark.parametrize("hand_first", [False, True])
     @pytest.mark.parametrize(
-        "weld", [WELD, "<weld body1='hand' body2='l6' relpose='0 0 -.06 .8 0 0 .6'/>"]
+        "weld",
+        [
+            WELD,
+            "<weld body1='hand' body2='l6' relpose='0 0 -.06 .8 0 0 .6'/>",
+            "<weld body1='l6' body2='hand' anchor='.1 .02 .03'/>",
+            "<weld body1='hand' body2='l6' anchor='.1 .02 .03' relpose='.1 0 .2 .8 0 0 .6'/>",
+        ],
     )
     def test_a_welded_tool_hangs_on_the_arm(self, tmp_path: Path, weld: str, hand_first: bool):
         file = tmp_path / "arm.xml"
@@ -260,6 +266,27 @@ class TestMountedParts:
         again = tmp_path / "m.xml"
         again.write_text(model_text(guess.source, guess.prepared, guess.original))
         assert load_model(again).model.nq == made.nq
+
+    def test_a_welded_tool_keeps_its_own_defaults(self, tmp_path: Path):
+        text = self.changer().replace(
+            "<worldbody>",
+            "<default><default class='heavy'><joint frictionloss='.7'/><geom contype='2'/></default>"
+            "</default><worldbody>",
+            1,
+        )
+        text = text.replace("<body name='base'", "<body name='base' childclass='heavy'", 1)
+        file = tmp_path / "arm.xml"
+        file.write_text(text)
+        stock = mujoco.MjModel.from_xml_path(str(file))
+        made = detect(file, tmp_path / "m.xml", "arm").source.model
+        for name in ("j6", "left_finger"):
+            assert made.joint(name).frictionloss == stock.joint(name).frictionloss
+        for name in ("l6", "hand", "left_finger"):
+            ours, theirs = (
+                model.geom_contype[model.geom_bodyid == model.body(name).id].tolist()
+                for model in (made, stock)
+            )
+            assert ours == theirs, name
 
     def test_welded_bodies_without_a_robot_are_an_error_of_the_file(self, tmp_path: Path):
         body = "<body name='{0}'><freejoint/><geom size='.1'/></body>"
@@ -487,6 +514,36 @@ class TestFindings:
     def test_what_a_gripper_cannot_hold_is_read_from_a_finding(self):
         text = "gripper 'g' cannot hold 'mug' (it is 0.06 m wide): such starts are refused. Leave"
         assert re.findall(CANNOT_HOLD, text) == [("mug", "it is 0.06 m wide")]
+
+
+class TestObjects:
+    @pytest.mark.parametrize(
+        ("found", "kinds", "why"),
+        [
+            ([{}], (), ""),
+            ([None], (), ""),
+            ([{"a": "wide"}], ("b",), ""),
+            ([{"a": "wide", "b": "wide"}, {}], ("c", "d"), ""),
+            ([{"a": "wide", "b": "wide"}, {"c": "low"}], ("d",), ""),
+            ([{"a": "wide", "b": "wide"}, {"c": "low", "d": "low"}], (), "wide"),
+            ([{"a": "wide", "b": "wide"}, None], (), "wide"),
+        ],
+    )
+    def test_the_usual_kinds_go_before_the_others_of_the_catalogue(
+        self,
+        found: list[dict[str, str] | None],
+        kinds: tuple[str, ...],
+        why: str,
+        tmp_path: Path,
+        monkeypatch: pytest.MonkeyPatch,
+    ):
+        guess = RobotGuess("a", None, Path("a"), [], Field("base"), Field({}))
+        monkeypatch.setattr(pick_run, "default_object_kinds", lambda: ["a", "b"])
+        monkeypatch.setattr(pick_run, "object_kinds", lambda: ["a", "b", "c", "d"])
+        monkeypatch.setattr(pick_run, "run_text", lambda *_: "")
+        monkeypatch.setattr(pick_run, "_refused", lambda _: found.pop(0))
+        held = pick_run.objects_held(guess, tmp_path / "a.yaml", tmp_path / "a_pick.yaml")
+        assert (held.kinds, held.why_none) == (kinds, why)
 
 
 class TestText:

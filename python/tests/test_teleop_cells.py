@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,11 +12,12 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+import init_models
 import robocell as rc
 from command_line import RC7, REPOSITORY, write_run
 from robocell import hardware
 from robocell._cli import load
-from robocell._teleop.arms import DrivenArms, arms_of
+from robocell._teleop.arms import DrivenArms, arm_named, arms_of
 from robocell._teleop.devices import by_arm
 from robocell._teleop.recorded import RecordedDevice
 from robocell.gym import pick_cube_config
@@ -114,6 +116,20 @@ def test_arms_have_the_names_of_environments(name: str, chosen: int):
     assert DrivenArms(arms_of(duo()), name, FollowOptions()).chosen == chosen
 
 
+def test_the_name_of_an_arm_or_a_robot_goes_before_that_of_a_group():
+    spec = rc.SceneSpec(name="rows", timestep=0.002, add_floor=True, add_skybox=False)
+    config = rc.RobotConfig.load(REPOSITORY / "examples" / "duo" / "duo.yaml")
+    for i, name in enumerate(("back", "right")):
+        robot = rc.RobotSpec(name=name, prefix=f"{name}_", config=config, pos=[0, 2.0 * i, 0])
+        spec.robots.append(robot)
+    arms = arms_of(rc.Scene.build(spec))
+    assert [arm.name for arm in arms] == ["back/left", "back/right", "right/left", "right/right"]
+    assert arm_named(arms, "right") == 2
+    assert arm_named(arms, "back/right") == 1
+    with pytest.raises(rc.NotFoundError, match=r"several arms are called 'left': back/left, right"):
+        arm_named(arms, "left")
+
+
 def test_an_unknown_arm_shows_those_that_there_are():
     with pytest.raises(rc.NotFoundError, match=r"rigt.*Did you mean.*The scene has: duo/left"):
         DrivenArms(arms_of(duo()), "duo/rigt", FollowOptions())
@@ -153,6 +169,13 @@ def test_a_device_for_each_arm_moves_both_at_once(tmp_path: Path):
         ["right"],
         ["right"],
     ]
+
+
+def test_a_device_of_an_unknown_arm_is_an_error_before_anything_moves(tmp_path: Path):
+    devices = {"lft": Says([UP]), "right": Says([UP])}
+    with pytest.raises(rc.NotFoundError, match=r"no arm 'lft'.*mean 'left'"):
+        record_cell(two_arms(), tmp_path / "out", DeviceForEach(devices), FAST)
+    assert not any(device.is_recording for device in devices.values())
 
 
 def test_motions_of_several_arms_survive_their_file():
@@ -264,6 +287,127 @@ def test_episodes_of_a_run_are_recorded_with_a_real_arm(tmp_path: Path):
     first, second = rc.Dataset(tmp_path / "out")
     place = "robots/rc7/arm/qpos"
     np.testing.assert_allclose(second[place][0], first[place][-1], atol=0.05)
+
+
+def test_a_real_gripper_keeps_its_opening_until_the_person_says_another(tmp_path: Path):
+    robot = bench()
+    robot.gripper.close()
+    for _ in range(500):
+        robot.update()
+        robot.step()
+    closed = robot.gripper.opening
+    assert closed < 0.1
+    real = RealArms({"": simulated(robot)}, safety=SAFETY)
+    record_cell(cell_of(RC7), tmp_path / "out", Says([UP] * 12), FAST, real_arms=real)
+    assert robot.gripper.opening == pytest.approx(closed, abs=0.02)
+    [episode] = rc.Dataset(tmp_path / "out")
+    np.testing.assert_allclose(episode["robots/robot/action/gripper"], closed, atol=0.02)
+
+
+def test_a_gripper_that_is_a_robot_of_its_own_obeys_and_stays_a_simulation(tmp_path: Path):
+    drives = f"<actuator>{init_models.servos(init_models.SIX_GAINS)}</actuator>"
+    text = init_models.model("six", init_models.six_axis(), drives)
+    (tmp_path / "six.xml").write_text(text)
+    (tmp_path / "six.yaml").write_text(
+        "name: six\nmodel: six.xml\nattachment_site: flange\n"
+        "move_groups: {arm: {kind: arm, joints: [j1, j2, j3, j4, j5, j6]}}\n"
+        "home: {arm: [0, 0.5, 1, 0, 1, 0]}\n"
+    )
+    hand = REPOSITORY / "models" / "equipment" / "parallel_hand" / "parallel_hand.yaml"
+    cell = rc.EnvConfig(
+        robots={"left": tmp_path / "six.yaml"}, grippers={"left": hand}, add_floor=True
+    )
+    cell.sim.frequency = 15
+    says = Says([Motion(opening=0.3), UP, UP])
+    record_cell(cell, tmp_path / "out", says, FAST)
+    [episode] = rc.Dataset(tmp_path / "out")
+    assert episode["robots/gripperleft/action/gripper"][-1] == pytest.approx(0.3)
+    assert moved(episode, "left")[2] > 0.003
+    robot = rc.Env(cell).scene.robot("left")
+    real = RealArms({"": simulated(robot)}, safety=SAFETY)
+    with pytest.warns(UserWarning, match="is the robot 'gripperleft'.*stays a simulation"):
+        record_cell(cell, tmp_path / "real", Says([UP]), FAST, real_arms=real)
+
+
+class Switch:
+    """Stands for a link: counts how often its dead man's switch is pressed."""
+
+    def __init__(self) -> None:
+        self.renewed = 0
+
+    def renew(self) -> None:
+        self.renewed += 1
+
+
+def test_each_arm_has_the_dead_mans_switch_of_its_own_device():
+    arms = DrivenArms(arms_of(duo()), "", FollowOptions())
+    real = RealArms({"left": "udp:127.0.0.1:1", "right": "udp:127.0.0.1:2"})
+    links = {name: Switch() for name in arms.names}
+    real._links = links  # type: ignore[assignment]
+    let_go = Motion(clutch=False)
+    for motion, pressed in (
+        (UP, (1, 1)),
+        (None, (0, 0)),
+        (let_go, (0, 0)),
+        (Motion(arms={"left": UP}), (1, 0)),
+        (Motion(arms={"duo/left": let_go, "right": UP}), (0, 1)),
+    ):
+        before = [link.renewed for link in links.values()]
+        real.renew(arms.held_by(motion))
+        after = [link.renewed for link in links.values()]
+        assert tuple(np.subtract(after, before)) == pressed, motion
+
+
+@pytest.mark.parametrize("made", [True, False])
+@pytest.mark.parametrize("target", ["cell", "run"])
+def test_a_driver_that_cannot_begin_ends_the_session_without_an_episode(
+    target: str, made: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """Whatever its class or its first measurement raises."""
+    (tmp_path / "my_arm.py").write_text(
+        "class Broken:\n    def __init__(self, robot):\n        raise RuntimeError('no bus')\n"
+    )
+    monkeypatch.chdir(tmp_path)
+    arm = Breaks("raises")
+    arm.left = 1
+    real = RealArms({"": arm if made else "my_arm:Broken"}, safety=SAFETY)
+    run = rc.RunConfig.load(write_run(tmp_path, cameras={"streams": []}))
+    device = Says([UP] * 5)
+
+    def session() -> None:
+        if target == "cell":
+            record_cell(cell_of(RC7), tmp_path / "out", device, FAST, real_arms=real)
+        else:
+            record(run, device, FAST, real_arms=real)
+
+    with pytest.raises(ArmStoppedError, match=r"real arm '.*': .*(unplugged|no bus)"):
+        session()
+    assert list((tmp_path / "out").glob("*/episode.json")) == []
+
+
+def test_an_episode_of_a_cell_that_diverges_is_dropped_and_says_so(tmp_path: Path):
+    class Kicks:
+        """A screen that breaks the simulation once."""
+
+        def __init__(self) -> None:
+            self.seen: list[Mapping[str, Any]] = []
+            self.kicked = False
+
+        def show(self, scene: rc.Scene, status: Mapping[str, Any], row: Mapping[str, Any]) -> None:
+            self.seen.append(dict(status))
+            if status["phase"] == "recording" and status["rows"] == 2 and not self.kicked:
+                self.kicked = True
+                scene.data.qvel[0] = 1e12
+
+    screen = Kicks()
+    slow = replace(FAST, real_time=True)  # so that each action is shown
+    cell = cell_of(RC7)
+    cell.sim.frequency = 15
+    made = record_cell(cell, tmp_path / "out", Says([UP] * 4), slow, screen)
+    assert [each.success for each in made] == [True]
+    said = [each.get("dropped", "") for each in screen.seen if each["phase"] == "waiting"]
+    assert any(said), screen.seen
+    assert screen.seen[-1].get("dropped", "") == ""
 
 
 class Breaks(hardware.ArmPort):
@@ -395,6 +539,14 @@ def test_the_command_takes_robots_and_cells(tmp_path: Path, monkeypatch: pytest.
         assert len(rc.Dataset(tmp_path / target.parent.name)) == 1
 
 
+def test_a_session_is_replayed_for_all_its_arms(tmp_path: Path):
+    record_cell(two_arms(), tmp_path / "out", Says([UP]), FAST)
+    [session] = (tmp_path / "out" / "device_sessions").iterdir()
+    result = invoke(RC7, "--device", f"robot=replay:{session}")
+    assert result.exit_code == 2
+    assert "a session moves all its arms; give replay:FILE alone" in result.output
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -403,6 +555,8 @@ def test_the_command_takes_robots_and_cells(tmp_path: Path, monkeypatch: pytest.
         (["--arm", "udp:127.0.0.1:1"], "add --mode real"),
         (["--device", "a=web", "--device", "b=web"], "one arm at a time"),
         (["--import", "tasks"], "--import is of a run"),
+        (["--arm-speed", "0.2"], "add --mode real"),
+        (["--device", "keyboard", "--mode", "real", "--dead-man", "1"], "cannot be let go of"),
     ],
 )
 def test_options_that_do_not_fit_are_explained(words: list[str], message: str):

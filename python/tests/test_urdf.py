@@ -403,6 +403,19 @@ class TestFiles:
         text = six_axis_with_gripper().replace("</link>", f"{mesh}</link>", 1)
         assert scene_of(write(own / "urdf", text)).model.nmesh == 1
 
+    def test_the_files_beside_a_copy_go_before_packages_elsewhere(self, tmp_path: Path):
+        copy, other = tmp_path / "arm", tmp_path / "old/arm_d"
+        for folder, text in ((copy, TETRAHEDRON), (other, "no mesh")):
+            (folder / "meshes").mkdir(parents=True)
+            (folder / "meshes" / "a.obj").write_text(text)
+        (copy / "urdf").mkdir()
+        (other / "package.xml").write_text("<package><name>arm_d</name></package>")
+        mesh = (
+            '<visual><geometry><mesh filename="package://arm_d/meshes/a.obj"/></geometry></visual>'
+        )
+        text = six_axis_with_gripper().replace("</link>", f"{mesh}</link>", 1)
+        assert scene_of(write(copy / "urdf", text)).model.nmesh == 1
+
     def test_a_urdf_is_an_object(self, tmp_path: Path):
         ball = "<collision><geometry><sphere radius='0.05'/></geometry></collision>" + mass(0.1)
         file = write(tmp_path, link("ball", ball))

@@ -60,16 +60,45 @@ def test_the_window_of_a_worker_follows_its_episodes(
         opened.append(Viewer.open(scene, title, 160, 120, on_screen=False))
         return opened[-1]
 
-    def close(seconds: float) -> None:
-        opened[-1].post("close")
-        monkeypatch.setattr(watch_worker, "PATIENCE_S", 0.0)
+    waited: list[float] = []
 
+    def close(seconds: float) -> None:
+        waited.append(seconds)
+        if len(waited) == 3:  # the worker still writes
+            opened[-1].post("close")
+
+    monkeypatch.setattr(watch_worker, "PATIENCE_S", 0.0)
     monkeypatch.setattr(watch_worker, "Viewer", SimpleNamespace(open=in_memory))
     monkeypatch.setattr(watch_worker.time, "sleep", close)
     monkeypatch.setattr(watch_worker.os, "nice", lambda _: 0)
-    watch(tmp_path / "out", 0, 0.0, [])  # ends when nothing more is written
+    watch(tmp_path / "out", 0, 0.0, [])  # ends when the user closes the window
     assert "worker 0: s0000_e0003_a01" in capsys.readouterr().out
     assert len(opened) >= 1
+    assert len(waited) == 3
+
+
+def test_a_worker_keeps_its_number_between_its_episodes(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    generated(tmp_path)
+    one, two = os.getppid(), os.getpid()
+    now = [
+        {one: "s0000_e0000", two: "s0000_e0001"},
+        {one: "s0000_e0000"},
+        {one: "s0000_e0002", two: "s0000_e0003"},
+    ]
+    shown: list[str] = []
+
+    def show(run: rc.RunConfig, item: rc.generate.PlanItem, on_start: object) -> bool:
+        shown.append(item.id)
+        return True
+
+    monkeypatch.setattr(watch_worker, "written_by_workers", lambda _: now.pop(0) if now else {})
+    monkeypatch.setattr(watch_worker, "show_episode", show)
+    monkeypatch.setattr(watch_worker, "PATIENCE_S", 0.3)
+    monkeypatch.setattr(watch_worker.os, "nice", lambda _: 0)
+    watch(tmp_path / "out", 1, 0.0, [])
+    assert shown == ["s0000_e0001", "s0000_e0003"]
 
 
 def test_without_a_display_the_first_error_ends_it(tmp_path: Path):

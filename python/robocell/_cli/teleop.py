@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from robocell._teleop.real_arms import RealArms
 
 LONGEST_S = 86400.0  # an episode, or a countdown
+WITHOUT_CLUTCH = ("keyboard", "spacemouse", "leader", "lerobot")
+ARM_SPEED, ARM_WATCHDOG_S = 0.5, 0.2
 
 
 def teleop(
@@ -79,10 +81,10 @@ def teleop(
     ] = None,
     arm_speed: Annotated[
         float, typer.Option(help="Share of the real arm's speed limits, to 1.")
-    ] = 0.5,
+    ] = ARM_SPEED,
     arm_watchdog: Annotated[
         float, typer.Option(help="A real arm stops so many seconds after its last measurement.")
-    ] = 0.2,
+    ] = ARM_WATCHDOG_S,
     dead_man: Annotated[
         float,
         typer.Option(min=0, help="A real arm holds so many seconds after the clutch is let go."),
@@ -154,6 +156,9 @@ def teleop(
         name: _device(each, device_config)
         for name, each in by_arm(device or ["web"], "--device").items()
     }
+    for name, each in devices.items():
+        if name and isinstance(each, RecordedDevice):
+            fail(f"--device {name}=replay: a session moves all its arms; give replay:FILE alone")
     chosen = devices[""] if "" in devices else DeviceForEach(devices)
     follow = FollowOptions(
         scale=scale,
@@ -168,6 +173,13 @@ def teleop(
     elif cell is not None:
         most = max(1, round(max_seconds * cell.sim.frequency))
         options = dataclasses.replace(options, max_steps=most)
+    if dead_man:
+        for given in by_arm(device or ["web"], "--device").values():
+            if given.partition(":")[0] in WITHOUT_CLUTCH:
+                fail(
+                    f"--dead-man: {given} cannot be let go of; use web, gamepad or a device of "
+                    "yours, or leave out --dead-man"
+                )
     real = _real_arms(
         mode,
         arm or [],
@@ -245,8 +257,12 @@ def _real_arms(
     if mode not in MODES:
         fail(f"--mode is {mode}; there are {' and '.join(MODES)}")
     if mode == "sim":
-        if arms or config or safety["dry_run"] or safety["dead_man"]:
-            fail("--arm, --arm-config, --dead-man and --dry-run are of real arms: add --mode real")
+        usual = {"speed": ARM_SPEED, "watchdog": ARM_WATCHDOG_S, "dead_man": 0, "dry_run": False}
+        if arms or config or safety != usual:
+            fail(
+                "--arm, --arm-config, --arm-speed, --arm-watchdog, --dead-man and --dry-run are of "
+                "real arms: add --mode real"
+            )
         return None
     return RealArms(by_arm(arms, "--arm"), config, SafetyOptions(**safety))
 

@@ -36,7 +36,7 @@ from robocell.viewer import Viewer
 
 WRITTEN = re.compile(r"^\.(?P<name>.+)\.(?P<process>\d+)\.\d+\.partial$")
 ATTEMPT = re.compile(r"_a\d+$")  # of an episode of a run that keeps all attempts
-LOOK_S = 0.5
+LOOK_S = 0.1
 PATIENCE_S = 30.0  # while a worker writes nothing, it looks for a start
 NICER = 10
 
@@ -140,30 +140,33 @@ def watch(dataset: Path, worker: int, speed: float, imports: list[str]) -> None:
         shown.realtime_factor = speed
 
     last = ""
+    process: int | None = None  # between episodes others must not take the worker's number
     heard = time.monotonic()
     try:
         while True:
-            name = _present(dataset, worker)
-            if not name or name == last:
-                if time.monotonic() - heard > PATIENCE_S:
-                    if last:
-                        return  # the generation has ended
-                    fail(_nobody(dataset, worker))
-                time.sleep(LOOK_S)
+            written = written_by_workers(dataset)
+            if process is None or not _is_alive(process):
+                process = dict(enumerate(written)).get(worker)
+            name = "" if process is None else written.get(process, "")
+            if name:
+                heard = time.monotonic()
+            if name and name != last:
+                last, title = name, f"worker {worker}: {name}"
+                print(title, flush=True)
+                if not show_episode(run, item_of(run, name), open_viewer):
+                    return
+                heard = time.monotonic()
                 continue
-            last, title = name, f"worker {worker}: {name}"
-            print(title, flush=True)
-            if not show_episode(run, item_of(run, name), open_viewer):
+            if not name and time.monotonic() - heard > PATIENCE_S:
+                if last:
+                    return  # the generation has ended
+                fail(_nobody(dataset, worker))
+            if shown is not None and not shown.show():
                 return
-            heard = time.monotonic()
+            time.sleep(LOOK_S)
     finally:
         if shown is not None:
             shown.close()
-
-
-def _present(dataset: Path, worker: int) -> str:
-    written = list(written_by_workers(dataset).values())
-    return written[worker] if worker < len(written) else ""
 
 
 def _nobody(dataset: Path, worker: int) -> str:

@@ -44,8 +44,7 @@ def find_mounts(source: SourceModel) -> list[Mount]:
         if int(m.eq_objtype[equality]) != int(mujoco.mjtObj.mjOBJ_BODY):
             continue
         first, second = int(m.eq_obj1id[equality]), int(m.eq_obj2id[equality])
-        pos, quat = m.eq_data[equality][3:6].copy(), m.eq_data[equality][6:10].copy()
-        # MuJoCo keeps the pose of the second body in the frame of the first.
+        pos, quat = _pose_of_second(m.eq_data[equality])
         for carrier, part, inverted in ((first, second, False), (second, first, True)):
             tops = (int(m.body_rootid[carrier]), int(m.body_rootid[part]))
             if 0 in (carrier, part) or not _floats(source, part) or tops[0] == tops[1]:
@@ -102,6 +101,16 @@ def reasons_to_mount(source: SourceModel, mounts: list[Mount]) -> list[str]:
     ]
 
 
+def _pose_of_second(numbers: Vector) -> tuple[Vector, Vector]:
+    """Returns the pose that a weld gives the second body in the frame of the first.
+
+    MuJoCo keeps a point in both frames, the second body's first, and the orientation.
+    """
+    pos, quat, turned = numbers[3:6].copy(), numbers[6:10].copy(), np.zeros(3)
+    mujoco.mju_rotVecQuat(turned, numbers[:3], quat)
+    return pos - turned, quat
+
+
 def _floats(source: SourceModel, body: int) -> bool:
     free = int(mujoco.mjtJoint.mjJNT_FREE)
     return any(int(source.model.jnt_type[joint]) == free for joint in source.joints_of(body))
@@ -125,4 +134,6 @@ def _hang(tree: ElementTree.Element, source: SourceModel, mounts: list[Mount]) -
             if joint.tag == "freejoint" or joint.get("type") == "free":
                 part.remove(joint)
         write_pose(part, each.pos, each.quat)
+        if part.get("childclass") is None:
+            part.set("childclass", "main")  # else its elements take the defaults of the carrier
         carrier.append(part)

@@ -50,25 +50,31 @@ def objects_held(guess: RobotGuess, robot_file: Path, run_file: Path) -> Held:
     """
     usual = default_object_kinds()
     refused = _refused(run_file)
-    held = [kind for kind in usual if kind not in refused]
-    if held or not refused:
-        return Held(tuple(held) if refused else ())
-    why = next(iter(refused.values()))
+    if not refused:
+        return Held()
+    if held := [kind for kind in usual if kind not in refused]:
+        return Held(tuple(held))
+    none = Held(why_none=next(iter(refused.values())))
     others = [kind for kind in object_kinds() if kind not in usual]
+    if not others:
+        return none
     _core.atomic_write(run_file, run_text(guess, robot_file, others).encode())
     refused = _refused(run_file)
-    held = [kind for kind in others if kind not in refused]
-    return Held(tuple(held)) if held and refused else Held(why_none=why)
+    held = [kind for kind in others if refused is not None and kind not in refused]
+    return Held(tuple(held)) if held else none
 
 
-def _refused(run_file: Path) -> dict[str, str]:
-    """Returns the kinds of a run that the gripper cannot hold, with the reason."""
+def _refused(run_file: Path) -> dict[str, str] | None:
+    """Returns the kinds of a run that the gripper cannot hold, with the reason.
+
+    None if the run cannot be checked.
+    """
     config = RunConfig.load(run_file)
     config.cameras.streams = []
     try:
         doubts = check_run(config, on_this_machine=False)
     except Error:
-        return {}  # the commands that run it explain it
+        return None  # the commands that run it explain it
     return {kind: why for doubt in doubts for kind, why in re.findall(CANNOT_HOLD, doubt.text)}
 
 

@@ -21,11 +21,13 @@ class Arm:
         name: "left" of a robot with one arm, else "torso/left": as environments name them.
         robot: Its robot, seen from this arm.
         hand: The robot that is its gripper, if it is not the arm's own.
+        opening: The opening that its gripper has at first; None for that of the scene.
     """
 
     name: str
     robot: Robot
     hand: Robot | None = None
+    opening: float | None = None
 
 
 def arms_of(scene: Scene) -> list[Arm]:
@@ -45,18 +47,29 @@ def arms_of(scene: Scene) -> list[Arm]:
 
 
 def arm_named(arms: Sequence[Arm], name: str) -> int:
-    """Returns the place of the arm `name`, or of the first one of the robot `name`; 0 for "".
+    """Returns the place of an arm; 0 for "".
 
-    Raises NotFoundError.
+    Args:
+        arms: The arms.
+        name: Name of an arm, of a robot, whose first arm is meant, or of a group that one arm has.
+
+    Raises:
+        NotFoundError: There is no such arm, or several.
     """
     names = [arm.name for arm in arms]
     if not arms:
         raise NotFoundError("no robot of the scene has an arm")
     if not name:
         return 0
-    for i, arm in enumerate(arms):
-        if name in (arm.name, arm.robot.name, arm.robot.arm.name):
-            return i
+    for known in (names, [arm.robot.name for arm in arms]):
+        if name in known:
+            return known.index(name)
+    found = [i for i, arm in enumerate(arms) if arm.robot.arm.name == name]
+    if len(found) == 1:
+        return found[0]
+    if found:
+        several = ", ".join(names[i] for i in found)
+        raise NotFoundError(f"several arms are called '{name}': {several}. Give one of these names")
     raise NotFoundError(
         f"no arm '{name}'.{did_you_mean(name, names)} The scene has: {', '.join(names)}"
     )
@@ -126,6 +139,21 @@ class DrivenArms:
         for name, each in motion.arms.items():
             self._follow(arm_named(self.arms, name), each, seconds)
 
+    def held_by(self, motion: Motion | None) -> list[str]:
+        """Returns the names of the arms whose clutch the person holds.
+
+        Raises NotFoundError for a motion of an unknown arm.
+        """
+        if motion is None:
+            return []
+        if not motion.arms:
+            return self.names if motion.clutch else []
+        return [
+            self.arms[arm_named(self.arms, name)].name
+            for name, each in motion.arms.items()
+            if each.clutch
+        ]
+
     def commands(self) -> dict[str, dict[str, GroupCommand]]:
         """Returns the commands of the arms that moved, and of their grippers, for experts."""
         found: dict[str, dict[str, GroupCommand]] = {}
@@ -153,7 +181,7 @@ class DrivenArms:
     def _follower(self, place: int) -> ArmFollower:
         arm = self.arms[place]
         if place not in self._followers:
-            self._followers[place] = ArmFollower(arm.robot, self._options, arm.hand)
+            self._followers[place] = ArmFollower(arm.robot, self._options, arm.hand, arm.opening)
         return self._followers[place]
 
     def _follow(self, place: int, motion: Motion, seconds: float) -> None:

@@ -136,7 +136,7 @@ def _perform(env: Env, operator: Operator, performance: Performance) -> tuple[bo
             return None
         *_, info = env.step(arms.columns())
         if info["reason"] in ("diverged", "stopped"):
-            operator.note(blocked=info["message"] or info["reason"])
+            operator.note(dropped=info["message"] or info["reason"])
             return None
         success = bool(info.get("is_success")) if has_task else performance.marked == "success"
         is_over = performance.done()

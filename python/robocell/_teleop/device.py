@@ -113,9 +113,11 @@ class Device:
 
     Attributes:
         help: What the device's keys and buttons do, for people; lines of text.
+        arms: Names of the arms that it moves; none if it moves the chosen one.
     """
 
     help = ""
+    arms: tuple[str, ...] = ()
 
     def start(self) -> None:
         """Opens the device. Raises DeviceLostError if there is none."""

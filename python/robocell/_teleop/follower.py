@@ -85,12 +85,19 @@ class ArmFollower:
         robot: The robot, at the start of an episode, seen from the arm that follows.
         options: How it follows.
         hand: The robot that is the arm's gripper, if it is not the arm's own.
+        opening: The opening that is commanded at first; default the measured one.
 
     Attributes:
         blocked: Why the last motion was cut short: "collision", "limit", or "".
     """
 
-    def __init__(self, robot: Robot, options: FollowOptions, hand: Robot | None = None) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        options: FollowOptions,
+        hand: Robot | None = None,
+        opening: float | None = None,
+    ) -> None:
         self._robot, self._options, self._hand = robot, options, hand
         self._scene: Scene = robot.scene
         kind, _, camera = options.frame.partition(":")
@@ -105,7 +112,9 @@ class ArmFollower:
         self._limits = np.asarray(robot.joint_limits)
         self._command = np.array(robot.arm.joint_pos, float)
         gripping = hand or robot
-        self._opening = float(gripping.gripper.opening) if gripping.has_gripper else None
+        self._opening = opening
+        if opening is None and gripping.has_gripper:
+            self._opening = float(gripping.gripper.opening)
         self._filter = self._make_filter()
         self._depth: _Depth | None = None
         self.blocked = ""

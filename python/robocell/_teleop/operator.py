@@ -16,7 +16,7 @@ from typing import Any, Protocol
 from robocell._core import EpisodeStart, Error, GroupCommand, Rng, RunConfig, Scene, StopFlag
 from robocell._own_code import RAISED, raise_interrupt
 from robocell._raised import place_of
-from robocell._teleop.arms import Arm, DrivenArms, arms_of
+from robocell._teleop.arms import Arm, DrivenArms, arm_named, arms_of
 from robocell._teleop.device import Device, DeviceLostError, Motion
 from robocell._teleop.follower import FollowOptions
 from robocell._teleop.real_arms import ArmStoppedError, RealArms
@@ -254,7 +254,9 @@ class Performance:
         operator.row = {}
         operator.forget_commands()
         arms = arms_of(scene)
-        self._tie(arms)  # the person sees where the real arms are
+        for name in operator.device.arms:
+            arm_named(arms, name)  # raises for an unknown one
+        arms = self._tie(arms)  # the person sees where the real arms are
         self._arms = DrivenArms(arms, options.robot, options.follow)
         operator.note(
             instruction=self._instruction, success=False, blocked="", ended="", **self._names()
@@ -264,9 +266,10 @@ class Performance:
             operator.wait_for(scene, "record")
             operator.phase = COUNTDOWN
             operator.wait_for(scene, seconds=options.countdown_s)
-            self._tie(arms)  # they may have been moved by hand meanwhile
+            arms = self._tie(arms)  # they may have been moved by hand meanwhile
             self._arms = DrivenArms(arms, options.robot, options.follow)
         operator.phase = RECORDING
+        operator.note(dropped="")
         operator.call("begin")
         operator.forget_commands()
         self._due = time.monotonic()
@@ -295,8 +298,8 @@ class Performance:
             self.failure = MARKED if self.marked == "failure" else ""
         operator.note(success=self.succeeded)
         self.succeeded = False
-        if operator.real_arms is not None and motion is not None and motion.clutch:
-            operator.real_arms.renew()
+        if operator.real_arms is not None:
+            operator.real_arms.renew(arms.held_by(motion))
         arms.follow(motion, self._seconds)
         operator.note(blocked=arms.blocked, **self._names())
         return arms
@@ -332,13 +335,16 @@ class Performance:
         return not operator.stop.is_set
 
     def _names(self) -> dict[str, Any]:
-        """Returns which arms there are, and which one the device moves."""
+        """Returns which arms there are to choose from, and which one the device moves."""
         assert self._arms is not None
+        if self._operator.device.arms:
+            return {"arms": [], "arm": ""}
         return {"arms": self._arms.names, "arm": self._arms.name}
 
-    def _tie(self, arms: list[Arm]) -> None:
-        if self._operator.real_arms is not None and not self._operator.stop.is_set:
-            self._operator.real_arms.tie(arms)
+    def _tie(self, arms: list[Arm]) -> list[Arm]:
+        if self._operator.real_arms is None or self._operator.stop.is_set:
+            return arms
+        return self._operator.real_arms.tie(arms)
 
     def _wait(self) -> None:
         """Waits until the next action is due; a slow computer begins to count again."""

@@ -17,6 +17,7 @@ class DeviceForEach(Device):
 
     def __init__(self, devices: Mapping[str, Device]) -> None:
         self._devices = dict(devices)
+        self.arms = tuple(self._devices)
         self.help = "\n".join(
             f"{arm}: {device.help}" for arm, device in self._devices.items() if device.help
         )

@@ -99,7 +99,7 @@ class WithPage(Device):
 
     def __init__(self, device: Device, site: TeleopPage) -> None:
         self._device, self._site = device, site
-        self.help = device.help
+        self.help, self.arms = device.help, device.arms
 
     def start(self) -> None:
         """Opens the device."""

@@ -231,21 +231,30 @@ fs::path RosPackages::InPackage(const std::string& package, const std::string& r
     }
   }
   // Packages of other repositories of the same workspace.
-  for (const fs::path& parent : parents_) {
-    if (const auto found = DeclaredBelow(parent, package)) {
+  const auto in_workspace = [&]() -> std::optional<fs::path> {
+    for (const fs::path& parent : parents_) {
+      const auto found = DeclaredBelow(parent, package);
+      if (!found) continue;
       Remember(*found);
       return Confined(*found, rest, name);
     }
-  }
+    return std::nullopt;
+  };
   // A package whose folder was renamed, such as a checkout or a copy, which may have only the file
   // that is read in the place of this one.
-  for (const fs::path& parent : parents_) {
-    std::error_code error;
-    if (!IsBelow(parent / Normal(rest), parent) ||
-        !fs::is_regular_file(ReadableMesh(parent / rest), error))
-      continue;
-    return Confined(parent, rest, name);
-  }
+  const auto in_renamed = [&]() -> std::optional<fs::path> {
+    for (const fs::path& parent : parents_) {
+      std::error_code error;
+      if (IsBelow(parent / Normal(rest), parent) &&
+          fs::is_regular_file(ReadableMesh(parent / rest), error))
+        return Confined(parent, rest, name);
+    }
+    return std::nullopt;
+  };
+  // A URDF without a package around it is a copy, with its files beside it.
+  const bool is_copy = NameInManifest(own_).empty();
+  if (const auto found = is_copy ? in_renamed() : in_workspace()) return *found;
+  if (const auto found = is_copy ? in_workspace() : in_renamed()) return *found;
   std::vector<std::string> known;
   for (const auto& [each, folder] : given_) known.push_back(each);
   throw NotFoundError(fmt::format(

@@ -78,6 +78,7 @@ SafetyGate::SafetyGate(std::vector<std::string> joints, const ArmLimits& limits,
   RequirePositive(options.max_lead, "max_lead", place_);
   RequireNotNegative(options.slow_start, "slow_start", place_);
   RequireNotNegative(options.dead_man, "dead_man", place_);
+  still_.resize(joints_.size());
 }
 
 bool SafetyGate::IsStale(const ArmMeasurement& measured, double now) const {
@@ -151,6 +152,9 @@ bool SafetyGate::Accept(const ArmMeasurement& measured, double now) {
   } else {
     const double drift = kClockDrift * (measured.time - measured_.time);
     offset_ = std::min(offset_ + drift, now - measured.time);
+  }
+  for (size_t i = 0; i < joints_.size(); ++i) {
+    if (counts_.accepted == 0 || measured.vel[i] != 0) still_[i] = measured.pos[i];
   }
   ++counts_.accepted;
   measured_ = measured;
@@ -282,6 +286,14 @@ void SafetyGate::CheckMotion(double share) {
           "joint '{}' has no limit of force; give one in the limits of the arm's safety "
           "to command torques",
           joints_[i]));
+      return;
+    }
+    if (options_.dry_run) continue;
+    if (std::abs(p - still_[i]) > kJumpMargin) {
+      Stop(
+          fmt::format("joint '{}' moved by {:.2f} while its measured velocity was 0; an arm under "
+                      "torques must measure its velocities",
+                      joints_[i], std::abs(p - still_[i])));
       return;
     }
     const double most = limits_.velocity[i] * options_.speed * share + kSpeedMargin;

@@ -64,7 +64,8 @@ class SafetyGate {
   const ArmCommand* Next(std::span<const double> wanted, double opening, double now);
   // The same for forces that a controller wants. They are kept within their limits; a joint that
   // moves faster than it may, or can no longer brake before a limit, stops the arm, which then
-  // brakes by positions.
+  // brakes by positions. So does one that moves without a measured velocity. With `dry_run` only
+  // the forces are checked: someone else moves the arm.
   const ArmCommand* NextForces(std::span<const double> wanted, double opening, double now);
   // Stops for good. The first reason counts.
   void Stop(const std::string& reason);
@@ -112,6 +113,7 @@ class SafetyGate {
   ArmCommand command_;
   std::vector<double> lower_, upper_;  // those of limits_, wide enough for where the arm began
   std::vector<double> yield_;          // positions to go to after a force; else empty
+  std::vector<double> still_;          // positions since which the measured velocities are 0
   double heard_ = 0, renewed_ = -std::numeric_limits<double>::infinity();
   double offset_ = 0;   // smallest difference of both clocks
   int64_t ticks_ = 0;   // since the arm began to run

@@ -229,14 +229,18 @@ struct Pushed : Gated {
     const ArmCommand* sent = gate.NextForces(std::vector<double>{force}, kNoOpening, now);
     if (!sent) return sent;
     if (sent->force.empty()) {
-      arm.vel[0] = (sent->pos[0] - arm.pos[0]) / kPeriod;
+      speed = (sent->pos[0] - arm.pos[0]) / kPeriod;
       arm.pos = sent->pos;
     } else {
-      arm.vel[0] += sent->force[0] * kPeriod;
-      arm.pos[0] += arm.vel[0] * kPeriod;
+      speed += sent->force[0] * kPeriod;
+      arm.pos[0] += speed * kPeriod;
     }
+    arm.vel[0] = has_velocities ? speed : 0;
     return sent;
   }
+
+  double speed = 0;
+  bool has_velocities = true;
 };
 
 TEST(SafetyGate, ForcesStayWithinTheirLimits) {
@@ -261,6 +265,29 @@ TEST(SafetyGate, AnArmThatForcesCarryAwayBrakesBeforeItsLimits) {
     EXPECT_EQ(arm.gate.state(), ArmState::kStopped);
     EXPECT_NE(arm.gate.reason().find("under torques"), std::string::npos) << arm.gate.reason();
     EXPECT_TRUE(arm.gate.is_at_rest());
+  }
+}
+
+TEST(SafetyGate, ForcesNeedMeasuredVelocities) {
+  for (const double force : {0.2, -3.0, 20.0}) {
+    Pushed arm;
+    arm.has_velocities = false;
+    for (int tick = 0; tick < 2000 && arm.Push(force); ++tick) {
+      EXPECT_LT(std::abs(arm.arm.pos[0]), 0.05 + 2 * std::abs(arm.speed) * kPeriod);
+    }
+    EXPECT_EQ(arm.gate.state(), ArmState::kStopped);
+    EXPECT_NE(arm.gate.reason().find("must measure its velocities"), std::string::npos)
+        << arm.gate.reason();
+  }
+}
+
+TEST(SafetyGate, ADryRunOfForcesFollowsWhoeverMovesTheArm) {
+  Pushed arm({.dry_run = true});
+  for (int tick = 0; tick < 400; ++tick) {
+    arm.arm.pos[0] = 1.05 * std::sin(tick * kPeriod * 3.5);  // faster and farther than allowed
+    arm.arm.vel[0] = 3.7 * std::cos(tick * kPeriod * 3.5);
+    EXPECT_EQ(arm.Push(5), nullptr);
+    ASSERT_EQ(arm.gate.state(), ArmState::kRunning) << arm.gate.reason();
   }
 }
 

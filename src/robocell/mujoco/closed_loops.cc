@@ -9,6 +9,7 @@
 #include <utility>
 #include <Eigen/Dense>
 
+#include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/joint_followers.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
@@ -98,10 +99,13 @@ class LoopSolver {
  private:
   // Fills residual and Jacobian; returns the largest error.
   double Measure() {
-    mj_kinematics(m_, d_.get());
-    mj_comPos(m_, d_.get());
-    mj_tendon(m_, d_.get());
-    mj_makeConstraint(m_, d_.get());
+    mjData* d = d_.get();
+    Guarded("closing a loop", d, [&] {
+      mj_kinematics(m_, d);
+      mj_comPos(m_, d);
+      mj_tendon(m_, d);
+      mj_makeConstraint(m_, d);
+    });
     std::vector<int> rows;
     for (int r = 0; r < d_->nefc; ++r) {
       if (d_->efc_type[r] == mjCNSTR_EQUALITY && equalities_[d_->efc_id[r]]) rows.push_back(r);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <map>
+#include <string>
 #include <vector>
 
 #include "robocell/mujoco/closed_loops.h"
@@ -12,6 +13,7 @@
 #include "robocell/mujoco/guard.h"
 #include "robocell/mujoco/names.h"
 #include "robocell/mujoco/owners.h"
+#include "robocell/scene/add_robot.h"
 #include "robocell/scene/coupled_groups.h"
 #include "robocell/scene/key_ctrl.h"
 #include "robocell/scene/spec_tree.h"
@@ -161,7 +163,7 @@ class KeyFiller {
       PlaceFollowers(m_, joints, row.qpos());
       given.insert(given.end(), joints.begin(), joints.end());
     });
-    CloseLoops(m_, given, row.qpos());
+    if (!CloseLoops(m_, given, row.qpos())) WarnOfOpenLoops();
     for (int dof = 0; dof < m_->nv; ++dof) {
       if (configured_[static_cast<size_t>(dof)]) row.qvel()[dof] = 0;
     }
@@ -197,6 +199,23 @@ class KeyFiller {
   }
 
  private:
+  // Names what leaves a loop open: the first joint of a loop in each home.
+  void WarnOfOpenLoops() {
+    ForEachHome(robots_, [&](const auto& robot, const auto& group, const auto&) {
+      for (const int joint : JointIds(m_, robot, group.joints)) {
+        const std::string loop = DescribeLoopOf(m_, joint);
+        if (loop.empty()) continue;
+        log_.Warn(RobotPlace(robot.name),
+                  fmt::format("home: '{}' is {}. No positions of the other joints within their "
+                              "limits close it, so the joints swing away after a reset: choose a "
+                              "home that the loop allows",
+                              ElementName(m_, mjOBJ_JOINT, joint), loop),
+                  "home");
+        return;
+      }
+    });
+  }
+
   void OpenUndecidedGrippers(const PartKey& part, const RobotRecord& robot, const KeyRow& row) {
     for (const auto& [name, group] : robot.config.move_groups.entries()) {
       if (group->kind != MoveGroupKind::kGripper || !group->ctrl ||

@@ -259,6 +259,7 @@ RC.TeleopPage = class extends RC.LivePage {
     this.instruction.textContent = header.instruction || "";
     const notes = [`episode ${header.episode}`];
     if (arms.length > 1) notes.push(`arm ${header.arm} moves; T chooses the next of ${arms.join(", ")}`);
+    if (header.dropped) notes.push(`the last episode was dropped: ${header.dropped}`);
     if (header.silent) notes.push("the device is silent: the arm holds");
     if (header.blocked) notes.push(`the arm stops: ${header.blocked}`);
     if (header.help) notes.push(header.help);
