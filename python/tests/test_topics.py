@@ -23,10 +23,11 @@ ERRORS = [
 ]
 # Only the package itself uses these.
 OWN = {
-    "SpecT", "advice_about_pointers", "atomic_write", "ffmpeg_answer", "first_episode_of_run",
+    "SpecT", "advice_about_pointers", "atomic_write", "ffmpeg_answer", "ffmpeg_input",
+    "first_episode_of_run",
     "import_mujoco",
     "imports_of_run_file", "json_damage", "load_plugin", "make_task", "missing_spec_file",
-    "other_run_of", "override_file", "plan_numbers", "require_dataset",
+    "other_run_of", "override_file", "packed_part", "plan_numbers", "require_dataset",
     "run_of_dataset", "set_aside", "self_hashed_json", "stand_in_reach", "temporary_path",
     "urdf_to_mjcf",
 }  # fmt: skip

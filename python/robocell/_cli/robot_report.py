@@ -66,11 +66,19 @@ def print_report(
 
 def _unfit(loaded: RobotScene) -> list[str]:
     """Returns the experts that cannot use the robot, by reason."""
-    all_kinds = expert_kinds()
+    reasons = {kind: why_not(loaded.robot, kind) for kind in expert_kinds()}
     experts: dict[str, list[str]] = {}
-    for kind in all_kinds:
-        for reason in why_not(loaded.robot, kind):
+    for kind, why in reasons.items():
+        for reason in why:
             experts.setdefault(reason, []).append(kind)
+    # Who alone asks for another kind of base, and for nothing else, is an expert for other robots.
+    others = {
+        kind
+        for kind, why in reasons.items()
+        if len(why) == 1 and "base.kind: " in why[0] and experts[why[0]] == [kind]
+    }
+    all_kinds = reasons.keys() - others
+    experts = {reason: kinds for reason, kinds in experts.items() if not others.issuperset(kinds)}
 
     def whom(kinds: list[str]) -> str:
         if len(kinds) == len(all_kinds):

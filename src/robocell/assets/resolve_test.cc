@@ -135,7 +135,8 @@ TEST_F(Resolving, BuiltInModelsAreFoundByName) {
   EXPECT_EQ(Resolve("rc7"), ModelsRoot() + "/robots/rc7/rc7.xml");
   EXPECT_EQ(BuiltinRobotFile("rc7"), ModelsRoot() + "/robots/rc7/rc7.yaml");
   ExpectThrow<NotFoundError>([] { Resolve("rc8"); }, "Did you mean 'rc7'?");
-  ExpectThrow<NotFoundError>([] { BuiltinRobotFile("rc8"); }, "no robot 'rc8'. Its robots: rc7");
+  ExpectThrow<NotFoundError>([] { BuiltinRobotFile("rc8"); },
+                             "no robot 'rc8'. Its robots: cart, mobile_base, rc7, rc7_mobile");
 }
 
 TEST_F(Resolving, ReadyMadeEnvironmentsAreFoundByName) {

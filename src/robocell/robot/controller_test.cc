@@ -131,7 +131,7 @@ TEST(OwnController, IsRegisteredAndSelectedByName) {
       "group 'arm': no controller 'wavin'. Its controllers: "
       "base_pose, cartesian_impedance, cartesian_pose, differential_ik, joint_impedance, "
       "joint_position, joint_torque, joint_velocity, "
-      "relative_joint_position, waving. Did you mean 'waving'?");
+      "relative_joint_position, unicycle, waving. Did you mean 'waving'?");
   ExpectThrow<ArgumentError>([&] { robot.SetController("arm", std::unique_ptr<Controller>()); },
                              "a controller cannot be null");
 }
