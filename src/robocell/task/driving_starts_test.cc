@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <Eigen/Core>
 
 #include "robocell/motion/clearance.h"
 #include "robocell/robot/robot.h"

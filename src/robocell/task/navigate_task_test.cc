@@ -17,6 +17,7 @@
 #include "robocell/scene/scene.h"
 #include "robocell/scenes/scene_annotations.h"
 #include "robocell/spec/scene_spec.h"
+#include "robocell/spec/types.h"
 #include "robocell/task/floor_ways.h"
 #include "robocell/task/navigate_kind.h"
 #include "robocell/task/navigate_task_config.h"
