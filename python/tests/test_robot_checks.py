@@ -33,6 +33,19 @@ def test_check_of_a_minimal_file_lists_the_elements_of_the_model(tmp_path: Path)
     assert "Robot::FromScene" not in text
 
 
+@pytest.mark.parametrize(
+    ("name", "controller"), [("cart", "unicycle"), ("mobile_base", "joint_position")]
+)
+def test_check_takes_a_base_without_an_arm(name: str, controller: str):
+    result = robocell_command("check", RC7.parents[1] / name / f"{name}.yaml")
+    assert result.returncode == 0, result.stderr
+    text = result.stdout
+    assert "no problems found" in text
+    assert controller in text
+    assert "pick" in text.split("note: ")[1]
+    assert "navigate" not in text
+
+
 def test_a_gripper_that_cannot_be_measured_hides_no_earlier_finding(tmp_path: Path):
     (tmp_path / "arm.xml").write_text("""<mujoco><worldbody><body name="base"><body name="hand">
         <joint name="roll" axis="0 0 1"/><geom name="palm" type="box" size="40 40 130" mass="1"/>

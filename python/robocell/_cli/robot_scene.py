@@ -23,18 +23,19 @@ class RobotScene:
 
     @property
     def has_arm(self) -> bool:
-        """False for a hand alone."""
+        """False for a hand or a base alone."""
         return MoveGroupKind.ARM in _kinds(self.config)
 
 
 def load_robot(path: Path, *, needs_arm: bool = True) -> RobotScene:
     """Reads the file and builds the scene; robocell's errors end the command.
 
-    Without `needs_arm`, a hand alone is enough: a robot with a gripper.
+    Without `needs_arm`, a hand or a base alone is enough: a gripper, or what drives the robot.
     """
     require_spec_file(path, RobotConfig)
     config = RobotConfig.load(path)
-    needed = {MoveGroupKind.ARM} if needs_arm else {MoveGroupKind.ARM, MoveGroupKind.GRIPPER}
+    others = set() if needs_arm else {MoveGroupKind.GRIPPER, MoveGroupKind.BASE}
+    needed = {MoveGroupKind.ARM} | others
     if not needed & _kinds(config):
         _fail_without_arm(path, config)
     spec = SceneSpec(name=config.name, timestep=TIMESTEP_S, add_floor=True, add_skybox=True)

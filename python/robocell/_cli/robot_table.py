@@ -15,7 +15,6 @@ from robocell.robots import BaseGroup, BaseKind, GripperGroup
 # By the engine's number (mjtJoint). The package mujoco is imported by scenes only.
 JOINT_KINDS = ("free", "ball", "slide, m", "hinge, rad")
 
-DEFAULT_CONTROL = "joint_position"  # of a group that the file's `control` does not name
 CAMERA_TO_OPENCV = Pose(rpy=[math.pi, 0, 0])
 
 
@@ -43,12 +42,10 @@ def actuators_table(loaded: RobotScene) -> Table:
     table = _table("actuators")
     for column in ("group", "actuator", "lowest", "highest", "controller"):
         table.add_column(column, justify="right" if column.endswith("est") else "left")
-    control = {name: kind.name.lower() for name, kind in loaded.config.control.items()}
     for name in loaded.robot.group_names:
         group = loaded.robot.group(name)
         ranges = zip(group.actuator_names, np.array(group.ctrl_limits), strict=True)
-        kind = control.get(name, DEFAULT_CONTROL)
-        controller = kind if loaded.robot.is_driven(name) else "none"
+        controller = loaded.robot.controller(name).kind if loaded.robot.is_driven(name) else "none"
         for actuator, (lowest, highest) in ranges:
             table.add_row(name, actuator, _number(lowest), _number(highest), controller)
     return table

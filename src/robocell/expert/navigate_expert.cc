@@ -16,6 +16,7 @@
 namespace robocell::internal {
 namespace {
 
+constexpr double kMostTicks = 1e5;       // of a leg: no episode is as long
 constexpr double kPeakOverMean = 1.875;  // of a leg, relative to its mean speed
 constexpr double kMostOfSpeeds = 0.9;    // of what the base can do, that is asked of it
 constexpr double kMostBaseLag = 0.3, kMostTurnLag = 0.6;  // m and rad: the base is blocked
@@ -55,7 +56,7 @@ GuidedBase::GuidedBase(const Robot& robot, std::span<const FloorPlace> way, cons
     const double turned = std::remainder(to.yaw - from.yaw, 2 * kPi);
     const double angle = std::abs(turned);
     const double seconds = kPeakOverMean * std::max(length / drive, angle / turn);
-    const int ticks = static_cast<int>(std::ceil(seconds / tick - 1e-9));
+    const int ticks = static_cast<int>(std::ceil(std::min(seconds / tick, kMostTicks) - 1e-9));
     for (int i = 1; i <= ticks; ++i) {
       const double s = RestToRest(static_cast<double>(i) / ticks);
       const FloorPlace at{std::lerp(from.x, to.x, s), std::lerp(from.y, to.y, s),

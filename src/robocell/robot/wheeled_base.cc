@@ -28,18 +28,18 @@ constexpr double kParallel = 0.99;  // cosine of the largest angle between axles
 constexpr double kFarthest = 1e6;   // m, of a target; farther is a mistake
 constexpr double kAcceleration = 1.5, kTurnAcceleration = 6;  // m/s^2, rad/s^2
 constexpr double kWheelBraking = 0.8;                         // share of these with which it brakes
-constexpr double kFar = 0.05;       // m, from where on the reference heads for the target's place
-constexpr double kNear = 0.03;      // m, at which it no longer does
-constexpr double kBackwards = 0.6;  // m; a target behind that is nearer is driven to backwards
-constexpr double kAimed = 0.15;     // rad, within which it drives
-constexpr double kThere = 0.01;     // m, within which it turns to the target's yaw
-constexpr double kSmallTurn = 0.3;  // rad, which it turns on the way
-constexpr double kGain = 8;         // 1/s, near the target
-constexpr double kErrorGain = 4;    // 1/s, of the base's error
-constexpr double kSideGain = 10;    // rad/m^2 of its error to the side
-constexpr double kLost = 0.5;       // m from the reference: somebody else moved the base
-constexpr double kLongestTick = 0.02;
-constexpr double kWheelTime = 0.05;  // s, in which motors bring the wheels to speed
+constexpr double kFar = 0.05;         // m, from where on the reference heads for the target's place
+constexpr double kNear = 0.03;        // m, at which it no longer does
+constexpr double kBackwards = 0.6;    // m; a target behind that is nearer is driven to backwards
+constexpr double kAimed = 0.15;       // rad, within which it drives
+constexpr double kThere = 0.01;       // m, within which it turns to the target's yaw
+constexpr double kSmallTurn = 0.3;    // rad, which it turns on the way
+constexpr double kGain = 8;           // 1/s, near the target
+constexpr double kErrorGain = 4;      // 1/s, of the base's error
+constexpr double kSideGain = 10;      // rad/m^2 of its error to the side
+constexpr double kLost = 0.5;         // m from the reference: somebody else moved the base
+constexpr double kLongestTick = 0.1;  // s; avoids a jump after a pause
+constexpr double kWheelTime = 0.05;   // s, in which motors bring the wheels to speed
 
 double Turned(double from, double to) { return std::remainder(to - from, 2 * kPi); }
 
@@ -71,8 +71,7 @@ WheeledBase::Wheel WheeledBase::WheelOf(int joint) const {
   const Pose root = leaf_frame_to_world();
   const int body = m->jnt_bodyid[joint];
   const std::string name = ElementName(m, mjOBJ_JOINT, joint);
-  const int root_body = FindId(m, mjOBJ_BODY, core().names().leaf.name);
-  if (m->jnt_type[joint] != mjJNT_HINGE || !IsInSubtree(m, body, root_body)) {
+  if (m->jnt_type[joint] != mjJNT_HINGE || !IsInSubtree(m, body, root_)) {
     throw ArgumentError(
         fmt::format("{}: '{}' is no hinge of a wheel on '{}'. Name the joints of the wheels that "
                     "drive the base",
@@ -106,6 +105,8 @@ WheeledBase::Wheel WheeledBase::WheelOf(int joint) const {
 void WheeledBase::FindDrive() const {
   const mjModel* m = core().model();
   core().scene().SyncPoses();
+  root_ = RequireId(m, mjOBJ_BODY, core().names().leaf.name, place());
+  root_dof_ = m->jnt_dofadr[m->body_jntadr[root_]];
   wheels_.clear();
   for (const int joint : core().joint_ids()) wheels_.push_back(WheelOf(joint));
   if (wheels_.size() < 2)
@@ -187,14 +188,11 @@ void WheeledBase::GetJointPos(std::span<double> out) const {
 
 void WheeledBase::GetJointVel(std::span<double> out) const {
   Bind();
-  const mjModel* m = core().model();
   const mjData* d = core().data();
-  const int root = FindId(m, mjOBJ_BODY, core().names().leaf.name);
-  const int dof = m->jnt_dofadr[m->body_jntadr[root]];
   // Linear velocities are in the world's axes, angular ones in the body's.
   const Eigen::Vector3d turn =
-      leaf_frame_to_world().rotation() * Eigen::Vector3d(d->qvel + dof + 3);
-  const std::array<double, 3> v{d->qvel[dof], d->qvel[dof + 1], turn.z()};
+      leaf_frame_to_world().rotation() * Eigen::Vector3d(d->qvel + root_dof_ + 3);
+  const std::array<double, 3> v{d->qvel[root_dof_], d->qvel[root_dof_ + 1], turn.z()};
   RequireValues([&] { return place(); }, "joint", std::span<const double>(v),
                 static_cast<int>(out.size()));
   std::ranges::copy(v, out.begin());
@@ -228,10 +226,8 @@ void WheeledBase::SetJointPos(std::span<const double> q) {
 void WheeledBase::SetJointVel(std::span<const double> v) {
   RequireValues([&] { return place(); }, "joint", v, 3);
   Bind();
-  const mjModel* m = core().model();
   mjData* d = core().data();
-  const int root = FindId(m, mjOBJ_BODY, core().names().leaf.name);
-  const int dof = m->jnt_dofadr[m->body_jntadr[root]];
+  const int dof = root_dof_;
   const Eigen::Vector3d turn =
       leaf_frame_to_world().rotation().transpose() * Eigen::Vector3d(0, 0, v[2]);
   std::copy_n(v.data(), 2, d->qvel + dof);
@@ -278,8 +274,7 @@ void WheeledBase::CtrlForSpeed(const DriveSpeed& speed, double seconds, std::spa
   const mjModel* m = core().model();
   const mjData* d = core().data();
   const Eigen::Vector3d ahead = drive_.rotation().col(0);
-  const int root = FindId(m, mjOBJ_BODY, core().names().leaf.name);
-  const double share = m->body_subtreemass[root] / static_cast<double>(wheels_.size());
+  const double share = m->body_subtreemass[root_] / static_cast<double>(wheels_.size());
   for (size_t w = 0; w < wheels_.size(); ++w) {
     const Wheel& wheel = wheels_[w];
     const auto row = static_cast<Eigen::Index>(w);
@@ -329,14 +324,27 @@ UnicycleController::Place UnicycleController::DrivePlace(std::span<const double>
   return {drive.translation().x(), drive.translation().y(), std::atan2(ahead.y(), ahead.x())};
 }
 
-void UnicycleController::Reset() {
+void UnicycleController::HoldHere() const {
+  puts_ = base_.puts();
   base_.GetJointPos(target_);
   reference_ = DrivePlace(target_);
   speed_ = {};
   is_far_ = false;
-  time_ = base_.time();
-  puts_ = base_.puts();
   base_.Hold();
+}
+
+void UnicycleController::FollowOthers() const {
+  if (puts_ != base_.puts()) HoldHere();
+}
+
+void UnicycleController::Reset() {
+  HoldHere();
+  time_ = base_.time();
+}
+
+std::span<const double> UnicycleController::commanded_joint_pos() const {
+  FollowOthers();
+  return target_;
 }
 
 void UnicycleController::SetTarget(std::span<const double> target) {
@@ -344,6 +352,7 @@ void UnicycleController::SetTarget(std::span<const double> target) {
   if (std::hypot(target[0], target[1]) > kFarthest)
     throw ArgumentError(fmt::format("{}: the target is {:g} m away; give metres within {:g} m",
                                     base_.place(), std::hypot(target[0], target[1]), kFarthest));
+  FollowOthers();
   std::ranges::copy(target, target_.begin());
 }
 
@@ -380,6 +389,7 @@ void UnicycleController::Advance(const Place& target, double seconds) {
 }
 
 void UnicycleController::Compute(std::span<double> ctrl) {
+  FollowOthers();
   RequireValues([&] { return base_.place(); }, "joint", std::span<const double>(target_), 3);
   std::array<double, 3> q;
   base_.GetJointPos(q);
@@ -387,13 +397,10 @@ void UnicycleController::Compute(std::span<double> ctrl) {
   const double now = base_.time();
   const double seconds = std::clamp(now - time_, 0.0, kLongestTick);
   time_ = now;
-  const bool is_lost = std::hypot(here.x - reference_.x, here.y - reference_.y) > kLost;
-  if (puts_ != base_.puts() || is_lost) {
+  if (std::hypot(here.x - reference_.x, here.y - reference_.y) > kLost) {
     reference_ = here;
     speed_ = {};
     base_.Hold();
-    if (puts_ != base_.puts()) target_ = q;
-    puts_ = base_.puts();
   }
   Advance(DrivePlace(target_), seconds);
   const double dx = reference_.x - here.x, dy = reference_.y - here.y;

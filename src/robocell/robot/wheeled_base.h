@@ -89,6 +89,7 @@ class WheeledBase : public JointGroupOf<BaseGroup>, public PlanarMotion {
   void FindDrive() const;
 
   mutable uint64_t generation_ = ~uint64_t{0};
+  mutable int root_ = -1, root_dof_ = -1;  // the root's body, and the first of its six speeds
   mutable std::vector<Wheel> wheels_;
   mutable Pose drive_;                       // the drive frame, on the floor, in the root's frame
   mutable Pose base_;                        // the base's frame, in the root's frame
@@ -114,8 +115,8 @@ class UnicycleController : public Controller {
   const Scene* scene() const override { return base_.scene(); }
   int target_size() const override { return 3; }
   void SetTarget(std::span<const double> target) override;
-  std::span<const double> target() const override { return target_; }
-  std::span<const double> commanded_joint_pos() const override { return target_; }
+  std::span<const double> target() const override { return commanded_joint_pos(); }
+  std::span<const double> commanded_joint_pos() const override;
   std::span<double> command_port() override { return target_; }
   void Reset() override;
   void Compute(std::span<double> ctrl) override;
@@ -125,15 +126,18 @@ class UnicycleController : public Controller {
     double x, y, yaw;
   };
   Place DrivePlace(std::span<const double> q) const;
+  // Takes the place of a base that was put somewhere as the target, until another one is set.
+  void FollowOthers() const;
+  void HoldHere() const;
   void Advance(const Place& target, double seconds);
 
   WheeledBase& base_;
-  std::array<double, 3> target_ = {};
-  Place reference_ = {};  // of the drive frame
-  DriveSpeed speed_;      // of the reference
-  bool is_far_ = false;   // it drives to the target's place first, and then turns
+  mutable std::array<double, 3> target_ = {};
+  mutable Place reference_ = {};  // of the drive frame
+  mutable DriveSpeed speed_;      // of the reference
+  mutable bool is_far_ = false;   // it drives to the target's place first, and then turns
   double time_ = 0;
-  uint64_t puts_ = 0;
+  mutable uint64_t puts_ = 0;
 };
 
 }  // namespace robocell::internal

@@ -162,6 +162,45 @@ TEST(WheeledBase, IsPutAnywhereOnTheFloorAndStaysThere) {
   EXPECT_NEAR(motion->JointsAt(placed, std::array{0.0, 0.0, 2 + 4 * M_PI})[2], 2 + 4 * M_PI, 1e-9);
 }
 
+// A target that is set once the base was put somewhere is not that of before.
+TEST(WheeledBase, DrivesToATargetThatIsSetAfterItWasPut) {
+  ModelFolder folder;
+  Scene scene = OnFloor(Cart().Write(folder));
+  Robot robot = Robot::Of(scene, "cart");
+  BaseGroup& base = robot.base();
+  const std::vector<double> first = scene.state();
+  for (const bool whole_state : {false, true}) {
+    robot.Apply({{"base", GroupCommand::Joints({0.3, 0.2, 1})}});
+    if (whole_state)
+      scene.SetState(first);
+    else
+      base.SetPose(Pose::FromRpy({1, 0.5, 0}, {0, 0, 0}));
+    EXPECT_EQ(robot.controller("base").commanded_joint_pos()[0], base.joint_pos()[0]);
+    const std::vector<double> goal = {base.joint_pos()[0] + 0.4, base.joint_pos()[1], 0};
+    robot.Apply({{"base", GroupCommand::Joints(goal)}});
+    for (int i = 0; i < 1000; ++i) {
+      robot.Update();
+      ASSERT_TRUE(robot.Step().ok());
+    }
+    EXPECT_NEAR(base.joint_pos()[0], goal[0], 0.03);
+  }
+}
+
+// The limits of its speed do not depend on how often the controller runs.
+TEST(WheeledBase, DrivesAsFastWithLongTicks) {
+  ModelFolder folder;
+  Scene scene = OnFloor(Cart().Write(folder));
+  Robot robot = Robot::Of(scene, "cart");
+  double fastest = 0;
+  robot.Apply({{"base", GroupCommand::Joints({3.3, -0.2, 0})}});
+  for (int i = 0; i < 60; ++i) {
+    robot.Update();
+    ASSERT_TRUE(robot.StepN(25).ok());
+    fastest = std::max(fastest, robot.base().joint_vel()[0]);
+  }
+  EXPECT_NEAR(fastest, WheeledBase::kMostSpeeds.linear, 0.15);
+}
+
 TEST(WheeledBase, RejectsWheelsThatCannotDriveIt) {
   const auto why = [](const Cart& cart, const auto& change) -> std::string {
     ModelFolder folder;

@@ -1,8 +1,8 @@
 #include "robocell/task/driving_starts.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 #include "robocell/robot/planar_motion.h"
@@ -33,15 +33,13 @@ std::optional<Pose> DrivingStartSampler::ProposeBasePose(const Robot& robot, con
   return StartSampler::ProposeBasePose(robot, support, target, here, rng);
 }
 
-SampleResult DrivingStartSampler::Sample(const SampleRequest& request, Rng& rng) {
-  SampleResult result = StartSampler::Sample(request, rng);
-  if (!result.start || !StartsAnywhere(run())) return result;
-  EpisodeStart& start = *result.start;
-  Scene& scene = start.scene;
-  const Robot robot = Robot::Of(scene, run().robot.config.name);
+std::optional<Refusal> DrivingStartSampler::MoveBase(const Robot& robot, int scene_index,
+                                                     Rng& rng) {
+  if (!StartsAnywhere(run())) return std::nullopt;
+  const Scene scene = robot.scene();
   Rng draws = rng.Fork("start of the way");
   scene.SyncPoses();
-  const std::shared_ptr<const SceneAnnotations> known = AnnotationsOf(request.scene);
+  const std::shared_ptr<const SceneAnnotations> known = AnnotationsOf(scene_index);
   const std::vector<Articulation> doors =
       run().start.base_blocks_doors ? std::vector<Articulation>() : DoorsOf(*known, scene);
   const std::vector<Pose> bases =
@@ -57,14 +55,9 @@ SampleResult DrivingStartSampler::Sample(const SampleRequest& request, Rng& rng)
     const std::array<FloorPlace, 1> place{PlaceOf(bases[i])};
     if (!ways.FindWay(ways.FreeOf(place))) continue;
     PutBase(robot, bases[i]);
-    scene.Forward();
-    start.base_in_world = robot.base().pose();
-    return result;
+    return std::nullopt;
   }
-  Refusal refusal{kNoWay, "from anywhere on the floor to the object"};
-  refusal.redrawn = std::move(start.redrawn);
-  refusal.object_kind = start.object_kinds.empty() ? "" : start.object_kinds.front();
-  return {.start = {}, .refusal = std::move(refusal).MadeBy(Refusal::kBaseStage)};
+  return Refusal{kNoWay, "from anywhere on the floor to the object"};
 }
 
 std::shared_ptr<TaskSampler> MakeSamplerOfWork(const RunConfig& run) {

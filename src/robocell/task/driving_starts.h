@@ -1,6 +1,7 @@
 // DrivingStartSampler: starts of robots that drive to their work. It makes a start beside the task's
 // object, as StartSampler does, so that the task can be done from there. Then it puts the robot
-// anywhere on the free floor from where a way leads there.
+// anywhere on the free floor from where a way leads there, and its cameras see from there what they
+// have to.
 #pragma once
 
 #include <memory>
@@ -15,11 +16,13 @@ class DrivingStartSampler : public StartSampler {
   static constexpr const char* kNoWay = "no way leads there";
 
   using StartSampler::StartSampler;
-  SampleResult Sample(const SampleRequest& request, Rng& rng) override;
   // Takes any distance from which the arm may reach the target.
   std::optional<Pose> ProposeBasePose(const Robot& robot, const Support& support,
                                       const Pose& target_in_world, const BasePlacement& placement,
                                       Rng& rng) override;
+
+ protected:
+  std::optional<Refusal> MoveBase(const Robot& robot, int scene_index, Rng& rng) override;
 };
 
 // Returns the sampler of a kind whose expert drives robots on planar bases to the object.

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <memory>
 #include <string>
+#include <Eigen/Core>
 
 #include "robocell/motion/clearance.h"
 #include "robocell/robot/robot.h"
@@ -36,6 +37,26 @@ TEST(DrivingStarts, AreAnywhereOnTheFloorUnlessADistanceIsStated) {
   DrivingStartSampler sampler(run);
   const EpisodeStart start = StartOf(sampler, 1);
   EXPECT_LT(Away(start, Robot::Of(start.scene, run.robot.config.name)), 0.71);
+}
+
+// Cameras are where the robot begins, not where it works.
+TEST(DrivingStarts, HaveCamerasThatSeeTheRobotWhereItBegins) {
+  RunConfig run = PicksFromTheTable();
+  run.cameras.streams.push_back({.name = "side", .camera = "side"});
+  run.start.cameras["side"] = {.around = {"gripper"},
+                               .distance = {0.4, 0.6},
+                               .height = {0.2, 0.4},
+                               .sees = {{"gripper", {.pixels = 20}}}};
+  double farthest = 0;
+  for (const int seed : {1, 2}) {
+    DrivingStartSampler sampler(run);
+    const EpisodeStart start = StartOf(sampler, seed);
+    const Robot robot = Robot::Of(start.scene, run.robot.config.name);
+    farthest = std::max(farthest, Away(start, robot));
+    const Eigen::Vector3d camera = start.scene.camera_pose("side").translation();
+    EXPECT_LT((camera - robot.tcp_in_world().translation()).norm(), 0.8) << seed;
+  }
+  EXPECT_GT(farthest, 1);
 }
 
 TEST(DrivingStarts, AreOfRobotsThatDrive) {

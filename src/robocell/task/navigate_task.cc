@@ -52,48 +52,60 @@ void NavigateTask::Bind(const Scene& scene, const TaskSetting& setting) {
   robots_.clear();
   for (const std::string& name : setting.robots) robots_.push_back(Robot::Of(scene, name));
   if (robots_.empty()) throw ArgumentError(place_ + ": a task of kind 'navigate' needs a robot");
+  FindDestinations(scene);
+  Choose(0);
+}
+
+void NavigateTask::FindDestinations(const Scene& scene) {
   const SceneAnnotations none;
   const SceneAnnotations& known = known_ ? *known_ : none;
-  const auto room_named = [&](const std::string& name) -> std::optional<Room> {
-    for (const Room& room : known.rooms)
-      if (!name.empty() && (room.name == name || room.category == name)) return room;
-    return std::nullopt;
-  };
   destinations_.clear();
   std::vector<std::string> names;
+  const auto add_name = [&](const std::string& name) {
+    if (!name.empty() && std::ranges::find(names, name) == names.end()) names.push_back(name);
+  };
   std::map<std::string, int> said;
   for (const ObjectWords& object : known.objects)
     if (!object.words.empty()) ++said[object.words.front()];
   for (const Room& room : known.rooms) ++said[room.category];
+  Destination meant{.word = fields_.to, .rooms = {}, .body = ""};
   for (const Room& room : known.rooms) {
     if (room.outline.size() < 3) continue;
-    names.push_back(room.name);
-    const bool is_meant = fields_.to == room.name || fields_.to == room.category;
-    if (fields_.to.empty() ? said[room.category] != 1 : !is_meant) continue;
-    destinations_.push_back({room.category.empty() ? room.name : room.category, room, ""});
-    if (!fields_.to.empty()) break;
+    add_name(room.name);
+    add_name(room.category);
+    const std::string& word = room.category.empty() ? room.name : room.category;
+    if (!fields_.to.empty() && (fields_.to == room.name || fields_.to == room.category)) {
+      meant.word = word;
+      meant.rooms.push_back(room);
+    }
+    if (fields_.to.empty() && said[room.category] == 1) destinations_.push_back({word, {room}, ""});
   }
+  if (!meant.rooms.empty()) destinations_.push_back(std::move(meant));
   for (const ObjectWords& object : known.objects) {
-    names.push_back(object.object);
+    add_name(object.object);
     const std::string body = BodyNamed(scene, object.object);
     const std::string word = object.words.empty() ? object.category : object.words.front();
     if (body.empty() || word.empty()) continue;
     if (fields_.to.empty() ? said[word] != 1 : fields_.to != object.object) continue;
-    destinations_.push_back({word, room_named(object.room), body});
+    destinations_.push_back({word, {}, body});
+    const auto own = std::ranges::find_if(known.rooms, [&](const Room& room) {
+      return !object.room.empty() && room.outline.size() >= 3 &&
+             (room.name == object.room || room.category == object.room);
+    });
+    if (own != known.rooms.end()) destinations_.back().rooms.push_back(*own);
   }
   if (destinations_.empty() && !fields_.to.empty()) {
     if (const std::string body = BodyNamed(scene, fields_.to); !body.empty())
-      destinations_.push_back({fields_.to, std::nullopt, body});
+      destinations_.push_back({fields_.to, {}, body});
   }
-  if (destinations_.empty()) {
-    throw NotFoundError(
-        fields_.to.empty()
-            ? place_ +
-                  ": the scene has no room and no object that words mean alone. Name where the "
-                  "robot goes: task.to"
-            : place_ + ": task.to: " + NoSuchName("", "room or object", fields_.to, names));
+  if (!destinations_.empty()) return;
+  if (fields_.to.empty()) {
+    throw NotFoundError(place_ +
+                        ": the scene has no room and no object that words mean alone. Name where "
+                        "the robot goes: task.to");
   }
-  Choose(0);
+  throw NotFoundError(place_ + ": task.to: " + NoSuchName("", "room or object", fields_.to, names) +
+                      " Other scenes may have it: leave out this one, such as by scenes.houses");
 }
 
 const NavigateTask::Destination& NavigateTask::destination() const {
@@ -124,8 +136,15 @@ std::optional<std::vector<FloorPlace>> NavigateTask::FindWay(const Robot& robot)
   scene.SyncPoses();
   const Destination& to = destination();
   internal::FloorWays ways(robot);
-  const Room* room = to.room ? &*to.room : nullptr;
-  if (to.body.empty()) return ways.FindWay(ways.PlacesIn(*room));
+  if (to.body.empty()) {
+    std::vector<FloorPlace> places;
+    for (const Room& room : to.rooms) {
+      const std::vector<FloorPlace> in_room = ways.PlacesIn(room);
+      places.insert(places.end(), in_room.begin(), in_room.end());
+    }
+    return ways.FindWay(places);
+  }
+  const Room* room = to.rooms.empty() ? nullptr : &to.rooms.front();
   const int body = RequireId(scene.model(), mjOBJ_BODY, to.body, place_);
   return ways.FindWay(
       ways.PlacesBeside(internal::FootprintOf(scene, body), kWellWithin * fields_.within, room));
@@ -150,16 +169,18 @@ double NavigateTask::Distance(const Scene& scene, const Robot& robot) const {
     const int body = RequireId(scene.model(), mjOBJ_BODY, to.body, place_);
     return internal::FootprintOf(scene, body).exteriorDistance(at);
   }
-  if (internal::IsInRoom(*to.room, at)) return 0;
   double nearest = HUGE_VAL;
-  const auto& outline = to.room->outline;
-  for (size_t i = 0; i < outline.size(); ++i) {
-    const Eigen::Vector2d a(outline[i][0], outline[i][1]);
-    const Eigen::Vector2d b(outline[(i + 1) % outline.size()][0],
-                            outline[(i + 1) % outline.size()][1]);
-    const double along =
-        std::clamp((at - a).dot(b - a) / std::max((b - a).squaredNorm(), 1e-12), 0.0, 1.0);
-    nearest = std::min(nearest, (at - a - along * (b - a)).norm());
+  for (const Room& room : to.rooms) {
+    if (internal::IsInRoom(room, at)) return 0;
+    const auto& outline = room.outline;
+    for (size_t i = 0; i < outline.size(); ++i) {
+      const Eigen::Vector2d a(outline[i][0], outline[i][1]);
+      const Eigen::Vector2d b(outline[(i + 1) % outline.size()][0],
+                              outline[(i + 1) % outline.size()][1]);
+      const double along =
+          std::clamp((at - a).dot(b - a) / std::max((b - a).squaredNorm(), 1e-12), 0.0, 1.0);
+      nearest = std::min(nearest, (at - a - along * (b - a)).norm());
+    }
   }
   return nearest;
 }
@@ -167,7 +188,8 @@ double NavigateTask::Distance(const Scene& scene, const Robot& robot) const {
 bool NavigateTask::IsNear(const Scene& scene, const Robot& robot) const {
   const Destination& to = destination();
   const Eigen::Vector2d at = robot.base().pose().translation().head<2>();
-  if (to.room && !internal::IsInRoom(*to.room, at)) return false;
+  const auto is_in = [&](const Room& room) { return internal::IsInRoom(room, at); };
+  if (!to.rooms.empty() && std::ranges::none_of(to.rooms, is_in)) return false;
   return to.body.empty() || Distance(scene, robot) <= fields_.within;
 }
 
@@ -214,6 +236,17 @@ void NavigateTask::Recall(std::span<const double> memory) {
   const size_t last = destinations_.empty() ? 0 : destinations_.size() - 1;
   Choose(std::min(last, static_cast<size_t>(std::max(0.0, memory[0]))));
   first_distance_ = memory[1];
+}
+
+std::string NavigateTask::WhyNotRecalled(std::span<const double> memory) const {
+  const double number = memory[0];
+  if (!(number >= 0 && number < static_cast<double>(destinations_.size()) &&
+        number == std::floor(number)))
+    return fmt::format("number 0, where the robot goes, is {:g}; it is a whole number from 0 to {}",
+                       number, destinations_.size() - 1);
+  if (memory[1] >= 0 && std::isfinite(memory[1])) return "";
+  return fmt::format("number 1, the distance at the start, is {:g}; it is finite and not below 0",
+                     memory[1]);
 }
 
 }  // namespace internal

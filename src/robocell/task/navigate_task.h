@@ -6,6 +6,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 #include <Eigen/Core>
@@ -41,6 +42,7 @@ class NavigateTask : public Task {
   std::string why_not_done() const override { return "not there"; }
   std::vector<double> memory() const override;
   void Recall(std::span<const double> memory) override;
+  std::string WhyNotRecalled(std::span<const double> memory) const override;
 
   // Returns the way of the base to where the task is done; unset if there is none.
   std::optional<std::vector<FloorPlace>> FindWay(const Robot& robot) const;
@@ -49,9 +51,11 @@ class NavigateTask : public Task {
  private:
   struct Destination {
     std::string word;
-    std::optional<Room> room;  // of an object: the one that it is in, if that is known
-    std::string body;          // "" for a room
+    // One of them is enough. Of an object: the one that it is in, if that is known.
+    std::vector<Room> rooms;
+    std::string body;  // "" for a room
   };
+  void FindDestinations(const Scene& scene);
   const Destination& destination() const;
   void Choose(size_t number);
   double Distance(const Scene& scene, const Robot& robot) const;

@@ -23,9 +23,9 @@ struct NavigateTaskConfig {
   static void Fields(V&& v) {
     using T = NavigateTaskConfig;
     v("to", &T::to,
-      "Where the robot goes: a room or an object of the scene by its name, or a room by its "
-      "category. "
-      "Unset: drawn from the rooms and from the objects whose words mean one object alone.");
+      "Where the robot goes: a room or an object of the scene by its name, or any room of this "
+      "category. Unset: drawn from the rooms and from the objects whose words mean one object "
+      "alone.");
     v("within", &T::within,
       "Success at an object: the base's origin is within this horizontal distance of the object's "
       "nearest part, metres.",

@@ -558,8 +558,23 @@ std::optional<Refusal> StartSampler::PrepareStart(Setup& setup, const BasePlacem
       return Refusal{Refusal::kUnsettled, *why_not}.MadeBy(Refusal::kSettlingStage);
   }
   if (auto refusal = ValidatePlaced(setup, std::nullopt)) return refusal;
+  if (auto refusal = BeginElsewhere(setup, rng)) return refusal;
   setup.scene.data()->time = 0;
   setup.scene.Forward();
+  return std::nullopt;
+}
+
+// Lets a robot begin away from its work. What cameras have to see, they see from there.
+std::optional<Refusal> StartSampler::BeginElsewhere(Setup& setup, Rng& rng) {
+  const Pose before = setup.robot.base().pose();
+  if (auto refusal = MoveBase(setup.robot, setup.scene_index, rng))
+    return std::move(*refusal).MadeBy(Refusal::kBaseStage);
+  if (setup.robot.base().pose() == before) return std::nullopt;
+  setup.scene.Forward();
+  auto refusal = ValidateStartCameras(setup, rng.Fork("cameras").Fork(setup.arrangements++));
+  if (!refusal && !setup.target_body.empty())
+    refusal = ValidateCameras(setup.scene, setup.target_body);
+  if (refusal) return std::move(*refusal).MadeBy(Refusal::kCamerasStage);
   return std::nullopt;
 }
 

@@ -92,6 +92,14 @@ class StartSampler : public TaskSampler {
   // reason.
   virtual std::optional<Refusal> ValidateCameras(Scene& scene, const std::string& target_body);
 
+ protected:
+  // Moves the base to where the episode begins, once all else of the start is made. It stays beside
+  // the target by default. Cameras are then placed and checked again.
+  virtual std::optional<Refusal> MoveBase(const Robot& /*robot*/, int /*scene_index*/,
+                                          Rng& /*rng*/) {
+    return {};
+  }
+
  private:
   SceneSource& RequireSource() const;
   struct Setup;  // the scene under construction
@@ -132,6 +140,7 @@ class StartSampler : public TaskSampler {
   double FloorHeight(int scene_index);
   static std::vector<std::string> RestingObjects(const Setup& setup);
   std::optional<Refusal> PrepareStart(Setup& setup, const BasePlacement& placement, Rng& rng);
+  std::optional<Refusal> BeginElsewhere(Setup& setup, Rng& rng);
 
   static constexpr size_t kMostScenes = 64;  // whose supports, landmarks and cameras are kept
 

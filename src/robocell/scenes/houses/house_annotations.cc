@@ -28,6 +28,7 @@ constexpr int kMostCells = 600;               // along each side of a support
 constexpr double kOnFace = 0.002;             // metres; lower geoms are part of the face
 constexpr double kMostHalfOfContainer = 0.8;  // metres; larger hollows are rooms
 constexpr double kLeastShareOfMap = 0.5;      // of a map's free floor, in its house's
+constexpr double kSameFloor = 0.1;            // metres between parts of one floor
 
 // Marks the cells of a face that geoms above it cover.
 std::vector<bool> TakenCells(const Scene& scene, const Support& face, int nx, int ny) {
@@ -109,7 +110,8 @@ std::string CategoryOfRoom(const std::string& name) {
   return WordsOfCategory(name.substr(rest + 1));
 }
 
-// Returns the share of some areas that is on the floor of others, by points on a grid.
+// Returns the share of some areas that is on the floor of others, by points on a grid. Roofs and tops
+// of furniture over them do not count.
 double ShareOn(const std::vector<FloorArea>& areas, const std::vector<FloorArea>& others) {
   constexpr int kPoints = 8;  // along each side
   double all = 0, on = 0;
@@ -123,7 +125,8 @@ double ShareOn(const std::vector<FloorArea>& areas, const std::vector<FloorArea>
       all += each;
       if (std::ranges::any_of(others, [&](const FloorArea& other) {
             const Eigen::Vector3d in = other.frame_to_world.inverse() * point;
-            return std::abs(in.x()) <= other.half_x && std::abs(in.y()) <= other.half_y;
+            return std::abs(in.x()) <= other.half_x && std::abs(in.y()) <= other.half_y &&
+                   std::abs(in.z()) <= kSameFloor;
           }))
         on += each;
     }

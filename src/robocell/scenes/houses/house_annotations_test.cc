@@ -74,5 +74,32 @@ TEST(HouseAnnotations, AMapOfAnotherHouseIsNotUsed) {
   }
 }
 
+// What is free in the map is under a roof that is as level and as free as a floor.
+TEST(HouseAnnotations, ARoofIsNotTheFloorOfAMap) {
+  const TempDir folder;
+  AtomicWrite(folder / "house.xml", R"(<mujoco><worldbody>
+    <geom name="floor" type="box" size="4 4 0.1" pos="0 0 -0.1"/>
+    <geom name="block" type="box" size="4 2 1.2" pos="0 2 1.2"/></worldbody></mujoco>)");
+  const Scene scene = Scene::Build({.base = (folder / "house.xml").string(), .timestep = 0.002});
+  for (const bool is_blocked : {false, true}) {
+    HouseMap map = MakeHouseMap({-4, -4}, {4, 4}, 20);
+    for (int row = 0; row < map.rows; ++row) {
+      for (int column = 0; column < map.columns; ++column) {
+        const double y = map.PositionOf(row, column).y();
+        map.free[static_cast<size_t>(row) * static_cast<size_t>(map.columns) +
+                 static_cast<size_t>(column)] = is_blocked ? y > 0.2 : y < -0.2;
+      }
+    }
+    const std::vector<uint8_t> bytes = EncodeHouseMap(map);
+    AtomicWrite(folder / "map.png", std::string(bytes.begin(), bytes.end()));
+    std::vector<std::string> notes;
+    AnnotateHouse(scene, {.model = folder / "house.xml", .map = folder / "map.png"}, notes);
+    EXPECT_EQ(
+        std::ranges::any_of(
+            notes, [](const std::string& note) { return note.starts_with("its map is not"); }),
+        is_blocked);
+  }
+}
+
 }  // namespace
 }  // namespace robocell::internal
