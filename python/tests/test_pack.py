@@ -302,6 +302,14 @@ def test_files_of_no_episode_are_left_out_if_damaged(
     assert robocell.data.verify(tmp_path / "rest").good == dataset.ids
 
 
+def test_advice_to_write_into_a_packed_dataset_begins_with_unpack(packed: Path, tmp_path: Path):
+    shutil.copytree(packed, tmp_path / "copy")
+    shutil.rmtree(tmp_path / "copy/models")
+    told = [str(each) for each in robocell.data.verify(tmp_path / "copy").problems]
+    advice = "not replayed. After `robocell unpack`, `robocell generate` with the run's file"
+    assert any(advice in each for each in told)
+
+
 def test_a_file_in_a_shard_that_is_cut_short_is_an_error(packed: Path, tmp_path: Path):
     cut = tmp_path / "cut"
     shutil.copytree(packed, cut)
