@@ -66,10 +66,13 @@ def manifest_of_dataset(source: str | Path) -> dict[str, Any] | None:
     except ValueError as error:
         damage = str(error)
     if damage or not isinstance(manifest, dict):
+        what = f"'{path}' is damaged: {damage or 'it is no JSON object'}"
+        if (folder / "packed.json").exists():
+            raise IoError(f"{what}. Copy it again from where the packed dataset came")
         remedy = shlex.join(["robocell", "verify", "--repair", str(folder)])
         raise IoError(
-            f"'{path}' is damaged: {damage or 'it is no JSON object'}. `{remedy}` sets it aside, "
-            "`robocell generate` with the run's file writes it again"
+            f"{what}. `{remedy}` sets it aside, `robocell generate` with the run's file writes it "
+            "again"
         )
     return manifest
 

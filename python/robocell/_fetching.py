@@ -14,6 +14,7 @@ import fcntl
 import hashlib
 import json
 import os
+import pwd
 import shutil
 import tarfile
 import threading
@@ -338,4 +339,10 @@ def _package() -> Any:
 
 
 def _user_cache() -> Path:
-    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    if cache := os.environ.get("XDG_CACHE_HOME"):
+        return Path(cache)
+    home = os.environ.get("HOME", "")
+    if not home:  # as the library looks it up
+        with contextlib.suppress(KeyError):  # a user of a container may be in no list
+            home = pwd.getpwuid(os.getuid()).pw_dir
+    return Path(home or "/") / ".cache"

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from robocell._core import IoError, atomic_write
+from robocell._durable import flush_path
 from robocell._stored_files import read_stored
 
 FOLDER = "policy_calls"
@@ -58,7 +59,9 @@ class PolicyCalls:
         """
         folder = dataset / FOLDER
         try:
-            folder.mkdir(exist_ok=True)
+            if not folder.is_dir():
+                folder.mkdir(exist_ok=True)
+                flush_path(dataset)  # or a power cut takes the folder away
         except OSError as error:
             raise IoError(f"cannot make '{folder}': {error.strerror}") from error
         record = {"rollout": self.rollout, "calls": self.calls, "error": self.error}

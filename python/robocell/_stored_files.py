@@ -6,6 +6,7 @@ these functions find the bytes.
 
 from __future__ import annotations
 
+import errno
 import io
 import os
 from pathlib import Path
@@ -38,6 +39,8 @@ class _Part(io.RawIOBase):
         view = view[: max(self._size - self._at, 0)]
         self._file.seek(self._begin + self._at)
         count = self._file.readinto(view) or 0
+        if view and not count:
+            raise OSError(errno.EIO, f"'{self._file.name}' is cut short")
         self._at += count
         return count
 

@@ -250,3 +250,16 @@ def test_what_cannot_be_merged_is_named(dataset: robocell.Dataset, tmp_path: Pat
     (out / "mine").touch()
     assert "exists already, a folder that is not empty" in refused("merge", folder, out)
     assert [path.name for path in tmp_path.rglob("*")] == ["out", "mine"]
+
+
+def test_models_of_an_extended_dataset_are_on_the_disk(
+    dataset: robocell.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    flushed: list[tuple[Path, list[str]]] = []
+    monkeypatch.setattr(
+        derive, "flush_path", lambda path: flushed.append((path, sorted(os.listdir(path))))
+    )
+    folder = tmp_path / "out"
+    folder.mkdir()
+    derive.extend(folder, [(dataset, "a")], {})
+    assert flushed[-1] == (folder / "models", sorted(os.listdir(folder / "models")))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import pwd
 import subprocess
 import sys
 from pathlib import Path
@@ -138,3 +139,10 @@ def test_the_command_lists_and_fails_as_documented(tmp_path):
     assert "With 'kuka' in the name: kuka_iiwa_14." in part.stderr
     unknown = robocell("kinova_gen4")
     assert (unknown.returncode, "Did you mean" in unknown.stderr) == (2, True), unknown.stderr
+
+
+def test_without_home_the_cache_is_where_the_library_looks(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("HOME", "")
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    home = Path(pwd.getpwuid(os.getuid()).pw_dir)
+    assert fetching._user_cache() == home / ".cache"

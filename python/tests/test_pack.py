@@ -17,11 +17,15 @@ import typer
 import robocell
 from command_line import REPOSITORY
 from exported import hashes, three_episodes
+from robocell import _durable as durable
 from robocell._cli.common import is_dataset
 from robocell._cli.pack import pack as pack_command
 from robocell._cli.unpack import unpack as unpack_command
 from robocell._cli.verify import verify as verify_command
+from robocell._dataset_run import manifest_of_dataset
 from robocell._generation.run_source import RunSource
+from robocell._policy_calls import PolicyCalls, error_of
+from robocell._stored_files import read_stored
 from robocell.data import pack as packing
 from robocell.data.derive import keep, merge, split
 from robocell.data.pack import is_packed, pack, read_packed, unpack
@@ -129,7 +133,8 @@ def test_datasets_are_made_from_packed_ones(
     dataset: robocell.Dataset, packed: Path, tmp_path: Path
 ):
     merged = merge([packed, tmp_path_of_copy(dataset, tmp_path)], tmp_path / "merged")
-    assert (merged.episodes, merged.copied) == (3, 0), "the same recordings are taken once"
+    files = sum(len(each.files) + 1 for each in dataset)
+    assert (merged.episodes, merged.copied) == (3, files), "bytes of a shard cannot be linked"
     first = dataset.ids[0]
     kept = keep(packed, f'id == "{first}"', tmp_path / "kept")
     parts = split(packed, {"a": 0.5, "b": 0.5}, tmp_path / "parts")
@@ -159,6 +164,25 @@ def test_sources_of_augmented_runs_may_be_packed(
     own = hashlib.sha256((Path(dataset.folder) / dataset.ids[0] / "episode.json").read_bytes())
     assert own.hexdigest() in json.dumps(stored), "the hash of a source"
     assert is_dataset(packed)
+
+
+def test_shards_that_were_unzipped_in_place_do_not_count(
+    dataset: robocell.Dataset, packed: Path, tmp_path: Path
+):
+    """Any zip program unpacks them; the index says what is in the dataset."""
+    copy = tmp_path / "copy"
+    shutil.copytree(packed, copy)
+    for shard in copy.glob("*.zip"):
+        with zipfile.ZipFile(shard) as file:
+            file.extractall(copy)
+    for steps in copy.glob("*/steps.h5"):
+        steps.write_bytes(b"edited")
+    result = robocell.data.verify(copy)
+    assert (result.problems, result.good, result.others) == ([], dataset.ids, dataset.ids)
+    for one, other in zip(robocell.Dataset(copy), dataset, strict=True):
+        assert np.array_equal(one["time"], other["time"])
+    merged = merge([copy], tmp_path / "merged").folder
+    assert robocell.data.verify(merged).good == dataset.ids
 
 
 def test_packed_datasets_are_not_written_into(
@@ -244,6 +268,75 @@ def test_damage_is_found_and_named(packed: Path, tmp_path: Path, capsys: Any):
         robocell.Dataset(broken)
 
 
+def test_files_of_no_episode_are_left_out_if_damaged(
+    dataset: robocell.Dataset, tmp_path: Path, capsys: Any
+):
+    source, broken = tmp_path / "source", tmp_path / "broken"
+    shutil.copytree(dataset.folder, source)
+    (source / "policy_calls").mkdir()
+    (source / "policy_calls/a.json").write_text("{}")
+    (source / "policy_calls/b.json").write_text("{}")
+    (source / "models/.unfinished").mkdir()
+    (source / "models/.unfinished/arm.xml").touch()
+    pack(source, broken, shard_bytes=1)
+    index = json.loads((broken / "packed.json").read_text())
+    assert not [name for name in index["files"] if "unfinished" in name]
+    shard = next(each for each in index["shards"] if "policy_calls/a.json" in each["files"])
+    flip(broken / shard["file"], shard["files"]["policy_calls/a.json"]["offset"])
+    model = next(name for name in index["files"] if name.startswith("models/"))
+    flip(broken / model, -1)
+    flip(broken / "dataset.json", 30)
+    with pytest.raises(robocell.IoError, match=r"dataset\.json' is damaged.*Copy it again"):
+        manifest_of_dataset(broken)
+    model = "/".join(model.split("/")[:2])
+    unpack_command(broken, tmp_path / "rest", skip_damaged=True)
+    told = capsys.readouterr().out
+    left_out = ("dataset.json", model, "policy_calls/a.json")
+    assert told.startswith("".join(f"damaged, left out: {name}\n" for name in left_out))
+    rest, own = hashes(tmp_path / "rest"), hashes(Path(dataset.folder))
+    assert f"3 episodes, {len(rest)} files: " in told
+    expected = {name: own[name] for name in visible(Path(dataset.folder))}
+    expected = {n: h for n, h in expected.items() if n not in left_out and not n.startswith(model)}
+    assert {name: rest[name] for name in rest if not name.startswith("policy")} == expected
+    assert (tmp_path / "rest/policy_calls/b.json").read_text() == "{}"
+    assert robocell.data.verify(tmp_path / "rest").good == dataset.ids
+
+
+def test_advice_to_write_into_a_packed_dataset_begins_with_unpack(packed: Path, tmp_path: Path):
+    shutil.copytree(packed, tmp_path / "copy")
+    shutil.rmtree(tmp_path / "copy/models")
+    told = [str(each) for each in robocell.data.verify(tmp_path / "copy").problems]
+    advice = "not replayed. After `robocell unpack`, `robocell generate` with the run's file"
+    assert any(advice in each for each in told)
+
+
+def test_a_file_in_a_shard_that_is_cut_short_is_an_error(packed: Path, tmp_path: Path):
+    cut = tmp_path / "cut"
+    shutil.copytree(packed, cut)
+    shard = json.loads((cut / "packed.json").read_text())["shards"][0]
+    name = next(name for name in shard["files"] if name.endswith(".mp4"))
+    with (cut / shard["file"]).open("r+b") as file:
+        file.truncate(shard["files"][name]["offset"] + 9)
+    with pytest.raises(OSError, match=r"shard-00000\.zip' is cut short"):
+        read_stored(cut / name)
+
+
+def test_calls_of_a_policy_are_read_from_a_packed_evaluation(
+    dataset: robocell.Dataset, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    flushed: list[Path] = []
+    monkeypatch.setattr("robocell._policy_calls.flush_path", flushed.append)
+    source = tmp_path / "source"
+    shutil.copytree(dataset.folder, source)
+    for rollout in dataset.ids:
+        PolicyCalls(rollout, error=f"of {rollout}").save(source)
+    assert flushed == [source], "the entry of the new folder"
+    pack(source, tmp_path / "packed")
+    assert [error_of(tmp_path / "packed", id) for id in dataset.ids] == [
+        f"of {id}" for id in dataset.ids
+    ]
+
+
 def test_a_damaged_source_is_not_packed(dataset: robocell.Dataset, tmp_path: Path):
     source = tmp_path / "source"
     shutil.copytree(Path(dataset.folder), source)
@@ -300,16 +393,16 @@ def test_a_killed_unpack_continues(packed: Path, tmp_path: Path, monkeypatch: py
             yield each
 
     flushed: set[Path] = set()
-    flush, keep = packing.flush_path, packing.Staging.keep
+    flush, keep = durable.flush_path, packing.Staging.keep
 
     def checked(place: Any, name: str, content: Any) -> None:
+        keep(place, name, content)
         if name != "request":  # a power cut may take what is not flushed; nobody looks again
             there = [path for path in place.folder.rglob("*") if ".state" not in path.parts]
             assert there
             assert {place.folder, *there} <= flushed
-        keep(place, name, content)
 
-    monkeypatch.setattr(packing, "flush_path", lambda path: (flushed.add(path), flush(path)))
+    monkeypatch.setattr(durable, "flush_path", lambda path: (flushed.add(path), flush(path)))
     monkeypatch.setattr(packing.Staging, "keep", checked)
     monkeypatch.setattr(packing, "_contents", killed)
     with pytest.raises(KeyboardInterrupt):

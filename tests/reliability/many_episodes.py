@@ -107,17 +107,20 @@ def cost_of(command: list[object]) -> Cost:
 def jobs(folder: Path) -> dict[str, list[object]]:
     """The commands, in the order in which they run."""
     many = folder / "many"
+    packed = folder / "packed"
     robocell = ["-m", "robocell"]
+    count = "import robocell as rc; print(len(rc.Dataset({!r})))"
     exported = [*robocell, "export", many]
     return {
-        "open": ["-c", f"import robocell as rc; print(len(rc.Dataset({str(many)!r})))"],
+        "open": ["-c", count.format(str(many))],
         "verify": [*robocell, "verify", many],
         "report": [*robocell, "report", many],
         "filter": [*robocell, "filter", many, folder / "kept", "--where", "length > 1"],
         "merge": [*robocell, "merge", many, folder / "kept", folder / "merged"],
         "split": [*robocell, "split", many, folder / "parts"],
-        "pack": [*robocell, "pack", many, folder / "packed"],
-        "unpack": [*robocell, "unpack", folder / "packed", folder / "unpacked"],
+        "pack": [*robocell, "pack", many, packed],
+        "open packed": ["-c", count.format(str(packed))],
+        "unpack": [*robocell, "unpack", packed, folder / "unpacked"],
         "export lerobot-v3": [*exported, folder / "v3", "--format", "lerobot-v3"],
         "export zarr": [*exported, folder / "zarr", "--format", "zarr"],
     }

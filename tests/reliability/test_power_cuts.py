@@ -143,7 +143,7 @@ JOBS = {
         is_dataset=False,
     ),
     "filter": Job(lambda s, out: ["filter", s.one, out, "--where", "length > 1"]),
-    "pack": Job(lambda s, out: ["pack", s.one, out, "--shard-mb", 0.05], is_dataset=False),
+    "pack": Job(lambda s, out: ["pack", s.one, out, "--shard-mb", 0.05]),
     "unpack": Job(lambda s, out: ["unpack", s.packed(), out]),
     **{
         f"export {name}": Job(

@@ -15,7 +15,7 @@ def unpack(
     packed: Annotated[Path, typer.Argument(metavar="PACKED", help="Folder of a packed dataset.")],
     out: Annotated[Path, typer.Argument(metavar="OUT", help="Folder to make.")],
     skip_damaged: Annotated[
-        bool, typer.Option("--skip-damaged", help="Leave out damaged episodes.")
+        bool, typer.Option("--skip-damaged", help="Leave out damaged episodes, models and files.")
     ] = False,
 ) -> None:
     """Make the dataset again that `robocell pack` packed, byte by byte.
@@ -31,6 +31,6 @@ def unpack(
 
     require_folder(packed, "packed dataset")
     result = unpacked(packed, out, skip_damaged=skip_damaged)
-    for id in result.skipped:
-        print(f"damaged, left out: {id}")
+    for name in result.skipped:
+        print(f"damaged, left out: {name}")
     print(f"{counted(result.episodes, 'episode')}, {counted(result.files, 'file')}: {out}")

@@ -24,7 +24,7 @@ from typing import Any
 from robocell import __version__, _core
 from robocell._core import ArgumentError, Dataset, Episode, IoError, json_damage, self_hashed_json
 from robocell._dataset_run import manifest_of_dataset
-from robocell._durable import flush_folder
+from robocell._durable import flush_folder, flush_path
 from robocell._staging import Staging, staging
 from robocell._stored_files import open_stored, read_stored
 from robocell._suggestions import counted
@@ -232,6 +232,8 @@ class _Durable(Staging):
         """Gives a folder its name when its files are on the disk."""
         flush_folder(partial)
         partial.rename(folder)
+        if folder.parent != self.folder:  # the dataset's own entries are flushed with its manifest
+            flush_path(folder.parent)
 
 
 def _open(dataset: Dataset | str | os.PathLike[str]) -> Dataset:
@@ -422,32 +424,42 @@ def _add_folder(
     """Adds a folder by one rename; returns the number of copied files."""
     partial = place.scratch("folder")
     shutil.rmtree(partial, ignore_errors=True)
-    copied = 0
-    if not source.is_dir():  # of a packed dataset
-        _extract(source, partial, replaced or {})
-    for at, folders, files in os.walk(source):
-        folders.sort()
-        inner = partial / Path(at).relative_to(source)
-        inner.mkdir()
-        for name in sorted(files):
-            if replaced and name in replaced and inner == partial:
-                (inner / name).write_text(replaced[name])
-            else:
-                copied += _add_file(Path(at) / name, inner / name, copy)
+    if _core.packed_part(source / DESCRIPTION) is not None:
+        copied = _extract(source, partial, copy, replaced or {})
+    else:
+        copied = _link(source, partial, copy, replaced or {})
     to.parent.mkdir(parents=True, exist_ok=True)
     place.add(partial, to)
     return copied
 
 
-def _extract(episode: Path, to: Path, replaced: Mapping[str, str]) -> None:
-    """Copies the files of an episode of a packed dataset."""
+def _link(source: Path, to: Path, copy: bool, replaced: Mapping[str, str]) -> int:
+    """Links a folder, or copies it; returns the number of copies that should have been links."""
+    copied = 0
+    for at, folders, files in os.walk(source):
+        folders.sort()
+        inner = to / Path(at).relative_to(source)
+        inner.mkdir()
+        for name in sorted(files):
+            if name in replaced and inner == to:
+                (inner / name).write_bytes(replaced[name].encode())
+            else:
+                copied += _add_file(Path(at) / name, inner / name, copy)
+    return copied
+
+
+def _extract(episode: Path, to: Path, copy: bool, replaced: Mapping[str, str]) -> int:
+    """Copies an episode of a packed dataset, whose files cannot be linked; returns as `_link`."""
     to.mkdir()
+    copied = 0
     for name in (DESCRIPTION, *Episode(episode).files):
         if name in replaced:
-            (to / name).write_text(replaced[name])
+            (to / name).write_bytes(replaced[name].encode())
             continue
         with open_stored(episode / name) as content, (to / name).open("wb") as out:
             shutil.copyfileobj(content, out)
+        copied += not copy
+    return copied
 
 
 def _add_file(source: Path, to: Path, copy: bool) -> bool:

@@ -18,7 +18,7 @@ import re
 import shlex
 import shutil
 import zipfile
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -34,7 +34,6 @@ from robocell._core import (
     self_hashed_json,
     verify,
 )
-from robocell._durable import flush_path
 from robocell._staging import Staging, staging
 
 __all__ = ["Packed", "is_packed", "pack", "read_packed", "unpack"]
@@ -58,7 +57,7 @@ class Packed:
         shards: Number of its shards.
         files: Number of files of the dataset.
         bytes: Their size, with the tables of the shards.
-        skipped: Ids of damaged episodes that `unpack` left out.
+        skipped: Damaged episodes, models and other files that `unpack` left out.
     """
 
     folder: Path
@@ -177,7 +176,7 @@ def unpack(
     Args:
         packed: The folder of a packed dataset.
         out: The folder to make; it must not exist.
-        skip_damaged: Leave out damaged episodes, instead of raising IoError.
+        skip_damaged: Leave out damaged episodes, models and files, instead of raising IoError.
         on_shards: Is called with the number of shards that are unpacked, and of all.
 
     Raises:
@@ -188,33 +187,44 @@ def unpack(
     target = Path(out).parent.resolve() / Path(out).name
     if target.is_relative_to(folder.resolve()):
         raise ArgumentError(f"'{out}' is inside '{packed}'. Choose a folder beside it")
-    skipped = _damaged_episodes(folder, index) if skip_damaged else ()
+    skipped = _damaged(folder, index) if skip_damaged else ()
+    left_out = frozenset(skipped)
     request = {"unpacked": str(folder.resolve()), "index": index[HASH], "skipped": skipped}
     with _explaining(target), staging(target, request) as place:
         for number, shard in enumerate(index["shards"], start=1):
             if place.state(shard["file"]) is None:
-                made = []
-                for name, content in _contents(folder, shard, skipped):
+                for name, content in _contents(folder, shard, left_out):
                     _write(content, place, name)
-                    made.append(name)
-                _flush(place.folder, made)
                 place.keep(shard["file"], True)  # a command that continues skips these files
             if on_shards is not None:
                 on_shards(number, len(index["shards"]))
         for name, facts in index["files"].items():
+            if _is_of(name, left_out):
+                continue
             with _opened(folder / name) as source:
                 _write(_Part(source, folder / name, name, facts | {"offset": 0}), place, name)
         place.commit()
     return _packed(target, index, skipped)
 
 
-def _damaged_episodes(folder: Path, index: dict[str, Any]) -> tuple[str, ...]:
-    """Returns the ids of damaged episodes. Raises IoError if no episode would be left."""
+def _damaged(folder: Path, index: dict[str, Any]) -> tuple[str, ...]:
+    """Returns damaged episodes, models and files. Raises IoError if no episode would be left."""
     found = verify(folder)
-    bad = tuple(sorted({*found.bad, *found.unjudged}))
+    bad = {*found.bad, *found.unjudged}
     if len(bad) == len(index["episodes"]):
         raise IoError(f"all episodes of '{folder}' are damaged: {found.problems[0]}")
-    return bad
+    files = {name for listed in (index, *index["shards"]) for name in listed["files"]}
+    own = {each.file for each in found.problems if not each.episode and each.file in files}
+    for name in own - {*found.foreign}:
+        # A model is of no use without one of its files.
+        bad.add("/".join(name.split("/")[:2]) if name.startswith(f"{MODELS}/") else name)
+    return tuple(sorted(bad))
+
+
+def _is_of(name: str, some: Collection[str]) -> bool:
+    """Returns whether a file is of one of some episodes, models and files."""
+    first, second, *_ = (*name.split("/"), "")
+    return name in some or first in some or f"{first}/{second}" in some
 
 
 def _write(content: _Part, place: Staging, name: str) -> None:
@@ -223,14 +233,6 @@ def _write(content: _Part, place: Staging, name: str) -> None:
     with partial.open("wb") as file:
         shutil.copyfileobj(content, file, BLOCK)
     partial.rename(place.path(name))
-
-
-def _flush(folder: Path, names: Iterable[str]) -> None:
-    """Brings files and the folders that they are in to the disk."""
-    files = [folder / name for name in names]
-    folders = {parent for file in files for parent in file.parents}
-    for path in (*files, *(each for each in folders if each.is_relative_to(folder))):
-        flush_path(path)
 
 
 def read_packed(packed: str | os.PathLike[str], episode: str, file: str = "episode.json") -> bytes:
@@ -257,13 +259,13 @@ def is_packed(folder: str | os.PathLike[str]) -> bool:
 
 def _packed(folder: Path, index: dict[str, Any], skipped: tuple[str, ...] = ()) -> Packed:
     shards, beside = index["shards"], index["files"]
-    left_out = tuple(f"{id}/" for id in skipped)
-    names = [name for shard in shards for name in shard["files"] if not name.startswith(left_out)]
+    left_out = frozenset(skipped)
+    names = [name for listed in (index, *shards) for name in listed["files"]]
     return Packed(
         folder,
-        len(index["episodes"]) - len(skipped),
+        len(set(index["episodes"]) - left_out),
         len(shards),
-        len(names) + len(beside),
+        sum(not _is_of(name, left_out) for name in names),
         sum(each["bytes"] for each in (*shards, *beside.values())),
         skipped,
     )
@@ -284,10 +286,11 @@ def _units(dataset: Dataset) -> Iterator[_Unit]:
 
 def _beside(root: Path) -> dict[str, Path]:
     """Returns the files that stay beside the shards: simulators open models by their paths."""
-    own = [path for path in sorted(root.iterdir()) if path.is_file() or path.name == MODELS]
-    visible = [path for path in own if not path.name.startswith(".")]
-    if taken := [path for path in visible if path.name == INDEX or SHARD_NAME.match(path.name)]:
+    own = [path for path in sorted(root.iterdir()) if path.is_file()]
+    if taken := [path for path in own if path.name == INDEX or SHARD_NAME.match(path.name)]:
         raise ArgumentError(f"a packed dataset has its own '{taken[0].name}'. Rename '{taken[0]}'")
+    models = sorted((root / MODELS).iterdir()) if (root / MODELS).is_dir() else []
+    visible = [path for path in (*own, *models) if not path.name.startswith(".")]
     return {name: file for path in visible for name, file in _files_of(root, path).items()}
 
 
@@ -439,9 +442,9 @@ class _Part:
 def _contents(
     folder: Path, shard: dict[str, Any], skipped: Collection[str]
 ) -> Iterator[tuple[str, _Part]]:
-    """Yields the files of a shard but those of some episodes."""
+    """Yields the files of a shard but those of some episodes, or some files."""
     path = folder / shard["file"]
-    wanted = {n: f for n, f in shard["files"].items() if n.partition("/")[0] not in skipped}
+    wanted = {name: facts for name, facts in shard["files"].items() if not _is_of(name, skipped)}
     if not wanted:
         return
     with _opened(path) as source:

@@ -61,6 +61,18 @@ class IdlePool : private ForkSafePool {
     return std::nullopt;
   }
 
+  // Returns a copy of such a value, which stays in the pool: for values that many may use at once.
+  template <typename Fits>
+  std::optional<Value> Copy(const Fits& fits) {
+    const std::lock_guard lock(Mutex());
+    for (auto it = idle_.begin(); it != idle_.end(); ++it) {
+      if (!fits(std::as_const(*it))) continue;
+      idle_.splice(idle_.begin(), idle_, it);
+      return idle_.front();
+    }
+    return std::nullopt;
+  }
+
   void Give(Value value) {
     std::list<Value> own, dropped;  // destroyed after the lock is released
     own.push_back(std::move(value));

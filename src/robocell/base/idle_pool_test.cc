@@ -53,6 +53,20 @@ TEST(IdlePool, DropsTheLongestIdleFirst) {
   EXPECT_EQ(Counted::alive, before);
 }
 
+TEST(IdlePool, ACopyLeavesTheValueAndMakesItTheLastUsed) {
+  IdlePool<std::shared_ptr<std::string>> pool(2);
+  const auto is = [](const char* text) {
+    return [text](const auto& value) { return *value == text; };
+  };
+  pool.Give(std::make_shared<std::string>("a"));
+  pool.Give(std::make_shared<std::string>("b"));
+  EXPECT_EQ(pool.Copy(is("a")), pool.Copy(is("a")));
+  EXPECT_FALSE(pool.Copy(is("c")));
+  pool.Give(std::make_shared<std::string>("c"));
+  EXPECT_TRUE(pool.Copy(is("a")));
+  EXPECT_FALSE(pool.Copy(is("b")));
+}
+
 TEST(IdlePool, AForkLeavesBothProcessesAnEmptyPoolThatWorks) {
   IdlePool<Counted> pool(2);
   const int before = Counted::alive;

@@ -16,7 +16,10 @@ namespace fs = std::filesystem;
 void MakeDirectories(const fs::path& path, std::string_view what) {
   std::error_code error;
   if (fs::is_directory(path, error)) return;
-  const fs::path full = fs::absolute(path / "").lexically_normal().parent_path();
+  // Not normalised: behind a link, ".." is another folder than the text says.
+  fs::path full = fs::absolute(path, error);
+  if (error) ThrowIoError(fmt::format("create {}", what), path, error.value());
+  if (!full.has_filename()) full = full.parent_path();  // "a/b/"
   fs::path there = full;
   while (!fs::exists(there, error) && there != there.root_path()) there = there.parent_path();
   fs::create_directories(full, error);

@@ -25,6 +25,17 @@ TEST(MakeDirectoriesTest, MakesFoldersBelowFoldersAndKeepsThoseThatExist) {
   EXPECT_EQ(ReadFile(temp.path() / "a/b/c/file"), "x");
 }
 
+TEST(MakeDirectoriesTest, FollowsLinksBeforeDots) {
+  const TempDir temp;
+  MakeDirectories(temp.path() / "real/inner");
+  fs::create_directory_symlink("real/inner", temp.path() / "link");
+  MakeDirectories(temp.path() / "link/../made/x");
+  EXPECT_TRUE(fs::is_directory(temp.path() / "real/made/x"));
+  EXPECT_FALSE(fs::exists(temp.path() / "made"));
+  MakeDirectories(temp.path() / "new/../other");
+  EXPECT_TRUE(fs::is_directory(temp.path() / "other"));
+}
+
 TEST(MakeDirectoriesTest, NamesAFolderBelowAFile) {
   const TempDir temp;
   AtomicWrite(temp.path() / "file", "x");

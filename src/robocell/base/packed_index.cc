@@ -20,7 +20,7 @@ namespace robocell::internal {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
+using Json = nlohmann::json;  // one that keeps the order finds a key among n in n steps
 
 constexpr const char* kFormat = "robocell-packed";
 constexpr int kVersion = 2;
@@ -35,6 +35,9 @@ IdlePool<KnownIndex>& KnownIndices() {
   static IdlePool<KnownIndex> pool(16);
   return pool;
 }
+
+// Unlike the parser's own conversion, throws its exceptions for -3 and 5e81.
+uint64_t CountIn(const Json& json) { return json.get_ref<const Json::number_unsigned_t&>(); }
 
 // Returns true for "models/rc7/rc7.xml": a path that stays in the folder and is not hidden in it.
 bool IsInside(std::string_view name) {
@@ -77,6 +80,10 @@ class Parser {
                     file_.string(), reason));
   }
 
+  [[noreturn]] void ThrowOutside(const std::string& name, const PackedShard& shard) const {
+    ThrowDamaged(fmt::format("the bytes of '{}' are not in '{}'", name, shard.file));
+  }
+
   const std::string& Inside(const std::string& name) const {
     if (IsInside(name)) return name;
     throw IoError(
@@ -88,7 +95,7 @@ class Parser {
     std::ranges::sort(index_.episodes);
     for (const Json& shard : json.at("shards")) ReadShard(shard);
     for (const auto& [name, facts] : json.at("files").items())
-      index_.files[Inside(name)] = {JsonCount<uint64_t>(facts.at("bytes")), facts.at("sha256")};
+      index_.files[Inside(name)] = {CountIn(facts.at("bytes")), facts.at("sha256")};
     for (const std::string& id : index_.episodes) {
       if (!index_.parts.contains(id + "/episode.json"))
         ThrowDamaged(fmt::format("it lists no episode.json of episode '{}'", id));
@@ -97,22 +104,30 @@ class Parser {
 
   void ReadShard(const Json& json) {
     PackedShard shard{.file = json.at("file"),
-                      .bytes = JsonCount<uint64_t>(json.at("bytes")),
+                      .bytes = CountIn(json.at("bytes")),
                       .rest_sha256 = json.at("rest_sha256"),
                       .parts = {}};
-    Inside(shard.file);
-    uint64_t end = 0;
+    const fs::path place = folder_ / Inside(shard.file);
     for (const auto& [name, facts] : json.at("files").items()) {
-      const FilePart part{.shard = folder_ / shard.file,
-                          .begin = JsonCount<uint64_t>(facts.at("offset")),
-                          .bytes = JsonCount<uint64_t>(facts.at("bytes")),
+      const FilePart part{.shard = place,
+                          .begin = CountIn(facts.at("offset")),
+                          .bytes = CountIn(facts.at("bytes")),
                           .sha256 = facts.at("sha256")};
-      if (part.begin < end || part.begin > shard.bytes || part.bytes > shard.bytes - part.begin)
-        ThrowDamaged(fmt::format("the bytes of '{}' are not in '{}'", name, shard.file));
-      end = part.begin + part.bytes;
+      if (part.begin > shard.bytes || part.bytes > shard.bytes - part.begin)
+        ThrowOutside(name, shard);
       if (!index_.parts.emplace(Inside(name), part).second)
         ThrowDamaged(fmt::format("it lists '{}' twice", name));
       shard.parts.push_back(name);
+    }
+    std::ranges::sort(shard.parts, {}, [&](const std::string& name) {
+      const FilePart& part = index_.parts.at(name);
+      return std::pair(part.begin, part.bytes);
+    });
+    uint64_t end = 0;
+    for (const std::string& name : shard.parts) {
+      const FilePart& part = index_.parts.at(name);
+      if (part.begin < end) ThrowOutside(name, shard);
+      end = part.begin + part.bytes;
     }
     index_.shards.push_back(std::move(shard));
   }
@@ -146,14 +161,12 @@ std::shared_ptr<const PackedIndex> PackedIndexOf(const fs::path& folder) {
   if (!IsPacked(folder)) return nullptr;
   const fs::path file = folder / kPackedFile;
   std::string identity = FileIdentity(file);
-  auto known = KnownIndices().Take([&](const KnownIndex& k) { return k.identity == identity; });
-  if (!known) {
-    const std::string text = ReadRealFile(file, kMostIndexBytes);
-    known.emplace(KnownIndex{std::move(identity),
-                             std::make_shared<const PackedIndex>(Parser(folder).Parse(text))});
-  }
-  std::shared_ptr<const PackedIndex> index = known->index;
-  KnownIndices().Give(std::move(*known));
+  const auto same = [&](const KnownIndex& known) { return known.identity == identity; };
+  if (const auto known = KnownIndices().Copy(same)) return known->index;
+  const std::string text = ReadRealFile(file, kMostIndexBytes);
+  auto index = std::make_shared<const PackedIndex>(Parser(folder).Parse(text));
+  if (const auto known = KnownIndices().Copy(same)) return known->index;  // of another thread
+  KnownIndices().Give(KnownIndex{std::move(identity), index});
   return index;
 }
 

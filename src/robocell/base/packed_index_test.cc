@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <filesystem>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
@@ -42,6 +45,27 @@ TEST_F(PackedIndexTest, AWrittenIndexIsReadAnew) {
   EXPECT_NE(PackedIndexOf(folder_.path()), index);
   std::filesystem::remove(folder_ / "packed.json");
   EXPECT_FALSE(PackedIndexOf(folder_.path()));
+}
+
+TEST_F(PackedIndexTest, ThreadsShareAnIndex) {
+  const auto index = PackedIndexOf(folder_.path());
+  std::atomic<int> others = 0;
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < 4; ++i) {
+    threads.emplace_back([&] {
+      for (int j = 0; j < 500; ++j) others += PackedIndexOf(folder_.path()) != index;
+    });
+  }
+  threads.clear();
+  EXPECT_EQ(others, 0);
+}
+
+TEST_F(PackedIndexTest, FilesAreListedInAnyOrder) {
+  pack_.Write(R"([{"file": "s.zip", "bytes": 9, "rest_sha256": "", "files": {)"
+              R"("e/z": {"offset": 2, "bytes": 2, "sha256": ""}, )"
+              R"("e/episode.json": {"offset": 6, "bytes": 3, "sha256": ""}}}])");
+  EXPECT_THAT(PackedIndexOf(folder_.path())->shards.at(0).parts,
+              ElementsAre("e/z", "e/episode.json"));
 }
 
 TEST_F(PackedIndexTest, DamageNamesTheIndex) {

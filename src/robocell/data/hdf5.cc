@@ -327,7 +327,10 @@ File File::OpenBytes(std::string bytes, const std::filesystem::path& path) {
   constexpr size_t kIncrement = 1 << 16;  // for files that grow; this one does not
   const bool ready = H5Pset_fapl_core(access.get(), kIncrement, false) >= 0 &&
                      H5Pset_file_image(access.get(), bytes.data(), bytes.size()) >= 0;
-  File file(ready ? Own(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose) : Id(),
+  // The library refuses the name of a file that exists, and takes equal names for the same bytes.
+  static uint64_t count = 0;
+  const std::string name = fmt::format("{}.{}.bytes", path.string(), ++count);
+  File file(ready ? Own(H5Fopen(name.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose) : Id(),
             path.string());
   if (Bad(file.id_)) file.Fail("open it");
   return file;

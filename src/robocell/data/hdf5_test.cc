@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <numeric>
+#include <string>
 
 #include "robocell/base/error.h"
 #include "robocell/base/files.h"
@@ -62,6 +63,19 @@ TEST(Hdf5, TheSameCallsGiveTheSameBytes) {
   WriteRows(folder / "a.h5");
   WriteRows(folder / "b.h5");
   EXPECT_EQ(ReadFile(folder / "a.h5"), ReadFile(folder / "b.h5"));
+}
+
+TEST(Hdf5, BytesAreOpenedWhateverHasTheirName) {
+  TempDir folder;
+  WriteRows(folder / "f.h5");
+  const std::string bytes = ReadFile(folder / "f.h5");
+  std::string other = bytes;
+  other.replace(other.find("elbow"), 5, "wrist");
+  const hdf5::File one = hdf5::File::OpenBytes(bytes, folder / "f.h5");
+  const hdf5::File two = hdf5::File::OpenBytes(other, folder / "f.h5");
+  EXPECT_EQ(one.Open("a/b/rows").Texts("names").at(1), "elbow");
+  EXPECT_EQ(two.Open("a/b/rows").Texts("names").at(1), "wrist");
+  ExpectThrow<IoError>([&] { hdf5::File::OpenBytes("no HDF5", folder / "f.h5"); }, "f.h5'");
 }
 
 TEST(Hdf5, ErrorsNameTheFile) {

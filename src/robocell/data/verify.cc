@@ -37,6 +37,11 @@ std::string CountOfEpisodes(size_t count) {
   return fmt::format("{} episode{}", count, count == 1 ? "" : "s");
 }
 
+// Returns how advice to write into the dataset begins: nothing is written into a packed one.
+std::string_view UnpackFirst(const fs::path& dataset) {
+  return internal::IsPacked(dataset) ? "After `robocell unpack`, " : "";
+}
+
 // Adds a problem of the dataset itself; damaged parts can be set aside.
 void AddPart(const std::string& name, const std::string& reason, ProblemKind kind,
              VerifyResult& result) {
@@ -105,9 +110,9 @@ void VerifyModelsOf(const fs::path& folder, const std::map<std::string, std::str
         {episode.id(), "",
          fmt::format("it was made with another '{}' ({}) than the one that dataset.json lists: the "
                      "file was changed while the run went on, or the episode was copied from "
-                     "another dataset. `robocell verify --repair` sets it aside, `robocell "
+                     "another dataset. {}`robocell verify --repair` sets it aside, `robocell "
                      "generate` makes it again",
-                     it->second, it->first)});
+                     it->second, it->first, UnpackFirst(folder.parent_path()))});
     return;
   }
 }
@@ -176,8 +181,9 @@ void VerifyLostEpisodes(const fs::path& dataset, VerifyResult& result) {
   for (const std::string& id : lost)
     result.problems.push_back(
         {id, "",
-         "a report says that it was made, and it is gone. `robocell generate` "
-         "with the run's file makes it again"});
+         fmt::format("a report says that it was made, and it is gone. {}`robocell generate` with "
+                     "the run's file makes it again",
+                     UnpackFirst(dataset))});
 }
 
 bool IsOfPack(const std::string& name, const internal::PackedIndex& packed) {
@@ -213,9 +219,9 @@ void VerifyMissingModels(const fs::path& dataset, VerifyResult& result) {
   for (const auto& [folder, episodes] : missing) {
     result.problems.push_back(
         {"", folder,
-         fmt::format("it is missing; {} can be read, not replayed. `robocell generate` "
+         fmt::format("it is missing; {} can be read, not replayed. {}`robocell generate` "
                      "with the run's file stores it again",
-                     CountOfEpisodes(episodes))});
+                     CountOfEpisodes(episodes), UnpackFirst(dataset))});
   }
 }
 
@@ -267,7 +273,7 @@ VerifyResult Verify(const fs::path& dataset, const VerifyOptions& options) {
         name == kModelsFolder || IsReportFile(name)) {
       continue;
     }
-    if (internal::IsEpisodeFolder(dataset / name)) {
+    if (!packed && internal::IsEpisodeFolder(dataset / name)) {
       episodes.push_back(name);
     } else {
       result.others.push_back(name);
