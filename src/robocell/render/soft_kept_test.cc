@@ -63,6 +63,10 @@ constexpr char kCloth[] = R"(
     <flexcomp name="cloth" type="grid" count="4 4 1" spacing=".1 .1 .1" pos="-.4 .3 .5" dim="2"
               radius=".005" rgba=".8 .3 .8 1"/>)";
 
+// A lamp close to the floor lights nearly half of all directions.
+constexpr char kWideLamp[] = R"(
+    <light name="wide" type="spot" pos="-.3 .2 .6" dir=".1 .1 -1" cutoff="85" diffuse=".6 .6 .6"/>)";
+
 struct Images {
   std::vector<uint8_t> rgb = std::vector<uint8_t>(size_t{3} * kWidth * kHeight);
   std::vector<float> depth = std::vector<float>(size_t{kWidth} * kHeight);
@@ -202,6 +206,15 @@ TEST(SoftSums, CountTheFlagsOfRectangles) {
 TEST(SoftKept, HasTheBytesOfWholePictures) {
   for (uint64_t seed = 1; seed < (LongForm() ? 6 : 2); seed += 2) {
     ExpectSameBytesInAllQualities(LongForm() ? 400 : 12, seed);
+  }
+}
+
+// Where a pixel of a map is large, a point reads the map far from its own place.
+TEST(SoftKept, HasThemWithMapsOfFewPixels) {
+  for (const int size : {24, 48, 96}) {
+    SCOPED_TRACE(size);
+    ExpectSameBytes({.shadows = true, .multisamples = 4, .shadow_size = size}, kWideLamp, 1,
+                    LongForm() ? 400 : 8, 5);
   }
 }
 
