@@ -163,13 +163,12 @@ HWY_INLINE V LitAt(const SoftShadow& shadow, M inside, V u, V v, V nearness) {
 
 // Offset of points from a surface, in pixels of the map: surfaces are rounded to these, the
 // more so where light grazes. `facing` is the cosine between normal and light.
-constexpr float kLeastLift = 0.7f, kMostLift = 2.5f;
 HWY_INLINE V LiftPixels(V facing) {
   // About the sine.
   const V facing2 = hn::Mul(facing, facing), one = Num(1);
   const V slant =
       hn::Sub(one, hn::Mul(hn::Mul(Num(0.5f), facing2), hn::Add(one, hn::Mul(facing2, facing2))));
-  return hn::Add(Num(kLeastLift), hn::Mul(Num(kMostLift - kLeastLift), slant));
+  return hn::Add(Num(0.7f), hn::Mul(Num(1.8f), slant));
 }
 // The change of nearness to the right and down a map, on a plane under light from far away.
 struct PlaneInMap {
@@ -200,13 +199,14 @@ struct PlaneInMap {
 // block; the others keep theirs.
 inline void FindReachHere(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
                           const uint8_t* wanted, const SoftShadow& shadow, SoftReach* reach) {
-  // Points read up to three pixels beside theirs, and limits cover a block more.
-  constexpr float kBeside = 4.5f, kTilePixels = kSoftTile * kSoftBlock;
+  // Points are lifted by up to 2.5 pixels, and limits cover five beside theirs. Lamps that light up to
+  // 80 degrees to the side lift points by up to 2.5 (1 + tan 80) = 17 pixels; they read three beside
+  // theirs and no limits of larger tiles.
+  constexpr float kBeside = 7, kTilePixels = kSoftTile * kSoftBlock;
+  static_assert(kTilePixels + kBeside >= 17 + 3);
   const SoftView& view = shadow.view;
-  // The lift as a share of the distance to a light with a position: it may change that distance too,
-  // and on maps of few pixels it may lead anywhere.
-  const float share = view.orthographic ? 0 : kMostLift * view.per_fx;
-  const bool is_coarse = share > 0.5f;
+  // A lift may bring points before the near plane: from here on, on maps of 6 pixels and more.
+  const float nearest = 0.15f * view.near;
   const float* m = shadow.to_map;
   const auto side = static_cast<float>(view.width);
   const int limit[2] = {shadow.map->tile_columns, shadow.map->tile_rows};
@@ -228,8 +228,8 @@ inline void FindReachHere(const SoftPicture& picture, const SoftBuffer& buffer, 
         V at[2] = {row(0), row(1)};
         if (!view.orthographic) {
           const V depth = row(2);
-          read = hn::And(read, hn::Gt(depth, Num(0.5f * view.near)));
-          const V nearness = hn::Div(Num(1), hn::Max(depth, Num(0.5f * view.near)));
+          read = hn::And(read, hn::Gt(depth, Num(nearest)));
+          const V nearness = hn::Div(Num(1), hn::Max(depth, Num(nearest)));
           at[0] = hn::Add(hn::Mul(at[0], nearness), Num(view.cx - 0.5f));
           at[1] = hn::Add(hn::Mul(at[1], nearness), Num(view.cy - 0.5f));
         }
@@ -240,10 +240,6 @@ inline void FindReachHere(const SoftPicture& picture, const SoftBuffer& buffer, 
       }
       SoftReach& to = reach[block];
       to = {};
-      if (is_coarse) {
-        for (int c = 0; c < 2; ++c) to.end[c] = static_cast<int16_t>(limit[c]);
-        continue;
-      }
       float from[2], until[2];
       for (int c = 0; c < 2; ++c) {
         from[c] = hn::GetLane(hn::MinOfLanes(kFloats, low[c]));
@@ -252,12 +248,7 @@ inline void FindReachHere(const SoftPicture& picture, const SoftBuffer& buffer, 
       if (from[0] > until[0]) continue;
       // Limits of larger tiles decide for blocks that are large on the map.
       const float extent = std::max(until[0] - from[0], until[1] - from[1]);
-      float lift = kMostLift;
-      for (int c = 0; c < 2 && !view.orthographic; ++c) {
-        const float aside = std::max(std::abs(from[c] - view.cx), std::abs(until[c] - view.cx));
-        lift = std::max(lift, kMostLift / (1 - share) * (1 + aside * view.per_fx));
-      }
-      const float around = std::max(kTilePixels, 2 * extent) + lift + kBeside;
+      const float around = std::max(kTilePixels, 2 * extent) + kBeside;
       for (int c = 0; c < 2; ++c) {
         to.begin[c] =
             static_cast<int16_t>(std::clamp(from[c] - around, 0.0f, side) * (1 / kTilePixels));
