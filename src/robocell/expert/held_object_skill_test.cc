@@ -11,7 +11,6 @@
 
 #include "robocell/base/rng.h"
 #include "robocell/expert/testing/skill_rollout.h"
-#include "robocell/kinematics/joint_vector.h"
 #include "robocell/math/pose.h"
 #include "robocell/robot/action.h"
 #include "robocell/robot/robot.h"
