@@ -20,6 +20,7 @@
 #include "robocell/task/held_task_config.h"
 #include "robocell/task/relation_task.h"
 #include "robocell/task/start_sampler.h"
+#include "robocell/task/task_sampler.h"
 #include "robocell/testing/pick_scene.h"
 
 namespace robocell::internal {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <memory>
 
 #include "robocell/base/error.h"
 #include "robocell/task/pick_task.h"
