@@ -216,8 +216,11 @@ def _read_rows(file: Path | None) -> dict[str, Row]:
 
 
 def _write_rows(file: Path | None, rows: dict[str, Row]) -> None:
-    if file:
-        file.write_text(json.dumps([asdict(row) for row in rows.values()], indent=1))
+    if not file:
+        return
+    written = file.with_name(file.name + ".part")  # a run that is stopped here leaves the old rows
+    written.write_text(json.dumps([asdict(row) for row in rows.values()], indent=1))
+    written.replace(file)
 
 
 def main() -> None:

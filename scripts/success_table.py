@@ -90,7 +90,8 @@ class Cell:
         why = ", ".join(f"{count} {reason}" for reason, count in self.failures.most_common())
         rate = f"{self.successes}/{self.starts}"
         span = f"{100 * low:.0f}–{100 * high:.0f} %"
-        hourly = f"{round(3600 / self.seconds, -2):.0f}" if self.seconds else ""
+        digits = -2 if self.seconds < 3.6 else 0  # hundreds from a thousand on
+        hourly = f"{round(3600 / self.seconds, digits):.0f}" if self.seconds else ""
         return f"| `{kind}` | {robot} | {rate} | {span} | {hourly} | {why} |"
 
 

@@ -66,6 +66,8 @@ def test_a_row_has_failures_by_reason_or_why_it_does_not_apply():
     )
     cell = success_table.Cell(20, successes=20, seconds=0.25)
     assert cell.row("open", "rc7") == "| `open` | rc7 | 20/20 | 84–100 % | 14400 |  |"
+    cell = success_table.Cell(20, successes=20, seconds=90)
+    assert cell.row("pour", "rc7") == "| `pour` | rc7 | 20/20 | 84–100 % | 40 |  |"
     cell = success_table.Cell(20, why_not="it has no gripper")
     assert cell.row("open", "arm") == "| `open` | arm | – | | | it has no gripper |"
 

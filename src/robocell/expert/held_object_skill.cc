@@ -248,8 +248,8 @@ void HeldObjectSkill::Advance(const Scene& scene, Rng& rng) {
           setback_.empty() ? Guide(scene) : std::optional<Guidance>();
       if (next) return Follow(*next);
       if (!returns() || !setback_.empty()) return Enter(Phase::kRelease);
-      // Back on the path from where it is, then down to where it was.
-      back_ = BackAlong(path_, last_ ? last_->at : std::nullopt);
+      // Back on the path from where it is, its start without a guidance, then down to where it was.
+      back_ = BackAlong(path_, last_ ? last_->at : std::optional<double>(0));
       AppendStraight(back_, Pose(Eigen::Vector3d(0, 0, kDropFrom)) * at_rest_);
       walk_.emplace(back_, kReturnSpeed, kReturnTurn);
       return Enter(Phase::kReturn);

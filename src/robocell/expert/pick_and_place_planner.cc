@@ -62,6 +62,7 @@ PickAndPlacePlanner::PickAndPlacePlanner(std::string robot, std::string target_o
       // the object and not the goal.
       pick_(robot_name_, target_object_, std::move(sim),
             With(options, [this](PlanningScene& planning, const GraspMotion& motion) {
+              if (options_.usable && !options_.usable(planning, motion)) return false;
               const Pose in_tcp = motion.grasp.tcp_in_world.inverse() * ObjectInWorld();
               PlaceMotions places(planning, in_tcp, GoalsFor(at_rest_), motion.up.back(),
                                   {.above = options_.above, .gap = motion.grasp.width});

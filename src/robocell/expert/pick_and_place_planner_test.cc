@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <memory>
 
 #include "robocell/base/error.h"
 #include "robocell/task/pick_task.h"
@@ -144,6 +145,21 @@ TEST(PickAndPlacePlanner, GraspsNothingThatItCannotPutDown) {
   const PlaceOutcome outcome = RollOutPlace(run, start);
   EXPECT_EQ(outcome.rows, 0);
   EXPECT_EQ(outcome.failure, "no grasp from which the goal can be reached");
+}
+
+// Beside its own condition for grasps it keeps the caller's.
+TEST(PickAndPlacePlanner, GraspsNothingThatItsCallerRejects) {
+  const RunConfig run = RunOf("box");
+  EpisodeStart start = StartWith(run, 3);
+  start.task->Begin(start.scene);
+  PickPlannerOptions options;
+  options.usable = [](PlanningScene&, const GraspMotion&) { return false; };
+  PickAndPlacePlanner planner(RobotsOf(start.scene).front().name(), start.target_object,
+                              std::dynamic_pointer_cast<const PickAndPlaceTask>(start.task),
+                              run.options, options);
+  Rng rng = Rng::Stream(1, "planner");
+  planner.Begin(start.scene, rng);
+  EXPECT_EQ(planner.failure(), "no grasp from which the goal can be reached");
 }
 
 TEST(PickAndPlacePlanner, RequiresATaskOfItsKind) {

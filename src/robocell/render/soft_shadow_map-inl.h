@@ -199,9 +199,14 @@ struct PlaneInMap {
 // block; the others keep theirs.
 inline void FindReachHere(const SoftPicture& picture, const SoftBuffer& buffer, SoftRows rows,
                           const uint8_t* wanted, const SoftShadow& shadow, SoftReach* reach) {
-  // Points are lifted by up to 2.5 pixels and read up to three beside theirs.
+  // Points are lifted by up to 2.5 pixels, and limits cover five beside theirs. Lamps that light up to
+  // 80 degrees to the side lift points by up to 2.5 (1 + tan 80) = 17 pixels; they read three beside
+  // theirs and no limits of larger tiles.
   constexpr float kBeside = 7, kTilePixels = kSoftTile * kSoftBlock;
+  static_assert(kTilePixels + kBeside >= 17 + 3);
   const SoftView& view = shadow.view;
+  // A lift may bring points before the near plane: from here on, on maps of 6 pixels and more.
+  const float nearest = 0.15f * view.near;
   const float* m = shadow.to_map;
   const auto side = static_cast<float>(view.width);
   const int limit[2] = {shadow.map->tile_columns, shadow.map->tile_rows};
@@ -223,8 +228,8 @@ inline void FindReachHere(const SoftPicture& picture, const SoftBuffer& buffer, 
         V at[2] = {row(0), row(1)};
         if (!view.orthographic) {
           const V depth = row(2);
-          read = hn::And(read, hn::Gt(depth, Num(0.5f * view.near)));
-          const V nearness = hn::Div(Num(1), hn::Max(depth, Num(0.5f * view.near)));
+          read = hn::And(read, hn::Gt(depth, Num(nearest)));
+          const V nearness = hn::Div(Num(1), hn::Max(depth, Num(nearest)));
           at[0] = hn::Add(hn::Mul(at[0], nearness), Num(view.cx - 0.5f));
           at[1] = hn::Add(hn::Mul(at[1], nearness), Num(view.cy - 0.5f));
         }

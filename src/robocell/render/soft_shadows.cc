@@ -286,14 +286,13 @@ SoftInstance SoftShadows::InLight(const Caster& caster, const Map& map) {
 void SoftShadows::Draw(SoftThreads* threads) {
   for (int i = 0; i < used_; ++i) {
     Map& map = maps_[static_cast<size_t>(i)];
-    float to_light[12];
-    Store(map.to_light, to_light);
+    // Single precision would miss motions that a new map shows.
     const bool is_same_light = map.drawn && Same(map.shadow.view, map.drawn_view) &&
-                               std::equal(to_light, to_light + 12, map.drawn_to_light);
+                               map.to_light.matrix() == map.drawn_to_light.matrix();
     if (is_same_light && casters_ == map.drawn_casters) continue;
     DrawMap(threads, is_same_light, &map);
     map.drawn = true;
-    std::copy_n(to_light, 12, map.drawn_to_light);
+    map.drawn_to_light = map.to_light;
     map.drawn_view = map.shadow.view;
     map.drawn_casters = casters_;
   }

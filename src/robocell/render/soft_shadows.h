@@ -59,7 +59,7 @@ class SoftShadows {
     Eigen::Affine3d to_light;
     // The values of the last drawing.
     bool drawn = false;
-    float drawn_to_light[12];
+    Eigen::Affine3d drawn_to_light;
     SoftView drawn_view;
     std::vector<Caster> drawn_casters;
     std::vector<SoftInstance> instances;  // the casters as the light sees them

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <vector>
 
@@ -103,6 +104,20 @@ TEST_F(SoftShadowsTest, AMovedCasterIsDrawnAgainAndLeavesNothingBehind) {
   EXPECT_LT(PixelsNearerThanNothing(), before);
   Draw(nullptr, kHere);
   EXPECT_EQ(PixelsNearerThanNothing(), 0);
+}
+
+// A light may move by less than the single precision of its transform shows: maps are those of a new
+// renderer all the same.
+TEST_F(SoftShadowsTest, ALightThatMovesTheLeastBitIsDrawnAgain) {
+  mjvLight& light = list_.lights[0];
+  light.pos[0] = 0.001F;
+  light.dir[0] = light.dir[1] = 0.5F;
+  Draw(&shapes_.box, kHere);
+  Draw(&shapes_.box, kHere);
+  EXPECT_EQ(map().drawings, 1U);
+  light.pos[0] = std::nextafter(light.pos[0], 1.0F);
+  Draw(&shapes_.box, kHere);
+  EXPECT_EQ(map().drawings, 2U);
 }
 
 // Maps that were drawn in parts are those that are drawn at once, bit by bit.
