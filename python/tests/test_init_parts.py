@@ -270,8 +270,8 @@ class TestMountedParts:
     def test_a_welded_tool_keeps_its_own_defaults(self, tmp_path: Path):
         text = self.changer().replace(
             "<worldbody>",
-            "<default><default class='heavy'><joint frictionloss='.7'/><geom contype='2'/></default>"
-            "</default><worldbody>",
+            "<default><default class='heavy'>"
+            "<joint frictionloss='.7'/><geom contype='2'/></default></default><worldbody>",
             1,
         )
         text = text.replace("<body name='base'", "<body name='base' childclass='heavy'", 1)

@@ -238,10 +238,6 @@ def test_two_picks_are_generated_and_intact(grasping_file: Path, tmp_path: Path)
         f"output: {tmp_path / 'unused'}\n"
     )
     dataset = tmp_path / "dataset"
-    if base.kind == rc.robots.BaseKind.PLANAR:
-        refusal = robocell_command("generate", run_file, "--output", dataset)
-        assert "a planar base moves in its plane only" in refusal.stderr
-        return
     totals = generate(run_file, dataset, "--workers", 1)[-1]["totals"]
     assert totals["made"] == EPISODES
     result = rc.data.verify(dataset)

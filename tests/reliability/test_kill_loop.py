@@ -32,7 +32,7 @@ OUTSIDE = ["worker", "supervisor", "both"]
 # for test_failing_disk.py.
 POINTS = {
     "inside a write": ("pwrite */steps.h5", "kill_before"),
-    "with all files closed": ("write */.episode.json.*", "kill_before"),
+    "with all files closed": ("write */episode.json", "kill_before"),
     "before the rename": ("rename */out/s0*", "kill_before"),
     "between rename and sync": ("rename */out/s0*", "kill_after"),
     "with the writers' lock": ("mkdir */out/.s0*", "kill_after"),
