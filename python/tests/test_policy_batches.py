@@ -184,6 +184,7 @@ def test_clients_of_openpi_know_nothing_of_batches():
 
 
 def test_one_worker_and_other_servers_need_no_relay():
+    before = set(threading.enumerate())
     with batching(Doubles()) as server:
         with relaying(server.url, {"batch": 64}, 1, 5.0):
             assert not relay_of(server.url)
@@ -191,4 +192,7 @@ def test_one_worker_and_other_servers_need_no_relay():
             assert not relay_of(server.url)
         with relaying("zmq://127.0.0.1:1", {"batch": 64}, 4, 5.0):
             assert not relay_of("zmq://127.0.0.1:1")
-    assert threading.active_count() < 20
+    started = set(threading.enumerate()) - before
+    for thread in started:
+        thread.join(timeout=10)
+    assert not [thread.name for thread in started if thread.is_alive()]
