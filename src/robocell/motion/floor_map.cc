@@ -56,7 +56,7 @@ void NearestInLine(std::vector<double>& line, std::vector<int>& at, std::vector<
   if (k < 0) return;
   int part = 0;
   for (int q = 0; q < n; ++q) {
-    while (part < k && from[static_cast<size_t>(part + 1)] < q) ++part;
+    while (part < k && from[static_cast<size_t>(part) + 1] < q) ++part;
     const int v = at[static_cast<size_t>(part)];
     out[static_cast<size_t>(q)] = (q - v) * (q - v) + line[static_cast<size_t>(v)];
   }
