@@ -411,7 +411,7 @@ def test_an_episode_of_a_cell_that_diverges_is_dropped_and_says_so(tmp_path: Pat
 
 
 class Breaks(hardware.ArmPort):
-    """An arm that is where it was told to be, and breaks after some reads."""
+    """An arm that stands where it was commanded, and breaks after some reads."""
 
     def __init__(self, kind: str) -> None:
         super().__init__()

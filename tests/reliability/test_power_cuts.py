@@ -272,7 +272,7 @@ class Struck:
 
     def _compare(self, found: dict[str, bytes], what: str) -> None:
         names = {*found, *self.whole}
-        # What the device said of an episode whose keeping nobody was told yet may be lost.
+        # The device's session of an episode that no message has acknowledged may be lost.
         names = {name for name in names if "/device_sessions/" not in name}
         wrong = [name for name in sorted(names) if found.get(name) != self.whole.get(name)]
         assert not wrong, f"{what}: differs from an undisturbed one: {wrong}"

@@ -27,20 +27,6 @@ constexpr double kMostHalf = 25;        // half size of the examined floor, metr
 constexpr double kRounding = 1e-9;      // metres
 constexpr int kMostAreas = 12;          // areas of one floor
 
-// Returns the corners of the box around a geom, in the world.
-std::vector<Eigen::Vector3d> CornersOf(const mjModel* m, const mjData* d, int g) {
-  const Pose at = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
-  const mjtNum* box = m->geom_aabb + 6 * g;
-  std::vector<Eigen::Vector3d> corners;
-  for (int corner = 0; corner < 8; ++corner) {
-    Eigen::Vector3d point(box[0], box[1], box[2]);
-    for (int axis = 0; axis < 3; ++axis)
-      point[axis] += (corner >> axis & 1 ? 1 : -1) * box[3 + axis];
-    corners.push_back(at * point);
-  }
-  return corners;
-}
-
 // Returns the corners of a free area with its headroom.
 std::vector<Eigen::Vector3d> CornersOf(const FloorArea& area) {
   std::vector<Eigen::Vector3d> corners;
@@ -213,6 +199,19 @@ void Bound(Floor& floor, const std::vector<std::vector<Eigen::Vector3d>>& boxes,
 
 }  // namespace
 
+std::vector<Eigen::Vector3d> BoxCornersOf(const mjModel* m, const mjData* d, int g) {
+  const Pose at = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
+  const mjtNum* box = m->geom_aabb + 6 * g;
+  std::vector<Eigen::Vector3d> corners;
+  for (int corner = 0; corner < 8; ++corner) {
+    Eigen::Vector3d point(box[0], box[1], box[2]);
+    for (int axis = 0; axis < 3; ++axis)
+      point[axis] += (corner >> axis & 1 ? 1 : -1) * box[3 + axis];
+    corners.push_back(at * point);
+  }
+  return corners;
+}
+
 std::vector<bool> MovedBodies(const Scene& scene, std::span<const std::string> more) {
   const mjModel* m = scene.model();
   std::vector<bool> moved(static_cast<size_t>(m->nbody), false);
@@ -247,7 +246,7 @@ std::vector<FloorArea> FindFreeFloor(const Scene& scene, const std::vector<bool>
     for (int g = 0; g < m->ngeom; ++g) {
       const bool is_thing = m->geom_type[g] != mjGEOM_PLANE && IsCollisionGeom(m, g) &&
                             !ignored[static_cast<size_t>(m->geom_bodyid[g])];
-      if (is_thing && g != floor.geom) boxes.push_back(CornersOf(m, d, g));
+      if (is_thing && g != floor.geom) boxes.push_back(BoxCornersOf(m, d, g));
     }
     Bound(floor, boxes, points);
     Grid grid(floor);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 #include <Eigen/Core>
+#include <mujoco/mujoco.h>
 
 #include "robocell/scene/scene.h"
 #include "robocell/scenes/scene_annotations.h"
@@ -21,6 +22,9 @@ namespace robocell::internal {
 // date.
 std::vector<FloorArea> FindFreeFloor(const Scene& scene, const std::vector<bool>& ignored,
                                      std::span<const Eigen::Vector3d> points = {});
+
+// Returns the corners of the box around a geom, in the world.
+std::vector<Eigen::Vector3d> BoxCornersOf(const mjModel* m, const mjData* d, int g);
 
 // Returns, by number, the bodies that are no surroundings: robots, parked objects, and the trees
 // below the bodies `more`.

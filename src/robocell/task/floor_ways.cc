@@ -10,27 +10,15 @@
 #include "robocell/base/units.h"
 #include "robocell/motion/geom_extent.h"
 #include "robocell/robot/planar_motion.h"
+#include "robocell/scenes/free_floor.h"
 #include "robocell/scenes/free_rectangles.h"
 
 namespace robocell::internal {
 namespace {
 
-constexpr double kLowestObstacle = 0.02;  // metres above the plane; lower things are driven over
+constexpr double kLowestObstacle = 0.02;  // metres; the base drives over lower geoms
 constexpr double kFloorMargin = 1;        // metres of floor around everything
 constexpr double kMostFloorHalf = 25;     // of the floor, metres
-
-std::vector<Eigen::Vector3d> BoxCornersOf(const mjModel* m, const mjData* d, int g) {
-  const Pose at = Pose::FromTranslationAndMatrix(d->geom_xpos + 3 * g, d->geom_xmat + 9 * g);
-  const mjtNum* box = m->geom_aabb + 6 * g;
-  std::vector<Eigen::Vector3d> corners;
-  for (int corner = 0; corner < 8; ++corner) {
-    Eigen::Vector3d point(box[0], box[1], box[2]);
-    for (int axis = 0; axis < 3; ++axis)
-      point[axis] += (corner >> axis & 1 ? 1 : -1) * box[3 + axis];
-    corners.push_back(at * point);
-  }
-  return corners;
-}
 
 const PlanarMotion& MotionOf(const Robot& robot) {
   if (const PlanarMotion* motion = PlanarMotion::Of(robot.base())) return *motion;
